@@ -1,0 +1,1 @@
+"""Case files that come with bodycheck; see `bodycheck cases`."""

@@ -1,0 +1,77 @@
+"""SciPy's DOP853 driven near machine precision, landing on every requested instant instead of interpolating to it."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from scipy.integrate import DOP853
+
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.trajectory import Array
+
+Derivative = Callable[[float, Array], Array]
+
+RELATIVE_TOLERANCE = 2.3e-14
+"""The tightest that DOP853 accepts: 100 rounding units."""
+
+ABSOLUTE_TOLERANCE = 1e-15
+"""Relative to the scale of each component, so that components passing through zero do not stop the integration."""
+
+MOST_STEPS = 1_000_000
+"""Steps after which an integration is given up: about 1.5e5 turns, some minutes."""
+
+
+class OutOfReach(Exception):
+    """The reference cannot follow this motion; the text says why."""
+
+
+def solve(
+    derivative: Derivative,
+    start: Array,
+    times: Array,
+    scale: Array,
+    after_step: Callable[[Array], tuple[Derivative, Array] | None] = lambda y: None,
+    at_sample: Callable[[], None] = lambda: None,
+) -> Array:
+    """Solutions (n, k) of y' = derivative(t, y), y(0) = start, at ascending times (n,) >= 0.
+
+    scale: typical sizes (k,) of the components. after_step may answer a step's result with a new equation and the same
+    state in its coordinates; at_sample is called as each row is taken.
+
+    Dense output is one order lower than the steps themselves, so each instant is the end of a step.
+    """
+    rows = np.empty((len(times), len(start)))
+    time, state, stride, taken = 0.0, start, None, 0
+    end = float(times[-1]) if len(times) else 0.0
+
+    def begin() -> DOP853:
+        return DOP853(
+            derivative, time, state, end, rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE * scale, first_step=stride
+        )
+
+    solver = begin() if end > 0 else None
+    for row, target in zip(rows, times.tolist(), strict=True):
+        while solver is not None and time < target:
+            solver.t_bound, solver.status = target, "running"
+            message = solver.step()
+            taken += 1
+            if solver.status == "failed" or not np.isfinite(solver.y).all():
+                raise OutOfReach(f"the integration cannot go on at t = {time:.6g} s: {message}")
+            if taken > MOST_STEPS:
+                raise OutOfReach(f"more than {MOST_STEPS} integration steps before t = {end:.6g} s")
+            time, state = float(solver.t), solver.y
+            if (changed := after_step(state)) is not None:
+                derivative, state = changed
+                stride = min(solver.h_abs, end - time) if time < end else None
+                solver = begin() if time < end else None
+        row[:] = state
+        at_sample()
+    return rows
+
+
+def scales(scene: Scene, times: Array) -> tuple[float, float, float, float]:
+    """Typical sizes of position (m), angle (rad), velocity (m/s) and angular velocity (rad/s) in a free flight; none is 0."""
+    reach = float(times[-1]) if len(times) else 0.0
+    speed = math.hypot(*scene.initial.velocity) + scene.gravity * reach
+    length = math.hypot(*scene.initial.position) + speed * reach
+    return length or 1.0, 1.0, speed or 1.0, math.hypot(*scene.initial.angular_velocity) or 1.0

@@ -1,0 +1,100 @@
+"""Attitude and angular velocity: unit quaternions (w, x, y, z, body to world) and z-x-z Euler angles [G 2.10-2.21].
+
+Euler angles phi (about k), theta (about the line of nodes), psi (about K), as in Gans and Goldstein. Every function is
+vectorised over leading axes and keeps the floating type of its input, so that wide types stay wide.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.floating[Any]]
+
+
+def multiply(p: Floats, q: Floats) -> Floats:
+    """Hamilton product p q of quaternions (..., 4): the rotation q followed, in the world frame, by p."""
+    pw, px, py, pz = np.moveaxis(p, -1, 0)
+    qw, qx, qy, qz = np.moveaxis(q, -1, 0)
+    return np.stack(
+        [
+            pw * qw - px * qx - py * qy - pz * qz,
+            pw * qx + px * qw + py * qz - pz * qy,
+            pw * qy - px * qz + py * qw + pz * qx,
+            pw * qz + px * qy - py * qx + pz * qw,
+        ],
+        axis=-1,
+    )
+
+
+def conjugate(q: Floats) -> Floats:
+    """Inverse rotation of unit quaternions (..., 4)."""
+    return q * np.array([1, -1, -1, -1], dtype=q.dtype)
+
+
+def normalise(q: Floats) -> Floats:
+    """Quaternions (..., 4) scaled to unit length."""
+    return q / np.sqrt((q * q).sum(axis=-1, keepdims=True))
+
+
+def rotate(q: Floats, v: Floats) -> Floats:
+    """World components (..., 3) of vectors v (..., 3) given in the body frame, for unit quaternions q (..., 4)."""
+    w, u = q[..., :1], q[..., 1:]
+    t = 2 * np.cross(u, v)
+    return v + w * t + np.cross(u, t)
+
+
+def geodesic_angle(p: Floats, q: Floats) -> Floats:
+    """Angle (..., rad, in [0, pi]) of the single rotation between attitudes p and q (..., 4); p and -p are one attitude.
+
+    By atan2 of the relative quaternion: accurate near 0 and near pi, where the arccos of [G 2.26] loses half the digits.
+    """
+    relative = multiply(conjugate(p), q)
+    vector = relative[..., 1:]
+    return 2 * np.arctan2(np.sqrt((vector * vector).sum(axis=-1)), np.abs(relative[..., 0]))
+
+
+def quaternion_from_euler(phi: Floats, theta: Floats, psi: Floats) -> Floats:
+    """Unit quaternions (..., 4) of z-x-z angles (rad): the rotation A1 of [G 2.14]."""
+    half_sum, half_difference, half_theta = (phi + psi) / 2, (phi - psi) / 2, theta / 2
+    c, s = np.cos(half_theta), np.sin(half_theta)
+    return np.stack(
+        [c * np.cos(half_sum), s * np.cos(half_difference), s * np.sin(half_difference), c * np.sin(half_sum)], axis=-1
+    )
+
+
+def euler_from_quaternion(q: Floats) -> tuple[Floats, Floats, Floats]:
+    """z-x-z angles (phi, theta, psi), theta in [0, pi], of unit quaternions (..., 4).
+
+    Where theta = 0 only phi + psi is determined; there phi = 0 and psi turns, the book's convention [G p. 45].
+    """
+    w, x, y, z = np.moveaxis(q, -1, 0)
+    sin_half, cos_half = np.hypot(x, y), np.hypot(w, z)
+    half_sum = np.where(cos_half > 0, np.arctan2(z, w), 0)
+    half_difference = np.where(sin_half > 0, np.arctan2(y, x), -half_sum)
+    # At theta = pi it is phi - psi that is determined: the same convention puts the whole turn in psi.
+    half_sum = np.where(cos_half > 0, half_sum, -half_difference)
+    return half_sum + half_difference, 2 * np.arctan2(sin_half, cos_half), half_sum - half_difference
+
+
+def body_rates(theta: Floats, psi: Floats, dphi: Floats, dtheta: Floats, dpsi: Floats) -> Floats:
+    """Angular velocity (..., 3) in the body frame (rad/s) from Euler angles and their rates [G 2.21a]."""
+    s, c = np.sin(theta), np.cos(theta)
+    return np.stack(
+        [
+            dphi * s * np.sin(psi) + dtheta * np.cos(psi),
+            dphi * s * np.cos(psi) - dtheta * np.sin(psi),
+            dphi * c + dpsi,
+        ],
+        axis=-1,
+    )
+
+
+def euler_rates(theta: Floats, psi: Floats, angular_velocity: Floats) -> tuple[Floats, Floats, Floats]:
+    """Rates (dphi, dtheta, dpsi) from the body-frame angular velocity (..., 3): the inverse of [G 2.21a].
+
+    Singular where sin(theta) = 0; the caller keeps away from there by a change of chart.
+    """
+    x, y, z = np.moveaxis(angular_velocity, -1, 0)
+    dphi = (x * np.sin(psi) + y * np.cos(psi)) / np.sin(theta)
+    return dphi, x * np.cos(psi) - y * np.sin(psi), z - dphi * np.cos(theta)
