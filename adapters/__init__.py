@@ -1,0 +1,1 @@
+"""Physics engines, one file each, behind the contract of `bodycheck.adapters.contract`."""

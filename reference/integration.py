@@ -45,9 +45,7 @@ def solve(
     end = float(times[-1]) if len(times) else 0.0
 
     def begin() -> DOP853:
-        return DOP853(
-            derivative, time, state, end, rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE * scale, first_step=stride
-        )
+        return DOP853(derivative, time, state, end, rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE * scale, first_step=stride)
 
     solver = begin() if end > 0 else None
     for row, target in zip(rows, times.tolist(), strict=True):

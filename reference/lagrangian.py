@@ -65,9 +65,7 @@ def angular_accelerations(
     around = a * sp * sp + b * cp * cp
 
     m44, m45, m55 = a * cp * cp + b * sp * sp, difference * st * sc, st * st * around
-    r4 = (
-        difference * dpsi * (2 * sc * dtheta - st * c2 * dphi) - ct * st * (c - around) * dphi * dphi - c * st * dphi * dpsi
-    )
+    r4 = difference * dpsi * (2 * sc * dtheta - st * c2 * dphi) - ct * st * (c - around) * dphi * dphi - c * st * dphi * dpsi
     r5 = (
         -difference * (ct * sc * dtheta + st * c2 * dpsi) * dtheta
         - 2 * (st * ct * (around - c) * dtheta + st * st * difference * sc * dpsi) * dphi

@@ -22,16 +22,21 @@ class NotModelled(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """What mechanics says, and how far it can be trusted.
+    """What mechanics says of a scene, and how far it can be trusted.
 
     error: (n,) bound of the trajectory's own attitude error at each instant (rad), never decreasing.
     model: the equations. backend: what solved them.
     """
 
+    scene: Scene
     trajectory: Trajectory
     error: Array
     model: str
     backend: str
+
+    def at(self, times: Array) -> "Truth":
+        """The truth of the same scene at other ascending times (n,) >= 0 s."""
+        return self if np.array_equal(times, self.trajectory.t) else truth(self.scene, times)
 
 
 def missing_model(scene: Scene) -> str | None:
@@ -57,4 +62,4 @@ def truth(scene: Scene, times: Array) -> Truth:
     witness = quasi_coordinates.integrate(scene, times)
     disagreement = geodesic_angle(trajectory.quaternion, witness.quaternion)
     error = SAFETY * np.maximum.accumulate(disagreement) + ROUNDING
-    return Truth(trajectory, error, model="euler-lagrange", backend="scipy-dop853")
+    return Truth(scene, trajectory, error, model="euler-lagrange", backend="scipy-dop853")

@@ -1,0 +1,71 @@
+"""What an engine's adapter offers: a module (or any object) with the four functions of `Adapter`.
+
+An adapter converts at its border, nowhere else: scenes come in and states go out in the conventions of
+`bodycheck.reference.scene`, whatever the engine's own are. It knows its engine and this contract, nothing of cases,
+truth or reports.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.trajectory import Array
+
+Strides = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Method:
+    """How an engine steps: one of its integrators, by the engine's own name, and the time step (s)."""
+
+    integrator: str
+    timestep: float
+
+
+class SceneUnsupported(Exception):
+    """The engine cannot model something that the scene requires, or refuses the model; the text says what."""
+
+
+class EngineDiverged(Exception):
+    """The engine itself gave up or started over; the text says what it signalled, and when."""
+
+
+class Simulation(Protocol):
+    """An engine's model of a scene, standing at some instant. Building it is set-up; only `advance` is timed."""
+
+    def advance(self, strides: Strides) -> Array:
+        """Step on and return the states (n, 13) after each of n strides.
+
+        strides: (n,) numbers of steps >= 0 from each sample to the next, the first from where the simulation stands.
+        Columns: position (world, m), quaternion (w x y z, body to world), velocity (world, m/s), angular velocity
+        (body, rad/s). Raises `EngineDiverged`.
+        """
+        ...
+
+
+class Adapter(Protocol):
+    """One engine."""
+
+    def version(self) -> str:
+        """The engine's own version."""
+        ...
+
+    def integrators(self) -> tuple[str, ...]:
+        """The integrators that the installed version offers."""
+        ...
+
+    def unsupported(self, scene: Scene) -> str | None:
+        """What the scene requires and the engine cannot model, in words; None where it can."""
+        ...
+
+    def prepare(self, scene: Scene, method: Method) -> Simulation:
+        """The smallest model of the scene, at t = 0. Raises `SceneUnsupported`."""
+        ...
+
+
+def states(position: Any, quaternion: Any, velocity: Any, angular_velocity: Any) -> Array:
+    """Rows (n, 13) of `Simulation.advance` from their parts."""
+    return np.concatenate([position, quaternion, velocity, angular_velocity], axis=1, dtype=np.float64)

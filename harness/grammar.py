@@ -1,0 +1,232 @@
+"""The grammar of case files, format 1, as pydantic models: what a key may hold, and nothing about what it means.
+
+Rules that join several keys stand in `contradictions`, which looks at the raw document, so that they are reported together
+with the faults of single keys.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from bodycheck.reference.inertia import satisfies_triangle_inequality
+from bodycheck.toml_positions import Path
+
+MOST_SAMPLES = 100_001
+MOST_STEPS = 1e9
+LONGEST_NAME = 100
+LARGEST = 1e100
+"""No number of a case may exceed this in size, so that squares and products stay finite; no positive one may be below its inverse."""
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
+
+
+def _not_vanishing(value: float) -> float:
+    if value < 1 / LARGEST:
+        raise ValueError(f"should be at least {1 / LARGEST:g}")
+    return value
+
+
+Positive = Annotated[Number, Field(gt=0), AfterValidator(_not_vanishing)]
+NonNegative = Annotated[Number, Field(ge=0)]
+Text = Annotated[str, Field(strict=True)]
+Vector = tuple[Number, Number, Number]
+PositiveVector = tuple[Positive, Positive, Positive]
+
+
+class Table(BaseModel):
+    """A table whose unknown keys are faults."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class BodyTable(Table):
+    """What every body has."""
+
+    mass: Positive = Field(description="kg")
+    inertia: PositiveVector | None = Field(default=None, description="principal moments A, B, C, kg m^2")
+
+
+class BrickTable(BodyTable):
+    """A rectangular block."""
+
+    shape: Literal["brick"]
+    semi_axes: PositiveVector = Field(description="half-lengths along I, J, K, m")
+
+
+class EllipsoidTable(BodyTable):
+    """A solid ellipsoid."""
+
+    shape: Literal["ellipsoid"]
+    semi_axes: PositiveVector = Field(description="along I, J, K, m")
+
+
+class CylinderTable(BodyTable):
+    """A solid cylinder about K."""
+
+    shape: Literal["cylinder"]
+    radius: Positive = Field(description="m")
+    half_length: Positive = Field(description="m")
+
+
+class SphereTable(BodyTable):
+    """A solid sphere."""
+
+    shape: Literal["sphere"]
+    radius: Positive = Field(description="m")
+
+
+class ShapelessTable(BodyTable):
+    """A body of which only mass and moments matter."""
+
+    shape: Literal["none"]
+    inertia: PositiveVector = Field(description="principal moments A, B, C, kg m^2")
+
+
+SHAPE_TABLES: dict[str, type[BodyTable]] = {
+    "brick": BrickTable,
+    "ellipsoid": EllipsoidTable,
+    "cylinder": CylinderTable,
+    "sphere": SphereTable,
+    "none": ShapelessTable,
+}
+
+AnyBody = Annotated[
+    BrickTable | EllipsoidTable | CylinderTable | SphereTable | ShapelessTable,
+    Field(discriminator="shape"),
+]
+
+
+class InitialTable(Table):
+    """The state at t = 0."""
+
+    position: Vector = Field(default=(0.0, 0.0, 0.0), description="of the centre of mass, world frame, m")
+    velocity: Vector = Field(default=(0.0, 0.0, 0.0), description="of the centre of mass, world frame, m/s")
+    euler_zxz: Vector | None = Field(default=None, description="phi, theta, psi, rad")
+    quaternion: tuple[Number, Number, Number, Number] | None = Field(default=None, description="w, x, y, z, body to world")
+    euler_rates: Vector | None = Field(default=None, description="dphi, dtheta, dpsi, rad/s")
+    angular_velocity: Vector | None = Field(default=None, description="X, Y, Z in the body frame, rad/s")
+
+
+class PlaneTable(Table):
+    """The plane z = 0."""
+
+    friction: NonNegative = Field(default=0.0, description="Coulomb's coefficient")
+    law: Literal["area", "corners", "decoupled"] = "area"
+    pressure: Literal["uniform", "balanced"] = "uniform"
+
+
+class DragTable(Table):
+    """Resistance of the air."""
+
+    quadratic: NonNegative = Field(description="k in F = -k |v| v at the centre of mass, kg/m")
+
+
+class SceneTable(Table):
+    """The surroundings."""
+
+    gravity: NonNegative = Field(default=0.0, description="along -z, m/s^2")
+    plane: PlaneTable | None = None
+    drag: DragTable | None = None
+
+
+class RunTable(Table):
+    """How long to look, and how often."""
+
+    duration: Positive = Field(description="s")
+    samples: Annotated[int, Field(strict=True, ge=2, le=MOST_SAMPLES)] = Field(description="evenly spaced, both ends included")
+
+
+class ExpectTable(Table):
+    """What must hold of one method: each limit is at most, over all samples."""
+
+    engine: Text
+    integrator: Text
+    timestep: Positive = Field(description="s")
+    position_error: NonNegative | None = Field(default=None, description="m")
+    velocity_error: NonNegative | None = Field(default=None, description="m/s")
+    attitude_error: NonNegative | None = Field(default=None, description="rad")
+    angular_velocity_error: NonNegative | None = Field(default=None, description="rad/s")
+    energy_drift: NonNegative | None = Field(default=None, description="relative")
+    rotational_energy_drift: NonNegative | None = Field(default=None, description="relative")
+    angular_momentum_drift: NonNegative | None = Field(default=None, description="relative")
+    energy_error: NonNegative | None = Field(default=None, description="relative, with friction or drag")
+    rotational_energy_error: NonNegative | None = Field(default=None, description="relative, with friction or drag")
+    angular_momentum_error: NonNegative | None = Field(default=None, description="relative, with friction or drag")
+
+
+LIMITS = tuple(name for name in ExpectTable.model_fields if name.endswith(("_error", "_drift")))
+
+
+class CaseTable(Table):
+    """A whole case file."""
+
+    format: Literal[1]
+    name: Annotated[str, Field(strict=True, pattern=r"^[a-z0-9-]+$", max_length=LONGEST_NAME)]
+    title: Text
+    source: Text = ""
+    tags: tuple[Text, ...] = ()
+    body: AnyBody
+    initial: InitialTable = InitialTable()
+    scene: SceneTable = SceneTable()
+    run: RunTable
+    expect: tuple[ExpectTable, ...] = ()
+
+
+TABLES: dict[Path, type[Table]] = {
+    (): CaseTable,
+    ("initial",): InitialTable,
+    ("scene",): SceneTable,
+    ("scene", "plane"): PlaneTable,
+    ("scene", "drag"): DragTable,
+    ("run",): RunTable,
+    ("expect",): ExpectTable,
+}
+
+
+def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
+    """Faults that lie between keys, as (path, what is allowed), of a raw document that may have any other faults too."""
+    moments = _numbers(_mapping(document.get("body")).get("inertia"), 3)
+    if moments and min(moments) > 0 and not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
+        yield ("body", "inertia"), "no body has these moments: none may exceed the sum of the other two"
+    initial = _mapping(document.get("initial"))
+    for one, other in (("euler_zxz", "quaternion"), ("euler_rates", "angular_velocity")):
+        if one in initial and other in initial:
+            yield ("initial", other), f"says again what {one} says; give one of the two"
+    quaternion = _numbers(initial.get("quaternion"), 4)
+    if quaternion and not 0.999 < math.hypot(*quaternion) < 1.001:
+        yield ("initial", "quaternion"), f"its length is {math.hypot(*quaternion):.6g}; must be 1 within 0.1 %"
+    duration = _number(_mapping(document.get("run")).get("duration"))
+    expectations = document.get("expect")
+    for index, expectation in enumerate(expectations if isinstance(expectations, list) else []):
+        if isinstance(expectation, dict) and not any(name in expectation for name in LIMITS):
+            yield ("expect", index), f"expects nothing; give at least one of {', '.join(LIMITS)}"
+        timestep = _number(_mapping(expectation).get("timestep"))
+        if duration > 0 and timestep > 0 and duration / timestep > MOST_STEPS:
+            yield ("expect", index, "timestep"), f"makes {duration / timestep:.3g} steps; at most {MOST_STEPS:.0e} are allowed"
+
+
+def _mapping(value: Any) -> dict[str, Any]:
+    return value if isinstance(value, dict) else {}
+
+
+def _number(value: Any) -> float:
+    """The value where it is a number within bounds, else 0: what else it may be is another fault."""
+    return (_numbers([value], 1) or [0.0])[0]
+
+
+def _numbers(value: Any, length: int) -> list[float] | None:
+    """The value where it is a list of that many finite numbers, else None: what else it may be is another fault."""
+    if not isinstance(value, list) or len(value) != length:
+        return None
+    if not all(isinstance(item, int | float) and not isinstance(item, bool) for item in value):
+        return None
+    return [float(item) for item in value] if all(abs(item) <= LARGEST for item in value) else None
+
+
+def table_at(path: Path, document: dict[str, Any]) -> type[Table] | None:
+    """The grammar of the table at a path of a document; None where there is no table."""
+    if path == ("body",):
+        return SHAPE_TABLES.get(_mapping(document.get("body")).get("shape", ""))
+    return TABLES.get(tuple(key for key in path if isinstance(key, str)))

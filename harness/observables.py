@@ -1,0 +1,42 @@
+"""Energies and angular momentum of a trajectory: one formula for the truth and every engine alike [G 2.32-2.34]."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.trajectory import Array, Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Observables:
+    """Energies (n,) in J; angular momentum (n, 3) about the centre of mass in kg m^2/s, in both frames."""
+
+    translational_energy: Array
+    rotational_energy: Array
+    potential_energy: Array
+    angular_momentum: Array
+    body_angular_momentum: Array
+
+    @property
+    def kinetic_energy(self) -> Array:
+        return self.translational_energy + self.rotational_energy
+
+    @property
+    def total_energy(self) -> Array:
+        return self.kinetic_energy + self.potential_energy
+
+
+def observe(scene: Scene, trajectory: Trajectory) -> Observables:
+    """The observables of a scene's body at every instant of a trajectory; the potential is zero at z = 0."""
+    body = scene.body
+    moments = np.array(body.moments)
+    momentum = moments * trajectory.angular_velocity
+    return Observables(
+        translational_energy=body.mass * (trajectory.velocity**2).sum(axis=1) / 2,
+        rotational_energy=(momentum * trajectory.angular_velocity).sum(axis=1) / 2,
+        potential_energy=body.mass * scene.gravity * trajectory.position[:, 2],
+        angular_momentum=rotate(trajectory.quaternion, momentum),
+        body_angular_momentum=momentum,
+    )

@@ -1,0 +1,73 @@
+"""How a run ended: a closed family of frozen types that answer the same questions."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from bodycheck.adapters.contract import Method
+from bodycheck.reference.trajectory import Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Completed:
+    """The engine stepped to the end. steps taken, and the wall time of stepping alone (s)."""
+
+    trajectory: Trajectory
+    steps: int
+    wall_time: float
+    status: ClassVar[str] = "ok"
+    failed: ClassVar[bool] = False
+    reason: ClassVar[str] = ""
+
+
+@dataclass(frozen=True)
+class Unsupported:
+    """The engine, or the truth, cannot model what the scene requires."""
+
+    reason: str
+    status: ClassVar[str] = "unsupported"
+    failed: ClassVar[bool] = False
+
+
+@dataclass(frozen=True)
+class Diverged:
+    """Not a number, an energy out of all bounds, or a silent reset."""
+
+    reason: str
+    status: ClassVar[str] = "diverged"
+    failed: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class Crashed:
+    """The engine raised an error or its process died."""
+
+    reason: str
+    status: ClassVar[str] = "crashed"
+    failed: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class TimedOut:
+    """The run was stopped after its time limit (s)."""
+
+    limit: float
+    status: ClassVar[str] = "timeout"
+    failed: ClassVar[bool] = True
+    reason: str = field(init=False, default="")
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "reason", f"stopped after {self.limit:g} s")
+
+
+Outcome = Completed | Unsupported | Diverged | Crashed | TimedOut
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One engine x one method x one case, and how it ended."""
+
+    case: str
+    engine: str
+    version: str
+    method: Method
+    outcome: Outcome

@@ -1,0 +1,89 @@
+"""One run: a case through one engine with one method, in this process."""
+
+import math
+import time
+
+import numpy as np
+
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Simulation
+from bodycheck.case import Case
+from bodycheck.outcome import Completed, Crashed, Diverged, Outcome, Run, Unsupported
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import missing_model
+
+DEFAULT_TIMESTEP = 0.002
+"""MuJoCo's default (s)."""
+
+OUT_OF_BOUNDS = 100.0
+"""A kinetic energy beyond this multiple of the most that mechanics allows is called diverged, not inaccurate."""
+
+
+def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT_TIMESTEP) -> Run:
+    """Run a case through an engine. How it ends is part of the run: no engine's failure raises.
+
+    Raises `EngineMissing` for an engine that is not there.
+    """
+    adapter = registry.load(engine)
+    method = Method(integrator, timestep)
+    version, outcome = "", None
+    try:
+        version = adapter.version()
+        if integrator not in adapter.integrators():
+            outcome = Unsupported(f"{engine} {version} has no integrator {integrator!r}")
+        elif (missing := missing_model(case.scene)) is not None:
+            outcome = Unsupported(f"the reference does not model {missing}")
+        elif (missing := adapter.unsupported(case.scene)) is not None:
+            outcome = Unsupported(f"{engine} {version} does not model {missing}")
+        else:
+            outcome = _advance(adapter.prepare(case.scene, method), case, method)
+    except SceneUnsupported as error:
+        outcome = Unsupported(str(error))
+    except EngineDiverged as error:
+        outcome = Diverged(str(error))
+    except Exception as error:  # whatever an engine raises is its outcome, not ours
+        outcome = Crashed(f"{type(error).__name__}: {error}")
+    return Run(case.name, engine, version, method, outcome)
+
+
+def sampling_steps(instants: Array, timestep: float) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+    """The numbers of steps (m,) whose ends are nearest to the instants, each once."""
+    return np.unique(np.rint(instants / timestep).astype(np.int64))
+
+
+def _advance(simulation: Simulation, case: Case, method: Method) -> Outcome:
+    steps = sampling_steps(case.instants, method.timestep)
+    strides = np.diff(steps, prepend=0)
+    with np.errstate(all="ignore"):  # a run that overflows is judged by its states
+        start = time.perf_counter()
+        rows = simulation.advance(strides)
+        wall_time = time.perf_counter() - start
+    t = steps * method.timestep
+    if (failure := _divergence(case.scene, t, rows)) is not None:
+        return failure
+    trajectory = Trajectory(t, rows[:, :3], rows[:, 3:7], rows[:, 7:10], rows[:, 10:])
+    return Completed(trajectory, int(steps[-1]), wall_time)
+
+
+def _divergence(scene: Scene, t: Array, rows: Array) -> Diverged | None:
+    """The first instant at which the states are not numbers, or their kinetic energy is out of all bounds."""
+    finite = np.isfinite(rows).all(axis=1)
+    if not finite.all():
+        return Diverged(f"not a number at t = {t[np.argmin(finite)]:.6g} s")
+    mass, moments = scene.body.mass, np.array(scene.body.moments)
+    with np.errstate(over="ignore"):
+        kinetic = (mass * (rows[:, 7:10] ** 2).sum(axis=1) + (moments * rows[:, 10:] ** 2).sum(axis=1)) / 2
+    most = _largest_kinetic_energy(scene, float(t[-1]))
+    beyond = kinetic > OUT_OF_BOUNDS * most
+    if most > 0 and beyond.any():
+        first = int(np.argmax(beyond))
+        return Diverged(f"kinetic energy {kinetic[first] / most:.3g} times the most possible at t = {t[first]:.6g} s")
+    return None
+
+
+def _largest_kinetic_energy(scene: Scene, duration: float) -> float:
+    """What a fall of the whole duration and the slowest-turning axis could reach at most (J)."""
+    speed = math.hypot(*scene.initial.velocity) + scene.gravity * duration
+    momentum = math.hypot(*(i * w for i, w in zip(scene.body.moments, scene.initial.angular_velocity, strict=True)))
+    return scene.body.mass * speed**2 / 2 + momentum**2 / (2 * min(scene.body.moments))
