@@ -1,6 +1,6 @@
 """Finding adapters by name: the files of this folder, and the entry points `bodycheck.engines` of other packages.
 
-Nothing is imported before an engine is asked for by name.
+An entry point names an adapter's module, or an object in one. Nothing is imported before an engine is asked for by name.
 """
 
 import importlib
@@ -27,11 +27,12 @@ def names() -> tuple[str, ...]:
 
 def load(name: str) -> Adapter:
     """The adapter of an engine, and with it the engine. Raises `EngineMissing`."""
-    plugins = {point.name: point.value for point in entry_points(group=GROUP)}
     if name not in names():
         raise EngineMissing(f"there is no engine {name!r}; there are: {', '.join(names())}")
     try:
-        return cast(Adapter, importlib.import_module(plugins.get(name, f"bodycheck.adapters.{name}")))
+        for point in entry_points(group=GROUP, name=name):
+            return cast(Adapter, point.load())
+        return cast(Adapter, importlib.import_module(f"bodycheck.adapters.{name}"))
     except ModuleNotFoundError as error:
         raise EngineMissing(f"{name} is not installed: there is no Python package {error.name!r}") from error
     except ImportError as error:

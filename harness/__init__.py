@@ -13,8 +13,9 @@ if TYPE_CHECKING:
     from bodycheck.case import Case, CaseFaults, load
     from bodycheck.discrepancy import Discrepancy, compare
     from bodycheck.outcome import Run
+    from bodycheck.reference.truth import Truth
     from bodycheck.simulation import simulate
-    from bodycheck.truths import Truth, truth
+    from bodycheck.truths import truth
 
 __all__ = ["Case", "CaseFaults", "Discrepancy", "Run", "Truth", "compare", "load", "simulate", "truth"]
 
@@ -27,7 +28,7 @@ HOMES = {
     "compare": "discrepancy",
     "Run": "outcome",
     "simulate": "simulation",
-    "Truth": "truths",
+    "Truth": "reference.truth",
     "truth": "truths",
 }
 

@@ -2,6 +2,7 @@
 
 import platform
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -20,7 +21,13 @@ from bodycheck.truths import truth
 TIME_LIMIT = 300.0
 """Seconds that one run, or one truth, may take."""
 
-TruthTask = tuple[Case, float]
+
+@dataclass(frozen=True)
+class TruthTask:
+    """The truth that the runs of a case with one time step (s) are held against."""
+
+    case: Case
+    timestep: float
 
 
 def header(command: Sequence[str], engines: Mapping[str, str], missing: Mapping[str, str]) -> dict[str, Any]:
@@ -37,6 +44,11 @@ def header(command: Sequence[str], engines: Mapping[str, str], missing: Mapping[
     }
 
 
+def size(tasks: Sequence[Task]) -> int:
+    """How many things there are to do for these tasks: the runs, and the truths they need."""
+    return len(tasks) + len(_truth_tasks(tasks))
+
+
 def execute(
     tasks: Sequence[Task],
     folder: Path,
@@ -50,25 +62,30 @@ def execute(
     progress is called with a word on each finished one. Raises `BadFolder` for a folder that holds other things.
     """
     cases = tuple({task.case.name: task.case for task in tasks}.values())
-    truth_tasks = tuple(dict.fromkeys((task.case, task.method.timestep) for task in tasks))
+    places = {task: place for place, task in enumerate(tasks)}
     with Writer(folder, head, cases) as writer:
-        for argument, result in pool.call_all(_call, [*truth_tasks, *tasks], jobs, limit):
+        everything: list[TruthTask | Task] = [*_truth_tasks(tasks), *tasks]
+        for argument, result in pool.call_all(_call, everything, jobs, limit):
             match argument, result:
                 case Task(), Run():
-                    writer.add_run(result)
+                    writer.add_run(result, places[argument])
                 case Task(case, engine, method), Crashed() | TimedOut():
-                    writer.add_run(Run(case.name, engine, head["engines"][engine], method, result))
-                case (case, timestep), Truth():
+                    writer.add_run(Run(case.name, engine, head["engines"][engine], method, result), places[argument])
+                case TruthTask(case, timestep), Truth():
                     writer.add_truth(case, timestep, result)
-                case (case, timestep), failure:
-                    writer.add_missing_truth(case, timestep, f"the reference: {failure.reason}")
+                case TruthTask(case, timestep), Unsupported() | Crashed() | TimedOut():
+                    writer.add_missing_truth(case, timestep, f"the reference: {result.reason}")
             progress(_name(argument))
+
+
+def _truth_tasks(tasks: Sequence[Task]) -> tuple[TruthTask, ...]:
+    return tuple(dict.fromkeys(TruthTask(task.case, task.method.timestep) for task in tasks))
 
 
 def _call(argument: TruthTask | Task) -> Run | Truth | Unsupported:
     if isinstance(argument, Task):
         return simulate(argument.case, argument.engine, argument.method.integrator, argument.method.timestep)
-    case, timestep = argument
+    case, timestep = argument.case, argument.timestep
     try:
         return truth(case, sampling_steps(case.instants, timestep) * timestep)
     except (NotModelled, OutOfReach) as error:
@@ -79,5 +96,5 @@ def _name(argument: TruthTask | Task) -> str:
     match argument:
         case Task(case, engine, method):
             return f"{case.name} · {engine} {method.integrator} {method.timestep:g} s"
-        case (case, timestep):
+        case TruthTask(case, timestep):
             return f"{case.name} · truth {timestep:g} s"

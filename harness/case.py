@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from bodycheck import grammar
+from bodycheck.errors import BadInput
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.kinematics import body_rates, normalise, quaternion_from_euler
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere, State
@@ -36,7 +37,7 @@ class Fault:
         return f"{self.file}{place}: " + (f"{self.key}: " if self.key else "") + self.message
 
 
-class CaseFaults(Exception):
+class CaseFaults(BadInput):
     """Everything wrong with one or more case files, one line a fault."""
 
     def __init__(self, faults: tuple[Fault, ...]) -> None:

@@ -17,7 +17,7 @@ MOST_SAMPLES = 100_001
 MOST_STEPS = 1e9
 LONGEST_NAME = 100
 LARGEST = 1e100
-"""No number of a case may exceed this in size, so that squares and products stay finite; no positive one may be below its inverse."""
+"""No number of a case may exceed this in size, no positive one be below its inverse: squares and products stay finite."""
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
 

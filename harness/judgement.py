@@ -77,14 +77,21 @@ def verdict(case: Case, truth: Truth | Unsupported, run: Run) -> Verdict:
     return Verdict(run, outcome, discrepancy, not broken if expectations else None, "; ".join(broken))
 
 
+def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
+    """The rows of results with all of `COLUMNS`, in their order; None where a run has no figure."""
+    return [dict.fromkeys(COLUMNS) | verdict.row() for verdict in verdicts]
+
+
 def table(verdicts: Iterable[Verdict]) -> pd.DataFrame:
     """One row a run, in the columns and order of `COLUMNS`."""
-    frame = pd.DataFrame([verdict.row() for verdict in verdicts], columns=list(COLUMNS))
-    return frame.astype({"passed": "boolean", "steps": "Int64"})
+    frame = pd.DataFrame(records(verdicts), columns=list(COLUMNS))
+    figures = dict.fromkeys(COLUMNS[COLUMNS.index("reason") + 1 :], "Float64")
+    return frame.astype({"passed": "boolean", **figures, "steps": "Int64"})
 
 
-def write(frame: pd.DataFrame, folder: Path) -> None:
+def write(verdicts: Iterable[Verdict], folder: Path) -> None:
     """results.csv and results.parquet in a folder."""
+    frame = table(verdicts)
     frame.to_csv(folder / "results.csv", index=False)
     frame.to_parquet(folder / "results.parquet", index=False)
 

@@ -5,12 +5,9 @@ from dataclasses import dataclass
 
 from bodycheck.adapters.contract import Adapter, Method
 from bodycheck.case import Case
+from bodycheck.errors import BadInput
 from bodycheck.grammar import MOST_STEPS
 from bodycheck.simulation import DEFAULT_TIMESTEP
-
-
-class BadRequest(Exception):
-    """What was asked for makes no sense; the text says why and what is allowed."""
 
 
 @dataclass(frozen=True)
@@ -28,16 +25,16 @@ def plan(
     """Every case x engine x integrator x time step (s), each once.
 
     Without integrators all that an engine offers are run. Without time steps it is 2 ms, and what the expectations of a case
-    ask for besides. Raises `BadRequest` for an integrator that no engine has and for a time step that cannot be run.
+    ask for besides. Raises `BadInput` for an integrator that no engine has and for a time step that cannot be run.
     """
     offered = {name: adapter.integrators() for name, adapter in engines.items()}
     for integrator in integrators:
         if not any(integrator in those for those in offered.values()):
             known = "; ".join(f"{engine}: {', '.join(those)}" for engine, those in offered.items())
-            raise BadRequest(f"no engine has an integrator {integrator!r}; there are: {known}")
+            raise BadInput(f"no engine has an integrator {integrator!r}; there are: {known}")
     for timestep in timesteps:
         if not all(0 < timestep <= case.duration <= timestep * MOST_STEPS for case in cases):
-            raise BadRequest(
+            raise BadInput(
                 f"time step {timestep:g} s: must be positive, at most a case's duration, at least its {MOST_STEPS:.0e}th"
             )
     return tuple(

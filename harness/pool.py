@@ -23,8 +23,11 @@ def call_all(
     process, is its result.
     """
     context: Any = multiprocessing.get_context("spawn")
-    with ProcessPool(max_workers=jobs, context=context, initializer=_keep_stdout_clean) as pool:
-        futures = {pool.schedule(function, args=(argument,), timeout=limit): argument for argument in arguments}
+    pool: Any = ProcessPool(max_workers=jobs, context=context, initializer=_keep_stdout_clean)
+    with pool:
+        futures: dict[concurrent.futures.Future[Any], Argument] = {
+            pool.schedule(function, args=(argument,), timeout=limit): argument for argument in arguments
+        }
         try:
             for future in concurrent.futures.as_completed(futures):
                 yield futures[future], _result(future, limit)
@@ -33,7 +36,7 @@ def call_all(
             raise
 
 
-def _result(future: "concurrent.futures.Future[Result]", limit: float) -> Result | Crashed | TimedOut:
+def _result(future: "concurrent.futures.Future[Any]", limit: float) -> Any:
     try:
         return future.result()
     except TimeoutError:

@@ -6,7 +6,7 @@ import time
 import numpy as np
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Simulation
+from bodycheck.adapters.contract import Adapter, EngineDiverged, Method, SceneUnsupported, Simulation, Strides
 from bodycheck.case import Case
 from bodycheck.outcome import Completed, Crashed, Diverged, Outcome, Run, Unsupported
 from bodycheck.reference.scene import Scene
@@ -27,27 +27,28 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT
     """
     adapter = registry.load(engine)
     method = Method(integrator, timestep)
-    version, outcome = "", None
+    return Run(case.name, engine, adapter.version(), method, _outcome(adapter, engine, case, method))
+
+
+def _outcome(adapter: Adapter, engine: str, case: Case, method: Method) -> Outcome:
+    named = f"{engine} {adapter.version()}"
     try:
-        version = adapter.version()
-        if integrator not in adapter.integrators():
-            outcome = Unsupported(f"{engine} {version} has no integrator {integrator!r}")
-        elif (missing := missing_model(case.scene)) is not None:
-            outcome = Unsupported(f"the reference does not model {missing}")
-        elif (missing := adapter.unsupported(case.scene)) is not None:
-            outcome = Unsupported(f"{engine} {version} does not model {missing}")
-        else:
-            outcome = _advance(adapter.prepare(case.scene, method), case, method)
+        if method.integrator not in adapter.integrators():
+            return Unsupported(f"{named} has no integrator {method.integrator!r}")
+        if (missing := missing_model(case.scene)) is not None:
+            return Unsupported(f"the reference does not model {missing}")
+        if (missing := adapter.unsupported(case.scene)) is not None:
+            return Unsupported(f"{named} does not model {missing}")
+        return _advance(adapter.prepare(case.scene, method), case, method)
     except SceneUnsupported as error:
-        outcome = Unsupported(str(error))
+        return Unsupported(str(error))
     except EngineDiverged as error:
-        outcome = Diverged(str(error))
+        return Diverged(str(error))
     except Exception as error:  # whatever an engine raises is its outcome, not ours
-        outcome = Crashed(f"{type(error).__name__}: {error}")
-    return Run(case.name, engine, version, method, outcome)
+        return Crashed(f"{type(error).__name__}: {error}")
 
 
-def sampling_steps(instants: Array, timestep: float) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
+def sampling_steps(instants: Array, timestep: float) -> Strides:
     """The numbers of steps (m,) whose ends are nearest to the instants, each once."""
     return np.unique(np.rint(instants / timestep).astype(np.int64))
 
@@ -59,7 +60,7 @@ def _advance(simulation: Simulation, case: Case, method: Method) -> Outcome:
         start = time.perf_counter()
         rows = simulation.advance(strides)
         wall_time = time.perf_counter() - start
-    t = steps * method.timestep
+    t = steps.astype(np.float64) * method.timestep
     if (failure := _divergence(case.scene, t, rows)) is not None:
         return failure
     trajectory = Trajectory(t, rows[:, :3], rows[:, 3:7], rows[:, 7:10], rows[:, 10:])

@@ -18,6 +18,7 @@ import pyarrow.parquet as pq
 
 from bodycheck.adapters.contract import Method
 from bodycheck.case import Case, parse
+from bodycheck.errors import BadInput
 from bodycheck.outcome import Completed, Crashed, Diverged, Run, TimedOut, Unsupported
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
@@ -28,7 +29,7 @@ TRAJECTORIES = "trajectories"
 STATE_COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz")
 
 
-class BadFolder(Exception):
+class BadFolder(BadInput):
     """A folder is not what it should be; the text says why."""
 
 
@@ -59,9 +60,11 @@ class Writer:
     def add_missing_truth(self, case: Case, timestep: float, reason: str) -> None:
         self._write({"record": "truth", "case": case.name, "timestep": timestep, "reason": reason})
 
-    def add_run(self, run: Run) -> None:
+    def add_run(self, run: Run, place: int) -> None:
+        """place: where the run stood in the plan, which is the order of every table."""
         record: dict[str, Any] = {
             "record": "run",
+            "place": place,
             "case": run.case,
             "engine": run.engine,
             "version": run.version,
@@ -108,10 +111,9 @@ class Results:
         return {entry["name"]: parse(entry["text"], entry["name"]) for entry in self.header["cases"]}
 
     def runs(self) -> Iterator[Run]:
-        """All runs in the order of the plan's cases, their trajectories read from disk as they come."""
-        order = {name: position for position, name in enumerate(self.cases)}
+        """All runs in the order of the plan, their trajectories read from disk as they come."""
         records = [record for record in self.records if record["record"] == "run"]
-        yield from map(self._run, sorted(records, key=lambda record: order[record["case"]]))
+        yield from map(self._run, sorted(records, key=lambda record: int(record["place"])))
 
     def truth(self, case: str, timestep: float) -> Truth | Unsupported:
         """The truth that the runs of a case with one time step are held against, or why there is none."""
@@ -141,7 +143,8 @@ class Results:
 def read(folder: Path) -> Results:
     """The results in a folder. Raises `BadFolder`."""
     try:
-        lines = (folder / RECORDS).read_text("utf-8").splitlines()
+        # Whoever was killed may have left half a line: what follows the last line end is no record.
+        lines = (folder / RECORDS).read_text("utf-8").split("\n")[:-1]
         header, *records = [json.loads(line) for line in lines]
         if header["record"] != "header" or header["format"] != FORMAT:
             raise ValueError("its first line is no header of this format")

@@ -1,5 +1,7 @@
 """The truth of a case."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -16,3 +18,19 @@ def truth(case: Case, times: ArrayLike | None = None) -> Truth:
     """
     instants = case.instants if times is None else np.asarray(times, dtype=float)
     return truth_of_scene(case.scene, instants)
+
+
+def as_json(case: Case, truth: Truth) -> dict[str, Any]:
+    """A truth as `bodycheck truth --json` prints it: arrays by name, and what made them."""
+    trajectory = truth.trajectory
+    return {
+        "case": case.name,
+        "model": truth.model,
+        "backend": truth.backend,
+        "t": trajectory.t.tolist(),
+        "position": trajectory.position.tolist(),
+        "quaternion": trajectory.quaternion.tolist(),
+        "velocity": trajectory.velocity.tolist(),
+        "angular_velocity": trajectory.angular_velocity.tolist(),
+        "truth_error": truth.error.tolist(),
+    }

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from scipy.integrate import DOP853
@@ -44,8 +45,9 @@ def solve(
     time, state, stride, taken = 0.0, start, None, 0
     end = float(times[-1]) if len(times) else 0.0
 
-    def begin() -> DOP853:
-        return DOP853(derivative, time, state, end, rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE * scale, first_step=stride)
+    def begin() -> Any:  # the stubs of SciPy know neither real equations nor a tolerance for each component
+        solver: Any = DOP853
+        return solver(derivative, time, state, end, rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE * scale, first_step=stride)
 
     solver = begin() if end > 0 else None
     for row, target in zip(rows, times.tolist(), strict=True):

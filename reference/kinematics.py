@@ -4,15 +4,16 @@ Euler angles phi (about k), theta (about the line of nodes), psi (about K), as i
 vectorised over leading axes and keeps the floating type of its input, so that wide types stay wide.
 """
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.floating[Any]]
+Float = TypeVar("Float", bound=np.floating[Any])
+Floats = NDArray[Float]
 
 
-def multiply(p: Floats, q: Floats) -> Floats:
+def multiply(p: Floats[Float], q: Floats[Float]) -> Floats[Float]:
     """Hamilton product p q of quaternions (..., 4): the rotation q followed, in the world frame, by p."""
     pw, px, py, pz = np.moveaxis(p, -1, 0)
     qw, qx, qy, qz = np.moveaxis(q, -1, 0)
@@ -27,34 +28,34 @@ def multiply(p: Floats, q: Floats) -> Floats:
     )
 
 
-def conjugate(q: Floats) -> Floats:
+def conjugate(q: Floats[Float]) -> Floats[Float]:
     """Inverse rotation of unit quaternions (..., 4)."""
-    return q * np.array([1, -1, -1, -1], dtype=q.dtype)
+    return np.asarray(q * np.array([1, -1, -1, -1], dtype=q.dtype))
 
 
-def normalise(q: Floats) -> Floats:
+def normalise(q: Floats[Float]) -> Floats[Float]:
     """Quaternions (..., 4) scaled to unit length."""
-    return q / np.sqrt((q * q).sum(axis=-1, keepdims=True))
+    return np.asarray(q / np.sqrt((q * q).sum(axis=-1, keepdims=True)))
 
 
-def rotate(q: Floats, v: Floats) -> Floats:
+def rotate(q: Floats[Float], v: Floats[Float]) -> Floats[Float]:
     """World components (..., 3) of vectors v (..., 3) given in the body frame, for unit quaternions q (..., 4)."""
     w, u = q[..., :1], q[..., 1:]
     t = 2 * np.cross(u, v)
-    return v + w * t + np.cross(u, t)
+    return np.asarray(v + w * t + np.cross(u, t))
 
 
-def geodesic_angle(p: Floats, q: Floats) -> Floats:
+def geodesic_angle(p: Floats[Float], q: Floats[Float]) -> Floats[Float]:
     """Angle (..., rad, in [0, pi]) of the single rotation between attitudes p and q (..., 4); p and -p are one attitude.
 
     By atan2 of the relative quaternion: accurate near 0 and near pi, where the arccos of [G 2.26] loses half the digits.
     """
     relative = multiply(conjugate(p), q)
     vector = relative[..., 1:]
-    return 2 * np.arctan2(np.sqrt((vector * vector).sum(axis=-1)), np.abs(relative[..., 0]))
+    return np.asarray(2 * np.arctan2(np.sqrt((vector * vector).sum(axis=-1)), np.abs(relative[..., 0])))
 
 
-def quaternion_from_euler(phi: Floats, theta: Floats, psi: Floats) -> Floats:
+def quaternion_from_euler(phi: Floats[Float], theta: Floats[Float], psi: Floats[Float]) -> Floats[Float]:
     """Unit quaternions (..., 4) of z-x-z angles (rad): the rotation A1 of [G 2.14]."""
     half_sum, half_difference, half_theta = (phi + psi) / 2, (phi - psi) / 2, theta / 2
     c, s = np.cos(half_theta), np.sin(half_theta)
@@ -63,7 +64,7 @@ def quaternion_from_euler(phi: Floats, theta: Floats, psi: Floats) -> Floats:
     )
 
 
-def euler_from_quaternion(q: Floats) -> tuple[Floats, Floats, Floats]:
+def euler_from_quaternion(q: Floats[Float]) -> tuple[Floats[Float], Floats[Float], Floats[Float]]:
     """z-x-z angles (phi, theta, psi), theta in [0, pi], of unit quaternions (..., 4).
 
     Where theta = 0 only phi + psi is determined; there phi = 0 and psi turns, the book's convention [G p. 45].
@@ -77,7 +78,9 @@ def euler_from_quaternion(q: Floats) -> tuple[Floats, Floats, Floats]:
     return half_sum + half_difference, 2 * np.arctan2(sin_half, cos_half), half_sum - half_difference
 
 
-def body_rates(theta: Floats, psi: Floats, dphi: Floats, dtheta: Floats, dpsi: Floats) -> Floats:
+def body_rates(
+    theta: Floats[Float], psi: Floats[Float], dphi: Floats[Float], dtheta: Floats[Float], dpsi: Floats[Float]
+) -> Floats[Float]:
     """Angular velocity (..., 3) in the body frame (rad/s) from Euler angles and their rates [G 2.21a]."""
     s, c = np.sin(theta), np.cos(theta)
     return np.stack(
@@ -90,7 +93,9 @@ def body_rates(theta: Floats, psi: Floats, dphi: Floats, dtheta: Floats, dpsi: F
     )
 
 
-def euler_rates(theta: Floats, psi: Floats, angular_velocity: Floats) -> tuple[Floats, Floats, Floats]:
+def euler_rates(
+    theta: Floats[Float], psi: Floats[Float], angular_velocity: Floats[Float]
+) -> tuple[Floats[Float], Floats[Float], Floats[Float]]:
     """Rates (dphi, dtheta, dpsi) from the body-frame angular velocity (..., 3): the inverse of [G 2.21a].
 
     Singular where sin(theta) = 0; the caller keeps away from there by a change of chart.

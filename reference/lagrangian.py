@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from bodycheck.reference.integration import Derivative, scales, solve
 from bodycheck.reference.kinematics import (
+    Float,
+    Floats,
     body_rates,
     conjugate,
     euler_from_quaternion,
@@ -33,7 +35,7 @@ RELABELLINGS = np.array([[1.0, 0.0, 0.0, 0.0], [0.5, 0.5, 0.5, 0.5], [0.5, -0.5,
 """Chart k's axes in the body's own: the identity and the two turns by 120 degrees about (1, 1, 1)."""
 
 
-def relabel(vector: Array, chart: int) -> Array:
+def relabel(vector: Floats[Float], chart: int) -> Floats[Float]:
     """Components (..., 3) along the chart's axes of a vector given along the body's own; chart -k undoes chart k."""
     return np.roll(vector, -chart, axis=-1)
 
@@ -99,7 +101,7 @@ def best_chart(quaternion: Array) -> int:
     return int(np.argmin(vertical))
 
 
-def to_coordinates(position: Array, quaternion: Array, velocity: Array, rates: Array, chart: int) -> Array:
+def to_coordinates(chart: int, position: Array, quaternion: Array, velocity: Array, rates: Array) -> Array:
     """The 12 coordinates and velocities of one state in a chart."""
     phi, theta, psi = euler_from_quaternion(multiply(quaternion, RELABELLINGS[chart]))
     dphi, dtheta, dpsi = euler_rates(theta, psi, relabel(rates, chart))
@@ -136,12 +138,12 @@ def integrate(scene: Scene, times: Array) -> Trajectory:
             return None
         state = [part[0] for part in to_states(y[None], np.array([chart]))]
         chart = best_chart(state[1])
-        return in_chart(), to_coordinates(*state, chart=chart)
+        return in_chart(), to_coordinates(chart, *state)
 
     charts: list[int] = []
     rows = solve(
         in_chart(),
-        to_coordinates(*initial, chart=chart),
+        to_coordinates(chart, *initial),
         times,
         np.repeat([lengths, angles, speeds, rates], 3),
         after_step=change_chart,

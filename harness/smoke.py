@@ -1,0 +1,100 @@
+"""Scenes with one obvious answer, so that a broken adapter is never reported as a wrong engine."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Method
+from bodycheck.reference.kinematics import geodesic_angle
+from bodycheck.reference.scene import Body, Scene, State
+from bodycheck.reference.trajectory import Array
+
+TIMESTEP = 1e-3
+STEPS = 100
+
+TOLERANCE = 0.02
+"""Of lengths, speeds and angles of order one: above what any consistent scheme errs in 100 steps of a millisecond, below
+what a swapped axis, frame, sign or quaternion order makes."""
+
+BODY = Body(mass=2.0, moments=(0.3, 0.4, 0.5))
+
+HALF = math.sqrt(0.5)
+
+
+@dataclass(frozen=True)
+class Obvious:
+    """A scene and the state that it must be in after 0.1 s."""
+
+    name: str
+    scene: Scene
+    after: State
+
+
+SCENES = (
+    Obvious(
+        "a body falls straight down",
+        Scene(BODY, State((1.0, 2.0, 3.0)), gravity=100.0),
+        State((1.0, 2.0, 3.0 - 0.5 * 100.0 * 0.1**2), velocity=(0.0, 0.0, -10.0)),
+    ),
+    Obvious(
+        "a velocity is one of the world frame",
+        Scene(BODY, State(quaternion=(HALF, 0.0, 0.0, HALF), velocity=(1.0, 2.0, 3.0))),
+        State((0.1, 0.2, 0.3), (HALF, 0.0, 0.0, HALF), (1.0, 2.0, 3.0)),
+    ),
+    *(
+        Obvious(
+            f"a spin about {name} turns about {name}",
+            Scene(BODY, State(angular_velocity=(10 * i, 10 * j, 10 * k))),
+            State(
+                quaternion=(math.cos(0.5), math.sin(0.5) * i, math.sin(0.5) * j, math.sin(0.5) * k),
+                angular_velocity=(10 * i, 10 * j, 10 * k),
+            ),
+        )
+        for name, (i, j, k) in {"I": (1.0, 0.0, 0.0), "J": (0.0, 1.0, 0.0), "K": (0.0, 0.0, 1.0)}.items()
+    ),
+    Obvious(
+        # J points along -x: turned by 90 degrees about z, and then by 1 rad about its own J.
+        "an angular velocity is one of the body frame",
+        Scene(BODY, State(quaternion=(HALF, 0.0, 0.0, HALF), angular_velocity=(0.0, 10.0, 0.0))),
+        State(
+            quaternion=(HALF * math.cos(0.5), -HALF * math.sin(0.5), HALF * math.sin(0.5), HALF * math.cos(0.5)),
+            angular_velocity=(0.0, 10.0, 0.0),
+        ),
+    ),
+)
+
+
+def check(engine: str) -> list[str]:
+    """What an adapter gets wrong, a sentence each; none for a good one. Raises `EngineMissing`."""
+    adapter = registry.load(engine)
+    faults: list[str] = []
+    for integrator in adapter.integrators():
+        for obvious in SCENES:
+            try:
+                simulation = adapter.prepare(obvious.scene, Method(integrator, TIMESTEP))
+                # The instant 0 too: a border that turns what it hands in must not go unseen.
+                start, end = simulation.advance(np.array([0, STEPS]))
+            except Exception as error:  # whatever a broken adapter raises is its fault
+                faults.append(f"{engine} {integrator}: {obvious.name}, but it raises {type(error).__name__}: {error}")
+                continue
+            for when, row, state in (("at the start", start, obvious.scene.initial), ("after 0.1 s", end, obvious.after)):
+                faults += [f"{engine} {integrator}: {obvious.name}, but {when} its {wrong}" for wrong in _wrong(row, state)]
+    return faults
+
+
+def _wrong(row: Array, state: State) -> list[str]:
+    parts = {
+        "position": (row[:3], state.position),
+        "velocity": (row[7:10], state.velocity),
+        "angular velocity": (row[10:], state.angular_velocity),
+    }
+    wrong = [
+        f"{name} is {np.round(got, 4).tolist()}, not {list(expected)}"
+        for name, (got, expected) in parts.items()
+        if not np.linalg.norm(got - np.array(expected)) <= TOLERANCE * max(1.0, float(np.linalg.norm(expected)))
+    ]
+    if not geodesic_angle(np.asarray(row[3:7]), np.array(state.quaternion)) <= TOLERANCE:
+        wrong.append(f"quaternion is {np.round(row[3:7], 4).tolist()}, not {np.round(state.quaternion, 4).tolist()}")
+    return wrong

@@ -1,0 +1,104 @@
+"""What the command line shows: results on stdout, progress on stderr."""
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from bodycheck.judgement import Verdict
+from bodycheck.reference.truth import Truth
+
+WIDTH_OF_A_FILE = 200
+"""Columns of a table that goes into a file or a pipe."""
+
+
+def print_json(value: Any) -> None:
+    print(json.dumps(value, ensure_ascii=False))
+
+
+def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    table = Table(*header, box=None, header_style="bold", pad_edge=False)
+    for row in rows:
+        table.add_row(*map(escape, row))
+    console = Console()
+    console.width = console.width if console.is_terminal else WIDTH_OF_A_FILE
+    console.print(table)
+
+
+def print_results(verdicts: Sequence[Verdict]) -> None:
+    """A line a run, and how many of them passed and failed."""
+    header = (
+        "case",
+        "engine",
+        "integrator",
+        "step",
+        "status",
+        "passed",
+        "position m",
+        "attitude rad",
+        "energy",
+        "us/step",
+        "reason",
+    )
+    print_table(header, map(_result, verdicts))
+    count = {passed: sum(verdict.passed is passed for verdict in verdicts) for passed in (True, False, None)}
+    print(f"{len(verdicts)} runs: {count[True]} passed, {count[False]} failed, {count[None]} without expectations")
+
+
+def _result(verdict: Verdict) -> tuple[str, ...]:
+    row = verdict.row()
+
+    def figure(name: str, scale: float = 1.0) -> str:
+        return f"{row[name] * scale:.3g}" if name in row else ""
+
+    passed = {True: "passed", False: "FAILED", None: "-"}[verdict.passed]
+    return (
+        *(row["case"], row["engine"], row["integrator"], f"{row['timestep']:g}", row["status"], passed),
+        *(figure("position_error"), figure("attitude_error"), figure("energy_drift"), figure("time_per_step", 1e6)),
+        row["reason"],
+    )
+
+
+def print_truth(truth: Truth, most_rows: int) -> None:
+    """The states at evenly chosen instants, and what made them."""
+    trajectory = truth.trajectory
+    chosen = np.unique(np.linspace(0, len(trajectory) - 1, min(most_rows, len(trajectory))).astype(int))
+
+    def vector(values: Any) -> str:
+        return " ".join(f"{value:.9g}" for value in values)
+
+    header = ("t s", "position m", "quaternion w x y z", "velocity m/s", "angular velocity (body) rad/s", "error rad")
+    rows = [
+        (
+            f"{trajectory.t[i]:g}",
+            *(vector(part[i]) for part in (trajectory.position, trajectory.quaternion, trajectory.velocity)),
+            vector(trajectory.angular_velocity[i]),
+            f"{truth.error[i]:.2g}",
+        )
+        for i in chosen
+    ]
+    print_table(header, rows)
+    left_out = f"; {len(chosen)} of {len(trajectory)} instants, --json prints all" if len(chosen) < len(trajectory) else ""
+    print(f"model {truth.model}, backend {truth.backend}{left_out}")
+
+
+@contextmanager
+def progress(title: str, total: int) -> Iterator[Callable[[str], None]]:
+    """A progress bar on stderr, gone when done; call what it gives with a word on each thing that is done."""
+    columns = (TextColumn(title), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.fields[last]}"))
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(title, total=total, last="")
+
+        def advance(last: str) -> None:
+            bar.update(task, advance=1, last=escape(last))
+            if not console.is_terminal:
+                print(last, file=console.file)
+
+        yield advance

@@ -1,0 +1,35 @@
+"""What several tests share."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+from bodycheck import Case, load
+from bodycheck.case import shipped
+
+# No deadline: the first example pays for imports, and machines that run tests are slow at times.
+settings.register_profile("bodycheck", deadline=None)
+settings.load_profile("bodycheck")
+
+HERE = Path(__file__).parent
+MINIATURES = HERE / "miniature"
+
+
+@pytest.fixture
+def miniatures(monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Puts the miniature engines on the path, where the registry finds them by their entry points."""
+    monkeypatch.syspath_prepend(MINIATURES)
+    return MINIATURES
+
+
+@pytest.fixture(params=shipped())
+def shipped_case(request: pytest.FixtureRequest) -> Case:
+    """Each of the shipped cases in turn."""
+    return load(request.param)
+
+
+def shortened(case: Case, duration: float, samples: int) -> Case:
+    """The same case, looked at for another time; its expectations do not apply."""
+    return replace(case, duration=duration, samples=samples, expectations=())

@@ -1,0 +1,107 @@
+"""Miniature engines that test the harness: each moves a body in free flight in closed form and spoils it in its own way.
+
+They know spins about a principal axis only, so that their exact motion needs no integration.
+"""
+
+import math
+import os
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+Spoil = Callable[[float, np.ndarray], np.ndarray]
+
+
+def exact(t: float, row: np.ndarray) -> np.ndarray:
+    return row
+
+
+def wrong(t: float, row: np.ndarray) -> np.ndarray:
+    """Always wrong: the whole motion one metre aside, and every velocity doubled."""
+    row[0] += 1.0
+    row[7:] *= 2.0
+    return row
+
+
+def drifting(t: float, row: np.ndarray) -> np.ndarray:
+    """Gains speed: one per mille of its angular velocity a second."""
+    row[10:] *= 1 + 1e-3 * t
+    return row
+
+
+def exploding(t: float, row: np.ndarray) -> np.ndarray:
+    row[7:10] += math.exp(50 * t)
+    return row
+
+
+def not_a_number(t: float, row: np.ndarray) -> np.ndarray:
+    return row if t < 0.5 else row * math.nan
+
+
+def raising(t: float, row: np.ndarray) -> np.ndarray:
+    raise RuntimeError("the miniature engine gives up")
+
+
+def dying(t: float, row: np.ndarray) -> np.ndarray:
+    os._exit(3)
+
+
+def hanging(t: float, row: np.ndarray) -> np.ndarray:
+    while True:
+        time.sleep(1)
+
+
+def printing(t: float, row: np.ndarray) -> np.ndarray:
+    print("an engine that talks")
+    os.write(1, b"and one that talks from C\n")
+    return row
+
+
+@dataclass
+class Flight:
+    scene: object
+    timestep: float
+    spoil: Spoil
+    steps: int = field(default=0)
+
+    def advance(self, strides: np.ndarray) -> np.ndarray:
+        rows = []
+        for stride in strides:
+            self.steps += int(stride)
+            rows.append(self.spoil(t := self.steps * self.timestep, self._state(t)))
+        return np.array(rows)
+
+    def _state(self, t: float) -> np.ndarray:
+        initial = self.scene.initial
+        position, velocity, spin = (np.array(part) for part in (initial.position, initial.velocity, initial.angular_velocity))
+        fall = np.array([0.0, 0.0, -self.scene.gravity])
+        rate = float(np.linalg.norm(spin))
+        axis = spin / rate if rate else spin
+        w, v = math.cos(rate * t / 2), math.sin(rate * t / 2) * axis
+        a, u = initial.quaternion[0], np.array(initial.quaternion[1:])
+        quaternion = [a * w - u @ v, *(a * v + w * u + np.cross(u, v))]
+        return np.concatenate([position + velocity * t + fall * t * t / 2, quaternion, velocity + fall * t, spin])
+
+
+@dataclass(frozen=True)
+class Miniature:
+    spoil: Spoil
+
+    def version(self) -> str:
+        return "1.0"
+
+    def integrators(self) -> tuple[str, ...]:
+        return ("closed-form",)
+
+    def unsupported(self, scene: object) -> str | None:
+        return None
+
+    def prepare(self, scene: object, method: object) -> Flight:
+        return Flight(scene, method.timestep, self.spoil)
+
+
+EXACT, WRONG, DRIFTING, EXPLODING, NOT_A_NUMBER, RAISING, DYING, HANGING, PRINTING = map(
+    Miniature, (exact, wrong, drifting, exploding, not_a_number, raising, dying, hanging, printing)
+)
