@@ -1,0 +1,143 @@
+"""Jacobi's elliptic functions, and the phase of the third kind, by theta series that converge at once for every modulus.
+
+Both moduli, k and k' (k^2 + k'^2 = 1), are asked for, so that neither end, small oscillations nor the separatrix, costs
+digits. Constants are found in the widest type of the machine, so that thousands of periods may be taken off an argument at
+no loss; arrays are in double precision. Equations are those of the NIST Digital Library of Mathematical Functions [DLMF].
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.reference.trajectory import Array
+
+Wide = np.longdouble
+WideArray = NDArray[np.longdouble]
+"""80 bits on x86; where nothing is wider than double precision, that, with what it costs."""
+
+PI = 4 * np.arctan(Wide(1))
+
+ENDLESS = np.finfo(Wide).max ** Wide(0.75)
+"""The quarter period of modulus 1: finite, so that the separatrix needs no case of its own."""
+
+FARTHEST = 100.0
+"""Argument x beyond which sech(x) is nothing in double precision, and at which cosh(6 x) does not overflow."""
+
+SIGNS = np.array([1.0, -1.0, 1.0, -1.0])
+SINES = np.array([[1.0, 0.0, 0.0, 0.0], [1.0, 2.0, 0.0, 0.0], [1.0, 2.0, 2.0, 0.0], [1.0, 2.0, 2.0, 2.0]])
+"""sin((2n + 1) v) / sin(v) in terms of 1, cos(2v), cos(4v), cos(6v)."""
+COSINES = np.array([[1.0, 0.0, 0.0, 0.0], [-1.0, 2.0, 0.0, 0.0], [1.0, -2.0, 2.0, 0.0], [-1.0, 2.0, -2.0, 2.0]])
+"""cos((2n + 1) v) / cos(v) in the same terms."""
+
+
+def complete(kc: Wide, p: Wide, a: Wide, b: Wide) -> Wide:
+    """Integral over 0..pi/2 of (a cos^2 + b sin^2) / ((cos^2 + p sin^2) sqrt(cos^2 + kc^2 sin^2)), for kc, p > 0.
+
+    Bulirsch's cel (Numer. Math. 13, 305, 1969), which for a, b >= 0 adds positive terms only.
+    """
+    root, mean, product = np.sqrt(p), Wide(1), kc
+    b = b / root
+    while True:
+        a, b, root = a + b / root, 2 * (b + a * product / root), root + product / root
+        previous, mean = mean, mean + kc
+        if abs(previous - kc) <= 1e-10 * previous:
+            return Wide(PI / 2 * (b + a * mean) / (mean * (mean + root)))
+        kc = 2 * np.sqrt(product)
+        product = kc * mean
+
+
+def quarter_period(kc: Wide) -> Wide:
+    """K of the complementary modulus kc >= 0."""
+    return complete(kc, Wide(1), Wide(1), Wide(1)) if kc > 0 else ENDLESS
+
+
+def first_kind(sn: Wide, cn: Wide, dn: Wide) -> Wide:
+    """The u in [-K, K] of which sn, |cn| and dn are given: sn R_F(cn^2, dn^2, 1) [DLMF 19.25.5].
+
+    R_F by duplication [DLMF 19.26.18] and its series to the seventh order [DLMF 19.36.1]. cn and dn must not both be zero.
+    """
+    x, y, z = cn * cn, dn * dn, Wide(1)
+    while True:
+        mean = (x + y + z) / 3
+        dx, dy = 1 - x / mean, 1 - y / mean
+        dz = -dx - dy
+        if max(abs(dx), abs(dy), abs(dz)) < 2e-3:
+            e2, e3 = dx * dy - dz * dz, dx * dy * dz
+            second = e2 * (-1 / Wide(10) + e2 * (1 / Wide(24) - e2 * 5 / 208))
+            third = e3 * (1 / Wide(14) + e2 * (-3 / Wide(44) + e2 / 16) + e3 * 3 / 104)
+            return Wide(sn * (1 + second + third) / np.sqrt(mean))
+        rx, ry, rz = np.sqrt(x), np.sqrt(y), np.sqrt(z)
+        shift = rx * ry + rx * rz + ry * rz
+        x, y, z = (x + shift) / 4, (y + shift) / 4, (z + shift) / 4
+
+
+@dataclass(frozen=True, eq=False)
+class ThetaSeries:
+    """Six series in 1, c1, c2, c3 for u in [-K, K], where cn = cos(2 n z), or cosh(2 n z) if hyperbolic, and z = scale u.
+
+    rows: (6, 4) numerators of sn, cn, dn, their denominator, and the real and imaginary parts of Theta(u + i eta), each
+    without its leading function. slope: the part of the phase of Theta(u + i eta) that is proportional to u, per u.
+    """
+
+    rows: Array
+    hyperbolic: bool
+    scale: float
+    slope: float
+
+
+def theta_series(k: Wide, kc: Wide, quarter: Wide, eta: Wide) -> ThetaSeries:
+    """The series for moduli k and kc, K, and the shift eta in [0, K'), k sc(eta, k') being not much more than 1.
+
+    They are theta functions [DLMF 20.2, 22.2] of the smaller of the two nomes, at most exp(-pi), so that what is left out is
+    below 1e-18 of what is kept. Jacobi's imaginary transformation [DLMF 20.7.30-20.7.33] leads from one nome to the other.
+    """
+    hyperbolic = bool(k > kc)
+    other = quarter_period(k)
+    period, conjugate = (other, quarter) if hyperbolic else (quarter, other)
+    n = np.arange(4, dtype=Wide)
+    log_nome = np.maximum(-PI * conjugate / period, Wide(-1e4))
+    shift = PI / 2 * eta / period
+    integer = np.exp((n * n * log_nome).astype(float)) * 2
+    integer[0] = 1
+    half = np.exp((n * (n + 1) * log_nome).astype(float))
+
+    theta1, theta2, theta3, theta4 = (SIGNS * half) @ SINES, half @ COSINES, integer, SIGNS * integer
+    if hyperbolic:
+        denominator, numerators = theta2, [theta1, theta4, theta3]
+        turns = ((2 * n + 1) * shift).astype(float)
+        real, imaginary = (half * np.cos(turns)) @ COSINES, (half * np.sin(turns)) @ SINES
+    else:
+        denominator, numerators = theta4, [theta1, theta2, theta3]
+        growing = np.exp((n * n * log_nome + 2 * n * shift).astype(float))
+        fading = np.exp((n * n * log_nome - 2 * n * shift).astype(float))
+        real = SIGNS * (growing + fading)
+        real[0] = 1
+        _, s1, s2, s3 = growing - fading
+        imaginary = np.array([s1 + s3, -2 * s2, 2 * s3, 0])
+    at_zero = denominator.sum() / np.array([row.sum() for row in numerators])
+    at_zero[0] *= float(2 * period / PI)
+    rows = np.array([*(at_zero[:, None] * numerators), denominator, real, imaginary])
+    return ThetaSeries(rows, hyperbolic, float(PI / 2 / period), float(-shift / quarter) if hyperbolic else 0.0)
+
+
+def jacobi(series: ThetaSeries, u: Array) -> tuple[Array, Array, Array, Array]:
+    """sn u, cn u, dn u and the phase of Theta(u + i eta) (rad), each (n,), of u (n,) in [-K, K]."""
+    terms = np.empty((4, len(u)))
+    z = series.scale * u
+    if series.hyperbolic:
+        z = np.clip(z, -FARTHEST, FARTHEST)
+        for_sn, for_cn = np.tanh(z), 1 / np.cosh(z)
+        for_dn, for_phase = for_cn, for_sn
+        c = np.cosh(2 * z)
+    else:
+        for_sn, for_cn = np.sin(z), np.cos(z)
+        for_dn, for_phase = np.ones_like(z), 2 * for_sn * for_cn
+        c = 1 - 2 * for_sn * for_sn
+    terms[0] = 1
+    terms[1] = c
+    terms[2] = 2 * c * c - 1
+    terms[3] = (2 * terms[2] - 1) * c
+    sn, cn, dn, denominator, real, imaginary = series.rows @ terms
+    phase = series.slope * u + np.arctan2(for_phase * imaginary, real)
+    return for_sn * sn / denominator, for_cn * cn / denominator, for_dn * dn / denominator, phase
