@@ -90,6 +90,7 @@ def truth(
     /,
     *,
     at: Annotated[tuple[float, ...], Parameter(consume_multiple=True)] = (),
+    certify: bool = False,
     json: bool = False,
 ) -> int:
     """Print the reference trajectory of a case and the bound of its error.
@@ -100,11 +101,11 @@ def truth(
         The name of a shipped case, or the path of a case file.
     at
         Instants in s, in any order; the case's own by default.
+    certify
+        Also run every other way to the truth, 128-bit arithmetic among them, and print how far they are apart.
     json
         Print one JSON object with all instants.
     """
-    import numpy as np
-
     from bodycheck import terminal, truths
     from bodycheck.reference.integration import OutOfReach
     from bodycheck.reference.truth import NotModelled
@@ -112,8 +113,10 @@ def truth(
     (loaded,) = _load_all((case,))
     if not all(0 <= instant < float("inf") for instant in at):
         raise BadInput("--at: instants must be finite and at least 0 s")
+    times = sorted(at) or None
     try:
-        found = truths.truth(loaded, np.array(sorted(at)) if at else None)
+        certificate = truths.certify(loaded, times) if certify else None
+        found = certificate.truth if certificate else truths.truth(loaded, times)
     except NotModelled as error:
         print(f"{loaded.name}: unsupported: the reference does not model {error}", file=sys.stderr)
         return FAILED
@@ -121,9 +124,11 @@ def truth(
         print(f"{loaded.name}: the reference cannot follow this motion: {error}", file=sys.stderr)
         return FAILED
     if json:
-        terminal.print_json(truths.as_json(loaded, found))
+        terminal.print_json(truths.as_json(loaded, found) | (truths.certificate_as_json(certificate) if certificate else {}))
     else:
         terminal.print_truth(found, most_rows=len(at) or 11)
+        if certificate:
+            terminal.print_certificate(certificate)
     return OK
 
 

@@ -11,7 +11,10 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from bodycheck.discrepancy import drifts
 from bodycheck.judgement import Verdict
+from bodycheck.reference.certificate import Certificate
+from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
 
 WIDTH_OF_A_FILE = 200
@@ -86,6 +89,25 @@ def print_truth(truth: Truth, most_rows: int) -> None:
     print_table(header, rows)
     left_out = f"; {len(chosen)} of {len(trajectory)} instants, --json prints all" if len(chosen) < len(trajectory) else ""
     print(f"model {truth.model}, backend {truth.backend}{left_out}")
+
+
+def print_certificate(certificate: Certificate) -> None:
+    """How far the ways to the truth have been apart until some instants, and what the truth itself conserves."""
+    truth = certificate.truth
+    t = truth.trajectory.t
+    chosen = np.unique(np.searchsorted(t, np.linspace(0, t[-1], 5)[1:]))
+
+    def figures(values: Array) -> tuple[str, ...]:
+        return tuple(f"{values[i]:.1e}" for i in chosen)
+
+    print("\nlargest attitude difference so far, rad")
+    rows = [(f"{one} | {other}", *figures(apart)) for (one, other), apart in certificate.differences.items()]
+    rows += [("printed bound of the truth's error", *figures(truth.error)), ("certified bound", *figures(certificate.bound))]
+    print_table(("ways", *(f"until {t[i]:g} s" for i in chosen)), rows)
+    if certificate.growth is not None:
+        print(f"an error made on the way grows up to {certificate.growth.max():.2g}-fold")
+    energy, rotational, momentum = (f"{values.max():.1e}" for values in drifts(truth.trajectory, truth))
+    print(f"drifts of the truth itself, relative: energy {energy}, rotational energy {rotational}, angular momentum {momentum}")
 
 
 @contextmanager

@@ -1,0 +1,87 @@
+"""What a truth costs: SciPy's DOP853, heyoka's 80-bit Taylor series and the closed form on ten seconds of flip.
+
+All are timed in one process, in turns, warm; a fresh process with an empty cache of compiled code, and one with a full cache,
+tell what the first truth costs. Last, ten thousand closed forms of random bodies. Run: python benchmarks/truth_cost.py
+"""
+
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+
+import numpy as np
+
+from bodycheck import load
+from bodycheck.reference import closed_form, lagrangian, taylor, truth
+from bodycheck.reference.scene import Body, Scene, State
+
+TURNS = 11
+MANY = 10_000
+
+FIRST = """
+import time
+from bodycheck import load
+from bodycheck.reference import taylor
+case = load("intermediate-axis-flip")
+start = time.perf_counter()
+taylor.integrate(case.scene, case.instants)
+print(time.perf_counter() - start)
+"""
+
+
+def main() -> None:
+    case = load("intermediate-axis-flip")
+    scene, times = case.scene, case.instants
+    ways: dict[str, Callable[[], object]] = {
+        "DOP853, Euler-Lagrange": lambda: lagrangian.integrate(scene, times),
+        "80-bit, Euler-Lagrange": lambda: taylor.integrate(scene, times),
+        "closed form": lambda: closed_form.motion(scene, times),
+        "DOP853, with its bound": lambda: truth.truth(scene, times, truth.dop853()),
+        "80-bit, with its bound": lambda: truth.truth(scene, times),
+    }
+    costs: dict[str, list[float]] = {name: [] for name in ways}
+    for turn in range(TURNS + 1):
+        for name, way in ways.items():
+            start = time.perf_counter()
+            way()
+            if turn:  # the first one warms up
+                costs[name].append(time.perf_counter() - start)
+
+    print(f"{case.name}, {len(times)} samples, warm, median of {TURNS} turns")
+    for name, reference in zip(ways, [*["DOP853, Euler-Lagrange"] * 3, *["DOP853, with its bound"] * 2], strict=True):
+        ratio = statistics.median(b / a for a, b in zip(costs[name], costs[reference], strict=True))
+        print(f"{name:24} {statistics.median(costs[name]) * 1e3:8.2f} ms, 1/{ratio:.1f} of {reference}")
+
+    exact = taylor.euler_lagrange(scene, times, "quadruple").quaternion
+    for name in list(ways)[:3]:
+        error = taylor.attitude_difference(ways[name]().quaternion, exact).max()  # type: ignore[attr-defined]
+        print(f"{name:24} {error:8.1e} rad from the 128-bit run")
+
+    with tempfile.TemporaryDirectory() as cache:
+        for state in ("empty", "full"):
+            done = subprocess.run(
+                [sys.executable, "-c", FIRST],
+                env=os.environ | {"HEYOKA_CACHE_DIR": cache},
+                capture_output=True,
+                text=True,
+                check=True,
+            )
+            print(f"first 80-bit truth of a process, cache of compiled code {state}: {float(done.stdout) * 1e3:.0f} ms")
+
+    rng = np.random.default_rng(1)
+    start = time.perf_counter()
+    for _ in range(MANY):
+        x, y, z = rng.uniform(0.05, 1, 3)
+        body = Body(1.0, (y * y + z * z, x * x + z * z, x * x + y * y))
+        p, q, r = rng.normal(0, 5, 3)
+        tumble = Scene(body, State(angular_velocity=(p, q, r)))
+        closed_form.motion(tumble, times)
+        closed_form.bound(tumble, times)
+    print(f"{MANY} closed forms of random bodies, {len(times)} samples each, with bounds: {time.perf_counter() - start:.1f} s")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,66 @@
+"""Every applicable way to the truth of one scene, held against every other."""
+
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.reference import closed_form, truth
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truth import Truth
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """What is known of a truth's error at its n instants.
+
+    differences: by the names of two ways, how far apart their attitudes have been so far (n,), rad; the truth is one of them.
+    bound: (n,) rad, of the truth's own error, by the better of two witnesses: the closed form with its own bound, and the
+    128-bit run with twice the distance between its two forms.
+    growth: (n,) attitude error per unit of relative error made at the worst moment before; None without heyoka.
+    """
+
+    truth: Truth
+    differences: dict[tuple[str, str], Array]
+    bound: Array
+    growth: Array | None
+
+
+CLOSED_FORM = "closed form"
+THE_TRUTH = "truth"
+
+
+def certify(scene: Scene, times: Array) -> Certificate:
+    """The certificate of a scene's truth at ascending times (n,) >= 0 s.
+
+    Raises as `truth.truth` does.
+    """
+    found = truth.truth(scene, times)
+    plain = truth.dop853()
+    ways: dict[str, NDArray[Any]] = {
+        THE_TRUTH: found.trajectory.quaternion,
+        CLOSED_FORM: closed_form.motion(scene, times).quaternion,
+        f"euler-lagrange, {plain.name}": plain.euler_lagrange(scene, times).quaternion,
+        f"quasi-coordinates, {plain.name}": plain.attitudes(scene, times),
+    }
+    try:
+        from bodycheck.reference import sensitivity, taylor
+    except ImportError:
+        difference, growth = truth.attitude_difference, None
+        quadruple: tuple[str, ...] = ()
+    else:
+        difference, growth = taylor.attitude_difference, sensitivity.growth(scene, times).of_any
+        for precision, name in taylor.NAMES.items():
+            ways[f"euler-lagrange, {name}"] = taylor.euler_lagrange(scene, times, precision).quaternion
+            ways[f"quasi-coordinates, {name}"] = taylor.quasi_coordinates(scene, times, precision).quaternion
+        quadruple = tuple(ways)[-2:]
+
+    apart = {(one, other): np.maximum.accumulate(difference(ways[one], ways[other])) for one, other in combinations(ways, 2)}
+    bound = apart[THE_TRUTH, CLOSED_FORM] + closed_form.bound(scene, times)
+    if quadruple:
+        lagrange, euler = quadruple
+        bound = np.minimum(bound, apart[THE_TRUTH, lagrange] + 2 * apart[lagrange, euler])
+    return Certificate(found, apart, bound, growth)

@@ -1,0 +1,84 @@
+"""The report as one HTML file: everything it needs is in it, and its content policy forbids it to load anything."""
+
+import json
+import re
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import jinja2
+import vl_convert
+from markupsafe import Markup, escape
+
+from bodycheck.reports import charts
+from bodycheck.reports.contents import Contents
+from bodycheck.reports.lines import Line
+from bodycheck.reports.quantities import count, milliseconds
+
+MEASURE = re.compile(
+    r"(?<![\w.&#-])-?\d[\d.]*(?:e-?\d+)?(?: (?:rad/s|rad|m/s²|m/s|m|µs|s|kg m²/s|kg m²|kg|%)(?!\w))?(?![\w;-])"
+)
+"""A number and its unit in escaped text; not the numbers inside names and character references."""
+
+
+def render(contents: Contents) -> str:
+    """The text of report.html."""
+    templates = resources.files("bodycheck.reports") / "templates"
+    environment = jinja2.Environment(
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        loader=jinja2.FunctionLoader(lambda name: (templates / name).read_text("utf-8")),
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"milliseconds": milliseconds, "unbroken": _unbroken, "dashes": _dashes}
+    environment.globals |= {"count": count}
+    return environment.get_template("report.html.jinja").render(
+        contents=contents,
+        engines=_spans(contents.lines),
+        specifications=_json(specifications(contents)),
+        datasets={section.name: _json(section.curves.datasets) for section in contents.sections},
+        style=_verbatim((templates / "report.css").read_text("utf-8"), "style"),
+        library=_verbatim(_library(), "script"),
+        script=_verbatim((templates / "report.js").read_text("utf-8"), "script"),
+    )
+
+
+def specifications(contents: Contents) -> dict[str, charts.Spec]:
+    """The charts of a report by name: each is stored once and drawn with every case's datasets."""
+    errors = {quantity.name: charts.without_legend(charts.over_time(quantity, contents.lines)) for quantity in contents.plotted}
+    return errors | {f"momentum_{frame}": charts.momentum(frame) for frame in charts.FRAMES}
+
+
+@cache
+def _library() -> str:
+    """Vega, Vega-Lite and Vega-Embed, which leave one name to the page's own script; it takes a second to make."""
+    return str(vl_convert.javascript_bundle("window.vegaEmbed = vegaEmbed;"))
+
+
+def _spans(lines: tuple[Line, ...]) -> tuple[tuple[str, int], ...]:
+    """Engines with the numbers of their methods, as the head of the matrix spans them."""
+    engines = [line.engine for line in lines]
+    return tuple((engine, engines.count(engine)) for engine in dict.fromkeys(engines))
+
+
+def _unbroken(text: str) -> Markup:
+    """Text whose numbers stay on one line with their units: 2.1e-9 rad must not break after the sign."""
+    return Markup(MEASURE.sub(r'<span class="keep">\g<0></span>', str(escape(text))))
+
+
+def _dashes(line: Line) -> str:
+    return " ".join(map(str, line.dash))
+
+
+def _json(value: Any) -> Markup:
+    """JSON that is safe inside a script element: nothing in it can end the element or begin a comment."""
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False)  # ASCII only, so that no line separator is bare
+    return Markup(text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026"))
+
+
+def _verbatim(text: str, element: str) -> Markup:
+    """A style or script of our own, put in as it is. Raises `ValueError` where that would end or change the element."""
+    if f"</{element}" in text.lower() or "<!--" in text:
+        raise ValueError(f"cannot stand inside a {element} element as it is")
+    return Markup(text)
