@@ -1,7 +1,8 @@
 """What a truth costs: SciPy's DOP853, heyoka's 80-bit Taylor series and the closed form on ten seconds of flip.
 
-All are timed in one process, in turns, warm; a fresh process with an empty cache of compiled code, and one with a full cache,
-tell what the first truth costs. Last, ten thousand closed forms of random bodies. Run: python benchmarks/truth_cost.py
+All are timed in one process, in turns, warm: each for a tenth of a second a turn, at least once. A fresh process with an
+empty cache of compiled code, and one with a full cache, tell what the first truth costs. Last, ten thousand closed forms of
+random bodies. Run: python benchmarks/truth_cost.py
 """
 
 import os
@@ -19,6 +20,9 @@ from bodycheck.reference import closed_form, lagrangian, taylor, truth
 from bodycheck.reference.scene import Body, Scene, State
 
 TURNS = 11
+SHARE = 0.1
+"""Seconds of a turn that each way gets."""
+
 MANY = 10_000
 
 FIRST = """
@@ -45,10 +49,12 @@ def main() -> None:
     costs: dict[str, list[float]] = {name: [] for name in ways}
     for turn in range(TURNS + 1):
         for name, way in ways.items():
-            start = time.perf_counter()
-            way()
+            calls, start = 0, time.perf_counter()
+            while calls == 0 or time.perf_counter() - start < SHARE:
+                way()
+                calls += 1
             if turn:  # the first one warms up
-                costs[name].append(time.perf_counter() - start)
+                costs[name].append((time.perf_counter() - start) / calls)
 
     print(f"{case.name}, {len(times)} samples, warm, median of {TURNS} turns")
     for name, reference in zip(ways, [*["DOP853, Euler-Lagrange"] * 3, *["DOP853, with its bound"] * 2], strict=True):
