@@ -17,18 +17,17 @@ MOST_SAMPLES = 100_001
 MOST_STEPS = 1e9
 LONGEST_NAME = 100
 LARGEST = 1e100
-"""No number of a case may exceed this in size, no positive one be below its inverse: squares and products stay finite."""
-
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST)]
+"""No number of a case may exceed this in size, nor, other than zero, fall below its inverse: squares and products exist."""
 
 
 def _not_vanishing(value: float) -> float:
-    if value < 1 / LARGEST:
-        raise ValueError(f"should be at least {1 / LARGEST:g}")
+    if 0 < abs(value) < 1 / LARGEST:
+        raise ValueError(f"should be 0, or at least {1 / LARGEST:g} in size")
     return value
 
 
-Positive = Annotated[Number, Field(gt=0), AfterValidator(_not_vanishing)]
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST), AfterValidator(_not_vanishing)]
+Positive = Annotated[Number, Field(gt=0)]
 NonNegative = Annotated[Number, Field(ge=0)]
 Text = Annotated[str, Field(strict=True)]
 Vector = tuple[Number, Number, Number]

@@ -16,6 +16,11 @@ from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
 from bodycheck.reference.truth import Backend, NotModelled, attitude_difference, backend, dop853, truth
 
+try:
+    from bodycheck.reference import taylor
+except ImportError:
+    taylor = None  # where heyoka is not installed
+
 TIMES = np.linspace(0, 2, 21)
 
 
@@ -97,12 +102,13 @@ def moments(shape: tuple[float, float, float]) -> Body:
 WEIGHT = st.one_of(st.floats(0.05, 1.0), st.sampled_from([0.0, 1e-6, 0.5, 0.5 + 1e-9, 1.0]))
 SHAPE = st.tuples(WEIGHT, WEIGHT, WEIGHT).filter(lambda shape: sorted(shape)[1] > 1e-3)
 ATTITUDE = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: float(np.linalg.norm(q)) > 0.1)
-SPIN = st.tuples(*[st.one_of(st.floats(-5, 5), st.sampled_from([0.0, 1e-8]))] * 3)
+RATE = st.one_of(st.floats(1e-3, 5), st.floats(-5, -1e-3), st.sampled_from([0.0, 1e-8, 1e-100]))
+SPIN = st.tuples(RATE, RATE, RATE)
 
 
 @settings(max_examples=40)
 @given(SHAPE, ATTITUDE, SPIN)
-def test_any_body_attitude_and_tumble_agrees_to_the_bound_in_128_bits_too(
+def test_any_body_attitude_and_tumble_agrees_to_the_bound(
     shape: tuple[float, float, float], quaternion: tuple[float, ...], spin: tuple[float, float, float]
 ) -> None:
     w, x, y, z = normalise(np.array(quaternion)).tolist()
@@ -112,7 +118,7 @@ def test_any_body_attitude_and_tumble_agrees_to_the_bound_in_128_bits_too(
         assert (disagreement(solver, scene, TIMES) <= found.error).all()
         # 10 rad of turn at 1e-14 a radian, times the growth of a flip in that time.
         assert found.error.max() < 1e-9
-        if (taylor := pytest.importorskip("bodycheck.reference.taylor")) is not None:
+        if taylor is not None:
             exact = taylor.euler_lagrange(scene, TIMES, "quadruple").quaternion
             assert (taylor.attitude_difference(found.trajectory.quaternion, exact) <= found.error).all()
 
