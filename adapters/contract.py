@@ -53,8 +53,8 @@ class Adapter(Protocol):
         """The engine's own version."""
         ...
 
-    def integrators(self) -> tuple[str, ...]:
-        """The integrators that the installed version offers."""
+    def integrators(self, scene: Scene | None = None) -> tuple[str, ...]:
+        """The integrators that the installed version offers for a scene; without one, all of them."""
         ...
 
     def unsupported(self, scene: Scene) -> str | None:

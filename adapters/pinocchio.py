@@ -12,33 +12,33 @@ import numpy as np
 import pinocchio as pin
 
 from bodycheck.adapters.contract import Method, SceneUnsupported, Strides
+from bodycheck.reference.inertia import inertia_tensor
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
-Step = Callable[[pin.Model, pin.Data, Array, Array, float], tuple[Array, Array]]
+Acceleration = Callable[[Array, Array], Array]
+Step = Callable[[pin.Model, Acceleration, Array, Array, float], tuple[Array, Array]]
 
-NO_TORQUE = np.zeros(6)
 
-
-def euler(model: pin.Model, data: pin.Data, q: Array, v: Array, h: float) -> tuple[Array, Array]:
+def euler(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float) -> tuple[Array, Array]:
     """Semi-implicit Euler: the velocity first, then the configuration with the new velocity. Order 1."""
-    v = v + h * pin.aba(model, data, q, v, NO_TORQUE)
+    v = v + h * aba(q, v)
     return pin.integrate(model, q, h * v), v
 
 
-def rk4_naive(model: pin.Model, data: pin.Data, q: Array, v: Array, h: float) -> tuple[Array, Array]:
+def rk4_naive(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float) -> tuple[Array, Array]:
     """Classical Runge-Kutta whose stage velocities are added as if they shared one tangent space. Order 2 in attitude."""
-    a1 = pin.aba(model, data, q, v, NO_TORQUE)
+    a1 = aba(q, v)
     v2 = v + h / 2 * a1
-    a2 = pin.aba(model, data, pin.integrate(model, q, h / 2 * v), v2, NO_TORQUE)
+    a2 = aba(pin.integrate(model, q, h / 2 * v), v2)
     v3 = v + h / 2 * a2
-    a3 = pin.aba(model, data, pin.integrate(model, q, h / 2 * v2), v3, NO_TORQUE)
+    a3 = aba(pin.integrate(model, q, h / 2 * v2), v3)
     v4 = v + h * a3
-    a4 = pin.aba(model, data, pin.integrate(model, q, h * v3), v4, NO_TORQUE)
+    a4 = aba(pin.integrate(model, q, h * v3), v4)
     return pin.integrate(model, q, h / 6 * (v + 2 * v2 + 2 * v3 + v4)), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
 
 
-def rk4(model: pin.Model, data: pin.Data, q: Array, v: Array, h: float) -> tuple[Array, Array]:
+def rk4(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float) -> tuple[Array, Array]:
     """Runge-Kutta-Munthe-Kaas of order 4 (Munthe-Kaas, BIT 38, 1998).
 
     Each stage velocity is brought to the tangent space at q by the inverse of the exponential's derivative there, which is
@@ -49,10 +49,10 @@ def rk4(model: pin.Model, data: pin.Data, q: Array, v: Array, h: float) -> tuple
         there = pin.integrate(model, q, u)
         return (
             pin.dDifference(model, q, there, pin.ARG1) @ velocity,
-            pin.aba(model, data, there, velocity, NO_TORQUE),
+            aba(there, velocity),
         )
 
-    u1, a1 = v, pin.aba(model, data, q, v, NO_TORQUE)
+    u1, a1 = v, aba(q, v)
     u2, a2 = slope(h / 2 * u1, v + h / 2 * a1)
     u3, a3 = slope(h / 2 * u2, v + h / 2 * a2)
     u4, a4 = slope(h * u3, v + h * a3)
@@ -72,16 +72,12 @@ def version() -> str:
     return str(pin.__version__)
 
 
-def integrators() -> tuple[str, ...]:
+def integrators(scene: Scene | None = None) -> tuple[str, ...]:
     return tuple(SCHEMES)
 
 
 def unsupported(scene: Scene) -> str | None:
-    if scene.plane is not None:
-        return "contact with a plane"
-    if scene.drag:
-        return "drag"
-    return None
+    return "contact with a plane" if scene.plane is not None else None
 
 
 def prepare(scene: Scene, method: Method) -> "Loop":
@@ -95,7 +91,7 @@ def prepare(scene: Scene, method: Method) -> "Loop":
     else:
         slide = model.addJoint(0, pin.JointModelTranslation(), pin.SE3.Identity(), "translation")
         joint = model.addJoint(slide, pin.JointModelSpherical(), pin.SE3.Identity(), "rotation")
-    inertia = pin.Inertia(scene.body.mass, np.zeros(3), np.diag(scene.body.moments))
+    inertia = pin.Inertia(scene.body.mass, np.zeros(3), inertia_tensor(scene.body))
     model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
     return Loop(model, step, method.timestep, body_twist, scene)
 
@@ -104,8 +100,18 @@ class Loop:
     """A Pinocchio model and its state, stepped in a Python loop."""
 
     def __init__(self, model: pin.Model, step: Step, timestep: float, body_twist: bool, scene: Scene) -> None:
-        self.model, self.data = model, model.createData()
-        self.step, self.timestep, self.body_twist = step, timestep, body_twist
+        self.model, self.step, self.timestep, self.body_twist = model, step, timestep, body_twist
+        data, no_force = model.createData(), np.zeros(6)
+
+        def free(q: Array, v: Array) -> Array:
+            return np.asarray(pin.aba(model, data, q, v, no_force))
+
+        def resisted(q: Array, v: Array) -> Array:
+            # The generalized force of -k |v| v at the centre of mass has the components that the linear velocity has.
+            force = np.concatenate([-scene.drag * np.linalg.norm(v[:3]) * v[:3], np.zeros(3)])
+            return np.asarray(pin.aba(model, data, q, v, force))
+
+        self.acceleration = resisted if scene.drag else free
         initial = scene.initial
         w, x, y, z = initial.quaternion
         self.q = np.array([*initial.position, x, y, z, w])
@@ -115,12 +121,12 @@ class Loop:
         self.v = np.array([*linear, *initial.angular_velocity])
 
     def advance(self, strides: Strides) -> Array:
-        model, data, step, timestep = self.model, self.data, self.step, self.timestep
+        model, acceleration, step, timestep = self.model, self.acceleration, self.step, self.timestep
         q, v = self.q, self.v
         rows = np.empty((len(strides), 13))
         for row, stride in zip(rows, strides.tolist(), strict=True):
             for _ in range(stride):
-                q, v = step(model, data, q, v, timestep)
+                q, v = step(model, acceleration, q, v, timestep)
             row[:3], row[3], row[4:7], row[7:] = q[:3], q[6], q[3:6], v
         self.q, self.v = q, v
         if self.body_twist:

@@ -25,7 +25,7 @@ def main() -> None:
     strides = np.diff(sampling_steps(case.instants, TIMESTEP), prepend=0)
     steps = int(strides.sum())
     print(f"MuJoCo {adapter.version()}, {case.name}, {steps} steps, {len(strides)} samples; median of {TURNS} turns, range")
-    for integrator in adapter.integrators():
+    for integrator in adapter.integrators(case.scene):
         ratios, plain_times = [], []
         for _ in range(TURNS):
             simulation = adapter.prepare(case.scene, Method(integrator, TIMESTEP))

@@ -2,18 +2,20 @@
 
 import re
 import tomllib
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from importlib import resources
 from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from bodycheck import grammar
 from bodycheck.errors import BadInput
-from bodycheck.reference.inertia import principal_moments
-from bodycheck.reference.kinematics import body_rates, normalise, quaternion_from_euler
+from bodycheck.reference.inertia import MassProperties, composite, particles, principal_axes, principal_moments, solid
+from bodycheck.reference.kinematics import body_rates, euler_from_quaternion, normalise, quaternion_from_euler
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere, State
 from bodycheck.reference.trajectory import Array
 from bodycheck.toml_positions import Path, Position, positions
@@ -21,6 +23,9 @@ from bodycheck.toml_positions import Path, Position, positions
 SUFFIX = ".case.toml"
 LARGEST_FILE = 1 << 20
 LONGEST_QUOTE = 60
+
+SLENDER = 1e-15
+"""Least ratio of principal moments that particles or parts may have: less is rounding."""
 
 
 @dataclass(frozen=True)
@@ -100,16 +105,16 @@ def parse(text: str, file: str) -> Case:
         raise CaseFaults((Fault(file, "nested too deeply"),)) from error
     except tomllib.TOMLDecodeError as error:
         raise CaseFaults((_syntax_fault(file, text, str(error)),)) from error
+    places = positions(text)
     errors: list[tuple[Path, str]] = list(grammar.contradictions(document))
     try:
         table = grammar.CaseTable.model_validate(document)
     except ValidationError as error:
         errors += [_explain(record, document) for record in error.errors(include_url=False)]
     if errors:
-        places = positions(text)
         faults = [_locate(file, places, document, path, message) for path, message in errors]
         raise CaseFaults(tuple(sorted(faults, key=lambda fault: fault.position or Position(0, 0))))
-    return _case(table, text)
+    return _case(table, text, file, places)
 
 
 def _read(path: FilePath) -> str:
@@ -137,8 +142,9 @@ def _syntax_fault(file: str, text: str, message: str) -> Fault:
 def _explain(record: Any, document: dict[str, Any]) -> tuple[Path, str]:
     """The path in the document and what is allowed there, from one of pydantic's error records."""
     path = tuple(record["loc"])
-    if path[:1] == ("body",) and path[1:2] and path[1] in grammar.SHAPE_TABLES:
-        path = ("body", *path[2:])  # pydantic puts in the member of the union
+    if path[:1] == ("body",):
+        # pydantic puts the members of its unions into the path
+        path = ("body", *(key for key in path[1:] if key not in (*grammar.SHAPE_TABLES, "moments", "tensor")))
     kind = record["type"]
     if kind == "missing":
         return path, "is missing"
@@ -171,14 +177,14 @@ def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], p
     return Fault(file, f"read {quote}; {message}", places[place], key)
 
 
-def _case(table: grammar.CaseTable, text: str) -> Case:
+def _case(table: grammar.CaseTable, text: str, file: str, places: dict[Path, Position]) -> Case:
     return Case(
         name=table.name,
         title=table.title,
         source=table.source,
         tags=table.tags,
         scene=Scene(
-            body=_body(table.body),
+            body=_body(table.body, file, places),
             initial=_state(table.initial),
             gravity=table.scene.gravity,
             plane=Plane(**table.scene.plane.model_dump()) if table.scene.plane else None,
@@ -191,38 +197,72 @@ def _case(table: grammar.CaseTable, text: str) -> Case:
     )
 
 
-def _body(table: grammar.BodyTable) -> Body:
-    shape: Shape | None = None
+def _body(table: grammar.AnyBody, file: str, places: dict[Path, Position]) -> Body:
+    if isinstance(table, grammar.ShapelessTable) and table.inertia is None:
+        made = _composed(table)
+        moments, axes = principal_axes(made.inertia)
+        if not min(moments) > SLENDER * max(moments):
+            reason = f"its principal moments are {moments}; a body on a line, with none about it, cannot be followed"
+            raise CaseFaults((Fault(file, reason, places["body",], "body"),))
+        return Body(made.mass, moments, None, axes)
+    shape = _shape(table)
+    assert table.mass is not None  # the grammar requires it where it is not composed
+    if table.inertia is None:
+        assert shape is not None
+        return Body(table.mass, principal_moments(shape, table.mass), shape)
+    inertia = np.array(table.inertia)
+    moments, axes = principal_axes(np.diag(inertia) if inertia.ndim == 1 else inertia)
+    return Body(table.mass, moments, shape, axes)
+
+
+def _shape(table: grammar.AnyBody | grammar.PartTable) -> Shape | None:
     match table:
-        case grammar.BrickTable(semi_axes=semi_axes):
-            shape = Brick(semi_axes)
-        case grammar.EllipsoidTable(semi_axes=semi_axes):
-            shape = Ellipsoid(semi_axes)
-        case grammar.CylinderTable(radius=radius, half_length=half_length):
-            shape = Cylinder(radius, half_length)
-        case grammar.SphereTable(radius=radius):
-            shape = Sphere(radius)
-    if table.inertia is not None:
-        return Body(table.mass, table.inertia, shape)
-    assert shape is not None  # the grammar requires the moments of a body without a shape
-    return Body(table.mass, principal_moments(shape, table.mass), shape)
+        case grammar.BrickTable(semi_axes=semi_axes) | grammar.PartTable(shape="brick", semi_axes=tuple(semi_axes)):
+            return Brick(semi_axes)
+        case grammar.EllipsoidTable(semi_axes=semi_axes) | grammar.PartTable(shape="ellipsoid", semi_axes=tuple(semi_axes)):
+            return Ellipsoid(semi_axes)
+        case (
+            grammar.CylinderTable(radius=radius, half_length=half_length)
+            | grammar.PartTable(shape="cylinder", radius=float(radius), half_length=float(half_length))
+        ):
+            return Cylinder(radius, half_length)
+        case grammar.SphereTable(radius=radius) | grammar.PartTable(shape="sphere", radius=float(radius)):
+            return Sphere(radius)
+        case _:
+            return None
+
+
+def _composed(table: grammar.ShapelessTable) -> MassProperties:
+    if table.particles is not None:
+        return particles([particle.mass for particle in table.particles], [particle.position for particle in table.particles])
+    solids = [
+        solid(shape, part.mass, part.position, _attitude(part).astype(float))
+        for part in table.parts or ()
+        if (shape := _shape(part)) is not None
+    ]
+    return composite(solids)
+
+
+def _attitude(table: grammar.InitialTable | grammar.PartTable) -> NDArray[np.longdouble]:
+    """A unit quaternion from either way of giving it, in the widest float."""
+    if table.quaternion is not None:
+        return normalise(np.array(table.quaternion, dtype=np.longdouble))
+    return quaternion_from_euler(*_wide(table.euler_zxz or (0.0, 0.0, 0.0)))
 
 
 def _state(table: grammar.InitialTable) -> State:
     """The initial state, formed in the widest float so that its doubles are the nearest ones to what the file says."""
-    angles = [np.longdouble(angle) for angle in table.euler_zxz or (0.0, 0.0, 0.0)]
-    if table.quaternion is not None:
-        quaternion = normalise(np.array(table.quaternion, dtype=np.longdouble))
-    else:
-        quaternion = quaternion_from_euler(*(np.asarray(angle) for angle in angles))
     rates = table.angular_velocity or (0.0, 0.0, 0.0)
     if table.euler_rates is not None:
-        _, theta, psi = (np.asarray(angle) for angle in angles)
-        dphi, dtheta, dpsi = (np.asarray(np.longdouble(rate)) for rate in table.euler_rates)
-        x, y, z = body_rates(theta, psi, dphi, dtheta, dpsi).tolist()
+        _, theta, psi = euler_from_quaternion(_attitude(table)) if table.quaternion else _wide(table.euler_zxz or (0, 0, 0))
+        x, y, z = body_rates(theta, psi, *_wide(table.euler_rates)).tolist()
         rates = float(x), float(y), float(z)
-    w, x, y, z = (float(component) for component in quaternion)
+    w, x, y, z = _attitude(table).astype(float).tolist()
     return State(table.position, (w, x, y, z), table.velocity, rates)
+
+
+def _wide(values: Sequence[float]) -> Iterator[NDArray[np.longdouble]]:
+    return (np.asarray(np.longdouble(value)) for value in values)
 
 
 def _expectation(table: grammar.ExpectTable) -> Expectation:

@@ -8,13 +8,15 @@ import math
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+import numpy as np
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 from bodycheck.reference.inertia import satisfies_triangle_inequality
 from bodycheck.toml_positions import Path
 
 MOST_SAMPLES = 100_001
 MOST_STEPS = 1e9
+MOST_PARTS = 1000
 LONGEST_NAME = 100
 LARGEST = 1e100
 """No number of a case may exceed this in size, nor, other than zero, fall below its inverse: squares and products exist."""
@@ -34,17 +36,31 @@ Vector = tuple[Number, Number, Number]
 PositiveVector = tuple[Positive, Positive, Positive]
 
 
+def _kind_of_inertia(value: Any) -> str:
+    return "tensor" if isinstance(value, list | tuple) and any(isinstance(row, list | tuple) for row in value) else "moments"
+
+
+Matrix = tuple[Vector, Vector, Vector]
+Quaternion = tuple[Number, Number, Number, Number]
+
+
 class Table(BaseModel):
     """A table whose unknown keys are faults."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+INERTIA = "principal moments A, B, C, or the whole tensor along I, J, K, kg m^2"
+AnyInertia = Annotated[
+    Annotated[PositiveVector, Tag("moments")] | Annotated[Matrix, Tag("tensor")], Discriminator(_kind_of_inertia)
+]
+
+
 class BodyTable(Table):
-    """What every body has."""
+    """What every solid has."""
 
     mass: Positive = Field(description="kg")
-    inertia: PositiveVector | None = Field(default=None, description="principal moments A, B, C, kg m^2")
+    inertia: AnyInertia | None = Field(default=None, description=INERTIA)
 
 
 class BrickTable(BodyTable):
@@ -76,14 +92,37 @@ class SphereTable(BodyTable):
     radius: Positive = Field(description="m")
 
 
-class ShapelessTable(BodyTable):
-    """A body of which only mass and moments matter."""
+class ParticleTable(Table):
+    """A point mass."""
 
-    shape: Literal["none"]
-    inertia: PositiveVector = Field(description="principal moments A, B, C, kg m^2")
+    mass: Positive = Field(description="kg")
+    position: Vector = Field(description="in the frame of the body, from any origin, m")
 
 
-SHAPE_TABLES: dict[str, type[BodyTable]] = {
+class PartTable(Table):
+    """A homogeneous solid that is part of a body, rigidly joined to the others."""
+
+    shape: Literal["brick", "ellipsoid", "cylinder", "sphere"]
+    semi_axes: PositiveVector | None = None
+    radius: Positive | None = None
+    half_length: Positive | None = None
+    mass: Positive = Field(description="kg")
+    position: Vector = Field(default=(0.0, 0.0, 0.0), description="of its centre, in the frame of the body, from any origin, m")
+    euler_zxz: Vector | None = Field(default=None, description="of its axes in the frame of the body, rad")
+    quaternion: Quaternion | None = Field(default=None, description="w, x, y, z, its axes to the frame of the body")
+
+
+class ShapelessTable(Table):
+    """A body of which only mass and inertia matter: these themselves, or particles, or parts that make them."""
+
+    shape: Literal["none"] = "none"
+    mass: Positive | None = Field(default=None, description="kg, with inertia")
+    inertia: AnyInertia | None = Field(default=None, description=INERTIA)
+    particles: Annotated[tuple[ParticleTable, ...], Field(min_length=1, max_length=MOST_PARTS)] | None = None
+    parts: Annotated[tuple[PartTable, ...], Field(min_length=1, max_length=MOST_PARTS)] | None = None
+
+
+SHAPE_TABLES: dict[str, type[Table]] = {
     "brick": BrickTable,
     "ellipsoid": EllipsoidTable,
     "cylinder": CylinderTable,
@@ -91,9 +130,17 @@ SHAPE_TABLES: dict[str, type[BodyTable]] = {
     "none": ShapelessTable,
 }
 
+
+def with_shape(body: Any) -> Any:
+    """A body made of particles or parts needs no shape to be given."""
+    made = isinstance(body, dict) and "shape" not in body and ("particles" in body or "parts" in body)
+    return {**body, "shape": "none"} if made else body
+
+
 AnyBody = Annotated[
     BrickTable | EllipsoidTable | CylinderTable | SphereTable | ShapelessTable,
     Field(discriminator="shape"),
+    BeforeValidator(with_shape),
 ]
 
 
@@ -103,7 +150,7 @@ class InitialTable(Table):
     position: Vector = Field(default=(0.0, 0.0, 0.0), description="of the centre of mass, world frame, m")
     velocity: Vector = Field(default=(0.0, 0.0, 0.0), description="of the centre of mass, world frame, m/s")
     euler_zxz: Vector | None = Field(default=None, description="phi, theta, psi, rad")
-    quaternion: tuple[Number, Number, Number, Number] | None = Field(default=None, description="w, x, y, z, body to world")
+    quaternion: Quaternion | None = Field(default=None, description="w, x, y, z, body to world")
     euler_rates: Vector | None = Field(default=None, description="dphi, dtheta, dpsi, rad/s")
     angular_velocity: Vector | None = Field(default=None, description="X, Y, Z in the body frame, rad/s")
 
@@ -175,6 +222,8 @@ class CaseTable(Table):
 
 TABLES: dict[Path, type[Table]] = {
     (): CaseTable,
+    ("body", "particles"): ParticleTable,
+    ("body", "parts"): PartTable,
     ("initial",): InitialTable,
     ("scene",): SceneTable,
     ("scene", "plane"): PlaneTable,
@@ -186,9 +235,7 @@ TABLES: dict[Path, type[Table]] = {
 
 def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
     """Faults that lie between keys, as (path, what is allowed), of a raw document that may have any other faults too."""
-    moments = _numbers(_mapping(document.get("body")).get("inertia"), 3)
-    if moments and min(moments) > 0 and not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
-        yield ("body", "inertia"), "no body has these moments: none may exceed the sum of the other two"
+    yield from _body_contradictions(_mapping(document.get("body")))
     initial = _mapping(document.get("initial"))
     for one, other in (("euler_zxz", "quaternion"), ("euler_rates", "angular_velocity")):
         if one in initial and other in initial:
@@ -224,8 +271,48 @@ def _numbers(value: Any, length: int) -> list[float] | None:
     return [float(item) for item in value] if all(abs(item) <= LARGEST for item in value) else None
 
 
+def _body_contradictions(body: dict[str, Any]) -> Iterator[tuple[Path, str]]:
+    inertia = body.get("inertia")
+    moments, rows = _numbers(inertia, 3), [_numbers(row, 3) for row in inertia] if isinstance(inertia, list) else []
+    if len(rows) == 3 and all(rows):
+        tensor = np.array(rows)
+        if not np.allclose(tensor, tensor.T, rtol=1e-12, atol=0):
+            yield ("body", "inertia"), "the tensor must be symmetric"
+        else:
+            moments = np.linalg.eigvalsh(tensor).tolist()
+            if min(moments) <= 0:
+                yield ("body", "inertia"), f"its smallest principal moment is {min(moments):.6g}; all must be positive"
+    if moments and min(moments) > 0 and not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
+        yield ("body", "inertia"), "no body has these moments: none may exceed the sum of the other two"
+    if _mapping(with_shape(body)).get("shape") == "none":
+        made = [key for key in ("inertia", "particles", "parts") if key in body]
+        if len(made) != 1:
+            yield ("body",), "a body without a shape needs one of inertia, particles, parts" + (" alone" if made else "")
+        if "inertia" in body and "mass" not in body:
+            yield ("body", "mass"), "is missing"
+        if made and "inertia" not in body and "mass" in body:
+            yield ("body", "mass"), f"says again what {made[0]} say; give one of the two"
+    parts = body.get("parts")
+    for index, part in enumerate(parts if isinstance(parts, list) else []):
+        needs = PART_SIZES.get(_mapping(part).get("shape", ""), ())
+        for key in ("semi_axes", "radius", "half_length"):
+            if needs and (key in needs) != (key in part):
+                what = "is missing" if key in needs else f"a {part['shape']} has none; allowed: {', '.join(needs)}"
+                yield ("body", "parts", index, key), what
+        if "euler_zxz" in _mapping(part) and "quaternion" in part:
+            yield ("body", "parts", index, "quaternion"), "says again what euler_zxz says; give one of the two"
+
+
+PART_SIZES = {
+    "brick": ("semi_axes",),
+    "ellipsoid": ("semi_axes",),
+    "cylinder": ("radius", "half_length"),
+    "sphere": ("radius",),
+}
+
+
 def table_at(path: Path, document: dict[str, Any]) -> type[Table] | None:
     """The grammar of the table at a path of a document; None where there is no table."""
     if path == ("body",):
-        return SHAPE_TABLES.get(_mapping(document.get("body")).get("shape", ""))
+        return SHAPE_TABLES.get(_mapping(with_shape(document.get("body"))).get("shape", ""))
     return TABLES.get(tuple(key for key in path if isinstance(key, str)))

@@ -11,7 +11,7 @@ import pandas as pd
 
 from bodycheck.case import Case, Expectation
 from bodycheck.discrepancy import COLUMNS as DISCREPANCIES
-from bodycheck.discrepancy import Discrepancy, compare
+from bodycheck.discrepancy import DISSIPATIVE_COLUMNS, Discrepancy, compare
 from bodycheck.outcome import Completed, Outcome, Run, Unsupported
 from bodycheck.reference.truth import Truth
 from bodycheck.store import Results
@@ -21,6 +21,7 @@ COLUMNS = (
     *DISCREPANCIES,
     *("steps", "wall_time", "time_per_step", "realtime_factor"),
 )
+"""Of every table of results. Where a scene with friction or drag is among them, `DISSIPATIVE_COLUMNS` follow."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,13 +80,17 @@ def verdict(case: Case, truth: Truth | Unsupported, run: Run) -> Verdict:
 
 def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     """The rows of results with all of `COLUMNS`, in their order; None where a run has no figure."""
-    return [dict.fromkeys(COLUMNS) | verdict.row() for verdict in verdicts]
+    rows = [verdict.row() for verdict in verdicts]
+    more = [name for name in DISSIPATIVE_COLUMNS if any(name in row for row in rows)]
+    return [dict.fromkeys((*COLUMNS, *more)) | row for row in rows]
 
 
 def table(verdicts: Iterable[Verdict]) -> pd.DataFrame:
-    """One row a run, in the columns and order of `COLUMNS`."""
-    frame = pd.DataFrame(records(verdicts), columns=list(COLUMNS))
-    figures = dict.fromkeys(COLUMNS[COLUMNS.index("reason") + 1 :], "Float64")
+    """One row a run, in the columns and order of `records`."""
+    rows = records(verdicts)
+    columns = list(rows[0]) if rows else list(COLUMNS)
+    frame = pd.DataFrame(rows, columns=columns)
+    figures = dict.fromkeys(columns[columns.index("reason") + 1 :], "Float64")
     return frame.astype({"passed": "boolean", **figures, "steps": "Int64"})
 
 

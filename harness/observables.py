@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
+from bodycheck.reference.inertia import angular_momentum
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -31,8 +30,7 @@ class Observables:
 def observe(scene: Scene, trajectory: Trajectory) -> Observables:
     """The observables of a scene's body at every instant of a trajectory; the potential is zero at z = 0."""
     body = scene.body
-    moments = np.array(body.moments)
-    momentum = moments * trajectory.angular_velocity
+    momentum = angular_momentum(body, trajectory.angular_velocity)
     return Observables(
         translational_energy=body.mass * (trajectory.velocity**2).sum(axis=1) / 2,
         rotational_energy=(momentum * trajectory.angular_velocity).sum(axis=1) / 2,

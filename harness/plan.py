@@ -37,12 +37,15 @@ def plan(
             raise BadInput(
                 f"time step {timestep:g} s: must be positive, at most a case's duration, at least its {MOST_STEPS:.0e}th"
             )
-    return tuple(
+    tasks = tuple(
         Task(case, engine, method)
         for case in cases
-        for engine, those in offered.items()
-        for method in dict.fromkeys(_methods(case, engine, those, integrators, timesteps))
+        for engine, adapter in engines.items()
+        for method in dict.fromkeys(_methods(case, engine, adapter.integrators(case.scene), integrators, timesteps))
     )
+    if not tasks:
+        raise BadInput(f"nothing to run: no case has a scene for which {', '.join(engines)} offer {', '.join(integrators)}")
+    return tasks
 
 
 def _methods(

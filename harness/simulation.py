@@ -8,7 +8,9 @@ import numpy as np
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Adapter, EngineDiverged, Method, SceneUnsupported, Simulation, Strides
 from bodycheck.case import Case
+from bodycheck.observables import observe
 from bodycheck.outcome import Completed, Crashed, Diverged, Outcome, Run, Unsupported
+from bodycheck.reference.inertia import angular_momentum
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import missing_model
@@ -33,8 +35,8 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT
 def _outcome(adapter: Adapter, engine: str, case: Case, method: Method) -> Outcome:
     named = f"{engine} {adapter.version()}"
     try:
-        if method.integrator not in adapter.integrators():
-            return Unsupported(f"{named} has no integrator {method.integrator!r}")
+        if method.integrator not in adapter.integrators(case.scene):
+            return Unsupported(f"{named} has no integrator {method.integrator!r} for this scene")
         if (missing := missing_model(case.scene)) is not None:
             return Unsupported(f"the reference does not model {missing}")
         if (missing := adapter.unsupported(case.scene)) is not None:
@@ -61,20 +63,19 @@ def _advance(simulation: Simulation, case: Case, method: Method) -> Outcome:
         rows = simulation.advance(strides)
         wall_time = time.perf_counter() - start
     t = steps.astype(np.float64) * method.timestep
-    if (failure := _divergence(case.scene, t, rows)) is not None:
-        return failure
     trajectory = Trajectory(t, rows[:, :3], rows[:, 3:7], rows[:, 7:10], rows[:, 10:])
-    return Completed(trajectory, int(steps[-1]), wall_time)
+    return _divergence(case.scene, trajectory) or Completed(trajectory, int(steps[-1]), wall_time)
 
 
-def _divergence(scene: Scene, t: Array, rows: Array) -> Diverged | None:
+def _divergence(scene: Scene, trajectory: Trajectory) -> Diverged | None:
     """The first instant at which the states are not numbers, or their kinetic energy is out of all bounds."""
-    finite = np.isfinite(rows).all(axis=1)
+    t = trajectory.t
+    states = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
+    finite = np.isfinite(np.hstack(states)).all(axis=1)
     if not finite.all():
         return Diverged(f"not a number at t = {t[np.argmin(finite)]:.6g} s")
-    mass, moments = scene.body.mass, np.array(scene.body.moments)
     with np.errstate(over="ignore"):
-        kinetic = (mass * (rows[:, 7:10] ** 2).sum(axis=1) + (moments * rows[:, 10:] ** 2).sum(axis=1)) / 2
+        kinetic = observe(scene, trajectory).kinetic_energy
     most = _largest_kinetic_energy(scene, float(t[-1]))
     beyond = kinetic > OUT_OF_BOUNDS * most
     if most > 0 and beyond.any():
@@ -86,5 +87,5 @@ def _divergence(scene: Scene, t: Array, rows: Array) -> Diverged | None:
 def _largest_kinetic_energy(scene: Scene, duration: float) -> float:
     """What a fall of the whole duration and the slowest-turning axis could reach at most (J)."""
     speed = math.hypot(*scene.initial.velocity) + scene.gravity * duration
-    momentum = math.hypot(*(i * w for i, w in zip(scene.body.moments, scene.initial.angular_velocity, strict=True)))
+    momentum = math.hypot(*angular_momentum(scene.body, np.array(scene.initial.angular_velocity)))
     return scene.body.mass * speed**2 / 2 + momentum**2 / (2 * min(scene.body.moments))

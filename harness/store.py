@@ -53,7 +53,7 @@ class Writer:
 
     def add_truth(self, case: Case, timestep: float, truth: Truth) -> None:
         path = _trajectory_path(case.name, "truth", Method("", timestep))
-        self._save(path, truth.trajectory, {"truth_error": truth.error})
+        self._save(path, truth.trajectory, {"truth_error": truth.error, "truth_position_error": truth.position_error})
         record = {"case": case.name, "timestep": timestep, "model": truth.model, "backend": truth.backend}
         self._write({"record": "truth", **record})
 
@@ -122,8 +122,8 @@ class Results:
                 if "reason" in record:
                     return Unsupported(record["reason"])
                 table = pq.read_table(self.folder / _trajectory_path(case, "truth", Method("", timestep)))
-                error = table["truth_error"].to_numpy()
-                return Truth(self.cases[case].scene, _trajectory(table), error, record["model"], record["backend"])
+                errors = table["truth_error"].to_numpy(), table["truth_position_error"].to_numpy()
+                return Truth(self.cases[case].scene, _trajectory(table), *errors, record["model"], record["backend"])
         return Unsupported("the reference was interrupted")
 
     def _run(self, record: dict[str, Any]) -> Run:

@@ -57,13 +57,18 @@ def print_results(verdicts: Sequence[Verdict]) -> None:
 def _result(verdict: Verdict) -> tuple[str, ...]:
     row = verdict.row()
 
-    def figure(name: str, scale: float = 1.0) -> str:
-        return f"{row[name] * scale:.3g}" if name in row else ""
+    def figure(*names: str, scale: float = 1.0) -> str:
+        return next((f"{row[name] * scale:.3g}" for name in names if name in row), "")
 
     passed = {True: "passed", False: "FAILED", None: "-"}[verdict.passed]
     return (
         *(row["case"], row["engine"], row["integrator"], f"{row['timestep']:g}", row["status"], passed),
-        *(figure("position_error"), figure("attitude_error"), figure("energy_drift"), figure("time_per_step", 1e6)),
+        *(
+            figure("position_error"),
+            figure("attitude_error"),
+            figure("energy_drift", "energy_error"),
+            figure("time_per_step", scale=1e6),
+        ),
         row["reason"],
     )
 

@@ -44,6 +44,7 @@ def as_json(case: Case, truth: Truth) -> dict[str, Any]:
         "velocity": trajectory.velocity.tolist(),
         "angular_velocity": trajectory.angular_velocity.tolist(),
         "truth_error": truth.error.tolist(),
+        "truth_position_error": truth.position_error.tolist(),
     }
 
 

@@ -1,6 +1,6 @@
 """Every applicable way to the truth of one scene, held against every other."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Any
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.reference import closed_form, truth
+from bodycheck.reference.principal import along_principal_axes, in_body_frame
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
@@ -38,6 +39,7 @@ def certify(scene: Scene, times: Array) -> Certificate:
 
     Raises as `truth.truth` does.
     """
+    body_frame, scene = scene, along_principal_axes(scene)
     found = truth.truth(scene, times)
     plain = truth.dop853()
     ways: dict[str, NDArray[Any]] = {
@@ -63,4 +65,5 @@ def certify(scene: Scene, times: Array) -> Certificate:
     if quadruple:
         lagrange, euler = quadruple
         bound = np.minimum(bound, apart[THE_TRUTH, lagrange] + 2 * apart[lagrange, euler])
-    return Certificate(found, apart, bound, growth)
+    told = replace(found, scene=body_frame, trajectory=in_body_frame(body_frame, found.trajectory))
+    return Certificate(told, apart, bound, growth)

@@ -1,6 +1,6 @@
 """The physical content of a case: a body, its initial state and its surroundings, in SI units.
 
-World frame: z up, gravity along -z. Body frame: the principal axes I, J, K through the centre of mass.
+World frame: z up, gravity along -z. Body frame: axes I, J, K through the centre of mass, principal unless a body says else.
 Plain tuples of floats, so that a scene is immutable, hashable and cheap to send to another process.
 """
 
@@ -45,11 +45,15 @@ Shape = Brick | Ellipsoid | Cylinder | Sphere
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body: mass (kg), principal moments A, B, C about I, J, K (kg m^2), and its shape where it has one."""
+    """A rigid body: mass (kg), principal moments A, B, C (kg m^2), and its shape where it has one.
+
+    axes: unit quaternion (w, x, y, z) that takes components along the principal axes to the body frame, whose axes are I, J, K.
+    """
 
     mass: float
     moments: Vector
     shape: Shape | None = None
+    axes: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -84,3 +88,8 @@ class Scene:
     gravity: float = 0.0
     plane: Plane | None = None
     drag: float = 0.0
+
+    @property
+    def conserves(self) -> bool:
+        """Whether energy and angular momentum stay what they are: neither friction nor drag acts."""
+        return self.plane is None and not self.drag

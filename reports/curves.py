@@ -50,7 +50,7 @@ def draw(verdicts: Mapping[str, Verdict], truths: Mapping[float, Truth], points:
     for label, verdict in verdicts.items():
         row: dict[str, Any] = {"method": label, "timestep": verdict.run.method.timestep}
         for name in PLOTTED:
-            if (values := getattr(verdict.discrepancy, name, None)) is not None:
+            if verdict.discrepancy is not None and (values := verdict.discrepancy.series.get(name)) is not None:
                 row[name] = rounded(envelope(values, points))
                 peaks.setdefault(name, {})[label] = float(values.max())
         datasets["series"].append(row)

@@ -261,7 +261,7 @@ def _names(runs: Sequence[Measured]) -> str:
 
 
 def _when(run: Measured, name: str) -> str:
-    instant = float(run.discrepancy.t[getattr(run.discrepancy, name).argmax()])
+    instant = float(run.discrepancy.t[run.discrepancy.series[name].argmax()])
     return f"at t\u00a0=\u00a0{number(instant)}\u00a0s"  # not to be broken over lines
 
 

@@ -16,7 +16,7 @@ from bodycheck.case import Expectation
 from bodycheck.errors import BadInput
 from bodycheck.outcome import Completed, Crashed, Diverged, Unsupported
 from bodycheck.plan import Task, plan
-from bodycheck.reference.scene import State
+from bodycheck.reference.scene import Plane, State
 from bodycheck.smoke import check
 
 SPIN = shortened(load("osrf-boxes-simple"), 1.0, 11)
@@ -93,6 +93,7 @@ def test_what_is_stored_is_what_was_run_bit_by_bit(tmp_path: Path) -> None:
     exact = truth(case, np.arange(11) * 0.1)
     stored = results.truth(case.name, 0.1)
     np.testing.assert_array_equal(stored.error, exact.error)
+    np.testing.assert_array_equal(stored.position_error, exact.position_error)
     assert (stored.model, stored.backend) == (exact.model, exact.backend)
     for run in results.runs():
         again = simulate(case, run.engine, run.method.integrator, run.method.timestep)
@@ -172,9 +173,9 @@ def test_expectations_are_judged_by_the_largest_value() -> None:
 
 def test_an_expectation_of_a_run_that_is_not_ok_fails() -> None:
     case = expecting(shortened(load("free-brick"), 1.0, 11), attitude_error=1.0)
-    unmodelled = replace(case, scene=replace(case.scene, drag=0.1))
+    unmodelled = replace(case, scene=replace(case.scene, plane=Plane(0.5)))
     run = simulate(unmodelled, "mujoco", "RK4", 0.1)
-    verdict = judgement.verdict(unmodelled, Unsupported("the reference does not model drag"), run)
+    verdict = judgement.verdict(unmodelled, Unsupported("the reference does not model contact"), run)
     assert (verdict.passed, verdict.outcome.status) == (False, "unsupported")
 
 
@@ -201,7 +202,7 @@ def test_the_plan_is_every_case_engine_integrator_and_step_once() -> None:
     adapters = {name: registry.load(name) for name in ("mujoco", "pinocchio")}
     cases = [shortened(load(name), 1.0, 11) for name in ("free-brick", "projectile")]
     everything = plan(cases, adapters, (), (0.01, 0.02, 0.01))
-    integrators = sum(len(adapter.integrators()) for adapter in adapters.values())
+    integrators = sum(len(adapter.integrators(cases[0].scene)) for adapter in adapters.values())
     assert len(everything) == len(set(everything)) == 2 * integrators * 2
     assert {task.method.timestep for task in plan(cases, adapters, (), ())} == {0.002}
     assert {task.engine for task in plan(cases, adapters, ("rk4",), ())} == {"pinocchio"}

@@ -92,7 +92,7 @@ class Miniature:
     def version(self) -> str:
         return "1.0"
 
-    def integrators(self) -> tuple[str, ...]:
+    def integrators(self, scene: object = None) -> tuple[str, ...]:
         return ("closed-form",)
 
     def unsupported(self, scene: object) -> str | None:
