@@ -13,7 +13,10 @@ from numpy.typing import NDArray
 
 from bodycheck.reference import closed_form, drag, lagrangian, quasi_coordinates
 from bodycheck.reference.kinematics import geodesic_angle
-from bodycheck.reference.principal import along_principal_axes, in_body_frame
+from bodycheck.reference.friction import NotFlat
+from bodycheck.reference.pressure import WouldTip
+from bodycheck.reference.principal import ALIGNED, along_principal_axes, in_body_frame
+from bodycheck.reference.sliding import Stop, planar_state, slide
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -28,7 +31,7 @@ class Truth:
 
     error: (n,) bound of the trajectory's own attitude error at each instant (rad), never decreasing.
     position_error: (n,) likewise of its position (m).
-    model: the equations. backend: what solved them.
+    model: the equations. backend: what solved them. stop: where a body on a plane comes to rest.
     """
 
     scene: Scene
@@ -37,6 +40,7 @@ class Truth:
     position_error: Array
     model: str
     backend: str
+    stop: Stop | None = None
 
     def at(self, times: Array) -> "Truth":
         """The truth of the same scene at other ascending times (n,) >= 0 s."""
@@ -57,7 +61,17 @@ class Backend:
 
 def missing_model(scene: Scene) -> str | None:
     """What the scene requires and the reference cannot model, in words; None where it can."""
-    return "contact with a plane" if scene.plane is not None else None
+    if scene.plane is None:
+        return None
+    if scene.drag:
+        return "drag on a body that slides"
+    if scene.body.axes != ALIGNED:
+        return "a sliding body whose frame is not that of its principal axes"
+    try:
+        planar_state(scene)
+    except NotFlat as error:
+        return str(error)
+    return None
 
 
 def backend() -> Backend:
@@ -85,6 +99,8 @@ def truth(scene: Scene, times: Array, solver: Backend | None = None) -> Truth:
     """
     if (missing := missing_model(scene)) is not None:
         raise NotModelled(missing)
+    if scene.plane is not None:
+        return on_plane(scene, times)
     solver = solver or backend()
     principal = along_principal_axes(scene)
     motion = solver.euler_lagrange(principal, times)
@@ -97,6 +113,15 @@ def truth(scene: Scene, times: Array, solver: Backend | None = None) -> Truth:
         position_error = np.maximum.accumulate(distance(motion.position, exact.position)) + rounding(motion)
     model = "euler-lagrange with drag" if scene.drag else "euler-lagrange"
     return Truth(scene, in_body_frame(scene, motion), error, position_error, model, solver.name)
+
+
+def on_plane(scene: Scene, times: Array) -> Truth:
+    """The truth of a flat body that slides; raises as `truth` does."""
+    try:
+        found = slide(scene, times)
+    except WouldTip as error:
+        raise NotModelled(f"a body that would tip: {error}") from error
+    return Truth(scene, found.trajectory, found.error, found.position_error, found.model, "scipy-dop853", found.stop)
 
 
 def with_drag(scene: Scene, motion: Trajectory) -> tuple[Trajectory, Array]:
