@@ -1,4 +1,4 @@
-"""What an engine's adapter offers: a module (or any object) with the four functions of `Adapter`.
+"""What an engine's adapter offers: a module (or any object) with the functions of `Adapter`.
 
 An adapter converts at its border, nowhere else: scenes come in and states go out in the conventions of
 `bodycheck.reference.scene`, whatever the engine's own are. It knows its engine and this contract, nothing of cases,
@@ -59,6 +59,13 @@ class Adapter(Protocol):
 
     def unsupported(self, scene: Scene) -> str | None:
         """What the scene requires and the engine cannot model, in words; None where it can."""
+        ...
+
+    def contact_law(self, scene: Scene, integrator: str) -> str | None:
+        """The friction law (a name of `Plane.law`) that an integrator's contacts with the scene's plane would make.
+
+        That is, if they were rigid and equally loaded; None where it is none of the laws.
+        """
         ...
 
     def prepare(self, scene: Scene, method: Method) -> Simulation:

@@ -12,7 +12,7 @@ import bodycheck.adapters
 from bodycheck.adapters.contract import Adapter
 
 GROUP = "bodycheck.engines"
-OWN_MODULES = ("contract", "registry")
+OWN_MODULES = ("contract", "mujoco_contact", "registry")
 
 
 class EngineMissing(Exception):

@@ -14,6 +14,7 @@ from pydantic import ValidationError
 
 from bodycheck import grammar
 from bodycheck.errors import BadInput
+from bodycheck.reference.friction import height_of
 from bodycheck.reference.inertia import MassProperties, composite, particles, principal_axes, principal_moments, solid
 from bodycheck.reference.kinematics import body_rates, euler_from_quaternion, normalise, quaternion_from_euler
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere, State
@@ -178,14 +179,15 @@ def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], p
 
 
 def _case(table: grammar.CaseTable, text: str, file: str, places: dict[Path, Position]) -> Case:
+    body = _body(table.body, file, places)
     return Case(
         name=table.name,
         title=table.title,
         source=table.source,
         tags=table.tags,
         scene=Scene(
-            body=_body(table.body, file, places),
-            initial=_state(table.initial),
+            body=body,
+            initial=_state(table.initial, body, table.scene.plane is not None),
             gravity=table.scene.gravity,
             plane=Plane(**table.scene.plane.model_dump()) if table.scene.plane else None,
             drag=table.scene.drag.quadratic if table.scene.drag else 0.0,
@@ -250,15 +252,20 @@ def _attitude(table: grammar.InitialTable | grammar.PartTable) -> NDArray[np.lon
     return quaternion_from_euler(*_wide(table.euler_zxz or (0.0, 0.0, 0.0)))
 
 
-def _state(table: grammar.InitialTable) -> State:
-    """The initial state, formed in the widest float so that its doubles are the nearest ones to what the file says."""
+def _state(table: grammar.InitialTable, body: Body, on_plane: bool) -> State:
+    """The initial state, formed in the widest float so that its doubles are the nearest ones to what the file says.
+
+    Where no position is given, a body with a flat face lies on the plane.
+    """
+    lying = on_plane and isinstance(body.shape, Brick | Cylinder)
+    position = table.position or (0.0, 0.0, height_of(body.shape) if lying else 0.0)
     rates = table.angular_velocity or (0.0, 0.0, 0.0)
     if table.euler_rates is not None:
         _, theta, psi = euler_from_quaternion(_attitude(table)) if table.quaternion else _wide(table.euler_zxz or (0, 0, 0))
         x, y, z = body_rates(theta, psi, *_wide(table.euler_rates)).tolist()
         rates = float(x), float(y), float(z)
     w, x, y, z = _attitude(table).astype(float).tolist()
-    return State(table.position, (w, x, y, z), table.velocity, rates)
+    return State(position, (w, x, y, z), table.velocity, rates)
 
 
 def _wide(values: Sequence[float]) -> Iterator[NDArray[np.longdouble]]:

@@ -56,7 +56,7 @@ def run(
     import os
     import tempfile
 
-    from bodycheck import campaign, judgement, reports, store, terminal
+    from bodycheck import attribution, campaign, judgement, reports, store, terminal
     from bodycheck.plan import plan
 
     loaded = _load_all(cases)
@@ -74,7 +74,9 @@ def run(
         verdicts = judgement.judge(results)
         if out is not None:
             judgement.write(verdicts, folder)
-            reports.write(results, verdicts, folder)
+            if parts := attribution.attribute(results, verdicts):
+                attribution.write(parts, folder)
+            reports.write(results, verdicts, folder, parts)
     if json:
         terminal.print_json(judgement.records(verdicts))
     else:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.contact import CONTACT_COLUMNS, penetration, stop_figures, tilt
 from bodycheck.observables import observe
 from bodycheck.outcome import Completed, Run
 from bodycheck.reference.kinematics import geodesic_angle, normalise
@@ -20,8 +21,8 @@ COLUMNS = (
 )
 """Of a scene that conserves energy and angular momentum."""
 
-DISSIPATIVE_COLUMNS = tuple(f"{name}_error" for name in CONSERVED)
-"""What stands in the place of the drifts where friction or drag act."""
+FURTHER_COLUMNS = (*(f"{name}_error" for name in CONSERVED), *CONTACT_COLUMNS)
+"""What stands in the place of the drifts where friction or drag act, and what is measured on a plane."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,14 +34,16 @@ class Discrepancy:
     angular_momentum_drift: distance from the run's own initial value, relative (see `drifts`); where friction or drag act,
     energy_error and so on: distance from the truth's value, relative likewise.
     truth_error: the truth's own bound (rad), below which an attitude error says nothing.
+    On a plane also penetration (m) and tilt (rad), and in `figures` those of the stop (see `bodycheck.contact`).
     """
 
     t: Array
     series: Mapping[str, Array]
+    figures: Mapping[str, float]
 
     def maxima(self) -> dict[str, float]:
-        """The largest value of every column, by its name."""
-        return {name: float(values.max()) for name, values in self.series.items()}
+        """The largest value of every column, and the figures that are one number, by their names."""
+        return {name: float(values.max()) for name, values in self.series.items()} | dict(self.figures)
 
 
 def compare(truth: Truth, run: Run) -> Discrepancy:
@@ -53,7 +56,8 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
     trajectory = run.outcome.trajectory
     truth = truth.at(trajectory.t)
     reference = truth.trajectory
-    suffix = "drift" if truth.scene.conserves else "error"
+    scene, suffix = truth.scene, "drift" if truth.scene.conserves else "error"
+    on_plane = {"penetration": penetration(scene, trajectory), "tilt": tilt(trajectory)} if scene.plane is not None else {}
     return Discrepancy(
         trajectory.t,
         {
@@ -63,7 +67,9 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
             "angular_velocity_error": distance(trajectory.angular_velocity, reference.angular_velocity),
             **{f"{name}_{suffix}": values for name, values in zip(CONSERVED, drifts(trajectory, truth), strict=True)},
             "truth_error": truth.error,
+            **on_plane,
         },
+        stop_figures(scene, truth.stop, trajectory) if truth.stop is not None else {},
     )
 
 

@@ -147,7 +147,9 @@ AnyBody = Annotated[
 class InitialTable(Table):
     """The state at t = 0."""
 
-    position: Vector = Field(default=(0.0, 0.0, 0.0), description="of the centre of mass, world frame, m")
+    position: Vector | None = Field(
+        default=None, description="of the centre of mass, world frame, m; default 0, or on a plane lying on it"
+    )
     velocity: Vector = Field(default=(0.0, 0.0, 0.0), description="of the centre of mass, world frame, m/s")
     euler_zxz: Vector | None = Field(default=None, description="phi, theta, psi, rad")
     quaternion: Quaternion | None = Field(default=None, description="w, x, y, z, body to world")
@@ -200,9 +202,15 @@ class ExpectTable(Table):
     energy_error: NonNegative | None = Field(default=None, description="relative, with friction or drag")
     rotational_energy_error: NonNegative | None = Field(default=None, description="relative, with friction or drag")
     angular_momentum_error: NonNegative | None = Field(default=None, description="relative, with friction or drag")
+    stop_time_error: NonNegative | None = Field(default=None, description="s, of a body that slides to rest")
+    stop_position_error: NonNegative | None = Field(default=None, description="m")
+    stop_yaw_error: NonNegative | None = Field(default=None, description="rad")
+    creep: NonNegative | None = Field(default=None, description="m/s, after the stop")
+    penetration: NonNegative | None = Field(default=None, description="m, into the plane")
+    tilt: NonNegative | None = Field(default=None, description="rad, of K from the vertical")
 
 
-LIMITS = tuple(name for name in ExpectTable.model_fields if name.endswith(("_error", "_drift")))
+LIMITS = tuple(name for name in ExpectTable.model_fields if name not in ("engine", "integrator", "timestep"))
 
 
 class CaseTable(Table):
@@ -243,6 +251,9 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
     quaternion = _numbers(initial.get("quaternion"), 4)
     if quaternion and not 0.999 < math.hypot(*quaternion) < 1.001:
         yield ("initial", "quaternion"), f"its length is {math.hypot(*quaternion):.6g}; must be 1 within 0.1 %"
+    plane = _mapping(_mapping(document.get("scene")).get("plane"))
+    if plane.get("law") == "decoupled" and plane.get("pressure") == "balanced":
+        yield ("scene", "plane", "pressure"), "the decoupled law knows no place of the load; allowed: uniform"
     duration = _number(_mapping(document.get("run")).get("duration"))
     expectations = document.get("expect")
     for index, expectation in enumerate(expectations if isinstance(expectations, list) else []):

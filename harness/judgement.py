@@ -11,7 +11,7 @@ import pandas as pd
 
 from bodycheck.case import Case, Expectation
 from bodycheck.discrepancy import COLUMNS as DISCREPANCIES
-from bodycheck.discrepancy import DISSIPATIVE_COLUMNS, Discrepancy, compare
+from bodycheck.discrepancy import FURTHER_COLUMNS, Discrepancy, compare
 from bodycheck.outcome import Completed, Outcome, Run, Unsupported
 from bodycheck.reference.truth import Truth
 from bodycheck.store import Results
@@ -21,7 +21,7 @@ COLUMNS = (
     *DISCREPANCIES,
     *("steps", "wall_time", "time_per_step", "realtime_factor"),
 )
-"""Of every table of results. Where a scene with friction or drag is among them, `DISSIPATIVE_COLUMNS` follow."""
+"""Of every table of results. Those of `FURTHER_COLUMNS` that any run has follow."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +81,7 @@ def verdict(case: Case, truth: Truth | Unsupported, run: Run) -> Verdict:
 def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     """The rows of results with all of `COLUMNS`, in their order; None where a run has no figure."""
     rows = [verdict.row() for verdict in verdicts]
-    more = [name for name in DISSIPATIVE_COLUMNS if any(name in row for row in rows)]
+    more = [name for name in FURTHER_COLUMNS if any(name in row for row in rows)]
     return [dict.fromkeys((*COLUMNS, *more)) | row for row in rows]
 
 

@@ -64,10 +64,15 @@ Outcome = Completed | Unsupported | Diverged | Crashed | TimedOut
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One engine x one method x one case, and how it ended."""
+    """One engine x one method x one case, and how it ended.
+
+    contact_law: the friction law that the engine's contacts would make on a plane if they were rigid and equally loaded, by
+    the names of `Plane.law`; None without a plane and where it is none of these.
+    """
 
     case: str
     engine: str
     version: str
     method: Method
     outcome: Outcome
+    contact_law: str | None = None

@@ -7,7 +7,7 @@ from bodycheck.adapters.contract import Adapter, Method
 from bodycheck.case import Case
 from bodycheck.errors import BadInput
 from bodycheck.grammar import MOST_STEPS
-from bodycheck.simulation import DEFAULT_TIMESTEP
+from bodycheck.simulation import DEFAULT_TIMESTEP, base
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ def plan(
     """
     offered = {name: adapter.integrators() for name, adapter in engines.items()}
     for integrator in integrators:
-        if not any(integrator in those for those in offered.values()):
+        if not any(base(integrator) in map(base, those) for those in offered.values()):
             known = "; ".join(f"{engine}: {', '.join(those)}" for engine, those in offered.items())
             raise BadInput(f"no engine has an integrator {integrator!r}; there are: {known}")
     for timestep in timesteps:
@@ -54,7 +54,9 @@ def _methods(
     def wanted(integrator: str) -> bool:
         return not integrators or integrator in integrators
 
-    for integrator in filter(wanted, offered):
+    # A method with options of the user's own is run where the engine has the integrator for this scene.
+    optional = [integrator for integrator in integrators if integrator not in offered and base(integrator) in offered]
+    for integrator in [*filter(wanted, offered), *(name for name in optional if base(name) != name)]:
         yield from (Method(integrator, timestep) for timestep in timesteps or (DEFAULT_TIMESTEP,))
     if not timesteps:
         for expectation in case.expectations:

@@ -29,13 +29,19 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT
     """
     adapter = registry.load(engine)
     method = Method(integrator, timestep)
-    return Run(case.name, engine, adapter.version(), method, _outcome(adapter, engine, case, method))
+    law = adapter.contact_law(case.scene, method.integrator) if case.scene.plane is not None else None
+    return Run(case.name, engine, adapter.version(), method, _outcome(adapter, engine, case, method), law)
+
+
+def base(integrator: str) -> str:
+    """The name of an integrator without the options that may follow a colon."""
+    return integrator.partition(":")[0]
 
 
 def _outcome(adapter: Adapter, engine: str, case: Case, method: Method) -> Outcome:
     named = f"{engine} {adapter.version()}"
     try:
-        if method.integrator not in adapter.integrators(case.scene):
+        if base(method.integrator) not in map(base, adapter.integrators(case.scene)):
             return Unsupported(f"{named} has no integrator {method.integrator!r} for this scene")
         if (missing := missing_model(case.scene)) is not None:
             return Unsupported(f"the reference does not model {missing}")

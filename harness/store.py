@@ -7,7 +7,7 @@ run. `trajectories/` holds the states. The case files are in the header as they 
 import json
 import shutil
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TextIO
@@ -20,6 +20,7 @@ from bodycheck.adapters.contract import Method
 from bodycheck.case import Case, parse
 from bodycheck.errors import BadInput
 from bodycheck.outcome import Completed, Crashed, Diverged, Run, TimedOut, Unsupported
+from bodycheck.reference.sliding import Stop
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
 
@@ -54,7 +55,9 @@ class Writer:
     def add_truth(self, case: Case, timestep: float, truth: Truth) -> None:
         path = _trajectory_path(case.name, "truth", Method("", timestep))
         self._save(path, truth.trajectory, {"truth_error": truth.error, "truth_position_error": truth.position_error})
-        record = {"case": case.name, "timestep": timestep, "model": truth.model, "backend": truth.backend}
+        record: dict[str, Any] = {"case": case.name, "timestep": timestep, "model": truth.model, "backend": truth.backend}
+        if truth.stop is not None:
+            record["stop"] = asdict(truth.stop)
         self._write({"record": "truth", **record})
 
     def add_missing_truth(self, case: Case, timestep: float, reason: str) -> None:
@@ -71,6 +74,7 @@ class Writer:
             "integrator": run.method.integrator,
             "timestep": run.method.timestep,
             "status": run.outcome.status,
+            "contact_law": run.contact_law,
         }
         match run.outcome:
             case Completed(trajectory, steps, wall_time):
@@ -123,12 +127,20 @@ class Results:
                     return Unsupported(record["reason"])
                 table = pq.read_table(self.folder / _trajectory_path(case, "truth", Method("", timestep)))
                 errors = table["truth_error"].to_numpy(), table["truth_position_error"].to_numpy()
-                return Truth(self.cases[case].scene, _trajectory(table), *errors, record["model"], record["backend"])
+                stop = record.get("stop")
+                return Truth(
+                    self.cases[case].scene,
+                    _trajectory(table),
+                    *errors,
+                    model=record["model"],
+                    backend=record["backend"],
+                    stop=Stop(stop["time"], tuple(stop["position"]), stop["yaw"]) if stop else None,
+                )
         return Unsupported("the reference was interrupted")
 
     def _run(self, record: dict[str, Any]) -> Run:
         method = Method(record["integrator"], record["timestep"])
-        run = Run(record["case"], record["engine"], record["version"], method, Unsupported(""))
+        run = Run(record["case"], record["engine"], record["version"], method, Unsupported(""), record["contact_law"])
         match record["status"]:
             case Completed.status:
                 table = pq.read_table(self.folder / _trajectory_path(run.case, run.engine, method))

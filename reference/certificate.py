@@ -37,8 +37,10 @@ THE_TRUTH = "truth"
 def certify(scene: Scene, times: Array) -> Certificate:
     """The certificate of a scene's truth at ascending times (n,) >= 0 s.
 
-    Raises as `truth.truth` does.
+    Raises as `truth.truth` does, and `NotModelled` for a body on a plane, whose bound comes from the only two ways there are.
     """
+    if scene.plane is not None:
+        raise truth.NotModelled("a body on a plane in more ways than the two that its printed bound comes from")
     body_frame, scene = scene, along_principal_axes(scene)
     found = truth.truth(scene, times)
     plain = truth.dop853()

@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.reference import closed_form, drag, lagrangian, quasi_coordinates
-from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.friction import NotFlat
+from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.pressure import WouldTip
 from bodycheck.reference.principal import ALIGNED, along_principal_axes, in_body_frame
-from bodycheck.reference.sliding import Stop, planar_state, slide
 from bodycheck.reference.scene import Scene
+from bodycheck.reference.sliding import Stop, planar_state, slide
 from bodycheck.reference.trajectory import Array, Trajectory
 
 

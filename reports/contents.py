@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from bodycheck.attribution import Attribution
 from bodycheck.judgement import Verdict
 from bodycheck.outcome import Completed
 from bodycheck.reference.truth import Truth
@@ -13,6 +14,7 @@ from bodycheck.reports.lines import Key, Line, assign
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, TABLED, Quantity, bound, milliseconds, number
 from bodycheck.reports.scenes import Fact, describe
 from bodycheck.reports.summary import Finding, findings, headline, key_of, measured, notices, tally, within_truth
+from bodycheck.reports.tables import Entry, Table, origins_table
 from bodycheck.store import Results
 
 MOST_NUMBERS = 800_000
@@ -33,28 +35,8 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Entry:
-    """One field of a table. value: the number as it was measured, for a field that is one."""
-
-    text: str
-    value: float | None = None
-    meaning: str = ""
-
-
-@dataclass(frozen=True)
-class Table:
-    """Runs of one case: a title a column, a row a run, the line of each run's method."""
-
-    columns: tuple[str, ...]
-    numeric: tuple[bool, ...]
-    rows: tuple[tuple[Entry, ...], ...]
-    failed: tuple[bool, ...]
-    notes: tuple[str, ...]
-
-
-@dataclass(frozen=True)
 class Section:
-    """One case."""
+    """One case. origins: where its discrepancies of contact come from; None where there is no contact."""
 
     name: str
     title: str
@@ -62,6 +44,7 @@ class Section:
     tags: tuple[str, ...]
     facts: tuple[Fact, ...]
     table: Table | None
+    origins: Table | None
     curves: Curves
 
 
@@ -96,14 +79,17 @@ class Contents:
         return tuple(sorted({line.timestep for line in self.lines}, reverse=True))
 
 
-def gather(results: Results, verdicts: Sequence[Verdict]) -> Contents:
-    """What is to be said of results and the verdicts on their runs."""
+def gather(results: Results, verdicts: Sequence[Verdict], parts: Sequence[Attribution] = ()) -> Contents:
+    """What is to be said of results, the verdicts on their runs, and the parts of their discrepancies of contact."""
     lines = assign(map(key_of, verdicts))
     points = max(2, min(MOST_POINTS, MOST_NUMBERS // max(1, 4 * len(verdicts))))
     by_case: dict[str, list[Verdict]] = {name: [] for name in results.cases}
     for verdict in verdicts:
         by_case[verdict.run.case].append(verdict)
-    sections = tuple(_section(results, name, own, lines, points) for name, own in by_case.items())
+    origins: dict[str, list[Attribution]] = {name: [] for name in results.cases}
+    for part in parts:
+        origins[part.case].append(part)
+    sections = tuple(_section(results, name, own, origins[name], lines, points) for name, own in by_case.items())
     return Contents(
         header=results.header,
         headline=headline(results, verdicts),
@@ -143,7 +129,14 @@ def _decade(error: float) -> int:
     return max(-12, min(0, int(f"{error:e}".partition("e")[2])))
 
 
-def _section(results: Results, name: str, verdicts: Sequence[Verdict], lines: Mapping[Key, Line], points: int) -> Section:
+def _section(
+    results: Results,
+    name: str,
+    verdicts: Sequence[Verdict],
+    parts: Sequence[Attribution],
+    lines: Mapping[Key, Line],
+    points: int,
+) -> Section:
     case = results.cases[name]
     timesteps = dict.fromkeys(verdict.run.method.timestep for verdict in verdicts)
     truths = {timestep: results.truth(name, timestep) for timestep in timesteps}
@@ -155,6 +148,7 @@ def _section(results: Results, name: str, verdicts: Sequence[Verdict], lines: Ma
         tags=case.tags,
         facts=describe(case, tuple(truths.values())),
         table=_table(verdicts) if verdicts else None,
+        origins=origins_table(parts) if parts else None,
         curves=curves.draw({lines[key_of(v)].label: v for v in verdicts if v.discrepancy is not None}, known, points),
     )
 

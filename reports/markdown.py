@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from bodycheck.reports.contents import Contents, Failure, Section
 from bodycheck.reports.quantities import count, milliseconds
+from bodycheck.reports.tables import Table
 
 ROOM = 60_000
 """Characters; a comment on GitHub may have 65 536."""
@@ -83,14 +84,17 @@ def _matrix(contents: Contents) -> str:
 def _section(section: Section) -> str:
     facts = [f"- {fact.term}: {escape(fact.text)}" for fact in section.facts]
     source = [f"- Source: {escape(section.source)}"] if section.source else []
-    if section.table is None:
-        body = "No run of this case finished."
-    else:
-        rows = [[entry.text for entry in row] for row in section.table.rows]
-        body = "\n\n".join([_table(section.table.columns, rows, section.table.numeric.index(True)), *section.table.notes])
+    body = "No run of this case finished." if section.table is None else _filled(section.table)
+    if section.origins is not None:
+        body += f"\n\nWhere it comes from:\n\n{_filled(section.origins)}"
     listed = "\n".join(source + facts)
     summary = f"<b>{section.name}</b>: {escape(section.title)}"
     return f"<details><summary>{summary}</summary>\n\n{listed}\n\n{body}\n\n</details>"
+
+
+def _filled(table: Table) -> str:
+    rows = [[entry.text for entry in row] for row in table.rows]
+    return "\n\n".join([_table(table.columns, rows, table.numeric.index(True)), *table.notes])
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]], numeric_from: int | None = None) -> str:

@@ -43,6 +43,12 @@ QUANTITIES = {
         Quantity("energy_error", "Energy error", "", "Distance of the total energy from the truth's, relative."),
         Quantity("rotational_energy_error", "Rotational energy error", "", "The same of the energy of rotation alone."),
         Quantity("angular_momentum_error", "Angular momentum error", "", "Distance of the vector from the truth's, relative."),
+        Quantity("stop_time_error", "Stop time error", "s", "By how much it comes to rest too early or too late."),
+        Quantity("stop_position_error", "Stop position error", "m", "Distance of where it comes to rest from where it should."),
+        Quantity("stop_yaw_error", "Stop yaw error", "rad", "By how much it has turned too far or too little until then."),
+        Quantity("creep", "Creep", "m/s", "Mean speed along the plane after the stop."),
+        Quantity("penetration", "Penetration", "m", "Depth of the lowest point of the body in the plane."),
+        Quantity("tilt", "Tilt", "rad", "Angle between K and the vertical."),
     )
 }
 
@@ -54,6 +60,7 @@ PLOTTED = (
     "position_error",
     *("energy_drift", "energy_error"),
     *("angular_momentum_drift", "angular_momentum_error"),
+    *("penetration", "tilt"),
 )
 """What is drawn over time, where it was measured."""
 

@@ -36,7 +36,18 @@ def describe(case: Case, truths: Sequence[Truth | Unsupported]) -> tuple[Fact, .
         Fact("Surroundings", ", ".join(surroundings)),
         Fact("Watched for", f"{number(case.duration)} s at {case.samples} instants"),
         *((Fact("Truth", _truth(truths)),) if truths else ()),
+        *_stop(truths),
     )
+
+
+def _stop(truths: Sequence[Truth | Unsupported]) -> tuple[Fact, ...]:
+    """Where and when the body comes to rest; the same for every time step."""
+    for truth in truths:
+        if isinstance(truth, Truth) and truth.stop is not None:
+            stop = truth.stop
+            where = f"at {_vector(stop.position)} m, its yaw {number(stop.yaw)} rad"
+            return (Fact("Rest", f"after {number(stop.time)} s {where}"),)
+    return ()
 
 
 def _shape(shape: Shape | None) -> str:

@@ -36,6 +36,12 @@ def conservative_case(request: pytest.FixtureRequest) -> Case:
     return load(request.param)
 
 
+@pytest.fixture(params=[name for name in shipped() if load(name).scene.plane is None])
+def flying_case(request: pytest.FixtureRequest) -> Case:
+    """Each of the shipped cases that does not touch a plane."""
+    return load(request.param)
+
+
 def shortened(case: Case, duration: float, samples: int) -> Case:
     """The same case, looked at for another time; its expectations do not apply."""
     return replace(case, duration=duration, samples=samples, expectations=())

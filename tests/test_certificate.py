@@ -12,9 +12,9 @@ from bodycheck.reference import truth
 from bodycheck.reference.certificate import CLOSED_FORM, THE_TRUTH, certify
 
 
-def test_the_printed_bound_holds_in_128_bits(shipped_case: Case) -> None:
+def test_the_printed_bound_holds_in_128_bits(flying_case: Case) -> None:
     taylor = pytest.importorskip("bodycheck.reference.taylor")
-    found = certify(shipped_case.scene, shipped_case.instants)
+    found = certify(flying_case.scene, flying_case.instants)
     exact = found.differences[THE_TRUTH, f"euler-lagrange, {taylor.NAMES['quadruple']}"]
     assert (exact <= found.truth.error).all()
     assert (found.bound <= found.truth.error).all()
@@ -43,6 +43,11 @@ def test_without_heyoka_scipy_takes_over(monkeypatch: pytest.MonkeyPatch) -> Non
     found = certify(case.scene, case.instants)
     assert found.growth is None
     assert (found.bound <= found.truth.error).all()
+
+
+def test_a_slide_has_no_further_witness(capsys: pytest.CaptureFixture[str]) -> None:
+    assert app(["truth", "curling-brick", "--certify"], result_action="return_value") == 1
+    assert "more ways than the two" in capsys.readouterr().err
 
 
 def test_the_command_prints_it(capsys: pytest.CaptureFixture[str]) -> None:

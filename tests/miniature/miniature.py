@@ -98,6 +98,9 @@ class Miniature:
     def unsupported(self, scene: object) -> str | None:
         return None
 
+    def contact_law(self, scene: object, integrator: str) -> str | None:
+        return None
+
     def prepare(self, scene: object, method: object) -> Flight:
         return Flight(scene, method.timestep, self.spoil)
 

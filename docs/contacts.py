@@ -1,0 +1,67 @@
+"""The tables of docs/contacts.md: what contacts of MuJoCo make of a spinning brick. Run: python docs/contacts.py"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bodycheck import load, simulate, truth
+from bodycheck.adapters.contract import Method
+from bodycheck.adapters.mujoco import contact_load
+from bodycheck.case import Case
+from bodycheck.contact import measured_stop
+from bodycheck.outcome import Completed
+
+TIMESTEP = 5e-4
+PADS = (2, 4, 8, 16)
+SOFTENED = (1.0, 0.1, 0.01, 0.001)
+
+
+def equal_loads(case: Case, pads: int) -> float:
+    """Stop time (s) of the same spin on n x n points that bear equal loads: mu g r summed over the points, over C/m."""
+    scene = case.scene
+    assert scene.plane is not None
+    centres = (2 * np.arange(pads) + 1) / pads - 1
+    x, y = np.meshgrid(0.1 * centres, 0.2 * centres)
+    torque = scene.plane.friction * scene.gravity * scene.body.mass * np.hypot(x, y).mean()
+    return float(scene.body.moments[2] * scene.initial.angular_velocity[2] / torque)
+
+
+def stop_time(case: Case, integrator: str) -> tuple[float, float]:
+    """When the brick stops (s), and the time of a step (us)."""
+    outcome = simulate(case, "mujoco", integrator, TIMESTEP).outcome
+    assert isinstance(outcome, Completed)
+    return measured_stop(case.scene, outcome.trajectory).time, 1e6 * outcome.wall_time / outcome.steps
+
+
+def main() -> None:
+    case = load("spinning-brick")
+    area, corners = (truth(load(name)).stop for name in ("spinning-brick", "spinning-brick-corners"))
+    assert area is not None
+    assert corners is not None
+    print(f"Exact: {area.time:.4f} s on the area, {corners.time:.4f} s on the four corners.\n")
+
+    print("| pads | stop, s | equal loads, s | mean load | peak load | time in contact | bearing at once | us a step |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
+    weight = case.scene.body.mass * case.scene.gravity
+    for pads in PADS:
+        integrator = f"Euler:cone=elliptic,pads={pads}"
+        time, cost = stop_time(case, integrator)
+        load_, touching = contact_load(case.scene, Method(integrator, TIMESTEP), round(0.15 / TIMESTEP))
+        figures = f"{load_.mean() / weight:.2f} | {load_.max() / weight:.1f} | {(load_ > 0).mean():.0%} | {touching.max()}"
+        print(f"| {pads} x {pads} | {time:.3f} | {equal_loads(case, pads):.3f} | {figures} | {cost:.0f} |")
+
+    print("\n| friction | gravity, m/s^2 | stop, s | equal loads, s | peak load |")
+    print("| --- | --- | --- | --- | --- |")
+    plane = case.scene.plane
+    assert plane is not None
+    for part in SOFTENED:
+        plane_, gravity = replace(plane, friction=plane.friction * part), case.scene.gravity / part
+        same = replace(case, scene=replace(case.scene, plane=plane_, gravity=gravity))
+        time, _ = stop_time(same, "Euler:cone=elliptic,pads=8")
+        load_, _ = contact_load(same.scene, Method("Euler:cone=elliptic,pads=8", TIMESTEP), round(0.15 / TIMESTEP))
+        peak = load_.max() / (same.scene.body.mass * gravity)
+        print(f"| {plane_.friction:g} | {gravity:g} | {time:.3f} | {equal_loads(same, 8):.3f} | {peak:.2f} |")
+
+
+if __name__ == "__main__":
+    main()
