@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference.scene import Scene
+from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
 Strides = NDArray[np.int64]
@@ -61,10 +61,10 @@ class Adapter(Protocol):
         """What the scene requires and the engine cannot model, in words; None where it can."""
         ...
 
-    def contact_law(self, scene: Scene, integrator: str) -> str | None:
-        """The friction law (a name of `Plane.law`) that an integrator's contacts with the scene's plane would make.
+    def contact_law(self, scene: Scene, integrator: str) -> Plane | None:
+        """The friction that an integrator's contacts with the scene's plane would make if they were rigid.
 
-        That is, if they were rigid and equally loaded; None where it is none of the laws.
+        That is the scene's plane with the law and the pressure of the contacts; None where these are none of the reference's.
         """
         ...
 

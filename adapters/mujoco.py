@@ -13,6 +13,7 @@ A body on a plane touches it by MuJoCo's own soft contact; what can be chosen of
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -20,7 +21,7 @@ from mujoco import rollout
 
 from bodycheck.adapters import mujoco_contact
 from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Strides
-from bodycheck.reference.scene import Brick, Scene
+from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
 
 MODEL = """
@@ -71,9 +72,11 @@ def unsupported(scene: Scene) -> str | None:
     return mujoco_contact.unsupported(scene) if scene.plane is not None else None
 
 
-def contact_law(scene: Scene, integrator: str) -> str | None:
+def contact_law(scene: Scene, integrator: str) -> Plane | None:
     # MuJoCo finds four contacts of a box with a plane; what it finds of a cylinder, and pads, are no law of the reference.
-    return "corners" if isinstance(scene.body.shape, Brick) and "pads=" not in integrator else None
+    if scene.plane is None or not isinstance(scene.body.shape, Brick) or "pads=" in integrator:
+        return None
+    return replace(scene.plane, law="corners", pressure="balanced")
 
 
 def prepare(scene: Scene, method: Method) -> "Rollout":

@@ -12,6 +12,7 @@ A body on a plane has two schemes, both semi-implicit Euler in world velocities,
 import itertools
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -125,10 +126,10 @@ def unsupported(scene: Scene) -> str | None:
     return None
 
 
-def contact_law(scene: Scene, integrator: str) -> str | None:
-    if scene.plane is None:
-        return None
-    return scene.plane.law if integrator == "law-force" else "corners"
+def contact_law(scene: Scene, integrator: str) -> Plane | None:
+    if scene.plane is None or integrator == "law-force":
+        return scene.plane
+    return replace(scene.plane, law="corners", pressure="balanced")
 
 
 def prepare(scene: Scene, method: Method) -> "Loop":

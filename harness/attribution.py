@@ -1,6 +1,7 @@
 """Where a discrepancy of contact comes from: the form of the model, the contact's own softness or error, the time step.
 
-The engine's contacts stand for a friction law, say that of four corners, which need not be the one that the case asks for.
+The engine's contacts stand for a friction law, say that of four corners whose loads balance the tipping of the body, which
+need not be the one that the case asks for.
 Both have exact truths: their difference is *model form*. What an engine tends to as its step goes to zero need not be the
 truth of its own law: that difference is *constraint*. What is left at a step, and vanishes with it, is *time step*. The three
 add up.
@@ -67,7 +68,7 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
         scene = results.cases[case].scene
         law = next(iter(by_step.values())).contact_law
         duration = results.cases[case].duration
-        asked, implied = exact(scene, duration), exact(_under(scene, law), duration) if law else None
+        asked, implied = exact(scene, duration), exact(replace(scene, plane=law), duration) if law is not None else None
         if asked is None:
             continue
         seen = {
@@ -103,11 +104,6 @@ def write(attributions: Iterable[Attribution], folder: Path) -> None:
 def table(attributions: Iterable[Attribution]) -> pd.DataFrame:
     """A row a method, step and quantity, in the columns `COLUMNS`."""
     return pd.DataFrame([asdict(attribution) for attribution in attributions], columns=list(COLUMNS))
-
-
-def _under(scene: Scene, law: str) -> Scene:
-    assert scene.plane is not None
-    return replace(scene, plane=replace(scene.plane, law=law))  # type: ignore[arg-type]
 
 
 def _exact(scene: Scene, duration: float) -> dict[str, float] | None:

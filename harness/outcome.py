@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from bodycheck.adapters.contract import Method
+from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Trajectory
 
 
@@ -66,8 +67,8 @@ Outcome = Completed | Unsupported | Diverged | Crashed | TimedOut
 class Run:
     """One engine x one method x one case, and how it ended.
 
-    contact_law: the friction law that the engine's contacts would make on a plane if they were rigid and equally loaded, by
-    the names of `Plane.law`; None without a plane and where it is none of these.
+    contact_law: the friction that the engine's contacts would make on the scene's plane if they were rigid; None without a
+    plane, and where it is no law of the reference.
     """
 
     case: str
@@ -75,4 +76,4 @@ class Run:
     version: str
     method: Method
     outcome: Outcome
-    contact_law: str | None = None
+    contact_law: Plane | None = None

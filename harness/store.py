@@ -20,6 +20,7 @@ from bodycheck.adapters.contract import Method
 from bodycheck.case import Case, parse
 from bodycheck.errors import BadInput
 from bodycheck.outcome import Completed, Crashed, Diverged, Run, TimedOut, Unsupported
+from bodycheck.reference.scene import Plane
 from bodycheck.reference.sliding import Stop
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
@@ -74,7 +75,7 @@ class Writer:
             "integrator": run.method.integrator,
             "timestep": run.method.timestep,
             "status": run.outcome.status,
-            "contact_law": run.contact_law,
+            "contact_law": asdict(run.contact_law) if run.contact_law is not None else None,
         }
         match run.outcome:
             case Completed(trajectory, steps, wall_time):
@@ -140,7 +141,8 @@ class Results:
 
     def _run(self, record: dict[str, Any]) -> Run:
         method = Method(record["integrator"], record["timestep"])
-        run = Run(record["case"], record["engine"], record["version"], method, Unsupported(""), record["contact_law"])
+        law = record["contact_law"]
+        run = Run(record["case"], record["engine"], record["version"], method, Unsupported(""), Plane(**law) if law else None)
         match record["status"]:
             case Completed.status:
                 table = pq.read_table(self.folder / _trajectory_path(run.case, run.engine, method))

@@ -13,7 +13,7 @@ from bodycheck.reports.curves import Curves
 from bodycheck.reports.lines import Key, Line, assign
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, TABLED, Quantity, bound, milliseconds, number
 from bodycheck.reports.scenes import Fact, describe
-from bodycheck.reports.summary import Finding, findings, headline, key_of, measured, notices, tally, within_truth
+from bodycheck.reports.summary import Finding, contact, findings, headline, key_of, measured, notices, tally, within_truth
 from bodycheck.reports.tables import Entry, Table, origins_table
 from bodycheck.store import Results
 
@@ -95,7 +95,7 @@ def gather(results: Results, verdicts: Sequence[Verdict], parts: Sequence[Attrib
         headline=headline(results, verdicts),
         tally=tally(verdicts),
         notices=notices(results, verdicts),
-        findings=findings(measured(verdicts, lines)),
+        findings=(*findings(measured(verdicts, lines)), *contact(parts, lines)),
         failures=tuple(_failure(verdict, lines) for verdict in verdicts if verdict.passed is False),
         lines=tuple(lines.values()),
         matrix=tuple((name, _matrix_row(own, lines)) for name, own in by_case.items()),

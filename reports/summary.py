@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import combinations
 from statistics import median
 
+from bodycheck.attribution import Attribution
 from bodycheck.discrepancy import Discrepancy
 from bodycheck.judgement import Verdict
 from bodycheck.outcome import Completed, Unsupported
@@ -137,8 +138,30 @@ def notices(results: Results, verdicts: Sequence[Verdict]) -> tuple[str, ...]:
 
 def findings(runs: Sequence[Measured]) -> tuple[Finding, ...]:
     """What the completed runs show, the most telling first."""
-    told: list[Callable[[Sequence[Measured]], Finding | None]] = [_position, _attitude, _angular_momentum, _closest, _alike]
-    return tuple(finding for tell in told if runs and (finding := tell(runs)) is not None)
+    told: list[Callable[[Sequence[Measured]], Finding | None]] = [_position, _attitude, _angular_momentum]
+    # A contact is another model, and no integrator's doing: what is said of methods is said of flight.
+    flight = [run for run in runs if "penetration" not in run.maxima]
+    of_methods: list[Callable[[Sequence[Measured]], Finding | None]] = [_closest, _alike]
+    found = [tell(runs) for tell in told if runs] + [tell(flight) for tell in of_methods if flight]
+    return tuple(finding for finding in found if finding is not None)
+
+
+def contact(parts: Sequence[Attribution], lines: Mapping[Key, Line]) -> tuple[Finding, ...]:
+    """What the form of a contact's model does: the largest part of a turn to the stop that no time step mends."""
+    formed = [part for part in parts if part.quantity == "stop_yaw" and part.model_form]
+    if not formed:
+        return ()
+    worst = max(formed, key=lambda part: abs(part.model_form or 0.0))
+    form, label = worst.model_form or 0.0, lines[worst.engine, worst.integrator, worst.timestep].label
+    rest = ""
+    if worst.constraint is not None and worst.time_step is not None:
+        rest = f" The contact's own part is {number(worst.constraint, 3)} rad, that of the time step {number(worst.time_step, 3)} rad."
+    less = "less" if worst.total < 0 else "more"
+    text = (
+        f" the body turns {number(abs(worst.total), 3)} rad {less} until it stops with {label} than with the friction of the case. "
+        f"The form of the model, corners instead of an area, makes {number(form, 3)} rad of it, at any time step.{rest}"
+    )
+    return (Finding("Contact", "In ", worst.case, text),)
 
 
 def _attitude(runs: Sequence[Measured]) -> Finding | None:

@@ -129,10 +129,10 @@ def test_cones_are_told_apart_by_the_curling_brick(tmp_path: Path) -> None:
     """The friction of a pyramid depends on its direction, so that it is farther from the law of its own four corners."""
     parts = attributed(tmp_path, "curling-brick", ("Euler", "Euler:cone=elliptic", "admm", "law-force"))
     pyramid, cone, rigid = (parts[name, "stop_yaw"] for name in ("Euler", "Euler:cone=elliptic", "admm"))
-    # Corners stop the turn by 1.33 rad earlier than the area does, whichever engine has them.
+    # Corners stop the turn by 1.3 rad earlier than the area does, whichever engine has them.
     for part in (pyramid, cone, rigid):
-        assert part.model_form == pytest.approx(-1.3298, abs=1e-4)
-    assert abs(pyramid.constraint) > 5 * abs(cone.constraint) > 10 * abs(rigid.constraint)
+        assert part.model_form == pytest.approx(-1.33, abs=0.05)
+    assert abs(pyramid.constraint) > 5 * abs(cone.constraint) > 50 * abs(rigid.constraint)
     assert parts["law-force", "stop_yaw"].model_form == 0
 
 

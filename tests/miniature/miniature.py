@@ -98,7 +98,7 @@ class Miniature:
     def unsupported(self, scene: object) -> str | None:
         return None
 
-    def contact_law(self, scene: object, integrator: str) -> str | None:
+    def contact_law(self, scene: object, integrator: str) -> object | None:
         return None
 
     def prepare(self, scene: object, method: object) -> Flight:
