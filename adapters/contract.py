@@ -68,6 +68,13 @@ class Adapter(Protocol):
         """
         ...
 
+    def contact_load(self, scene: Scene, method: Method, steps: int) -> Array | None:
+        """The normal force (n,), N, between body and plane in each of n steps; None where the engine cannot tell.
+
+        Raises as `prepare` and `Simulation.advance` do.
+        """
+        ...
+
     def prepare(self, scene: Scene, method: Method) -> Simulation:
         """The smallest model of the scene, at t = 0. Raises `SceneUnsupported`."""
         ...

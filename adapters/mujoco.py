@@ -130,7 +130,11 @@ def fluid_density(scene: Scene) -> float:
     return scene.drag / (2 * r[0] * r[1])
 
 
-def contact_load(scene: Scene, method: Method, steps: int) -> tuple[Array, Strides]:
+def contact_load(scene: Scene, method: Method, steps: int) -> Array:
+    return contact_loads(scene, method, steps)[0]
+
+
+def contact_loads(scene: Scene, method: Method, steps: int) -> tuple[Array, Strides]:
     """The normal force between body and plane (n,) (N), and how many contacts bear it (n,), in each of n steps.
 
     That is what MuJoCo has at the beginning of a step; RK4 leaves what its last stage had. Raises `SceneUnsupported`, also

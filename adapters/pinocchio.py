@@ -132,6 +132,10 @@ def contact_law(scene: Scene, integrator: str) -> Plane | None:
     return replace(scene.plane, law="corners", pressure="balanced")
 
 
+def contact_load(scene: Scene, method: Method, steps: int) -> None:
+    """Not told: Pinocchio's contacts are rigid and bear the weight at all times."""
+
+
 def prepare(scene: Scene, method: Method) -> "Loop":
     """As the contract has it; `admm` is for bodies with corners only."""
     if (missing := unsupported(scene)) is not None:

@@ -6,12 +6,17 @@ import numpy as np
 
 from bodycheck import load, simulate, truth
 from bodycheck.adapters.contract import Method
-from bodycheck.adapters.mujoco import contact_load
+from bodycheck.adapters.mujoco import contact_loads
 from bodycheck.case import Case
 from bodycheck.contact import measured_stop
 from bodycheck.outcome import Completed
+from bodycheck.reference.inertia import principal_moments
+from bodycheck.reference.scene import Body, Brick, Plane
+from bodycheck.reference.truth import truth as truth_of_scene
 
 TIMESTEP = 5e-4
+BEFORE = (1e-1, 1e-3, 1e-5, 1e-7)
+SQUARE = Body(1.0, principal_moments(Brick((0.07, 0.07, 0.02)), 1.0), Brick((0.07, 0.07, 0.02)))
 PADS = (2, 4, 8, 16)
 SOFTENED = (1.0, 0.1, 0.01, 0.001)
 
@@ -46,7 +51,7 @@ def main() -> None:
     for pads in PADS:
         integrator = f"Euler:cone=elliptic,pads={pads}"
         time, cost = stop_time(case, integrator)
-        load_, touching = contact_load(case.scene, Method(integrator, TIMESTEP), round(0.15 / TIMESTEP))
+        load_, touching = contact_loads(case.scene, Method(integrator, TIMESTEP), round(0.15 / TIMESTEP))
         figures = f"{load_.mean() / weight:.2f} | {load_.max() / weight:.1f} | {(load_ > 0).mean():.0%} | {touching.max()}"
         print(f"| {pads} x {pads} | {time:.3f} | {equal_loads(case, pads):.3f} | {figures} | {cost:.0f} |")
 
@@ -58,9 +63,23 @@ def main() -> None:
         plane_, gravity = replace(plane, friction=plane.friction * part), case.scene.gravity / part
         same = replace(case, scene=replace(case.scene, plane=plane_, gravity=gravity))
         time, _ = stop_time(same, "Euler:cone=elliptic,pads=8")
-        load_, _ = contact_load(same.scene, Method("Euler:cone=elliptic,pads=8", TIMESTEP), round(0.15 / TIMESTEP))
+        load_, _ = contact_loads(same.scene, Method("Euler:cone=elliptic,pads=8", TIMESTEP), round(0.15 / TIMESTEP))
         peak = load_.max() / (same.scene.body.mass * gravity)
         print(f"| {plane_.friction:g} | {gravity:g} | {time:.3f} | {equal_loads(same, 8):.3f} | {peak:.2f} |")
+
+    print("\n| body, at the start | " + " | ".join(f"{left:g} s before the stop" for left in BEFORE) + " |")
+    print("| --- " * (1 + len(BEFORE)) + "|")
+    disk = load("curling-disk")
+    square = replace(disk, scene=replace(disk.scene, body=SQUARE, plane=Plane(0.3, "corners")))
+    for name, body, spins in (("disk", disk, (4.0, 20.0, 80.0)), ("square on its corners", square, (20.0,))):
+        for spin in spins:
+            start = replace(body.scene.initial, angular_velocity=(0.0, 0.0, spin))
+            scene = replace(body.scene, initial=start)
+            stop = truth_of_scene(scene, np.array([0.0, 10.0])).stop
+            assert stop is not None
+            motion = truth_of_scene(scene, stop.time - np.array(BEFORE)).trajectory
+            ratios = np.linalg.norm(motion.velocity, axis=1) / (0.1 * motion.angular_velocity[:, 2])
+            print(f"| {name}, {1 / (0.1 * spin):.3g} | " + " | ".join(f"{ratio:.4f}" for ratio in ratios) + " |")
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """How far a run is from the truth: errors against it, and drifts of what mechanics conserves."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -69,7 +69,8 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
             "truth_error": truth.error,
             **on_plane,
         },
-        stop_figures(scene, truth.stop, trajectory) if truth.stop is not None else {},
+        (stop_figures(scene, truth.stop, trajectory) if truth.stop is not None else {})
+        | (asdict(run.outcome.load) if run.outcome.load is not None else {}),
     )
 
 

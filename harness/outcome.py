@@ -8,6 +8,15 @@ from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Trajectory
 
 
+@dataclass(frozen=True)
+class Load:
+    """What the plane bore while a body slid: mean and peak in weights of the body, and the part of the steps with any."""
+
+    mean_load: float
+    peak_load: float
+    time_in_contact: float
+
+
 @dataclass(frozen=True, eq=False)
 class Completed:
     """The engine stepped to the end. steps taken, and the wall time of stepping alone (s)."""
@@ -15,6 +24,7 @@ class Completed:
     trajectory: Trajectory
     steps: int
     wall_time: float
+    load: Load | None = None
     status: ClassVar[str] = "ok"
     failed: ClassVar[bool] = False
     reason: ClassVar[str] = ""

@@ -2,14 +2,16 @@
 
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Adapter, EngineDiverged, Method, SceneUnsupported, Simulation, Strides
 from bodycheck.case import Case
+from bodycheck.contact import measured_stop
 from bodycheck.observables import observe
-from bodycheck.outcome import Completed, Crashed, Diverged, Outcome, Run, Unsupported
+from bodycheck.outcome import Completed, Crashed, Diverged, Load, Outcome, Run, Unsupported
 from bodycheck.reference.inertia import angular_momentum
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -47,13 +49,26 @@ def _outcome(adapter: Adapter, engine: str, case: Case, method: Method) -> Outco
             return Unsupported(f"the reference does not model {missing}")
         if (missing := adapter.unsupported(case.scene)) is not None:
             return Unsupported(f"{named} does not model {missing}")
-        return _advance(adapter.prepare(case.scene, method), case, method)
+        outcome = _advance(adapter.prepare(case.scene, method), case, method)
+        if case.scene.plane is None or not isinstance(outcome, Completed):
+            return outcome
+        return replace(outcome, load=_load(adapter, case.scene, method, outcome))
     except SceneUnsupported as error:
         return Unsupported(str(error))
     except EngineDiverged as error:
         return Diverged(str(error))
     except Exception as error:  # whatever an engine raises is its outcome, not ours
         return Crashed(f"{type(error).__name__}: {error}")
+
+
+def _load(adapter: Adapter, scene: Scene, method: Method, outcome: Completed) -> Load | None:
+    """The load until the stop, from a run of its own that is not timed; of the whole run where nothing moves."""
+    stop = round(measured_stop(scene, outcome.trajectory).time / method.timestep)
+    load = adapter.contact_load(scene, method, stop or outcome.steps)
+    if load is None or len(load) == 0 or scene.gravity == 0:
+        return None
+    weight = scene.body.mass * scene.gravity
+    return Load(float(load.mean()) / weight, float(load.max()) / weight, float((load > 0).mean()))
 
 
 def sampling_steps(instants: Array, timestep: float) -> Strides:

@@ -19,7 +19,7 @@ import pyarrow.parquet as pq
 from bodycheck.adapters.contract import Method
 from bodycheck.case import Case, parse
 from bodycheck.errors import BadInput
-from bodycheck.outcome import Completed, Crashed, Diverged, Run, TimedOut, Unsupported
+from bodycheck.outcome import Completed, Crashed, Diverged, Load, Run, TimedOut, Unsupported
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.sliding import Stop
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -78,9 +78,9 @@ class Writer:
             "contact_law": asdict(run.contact_law) if run.contact_law is not None else None,
         }
         match run.outcome:
-            case Completed(trajectory, steps, wall_time):
+            case Completed(trajectory, steps, wall_time, load):
                 self._save(_trajectory_path(run.case, run.engine, run.method), trajectory, {})
-                record |= {"steps": steps, "wall_time": wall_time}
+                record |= {"steps": steps, "wall_time": wall_time, "load": asdict(load) if load is not None else None}
             case TimedOut(limit):
                 record |= {"limit": limit}
             case outcome:
@@ -146,7 +146,8 @@ class Results:
         match record["status"]:
             case Completed.status:
                 table = pq.read_table(self.folder / _trajectory_path(run.case, run.engine, method))
-                return replace(run, outcome=Completed(_trajectory(table), record["steps"], record["wall_time"]))
+                load = Load(**record["load"]) if record["load"] else None
+                return replace(run, outcome=Completed(_trajectory(table), record["steps"], record["wall_time"], load))
             case TimedOut.status:
                 return replace(run, outcome=TimedOut(record["limit"]))
             case status:

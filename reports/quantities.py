@@ -49,6 +49,9 @@ QUANTITIES = {
         Quantity("creep", "Creep", "m/s", "Mean speed along the plane after the stop."),
         Quantity("penetration", "Penetration", "m", "Depth of the lowest point of the body in the plane."),
         Quantity("tilt", "Tilt", "rad", "Angle between K and the vertical."),
+        Quantity("mean_load", "Mean load", "weights", "What the plane bears on the average until the stop."),
+        Quantity("peak_load", "Peak load", "weights", "The most that it bears in a step."),
+        Quantity("time_in_contact", "In contact", "of the steps", "Part of the steps in which it bears anything."),
     )
 }
 

@@ -155,10 +155,12 @@ def contact(parts: Sequence[Attribution], lines: Mapping[Key, Line]) -> tuple[Fi
     form, label = worst.model_form or 0.0, lines[worst.engine, worst.integrator, worst.timestep].label
     rest = ""
     if worst.constraint is not None and worst.time_step is not None:
-        rest = f" The contact's own part is {number(worst.constraint, 3)} rad, that of the time step {number(worst.time_step, 3)} rad."
+        constraint, time_step = number(worst.constraint, 3), number(worst.time_step, 3)
+        rest = f" The contact's own part is {constraint} rad, that of the time step {time_step} rad."
     less = "less" if worst.total < 0 else "more"
     text = (
-        f" the body turns {number(abs(worst.total), 3)} rad {less} until it stops with {label} than with the friction of the case. "
+        f" the body turns {number(abs(worst.total), 3)} rad {less} until it stops with {label} "
+        "than with the friction of the case. "
         f"The form of the model, corners instead of an area, makes {number(form, 3)} rad of it, at any time step.{rest}"
     )
     return (Finding("Contact", "In ", worst.case, text),)

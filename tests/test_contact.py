@@ -176,10 +176,24 @@ def test_the_stop_is_stored_and_its_columns_follow(tmp_path: Path) -> None:
     table = pd.read_csv(tmp_path / "results.csv")
     columns = ["energy_error", "rotational_energy_error", "angular_momentum_error"]
     columns += ["stop_time_error", "stop_position_error", "stop_yaw_error", "creep", "penetration", "tilt"]
-    assert list(table.columns[-9:]) == columns
+    loads = ["mean_load", "peak_load", "time_in_contact"]
+    assert list(table.columns[-12:]) == columns + loads
+    assert table[table.engine == "mujoco"].dropna(subset="tilt")[loads].notna().all(axis=None)
+    assert table[table.engine == "pinocchio"][loads].isna().all(axis=None)
     assert table[table.case == "projectile"][columns].isna().all(axis=None)
     assert table[table.case == case.name][columns].notna().all(axis=None)
     assert table[table.case == case.name].energy_drift.isna().all()
+
+
+def test_the_load_comes_in_bursts_and_is_the_weight_on_the_average() -> None:
+    """MuJoCo's convex friction throws the brick up; see docs/contacts.md."""
+    case = load("spinning-brick")
+    bouncing = simulate(case, "mujoco", "Euler:cone=elliptic,pads=8", 5e-4)
+    maxima = compare(truth(case), bouncing).maxima()
+    # The impulses of the load and of gravity are equal but for the height and speed that are left at the stop.
+    assert maxima["mean_load"] == pytest.approx(1, abs=0.01)
+    assert maxima["peak_load"] > 5
+    assert maxima["time_in_contact"] < 0.6
 
 
 def test_a_body_given_no_position_lies_on_the_plane() -> None:

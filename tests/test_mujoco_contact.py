@@ -96,7 +96,7 @@ def test_more_pads_do_not_bring_the_area_law(pads: int, stop: float) -> None:
     assert spin_stop(SPINNING, name, 5e-4) == pytest.approx(stop, abs=2e-3)
     outermost = points_stop((pads - 1) / pads * np.array([[A, B], [-A, B], [-A, -B], [A, -B]]))
     assert coulomb_stop(SPINNING, name, 1e-4) == pytest.approx(outermost, abs=2e-3)
-    _, touching = adapter.contact_load(SPINNING, Method(name, 1e-4), 1000)
+    _, touching = adapter.contact_loads(SPINNING, Method(name, 1e-4), 1000)
     assert touching.max() == 4
 
 
@@ -135,7 +135,7 @@ def test_stepping_in_pieces_is_stepping_at_once(scene: Scene, name: str) -> None
 def test_the_load_is_what_carries_the_brick() -> None:
     steps, timestep = 1000, 5e-4
     for name in adapter.integrators(SPINNING):
-        load, touching = adapter.contact_load(SPINNING, Method(name, timestep), steps)
+        load, touching = adapter.contact_loads(SPINNING, Method(name, timestep), steps)
         assert load.shape == touching.shape == (steps,)
         assert (load[touching == 0] == 0).all()
         assert (load[touching > 0] > 0).all()
@@ -150,7 +150,7 @@ def test_the_load_is_what_carries_the_brick() -> None:
 
 
 def test_the_load_comes_in_bursts() -> None:
-    load, touching = adapter.contact_load(SPINNING, Method(ELLIPTIC, 1e-4), 1000)
+    load, touching = adapter.contact_loads(SPINNING, Method(ELLIPTIC, 1e-4), 1000)
     assert load.max() > 5 * MASS * GRAVITY
     assert np.mean(touching > 0) < 0.3
     assert load.mean() == pytest.approx(MASS * GRAVITY, rel=0.05)  # a burst more or less
@@ -271,7 +271,7 @@ def test_what_is_not_modelled_is_refused(scene: Scene, name: str, text: str) -> 
         adapter.prepare(scene, Method(name, 1e-3))
     assert text in str(refused.value)
     with pytest.raises(SceneUnsupported):
-        adapter.contact_load(scene, Method(name, 1e-3), 1)
+        adapter.contact_loads(scene, Method(name, 1e-3), 1)
 
 
 def test_a_full_buffer_is_diverged(tmp_path: object, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -281,7 +281,7 @@ def test_a_full_buffer_is_diverged(tmp_path: object, monkeypatch: pytest.MonkeyP
     with pytest.raises(EngineDiverged, match=r"MuJoCo warned of CNSTRFULL at t = 0\.00"):
         adapter.prepare(RESTING, method).advance(np.array([10]))
     with pytest.raises(EngineDiverged, match="warned of CNSTRFULL"):
-        adapter.contact_load(RESTING, method, 10)
+        adapter.contact_loads(RESTING, method, 10)
     assert not list(tmp_path.iterdir()), "MuJoCo left a log file in the working directory"
 
 

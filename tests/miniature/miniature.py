@@ -101,6 +101,9 @@ class Miniature:
     def contact_law(self, scene: object, integrator: str) -> object | None:
         return None
 
+    def contact_load(self, scene: object, method: object, steps: int) -> None:
+        return None
+
     def prepare(self, scene: object, method: object) -> Flight:
         return Flight(scene, method.timestep, self.spoil)
 
