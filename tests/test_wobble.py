@@ -49,4 +49,4 @@ def test_the_axis_of_a_round_ball_keeps_its_angle_to_the_angular_momentum() -> N
     tumbling = replace(case, scene=replace(case.scene, initial=replace(case.scene.initial, angular_velocity=(2.0, 0.0, 0.0))))
     still = truth(tumbling).trajectory
     turned = rotate(still.quaternion, np.tile([0.0, 0.0, 1.0], (len(still), 1)))
-    assert np.arccos(turned @ turned[0]).max() == pytest.approx(math.pi, abs=0.02)
+    assert np.arccos(np.clip(turned @ turned[0], -1, 1)).max() == pytest.approx(math.pi, abs=0.02)
