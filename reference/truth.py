@@ -121,7 +121,8 @@ def on_plane(scene: Scene, times: Array) -> Truth:
         found = slide(scene, times)
     except WouldTip as error:
         raise NotModelled(f"a body that would tip: {error}") from error
-    return Truth(scene, found.trajectory, found.error, found.position_error, found.model, "scipy-dop853", found.stop)
+    solver = "numpy" if found.model.startswith("closed form") else "scipy-dop853"
+    return Truth(scene, found.trajectory, found.error, found.position_error, found.model, solver, found.stop)
 
 
 def with_drag(scene: Scene, motion: Trajectory) -> tuple[Trajectory, Array]:
