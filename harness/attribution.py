@@ -17,12 +17,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from bodycheck.contact import initial_yaw, measured_stop
+from bodycheck.contact import measured_stop
 from bodycheck.judgement import Verdict
 from bodycheck.outcome import Completed, Run
 from bodycheck.reference.integration import OutOfReach
 from bodycheck.reference.scene import Scene
-from bodycheck.reference.sliding import Stop
+from bodycheck.reference.sliding import Stop, yaw
 from bodycheck.reference.truth import NotModelled, truth
 from bodycheck.store import Results
 
@@ -117,4 +117,4 @@ def _exact(scene: Scene, duration: float) -> dict[str, float] | None:
 
 def _quantities(scene: Scene, stop: Stop) -> dict[str, float]:
     way = math.dist(stop.position[:2], scene.initial.position[:2])
-    return dict(zip(QUANTITIES, (stop.time, way, stop.yaw - initial_yaw(scene)), strict=True))
+    return dict(zip(QUANTITIES, (stop.time, way, stop.yaw - float(yaw(np.array(scene.initial.quaternion)))), strict=True))

@@ -51,6 +51,10 @@ class CaseFaults(BadInput):
         self.faults = faults
 
 
+class _Slender(Exception):
+    """Particles or parts make a body that has no moment about one of its axes; the text is that of the fault."""
+
+
 @dataclass(frozen=True)
 class Expectation:
     """Upper limits that one method must keep; the names of the limits are those of the result columns."""
@@ -106,16 +110,19 @@ def parse(text: str, file: str) -> Case:
         raise CaseFaults((Fault(file, "nested too deeply"),)) from error
     except tomllib.TOMLDecodeError as error:
         raise CaseFaults((_syntax_fault(file, text, str(error)),)) from error
-    places = positions(text)
     errors: list[tuple[Path, str]] = list(grammar.contradictions(document))
     try:
         table = grammar.CaseTable.model_validate(document)
     except ValidationError as error:
         errors += [_explain(record, document) for record in error.errors(include_url=False)]
-    if errors:
-        faults = [_locate(file, places, document, path, message) for path, message in errors]
-        raise CaseFaults(tuple(sorted(faults, key=lambda fault: fault.position or Position(0, 0))))
-    return _case(table, text, file, places)
+    if not errors:
+        try:
+            return _case(table, text)
+        except _Slender as error:
+            errors.append((("body",), str(error)))
+    places = positions(text)
+    faults = [_locate(file, places, document, path, message) for path, message in errors]
+    raise CaseFaults(tuple(sorted(faults, key=lambda fault: fault.position or Position(0, 0))))
 
 
 def _read(path: FilePath) -> str:
@@ -178,8 +185,8 @@ def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], p
     return Fault(file, f"read {quote}; {message}", places[place], key)
 
 
-def _case(table: grammar.CaseTable, text: str, file: str, places: dict[Path, Position]) -> Case:
-    body = _body(table.body, file, places)
+def _case(table: grammar.CaseTable, text: str) -> Case:
+    body = _body(table.body)
     return Case(
         name=table.name,
         title=table.title,
@@ -199,13 +206,12 @@ def _case(table: grammar.CaseTable, text: str, file: str, places: dict[Path, Pos
     )
 
 
-def _body(table: grammar.AnyBody, file: str, places: dict[Path, Position]) -> Body:
+def _body(table: grammar.AnyBody) -> Body:
     if isinstance(table, grammar.ShapelessTable) and table.inertia is None:
         made = _composed(table)
         moments, axes = principal_axes(made.inertia)
         if not min(moments) > SLENDER * max(moments):
-            reason = f"its principal moments are {moments}; a body on a line, with none about it, cannot be followed"
-            raise CaseFaults((Fault(file, reason, places["body",], "body"),))
+            raise _Slender(f"its principal moments are {moments}; a body on a line, with none about it, cannot be followed")
         return Body(made.mass, moments, None, axes)
     shape = _shape(table)
     assert table.mass is not None  # the grammar requires it where it is not composed

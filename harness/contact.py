@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.kinematics import conjugate, euler_from_quaternion, rotate
 from bodycheck.reference.scene import Brick, Cylinder, Scene
-from bodycheck.reference.sliding import Stop
+from bodycheck.reference.sliding import Stop, yaw
 from bodycheck.reference.trajectory import Array, Trajectory
 
 AT_REST = 1e-3
@@ -19,14 +19,14 @@ CONTACT_COLUMNS = (*STOP_COLUMNS, "penetration", "tilt", "mean_load", "peak_load
 
 def tilt(trajectory: Trajectory) -> Array:
     """Angle (n,) between K and the vertical (rad)."""
-    w, x, y, z = trajectory.quaternion.T
-    return np.asarray(2 * np.arctan2(np.hypot(x, y), np.hypot(w, z)))
+    _, theta, _ = euler_from_quaternion(trajectory.quaternion)
+    return theta
 
 
 def penetration(scene: Scene, trajectory: Trajectory) -> Array:
     """Depth (n,) of the lowest point of the body below the plane (m); 0 where it is above."""
     # Components of the vertical along the axes of the body.
-    down = rotate(trajectory.quaternion * [1, -1, -1, -1], np.tile([0.0, 0.0, 1.0], (len(trajectory), 1)))
+    down = rotate(conjugate(trajectory.quaternion), np.tile([0.0, 0.0, 1.0], (len(trajectory), 1)))
     match scene.body.shape:
         case Brick(semi_axes):
             reach = np.abs(down) @ np.array(semi_axes)
@@ -69,12 +69,6 @@ def measured_stop(scene: Scene, trajectory: Trajectory) -> Stop:
     if 0 < last < len(t) - 1 and speed[last - 1] > speed[last]:
         slowing = (speed[last - 1] - speed[last]) / (t[last] - t[last - 1])
         time = min(float(t[last] + speed[last] / slowing), time)
-    yaw = np.unwrap(2 * np.arctan2(trajectory.quaternion[:, 3], trajectory.quaternion[:, 0]), period=2 * math.pi)
+    turned = np.unwrap(yaw(trajectory.quaternion))
     x, y, z = trajectory.position[index].tolist()
-    return Stop(time, (x, y, z), initial_yaw(scene) + float(yaw[index] - yaw[0]))
-
-
-def initial_yaw(scene: Scene) -> float:
-    """The yaw (rad) from which a scene's body turns on its plane."""
-    w, _, _, z = scene.initial.quaternion
-    return 2 * math.atan2(z, w)
+    return Stop(time, (x, y, z), float(yaw(np.array(scene.initial.quaternion)) + turned[index] - turned[0]))

@@ -32,6 +32,7 @@ Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, l
 Positive = Annotated[Number, Field(gt=0)]
 NonNegative = Annotated[Number, Field(ge=0)]
 Text = Annotated[str, Field(strict=True)]
+Label = Annotated[str, Field(strict=True, min_length=1, max_length=LONGEST_NAME)]
 Vector = tuple[Number, Number, Number]
 PositiveVector = tuple[Positive, Positive, Positive]
 
@@ -189,8 +190,8 @@ class RunTable(Table):
 class ExpectTable(Table):
     """What must hold of one method: each limit is at most, over all samples."""
 
-    engine: Text
-    integrator: Text
+    engine: Label
+    integrator: Label = Field(description="by the engine's name; options of a method stand behind a colon")
     timestep: Positive = Field(description="s")
     position_error: NonNegative | None = Field(default=None, description="m")
     velocity_error: NonNegative | None = Field(default=None, description="m/s")

@@ -56,7 +56,7 @@ def _methods(
 
     # A method with options of the user's own is run where the engine has the integrator for this scene.
     optional = [integrator for integrator in integrators if integrator not in offered and base(integrator) in offered]
-    for integrator in [*filter(wanted, offered), *(name for name in optional if base(name) != name)]:
+    for integrator in [*filter(wanted, offered), *optional]:
         yield from (Method(integrator, timestep) for timestep in timesteps or (DEFAULT_TIMESTEP,))
     if not timesteps:
         for expectation in case.expectations:

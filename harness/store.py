@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TextIO
+from urllib.parse import quote
 
 import numpy as np
 import pyarrow as pa
@@ -170,7 +171,8 @@ def read(folder: Path) -> Results:
 
 
 def _trajectory_path(case: str, engine: str, method: Method) -> Path:
-    name = "-".join(filter(None, (engine, method.integrator, f"{method.timestep!r}s")))
+    # The name of a method may come from a stranger's case file: quoted, it cannot lead out of the folder.
+    name = quote("-".join(filter(None, (engine, method.integrator, f"{method.timestep!r}s"))), safe=" =,")
     return Path(TRAJECTORIES, case, f"{name}.parquet")
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Quaternion, Shape, Sphere, Vector
 from bodycheck.reference.trajectory import Array
 
@@ -115,8 +115,7 @@ def inertia_tensor(body: Body) -> Array:
 def angular_momentum(body: Body, angular_velocity: NDArray[np.float64]) -> Array:
     """Angular momenta (..., 3) in the body frame from body rates (..., 3), rad/s [G 2.32]."""
     to_body = np.array(body.axes)
-    to_principal = to_body * [1, -1, -1, -1]
-    return rotate(to_body, np.array(body.moments) * rotate(to_principal, angular_velocity))
+    return rotate(to_body, np.array(body.moments) * rotate(conjugate(to_body), angular_velocity))
 
 
 def satisfies_triangle_inequality(moments: Vector) -> bool:

@@ -26,6 +26,25 @@ class OutOfReach(Exception):
     """The reference cannot follow this motion; the text says why."""
 
 
+def dop853(derivative: Derivative, start: float, state: Array, end: float, scale: Array, **steps: Any) -> Any:
+    """SciPy's solver at the tolerances above; steps: its own arguments for the length of steps.
+
+    The stubs of SciPy know neither real equations nor a tolerance for each component.
+    """
+    solver: Any = DOP853
+    return solver(derivative, start, state, end, rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE * scale, **steps)
+
+
+def advance(solver: Any, taken: int, time: float, end: float) -> int:
+    """Let a solver take one step, from a time to an end (s), and count it. Raises `OutOfReach`."""
+    message = solver.step()
+    if solver.status == "failed" or not np.isfinite(solver.y).all():
+        raise OutOfReach(f"the integration cannot go on at t = {time:.6g} s: {message}")
+    if taken + 1 > MOST_STEPS:
+        raise OutOfReach(f"more than {MOST_STEPS} integration steps before t = {end:.6g} s")
+    return taken + 1
+
+
 def solve(
     derivative: Derivative,
     start: Array,
@@ -45,20 +64,14 @@ def solve(
     time, state, stride, taken = 0.0, start, None, 0
     end = float(times[-1]) if len(times) else 0.0
 
-    def begin() -> Any:  # the stubs of SciPy know neither real equations nor a tolerance for each component
-        solver: Any = DOP853
-        return solver(derivative, time, state, end, rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE * scale, first_step=stride)
+    def begin() -> Any:
+        return dop853(derivative, time, state, end, scale, first_step=stride)
 
     solver = begin() if end > 0 else None
     for row, target in zip(rows, times.tolist(), strict=True):
         while solver is not None and time < target:
             solver.t_bound, solver.status = target, "running"
-            message = solver.step()
-            taken += 1
-            if solver.status == "failed" or not np.isfinite(solver.y).all():
-                raise OutOfReach(f"the integration cannot go on at t = {time:.6g} s: {message}")
-            if taken > MOST_STEPS:
-                raise OutOfReach(f"more than {MOST_STEPS} integration steps before t = {end:.6g} s")
+            taken = advance(solver, taken, time, end)
             time, state = float(solver.t), solver.y
             if (changed := after_step(state)) is not None:
                 derivative, state = changed

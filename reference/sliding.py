@@ -101,7 +101,12 @@ def planar_state(scene: Scene) -> Array:
         faults.append(f"it turns about other axes than K at {math.hypot(p, q):.3g} rad/s")
     if faults:
         raise NotFlat("the body does not lie flat: " + "; ".join(faults))
-    return np.array([x, y, 2 * math.atan2(qz, qw), vx, vy, r])
+    return np.array([x, y, yaw(np.array(initial.quaternion)), vx, vy, r])
+
+
+def yaw(quaternion: Array) -> Array:
+    """Turn (..., rad) about the vertical of a body that lies flat, from its attitude (..., 4)."""
+    return np.asarray(2 * np.arctan2(quaternion[..., 3], quaternion[..., 0]))
 
 
 def coupled(scene: Scene, plane: Plane, start: Array, times: Array) -> tuple[Motion, Motion]:

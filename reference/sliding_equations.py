@@ -14,11 +14,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853
 
 from bodycheck.reference.footprint import STUCK
 from bodycheck.reference.friction import Law
-from bodycheck.reference.integration import ABSOLUTE_TOLERANCE, MOST_STEPS, RELATIVE_TOLERANCE, Derivative, OutOfReach
+from bodycheck.reference.integration import Derivative, OutOfReach, advance, dop853
 from bodycheck.reference.trajectory import Array
 
 AT_REST = 1e-15
@@ -189,17 +188,11 @@ def followed(
 
     The first unknown is t, with t' = clock(y) > 0. moving is asked at the start and after each step.
     """
-    solver: Any = DOP853  # the stubs of SciPy know neither real equations nor a tolerance for each component
-    solver = solver(derivative, 0.0, state, np.inf, rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE * scale, max_step=longest)
+    solver = dop853(derivative, 0.0, state, np.inf, scale, max_step=longest)
     done = int(np.searchsorted(times, 0.0, side="right"))
     chosen, taken = [np.repeat(state[None], done, axis=0)], 0
     while moving(state) and done < len(times):
-        message = solver.step()
-        taken += 1
-        if solver.status == "failed" or not np.isfinite(solver.y).all():
-            raise OutOfReach(f"the slide cannot be followed beyond t = {state[0]:.6g} s: {message}")
-        if taken > MOST_STEPS:
-            raise OutOfReach(f"more than {MOST_STEPS} integration steps before t = {times[-1]:.6g} s")
+        taken = advance(solver, taken, float(state[0]), float(times[-1]))
         before, state = state, solver.y
         passed = int(np.searchsorted(times, state[0], side="right"))
         if passed > done:

@@ -136,6 +136,19 @@ def test_a_line_cut_short_is_where_the_run_was_interrupted(tmp_path: Path) -> No
     assert len(results.records) == len(lines) - 3
 
 
+def test_the_name_of_a_method_leads_nowhere_out_of_the_folder(miniatures: Path, tmp_path: Path) -> None:
+    """An engine that takes any options completes under whatever name a stranger's case file gives the method."""
+    name = "closed-form:/../../../../x"
+    case = replace(SPIN, expectations=(Expectation("exact", name, 0.1, (("position_error", 1.0),)),))
+    tasks = plan([case], {"exact": registry.load("exact")}, (), ())
+    campaign.execute(tasks, tmp_path / "deep" / "out", campaign.header([], {"exact": "1"}, {}), 1)
+    results = store.read(tmp_path / "deep" / "out")
+    assert {run.method.integrator: run.outcome.status for run in results.runs()}[name] == "ok"
+    files = [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert len(files) == 1 + 2 + 2  # the records, two truths, two runs
+    assert all(path.is_relative_to(results.folder) for path in files)
+
+
 def test_other_folders_are_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("irreplaceable")
     with pytest.raises(BadInput, match="has other things in it"):

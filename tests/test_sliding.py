@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bodycheck.reference import sliding_equations
+from bodycheck.reference import integration, sliding_equations
 from bodycheck.reference.footprint import Disk, Footprint, Points, nearness, rectangle
 from bodycheck.reference.friction import NotFlat, friction, uniform_friction
 from bodycheck.reference.inertia import principal_moments
@@ -254,8 +254,8 @@ def test_the_integration_is_as_good_as_its_tolerance(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(sliding_equations, "LOG_STEP", 1.0)
     errors = []
     for tolerance in (1e-11, 1e-9, 1e-7):
-        monkeypatch.setattr(sliding_equations, "RELATIVE_TOLERANCE", tolerance)
-        monkeypatch.setattr(sliding_equations, "ABSOLUTE_TOLERANCE", tolerance / 20)
+        monkeypatch.setattr(integration, "RELATIVE_TOLERANCE", tolerance)
+        monkeypatch.setattr(integration, "ABSOLUTE_TOLERANCE", tolerance / 20)
         errors.append(float(np.abs(stop(in_log_time(flat, start, end, unwatched)) - finest).max()))
         assert errors[-1] < tolerance
     assert errors == sorted(errors)
