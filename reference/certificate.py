@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference import closed_form, truth
+from bodycheck.reference import closed_form, torque_free, truth
+from bodycheck.reference.closed_form import smallest_rotation
 from bodycheck.reference.principal import along_principal_axes, in_body_frame
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
@@ -19,8 +20,8 @@ class Certificate:
     """What is known of a truth's error at its n instants.
 
     differences: by the names of two ways, how far apart their attitudes have been so far (n,), rad; the truth is one of them.
-    bound: (n,) rad, of the truth's own error, by the better of two witnesses: the closed form with its own bound, and the
-    128-bit run with twice the distance between its two forms.
+    bound: (n,) rad, of the truth's own error: the closed form's own or, where that is less, the distance from the 128-bit run
+    and twice the distance between its two forms.
     growth: (n,) attitude error per unit of relative error made at the worst moment before; None without heyoka.
     """
 
@@ -30,8 +31,8 @@ class Certificate:
     growth: Array | None
 
 
-CLOSED_FORM = "closed form"
 THE_TRUTH = "truth"
+ELLIPTIC = "elliptic functions"
 
 
 def certify(scene: Scene, times: Array) -> Certificate:
@@ -46,10 +47,13 @@ def certify(scene: Scene, times: Array) -> Certificate:
     plain = truth.dop853()
     ways: dict[str, NDArray[Any]] = {
         THE_TRUTH: found.trajectory.quaternion,
-        CLOSED_FORM: closed_form.motion(scene, times).quaternion,
-        f"euler-lagrange, {plain.name}": plain.euler_lagrange(scene, times).quaternion,
-        f"quasi-coordinates, {plain.name}": plain.attitudes(scene, times),
+        f"euler-lagrange, {plain.name}": plain.euler_lagrange(scene, times),
+        f"quasi-coordinates, {plain.name}": plain.quasi_coordinates(scene, times),
     }
+    body, start = scene.body, scene.initial
+    if smallest_rotation(body.moments, start.angular_velocity) is closed_form.SYMMETRIC:
+        # The general form holds for it too, by another way.
+        ways[ELLIPTIC], _ = torque_free.rotation(body.moments, start.angular_velocity, start.quaternion, times)
     try:
         from bodycheck.reference import sensitivity, taylor
     except ImportError:
@@ -63,7 +67,7 @@ def certify(scene: Scene, times: Array) -> Certificate:
         quadruple = tuple(ways)[-2:]
 
     apart = {(one, other): np.maximum.accumulate(difference(ways[one], ways[other])) for one, other in combinations(ways, 2)}
-    bound = apart[THE_TRUTH, CLOSED_FORM] + closed_form.bound(scene, times)
+    bound = closed_form.bound(scene, times)
     if quadruple:
         lagrange, euler = quadruple
         bound = np.minimum(bound, apart[THE_TRUTH, lagrange] + 2 * apart[lagrange, euler])

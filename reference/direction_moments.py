@@ -28,6 +28,9 @@ DISK_INNER = 0.5
 EDGE_NODES = 12
 """Gauss nodes a direction of each triangle of a polygon: the error at `FAR` is (3 + sqrt 8)^-24, 5e-19."""
 
+SLOWEST = 2.0**-400
+"""Sizes of velocity and spin below which both are scaled up."""
+
 RIM_NODES, RADIAL_NODES = 64, 10
 """Nodes of a disk about its rim and along a radius: at `FAR` the errors are 4^-64 and (7 + sqrt 48)^-20, 1e-23."""
 
@@ -51,6 +54,9 @@ def direction_moments(footprint: Footprint) -> DirectionMoments:
     farthest = FAR * reach(footprint)
 
     def moments(v1: float, v2: float, w: float) -> Array:
+        if max(abs(v1), abs(v2), abs(w)) < SLOWEST:
+            # The direction alone counts; of so slow a motion, quotients and squares would not.
+            v1, v2, w = (value / SLOWEST for value in (v1, v2, w))
         speed = math.hypot(v1, v2)
         if speed > farthest * abs(w):
             return far(v1 / speed, v2 / speed, w / speed)

@@ -126,7 +126,8 @@ def decoupled_friction(footprint: Footprint, coefficient: float, load: float) ->
 
     def law(v1: float, v2: float, w: float) -> tuple[float, float, float]:
         speed = math.hypot(v1, v2)
-        force = -coefficient * load / speed if speed else 0.0
-        return force * v1, force * v2, math.copysign(1, w) * torque if w else 0.0
+        force = -coefficient * load if speed else 0.0
+        speed = speed or 1.0
+        return force * (v1 / speed), force * (v2 / speed), math.copysign(1, w) * torque if w else 0.0
 
     return law

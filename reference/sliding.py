@@ -10,7 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.reference.footprint import nearness
-from bodycheck.reference.friction import NotFlat, footprint_of, friction, height_of, refuse_tipping
+from bodycheck.reference.friction import (
+    Law,
+    NotFlat,
+    decoupled_friction,
+    footprint_of,
+    friction,
+    height_of,
+    refuse_tipping,
+)
 from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.pressure import WouldTip
 from bodycheck.reference.scene import Plane, Scene, Vector
@@ -40,7 +48,7 @@ class Slide:
     """A slide and how far it can be trusted.
 
     stop: None for a body that still moves at the last instant. error, position_error: (n,) bounds of the errors of the yaw
-    (rad) and of the position (m), never decreasing. model: the equations.
+    (rad) and of the position (m), never decreasing. model: the equations, and reason: why they are enough.
     """
 
     trajectory: Trajectory
@@ -48,6 +56,7 @@ class Slide:
     error: Array
     position_error: Array
     model: str
+    reason: str
 
 
 def slide(scene: Scene, times: Array) -> Slide:
@@ -81,7 +90,34 @@ def slide(scene: Scene, times: Array) -> Slide:
         time, to_x, to_y, to_yaw = motion.stop.tolist()
         stop = Stop(time, (to_x, to_y, scene.initial.position[2]), to_yaw)
     model = f"{equations}, {plane.law} friction, {plane.pressure} load"
-    return Slide(in_space(scene, times, motion.rows, start[2]), stop, error, position_error, model)
+    trajectory = in_space(scene, times, motion.rows, start[2])
+    return Slide(trajectory, stop, error, position_error, model, why(plane, scene.gravity, start))
+
+
+def why(plane: Plane, gravity: float, start: Array) -> str:
+    """Why x, y and yaw, and the equations chosen for them, are enough; start: as `planar_state` has it."""
+    moves, spins = bool(start[3:5].any()), bool(start[5])
+    if moves and spins and plane.friction * gravity:
+        apart = plane.law == "decoupled"
+        motion = "its law of friction has translation and spin apart" if apart else "it slides and spins at once"
+    elif moves and spins:
+        motion = "nothing brakes it"
+    else:
+        motion = "it slides without a spin" if moves else "it spins in its place" if spins else "it is at rest"
+    return f"it lies flat, and {motion}"
+
+
+def smallest_friction(scene: Scene, plane: Plane) -> tuple[Law, bool]:
+    """The smallest law of friction that is exact for a body that lies flat, and whether it brakes translation and spin apart.
+
+    In a straight slide friction has no moment and in a pure spin no resultant, under every law and load: the motion stays what
+    it is, and the one part of friction that there is keeps its size. Raises as `planar_state` does.
+    """
+    start = planar_state(scene)
+    if plane.law == "decoupled" or not (start[3:5].any() and start[5]):
+        footprint = footprint_of(scene.body.shape, plane.law)
+        return decoupled_friction(footprint, plane.friction, scene.body.mass * scene.gravity), True
+    return friction(scene.body, plane, scene.gravity), False
 
 
 def planar_state(scene: Scene) -> Array:

@@ -40,7 +40,7 @@ from bodycheck.reference.kinematics import (
 )
 from bodycheck.reference.lagrangian import RELABELLINGS, relabel
 from bodycheck.reference.scene import Scene
-from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.trajectory import Array
 
 Precision = Literal["extended", "quadruple"]
 """80-bit `np.longdouble`, unit roundoff 5e-20, or 128-bit `heyoka.real128`, unit roundoff 1e-34 and some 40 times slower."""
@@ -248,29 +248,6 @@ def euler_start(scene: Scene, dtype: Any) -> tuple[WideArray, WideArray]:
     attitude = normalise(_wide(scene.initial.quaternion, dtype))
     rates = _wide(scene.initial.angular_velocity, dtype) / unit_of_rate(scene)
     return np.concatenate([attitude, rates]), np.array([(b - c) / a, (c - a) / b, (a - b) / c])
-
-
-def trajectory(scene: Scene, times: Array, rotation: Rotation) -> Trajectory:
-    """Free flight with a given rotation, rounded to double at the end. The centre of mass follows a parabola."""
-    dtype = rotation.quaternion.dtype.type
-    t = _wide(times, dtype)[:, None]
-    fall = _wide((0.0, 0.0, -scene.gravity), dtype)
-    velocity = _wide(scene.initial.velocity, dtype)
-    return Trajectory(
-        np.asarray(times),
-        (_wide(scene.initial.position, dtype) + t * (velocity + t * fall / 2)).astype(float),
-        rotation.quaternion.astype(float),
-        (velocity + t * fall).astype(float),
-        rotation.angular_velocity.astype(float),
-    )
-
-
-def integrate(scene: Scene, times: Array, precision: Precision = "extended") -> Trajectory:
-    """The motion of a body in free flight at times (n,) >= 0 s, from the Euler-Lagrange equations.
-
-    Raises `OutOfReach` where the integration takes too many steps or cannot go on.
-    """
-    return trajectory(scene, times, euler_lagrange(scene, times, precision))
 
 
 def attitude_difference(p: WideArray, q: WideArray) -> Array:

@@ -1,6 +1,7 @@
 """Sampled states of one rigid body."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,3 +25,9 @@ class Trajectory:
 
     def __len__(self) -> int:
         return len(self.t)
+
+    def part(self, rows: slice | NDArray[Any]) -> "Trajectory":
+        """Some of the instants, as a slice or by their places."""
+        return Trajectory(
+            self.t[rows], self.position[rows], self.quaternion[rows], self.velocity[rows], self.angular_velocity[rows]
+        )

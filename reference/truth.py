@@ -1,7 +1,8 @@
-"""The reference trajectory with the bound of its own error, earned by three ways that must agree.
+"""The reference trajectory with the bound of its own error, earned by ways that must agree.
 
-A body in free flight is integrated from the Euler-Lagrange equations in Euler angles: that is the truth. Euler's equations
-with a quaternion, integrated apart, and the closed form, which integrates nothing, are its witnesses.
+The truth is the smallest model that is exact. In free flight that is a closed form, translation apart from rotation; a body
+that turns is held against two independent witnesses: the Euler-Lagrange equations in Euler angles and Euler's equations with
+a quaternion, both integrated in all coordinates. A body on a plane has three coordinates.
 """
 
 from collections.abc import Callable
@@ -12,13 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.reference import closed_form, drag, lagrangian, quasi_coordinates
+from bodycheck.reference.closed_form import smallest_rotation
 from bodycheck.reference.friction import NotFlat
+from bodycheck.reference.integration import OutOfReach
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.pressure import WouldTip
 from bodycheck.reference.principal import ALIGNED, along_principal_axes, in_body_frame
+from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sliding import Stop, planar_state, slide
 from bodycheck.reference.trajectory import Array, Trajectory
+
+CLOSED_FORMS, INTEGRATED = "numpy", "scipy-dop853"
+"""What evaluates closed forms, and what integrates drag and slides."""
 
 
 class NotModelled(Exception):
@@ -31,7 +38,9 @@ class Truth:
 
     error: (n,) bound of the trajectory's own attitude error at each instant (rad), never decreasing.
     position_error: (n,) likewise of its position (m).
-    model: the equations. backend: what solved them. stop: where a body on a plane comes to rest.
+    model: the equations, and reason: why they are enough. backend: what solved them. witnesses: the independent solutions that
+    the bounds are held against; none where nothing needs a witness, or where none can follow. stop: where a body on a plane
+    comes to rest.
     """
 
     scene: Scene
@@ -39,7 +48,9 @@ class Truth:
     error: Array
     position_error: Array
     model: str
+    reason: str
     backend: str
+    witnesses: tuple[str, ...] = ()
     stop: Stop | None = None
 
     def at(self, times: Array) -> "Truth":
@@ -49,14 +60,11 @@ class Truth:
 
 @dataclass(frozen=True)
 class Backend:
-    """A solver of both forms of the equations of motion.
-
-    euler_lagrange: trajectories. attitudes: quaternions (n, 4) of Euler's equations, in the type that they were solved in.
-    """
+    """A solver of both forms of the equations of motion: attitudes (n, 4) in the type that they were solved in."""
 
     name: str
-    euler_lagrange: Callable[[Scene, Array], Trajectory]
-    attitudes: Callable[[Scene, Array], NDArray[Any]]
+    euler_lagrange: Callable[[Scene, Array], NDArray[Any]]
+    quasi_coordinates: Callable[[Scene, Array], NDArray[Any]]
 
 
 def missing_model(scene: Scene) -> str | None:
@@ -80,20 +88,28 @@ def backend() -> Backend:
         from bodycheck.reference import taylor
     except ImportError:
         return dop853()
-    name = taylor.NAMES["extended"]
-    return Backend(name, taylor.integrate, lambda scene, times: taylor.quasi_coordinates(scene, times).quaternion)
+    return Backend(
+        taylor.NAMES["extended"],
+        lambda scene, times: taylor.euler_lagrange(scene, times).quaternion,
+        lambda scene, times: taylor.quasi_coordinates(scene, times).quaternion,
+    )
 
 
 def dop853() -> Backend:
     """SciPy's DOP853 in double precision."""
-    return Backend("scipy-dop853", lagrangian.integrate, lambda s, t: quasi_coordinates.integrate(s, t).quaternion)
+    return Backend(
+        INTEGRATED,
+        lambda scene, times: lagrangian.integrate(scene, times).quaternion,
+        lambda scene, times: quasi_coordinates.integrate(scene, times).quaternion,
+    )
 
 
 def truth(scene: Scene, times: Array, solver: Backend | None = None) -> Truth:
-    """The motion of a scene's body at ascending times (n,) >= 0 s, by the best backend there is unless one is given.
+    """The motion of a scene's body at ascending times (n,) >= 0 s.
 
-    The attitude error is at most the distance from the closed form and the closed form's own bound together. It is never
-    stated below the disagreement with Euler's equations, and never as less than it was before.
+    A body that turns has two witnesses, solved by the best backend there is unless one is given.
+    The attitude error of a body that turns is stated as the closed form's own bound and the largest disagreement so far with
+    either witness together, never as less than it was before. Where the witnesses cannot follow, it is the closed form's own.
 
     Raises `NotModelled` for what the reference cannot model and `OutOfReach` for what it cannot follow.
     """
@@ -101,18 +117,35 @@ def truth(scene: Scene, times: Array, solver: Backend | None = None) -> Truth:
         raise NotModelled(missing)
     if scene.plane is not None:
         return on_plane(scene, times)
-    solver = solver or backend()
     principal = along_principal_axes(scene)
-    motion = solver.euler_lagrange(principal, times)
-    exact = closed_form.motion(principal, times)
-    apart = [attitude_difference(motion.quaternion, other) for other in (solver.attitudes(principal, times), exact.quaternion)]
-    error = np.maximum.accumulate(np.maximum(*apart)) + closed_form.bound(principal, times)
-    if scene.drag:
-        motion, position_error = with_drag(scene, motion)
-    else:
-        position_error = np.maximum.accumulate(distance(motion.position, exact.position)) + rounding(motion)
-    model = "euler-lagrange with drag" if scene.drag else "euler-lagrange"
-    return Truth(scene, in_body_frame(scene, motion), error, position_error, model, solver.name)
+    form = smallest_rotation(principal.body.moments, principal.initial.angular_velocity)
+    motion, error = closed_form.motion(principal, times), closed_form.bound(principal, times)
+    turns = any(principal.initial.angular_velocity)
+    apart, witnesses = disagreement(principal, motion, solver or backend()) if turns else (np.zeros(len(times)), ())
+    flight = Truth(
+        scene,
+        in_body_frame(scene, motion),
+        error + apart,
+        rounding(motion),
+        f"closed form: {form.name}",
+        form.reason,
+        CLOSED_FORMS,
+        witnesses,
+    )
+    return with_drag(flight) if requirements(scene).drag else flight
+
+
+def disagreement(scene: Scene, motion: Trajectory, solver: Backend) -> tuple[Array, tuple[str, ...]]:
+    """The largest angle (n,), rad, so far between a motion's attitudes and those of two witnesses, and their names.
+
+    No names, and no disagreement, where a witness cannot follow the motion.
+    """
+    ways = {"euler-lagrange": solver.euler_lagrange, "quasi-coordinates": solver.quasi_coordinates}
+    try:
+        apart = [attitude_difference(motion.quaternion, way(scene, motion.t)) for way in ways.values()]
+    except OutOfReach:
+        return np.zeros(len(motion)), ()
+    return np.maximum.accumulate(np.maximum(*apart)), tuple(f"{way}, {solver.name}" for way in ways)
 
 
 def on_plane(scene: Scene, times: Array) -> Truth:
@@ -121,19 +154,37 @@ def on_plane(scene: Scene, times: Array) -> Truth:
         found = slide(scene, times)
     except WouldTip as error:
         raise NotModelled(f"a body that would tip: {error}") from error
-    solver = "numpy" if found.model.startswith("closed form") else "scipy-dop853"
-    return Truth(scene, found.trajectory, found.error, found.position_error, found.model, solver, found.stop)
+    closed = found.model.startswith("closed form")
+    return Truth(
+        scene,
+        found.trajectory,
+        found.error,
+        found.position_error,
+        found.model,
+        found.reason,
+        CLOSED_FORMS if closed else INTEGRATED,
+        () if closed else (f"plain time, {INTEGRATED}",),
+        found.stop,
+    )
 
 
-def with_drag(scene: Scene, motion: Trajectory) -> tuple[Trajectory, Array]:
-    """A motion with its translation slowed by drag, which acts at the centre of mass and leaves the rotation alone.
+def with_drag(flight: Truth) -> Truth:
+    """A flight with its translation slowed by drag, which acts at the centre of mass and leaves the rotation alone.
 
     The bound (n,) of the position error (m) is twice the distance between two formulations, both in double precision.
     """
-    position, velocity = drag.cartesian(scene, motion.t)
-    witness, _ = drag.hodograph(scene, motion.t)
+    motion = flight.trajectory
+    position, velocity = drag.cartesian(flight.scene, motion.t)
+    witness, _ = drag.hodograph(flight.scene, motion.t)
     slowed = replace(motion, position=position, velocity=velocity)
-    return slowed, 2 * np.maximum.accumulate(distance(position, witness)) + rounding(slowed)
+    return replace(
+        flight,
+        trajectory=slowed,
+        position_error=2 * np.maximum.accumulate(distance(position, witness)) + rounding(slowed),
+        model=f"{flight.model}, drag integrated",
+        backend=INTEGRATED,
+        witnesses=(*flight.witnesses, f"hodograph, {INTEGRATED}"),
+    )
 
 
 def rounding(motion: Trajectory) -> Array:
