@@ -5,6 +5,7 @@ An adapter converts at its border, nowhere else: scenes come in and states go ou
 truth or reports.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -25,12 +26,40 @@ class Method:
     timestep: float
 
 
+@dataclass(frozen=True)
+class Claim:
+    """What is to be expected of an integrator, by what its engine or its textbook says.
+
+    order: of its error in the time step, on smooth motion; None where nothing is said.
+    evaluations: of the accelerations in one step; None where that is not known.
+    """
+
+    order: int | None
+    evaluations: int | None
+
+
+MODEL_OPTION = ":model="
+"""Between the name of an integrator and that of one of its `models`, in the name of a method."""
+
+
 class SceneUnsupported(Exception):
     """The engine cannot model something that the scene requires, or refuses the model; the text says what."""
 
 
 class EngineDiverged(Exception):
-    """The engine itself gave up or started over; the text says what it signalled, and when."""
+    """The engine itself gave up or started over; the text says what it signalled, and when.
+
+    rows: the states (k, 13) after the first k strides, the last of them that in which the signal left the engine; none where
+    the engine cannot tell.
+    """
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        self.rows: Array = np.empty((0, 13))
+
+
+class EngineReset(EngineDiverged):
+    """The engine says that it started over, from a state of its own."""
 
 
 class Simulation(Protocol):
@@ -57,8 +86,20 @@ class Adapter(Protocol):
         """The integrators that the installed version offers for a scene; without one, all of them."""
         ...
 
+    def claim(self, integrator: str) -> Claim:
+        """What is claimed of an integrator, whose name may have options behind a colon."""
+        ...
+
     def unsupported(self, scene: Scene) -> str | None:
-        """What the scene requires and the engine cannot model, in words; None where it can."""
+        """What the scene requires and the engine cannot model, by the names of `Requirements`; None where it can."""
+        ...
+
+    def models(self, scene: Scene, integrator: str) -> Mapping[str, str]:
+        """The models of a scene on which an integrator can be run, in order of growth, and what each has more than the last.
+
+        The first is the smallest that is exact but for the steps. One is asked for behind the integrator's name, as in
+        `Euler:model=six-coordinates`. Empty where there is no choice.
+        """
         ...
 
     def contact_law(self, scene: Scene, integrator: str) -> Plane | None:

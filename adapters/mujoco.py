@@ -1,13 +1,15 @@
-"""MuJoCo: a free joint with an inertia, and what the scene needs besides, stepped in C.
+"""MuJoCo: a body with an inertia, the joints that the scene needs, and what it needs besides, stepped in C.
 
-qpos is (position world, quaternion w x y z); qvel is linear in the world frame, angular in the body frame.
+Of a free joint qpos is (position world, quaternion w x y z), and qvel is linear in the world frame, angular in the body frame.
+What other joints there are, and what models that are larger than need be, is in `mujoco_models`.
 
 Drag is a force from outside, evaluated wherever MuJoCo evaluates its own passive forces, so that every integrator keeps its
 order. The integrators whose names end in `-fluid` have MuJoCo's own fluid model instead: an inertia box in a medium, which
 meets a drag along each axis of the body and one against its rotation. The medium is as dense as it must be for the drag along
 the axis of the least moment, that in which a long body flies, to be the scene's.
 
-A body on a plane touches it by MuJoCo's own soft contact; what can be chosen of it is in `mujoco_contact`.
+A body on a plane touches it by MuJoCo's own soft contact; what can be chosen of it is in `mujoco_contact`. `Euler-planar` has
+the smallest model instead, of three coordinates, and friction as a force from outside, by the reference's law.
 """
 
 import math
@@ -19,26 +21,29 @@ import mujoco
 import numpy as np
 from mujoco import rollout
 
-from bodycheck.adapters import mujoco_contact
-from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Strides
+from bodycheck.adapters import mujoco_contact, mujoco_models
+from bodycheck.adapters.contract import MODEL_OPTION, Claim, EngineDiverged, EngineReset, Method, SceneUnsupported, Strides
+from bodycheck.adapters.mujoco_models import Force, Joints
+from bodycheck.reference.requirements import missing, requirements
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
 
 MODEL = """
 <mujoco>
   <compiler balanceinertia="false" inertiafromgeom="false"/>
-  <option timestep="{timestep!r}" integrator="{integrator}" gravity="0 0 {gravity!r}" density="{density!r}" {contact.option}>
-    <flag contact="{contact.switch}" constraint="{contact.switch}"/>
+  <option timestep="{timestep!r}" integrator="{integrator}" gravity="0 0 {gravity!r}" density="{density!r}" {parts.option}>
+    <flag {parts.flags}/>
   </option>
-  {contact.default}
+  {parts.default}
   <worldbody>
-    {contact.plane}
-    <body>
-      <freejoint/>
+    {parts.plane}
+    <body name="body" pos="{origin}">
+      {joints}
       <inertial pos="0 0 0" mass="{mass!r}" quat="{axes}" diaginertia="{moments}"/>
-      {contact.geoms}
+      {parts.geoms}
     </body>
   </worldbody>
+  {parts.sensors}
 </mujoco>
 """
 
@@ -46,6 +51,11 @@ CHUNK = 8192
 """Steps of one rollout. It returns every state, so this bounds the memory; a call costs as much as some 30 steps."""
 
 FLUID = "-fluid"
+
+PLANAR = "Euler-planar"
+
+MODELLED = frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"})
+"""What MuJoCo can model of what a scene may require."""
 
 RESETS = {mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC}
 
@@ -64,15 +74,47 @@ def plain_integrators() -> tuple[str, ...]:
 def integrators(scene: Scene | None = None) -> tuple[str, ...]:
     plain = plain_integrators()
     if scene is not None and scene.plane is not None:
-        return (*plain, *mujoco_contact.DEFAULTS)
-    return plain if scene is not None and not scene.drag else (*plain, *(name + FLUID for name in plain))
+        return (*plain, *mujoco_contact.DEFAULTS, PLANAR)
+    fluid = tuple(name + FLUID for name in plain)
+    if scene is None:
+        return (*plain, *fluid, PLANAR)
+    return (*plain, *fluid) if scene.drag else plain
+
+
+def claim(integrator: str) -> Claim:
+    """By MuJoCo's documentation all but RK4 are of first order."""
+    stages = 4 if integrator.partition(":")[0].removesuffix(FLUID) == "RK4" else 1
+    return Claim(order=stages, evaluations=stages)
 
 
 def unsupported(scene: Scene) -> str | None:
-    return mujoco_contact.unsupported(scene) if scene.plane is not None else None
+    if (lacking := missing(scene, MODELLED)) is not None or scene.plane is None:
+        return lacking
+    return mujoco_contact.unsupported(scene)
+
+
+def models(scene: Scene, integrator: str) -> dict[str, str]:
+    known = plain_integrators() if scene.plane is not None else integrators(scene)
+    return mujoco_models.growing(scene) if integrator in known else {}
+
+
+def model_of(scene: Scene, integrator: str) -> str:
+    """The model that a method's name asks for, or that it has where it asks for none: the smallest that leaves it the same.
+
+    A body that turns has a free joint even where it stays in its place. On a ball joint, which would do, `implicitfast` and
+    `discrete` are other schemes: semi-implicit Euler, as `Euler` is.
+    """
+    name, asked, model = integrator.partition(MODEL_OPTION)
+    if asked:
+        return model
+    if scene.plane is not None:
+        return "planar" if name == PLANAR else "contact"
+    return "translation" if requirements(scene).rotation == "none" else "six-coordinates"
 
 
 def contact_law(scene: Scene, integrator: str) -> Plane | None:
+    if scene.plane is not None and model_of(scene, integrator) not in mujoco_models.TOUCHING:
+        return scene.plane
     # MuJoCo finds four contacts of a box with a plane; what it finds of a cylinder, and pads, are no law of the reference.
     if scene.plane is None or not isinstance(scene.body.shape, Brick) or "pads=" in integrator:
         return None
@@ -81,42 +123,65 @@ def contact_law(scene: Scene, integrator: str) -> Plane | None:
 
 def prepare(scene: Scene, method: Method) -> "Rollout":
     """As the contract has it; on a plane with any options of `mujoco_contact`, whether `integrators` lists them or not."""
-    if (missing := unsupported(scene)) is not None:
-        raise SceneUnsupported(missing)
-    integrator, colon, options = method.integrator.partition(":")
-    known = integrators() if scene.plane is None else plain_integrators()
+    if (lacking := unsupported(scene)) is not None:
+        raise SceneUnsupported(lacking)
+    integrator, model, options = read(scene, method.integrator)
+    touches = scene.plane is not None and model in mujoco_models.TOUCHING
+    braked = scene.plane is not None and not touches
+    contact = None
+    if scene.plane is not None and touches:
+        # For stability, MuJoCo keeps the contact slower than the step; `discrete` is stable without.
+        shortest = 0.0 if integrator == "discrete" else 2 * method.timestep
+        contact = mujoco_contact.parts(scene, scene.plane, options, shortest)
+    fluid = integrator.endswith(FLUID)
+    joints = mujoco_models.joints(scene, model)
+    xml = MODEL.format(
+        timestep=method.timestep,
+        integrator=integrator.removesuffix(FLUID),
+        # Where friction is a force, so would be what bears the weight: neither is in the model.
+        gravity=0.0 if braked else -scene.gravity,
+        density=fluid_density(scene) if fluid else 0.0,
+        origin=mujoco_contact.numbers_written(*joints.origin),
+        joints=joints.xml,
+        mass=scene.body.mass,
+        axes=mujoco_models.principal_axes(scene, joints),
+        moments=mujoco_contact.numbers_written(*scene.body.moments),
+        parts=mujoco_models.parts(scene, model, contact),
+    )
+    try:
+        compiled = mujoco.MjModel.from_xml_string(xml)
+    except ValueError as error:
+        raise SceneUnsupported(f"MuJoCo refuses the model: {' '.join(str(error).split())}") from error
+    data = mujoco.MjData(compiled)
+    data.qpos[:], data.qvel[:] = joints.qpos, joints.qvel
+    force = None
+    if scene.plane is not None and braked:
+        force = mujoco_models.braking(scene, scene.plane, method.timestep, data)
+    elif scene.drag and not fluid and model != "rotation":
+        force = mujoco_models.resistance(scene.drag, data)
+    return Rollout(compiled, data, joints, force)
+
+
+def read(scene: Scene, method: str) -> tuple[str, str, str | None]:
+    """What a method's name asks for: integrator, with `-fluid` or without, model, and options of contact where it has any.
+
+    Raises `SceneUnsupported` for what there is not.
+    """
+    name, asked, _ = method.partition(MODEL_OPTION)
+    integrator, colon, options = name.partition(":")
+    known = plain_integrators()
+    known += (PLANAR,) if scene.plane is not None else tuple(plain + FLUID for plain in known)
     if integrator not in known:
         raise SceneUnsupported(
             f"MuJoCo {version()} has no integrator {integrator!r} for this scene; there are: {', '.join(known)}"
         )
-    if scene.plane is not None:
-        # For stability, MuJoCo keeps the contact slower than the step; `discrete` is stable without.
-        shortest = 0.0 if integrator == "discrete" else 2 * method.timestep
-        contact = mujoco_contact.parts(scene, scene.plane, options if colon else None, shortest)
-    elif colon:
-        raise SceneUnsupported(f"contact options {options!r} for a scene without a plane")
-    else:
-        contact = mujoco_contact.Parts()
-    fluid = integrator.endswith(FLUID)
-    xml = MODEL.format(
-        timestep=method.timestep,
-        integrator=integrator.removesuffix(FLUID),
-        gravity=-scene.gravity,
-        density=fluid_density(scene) if fluid else 0.0,
-        mass=scene.body.mass,
-        axes=" ".join(map(repr, scene.body.axes)),
-        moments=" ".join(map(repr, scene.body.moments)),
-        contact=contact,
-    )
-    try:
-        model = mujoco.MjModel.from_xml_string(xml)
-    except ValueError as error:
-        raise SceneUnsupported(f"MuJoCo refuses the model: {' '.join(str(error).split())}") from error
-    data = mujoco.MjData(model)
-    initial = scene.initial
-    data.qpos[:] = (*initial.position, *initial.quaternion)
-    data.qvel[:] = (*initial.velocity, *initial.angular_velocity)
-    return Rollout(model, data, 0.0 if fluid else scene.drag)
+    model = model_of(scene, method)
+    if asked and model not in (there := models(scene, name)):
+        raise SceneUnsupported(f"no model {model!r} of this scene for {name!r}; there are: {', '.join(there) or 'none'}")
+    if colon and (scene.plane is None or integrator == PLANAR):
+        without = "scene without a plane" if scene.plane is None else "model without contact"
+        raise SceneUnsupported(f"contact options {options!r} for a {without}")
+    return "Euler" if integrator == PLANAR else integrator, model, options if colon else None
 
 
 def fluid_density(scene: Scene) -> float:
@@ -130,18 +195,19 @@ def fluid_density(scene: Scene) -> float:
     return scene.drag / (2 * r[0] * r[1])
 
 
-def contact_load(scene: Scene, method: Method, steps: int) -> Array:
-    return contact_loads(scene, method, steps)[0]
+def contact_load(scene: Scene, method: Method, steps: int) -> Array | None:
+    touches = model_of(scene, method.integrator) in mujoco_models.TOUCHING
+    return contact_loads(scene, method, steps)[0] if touches else None
 
 
 def contact_loads(scene: Scene, method: Method, steps: int) -> tuple[Array, Strides]:
     """The normal force between body and plane (n,) (N), and how many contacts bear it (n,), in each of n steps.
 
     That is what MuJoCo has at the beginning of a step; RK4 leaves what its last stage had. Raises `SceneUnsupported`, also
-    where there is no plane, and `EngineDiverged`.
+    where there is no plane or the model does not touch it, and `EngineDiverged`.
     """
-    if scene.plane is None:
-        raise SceneUnsupported("contact without a plane")
+    if scene.plane is None or model_of(scene, method.integrator) not in mujoco_models.TOUCHING:
+        raise SceneUnsupported("contact loads of a model without contact")
     simulation = prepare(scene, method)
     model, data = simulation.model, simulation.data
     load, touching, force = np.zeros(steps), np.zeros(steps, dtype=np.int64), np.empty(6)
@@ -173,38 +239,49 @@ def refuse_warnings(data: mujoco.MjData, time: float) -> None:
     given = {name.removeprefix("mjWARN_"): kind for name, kind in kinds.items() if data.warning[kind].number}
     if given:
         # It answers a bad state by starting over from the initial one, and drops what its buffers cannot hold.
-        answer = "reset itself after" if RESETS & set(given.values()) else "warned of"
-        raise EngineDiverged(f"MuJoCo {answer} {', '.join(given)} at t = {time:.6g} s")
+        signal, answer = (EngineReset, "reset itself after") if RESETS & set(given.values()) else (EngineDiverged, "warned of")
+        raise signal(f"MuJoCo {answer} {', '.join(given)} at t = {time:.6g} s")
 
 
 class Rollout:
-    """A MuJoCo model and its data, advanced by `mujoco.rollout`."""
+    """A MuJoCo model and its data, advanced by `mujoco.rollout`. force: from outside, where there is one."""
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, drag: float) -> None:
-        self.model, self.data, self.drag = model, data, drag
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: Joints, force: Force | None) -> None:
+        self.model, self.data, self.joints, self.force = model, data, joints, force
         self.pool = rollout.Rollout(nthread=0)
-        # Row 0 is the state at which the simulation stands, the rows below are those of one rollout.
-        self.states = np.empty((CHUNK + 1, mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)))
+        # Row 0 is the state at which the simulation stands, the rows below are those of one rollout. They are filled, so that
+        # the memory is there before the first step.
+        self.states = np.full((CHUNK + 1, mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)), 0.0)
         mujoco.mj_getState(model, data, self.states[0], mujoco.mjtState.mjSTATE_FULLPHYSICS)
 
     def advance(self, strides: Strides) -> Array:
         ends = np.cumsum(strides)
-        rows = np.empty((len(strides), 13))
+        columns = slice(1, 1 + self.model.nq + self.model.nv)
+        rows = np.empty((len(strides), self.model.nq + self.model.nv))
         done = 0
         while True:
             count = min(CHUNK, int(ends[-1]) - done)
             if count:
                 self._step(count)
             first, last = np.searchsorted(ends, (done, done + count + 1))
-            rows[first:last] = self.states[ends[first:last] - done, 1:14]
+            rows[first:last] = self.states[ends[first:last] - done, columns]
+            # A rollout stands still after a warning, and a reset turns its clock back.
+            clock = self.states[: count + 1, 0]
+            try:
+                refuse_warnings(self.data, float(clock.max()))
+            except EngineDiverged as signal:
+                sound = done + int(np.argmax(np.diff(clock, append=clock[-1]) <= 0))
+                before = rows[: np.searchsorted(ends, sound, side="right")]
+                signal.rows = self.joints.rows(np.vstack([before, self.states[count, None, columns]])[: len(rows)])
+                raise
             self.states[0] = self.states[count]
             done += count
             if done == ends[-1]:
-                return rows
+                return self.joints.rows(rows)
 
     def _step(self, count: int) -> None:
         start, following = self.states[0], self.states[1 : count + 1]
-        mujoco.set_mjcb_passive(self._resist if self.drag else None)
+        mujoco.set_mjcb_passive(self.force)
         try:
             with quiet():
                 self.pool.rollout(
@@ -217,10 +294,3 @@ class Rollout:
                 )
         finally:
             mujoco.set_mjcb_passive(None)
-        # A rollout stands still after a warning, and a reset turns its clock back.
-        refuse_warnings(self.data, float(np.max(following[:, 0], initial=start[0])))
-
-    def _resist(self, _model: mujoco.MjModel, data: mujoco.MjData) -> None:
-        x, y, z = data.qvel[:3].tolist()
-        slowing = -self.drag * math.sqrt(x * x + y * y + z * z)
-        data.qfrc_passive[:3] = slowing * x, slowing * y, slowing * z

@@ -48,19 +48,20 @@ Reader = Callable[[str], str]
 
 @dataclass(frozen=True)
 class Parts:
-    """What a scene adds to the XML of a free body: attributes of `option`, elements, and whether there is contact."""
+    """What a scene adds to the XML of a free body: attributes of `flag` and `option`, and elements."""
 
-    switch: str = "disable"
+    flags: str = 'contact="disable" constraint="disable"'
     option: str = ""
     default: str = ""
     plane: str = ""
     geoms: str = ""
+    sensors: str = ""
 
 
 def unsupported(scene: Scene) -> str | None:
     """What the contact of a scene with a plane requires that is not modelled here, in words; None where nothing is."""
     if scene.drag:
-        return "drag together with a plane"
+        return "drag together with contact"
     try:
         planar_state(scene)
     except NotFlat as error:
@@ -88,7 +89,7 @@ def parts(scene: Scene, plane: Plane, options: str | None, shortest: float) -> P
     geom = {"condim": condim, "friction": numbers_written(plane.friction, *TORSION_AND_ROLLING)}
     geom |= {key: value for key, value in chosen.items() if key in ("solref", "solimp")}
     return Parts(
-        "enable",
+        "",
         written(option),
         f"<default><geom {written(geom)}/></default>",
         '<geom type="plane" size="0 0 1"/>',

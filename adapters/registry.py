@@ -12,7 +12,11 @@ import bodycheck.adapters
 from bodycheck.adapters.contract import Adapter
 
 GROUP = "bodycheck.engines"
-OWN_MODULES = ("contract", "mujoco_contact", "registry")
+OWN_MODULES = (
+    *("contract", "registry"),
+    *("mujoco_contact", "mujoco_models"),
+    *("pinocchio_contact", "pinocchio_joints", "pinocchio_schemes"),
+)
 
 
 class EngineMissing(Exception):

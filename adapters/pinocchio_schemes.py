@@ -1,0 +1,58 @@
+"""The steps that users of Pinocchio write, for any joints: from q and v to q and v one time step later."""
+
+from collections.abc import Callable
+
+import pinocchio as pin
+
+from bodycheck.reference.trajectory import Array
+
+Acceleration = Callable[[Array, Array], Array]
+Scheme = Callable[[pin.Model, Acceleration, Array, Array, float], tuple[Array, Array]]
+
+
+def euler(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float) -> tuple[Array, Array]:
+    """Semi-implicit Euler: the velocity first, then the configuration with the new velocity. Order 1."""
+    v = v + h * aba(q, v)
+    return pin.integrate(model, q, h * v), v
+
+
+def rk4_naive(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float) -> tuple[Array, Array]:
+    """Classical Runge-Kutta whose stage velocities are added as if they shared one tangent space. Order 2 in attitude."""
+    a1 = aba(q, v)
+    v2 = v + h / 2 * a1
+    a2 = aba(pin.integrate(model, q, h / 2 * v), v2)
+    v3 = v + h / 2 * a2
+    a3 = aba(pin.integrate(model, q, h / 2 * v2), v3)
+    v4 = v + h * a3
+    a4 = aba(pin.integrate(model, q, h * v3), v4)
+    return pin.integrate(model, q, h / 6 * (v + 2 * v2 + 2 * v3 + v4)), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+
+
+def rk4(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float) -> tuple[Array, Array]:
+    """Runge-Kutta-Munthe-Kaas of order 4 (Munthe-Kaas, BIT 38, 1998).
+
+    Each stage velocity is brought to the tangent space at q by the inverse of the exponential's derivative there, which is
+    Pinocchio's derivative of the difference of two configurations. That is all that tells it from `rk4_naive`.
+    """
+
+    def slope(u: Array, velocity: Array) -> tuple[Array, Array]:
+        there = pin.integrate(model, q, u)
+        return (
+            pin.dDifference(model, q, there, pin.ARG1) @ velocity,
+            aba(there, velocity),
+        )
+
+    u1, a1 = v, aba(q, v)
+    u2, a2 = slope(h / 2 * u1, v + h / 2 * a1)
+    u3, a3 = slope(h / 2 * u2, v + h / 2 * a2)
+    u4, a4 = slope(h * u3, v + h * a3)
+    return pin.integrate(model, q, h / 6 * (u1 + 2 * u2 + 2 * u3 + u4)), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+
+
+SCHEMES: dict[str, tuple[Scheme, bool]] = {
+    "semi-implicit-euler": (euler, False),
+    "body-twist-euler": (euler, True),
+    "rk4": (rk4, True),
+    "rk4-naive": (rk4_naive, True),
+}
+"""The step of each integrator, and whether it works on the body twist."""
