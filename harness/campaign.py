@@ -1,25 +1,38 @@
 """Many runs at once: tasks in, a results folder out."""
 
-import platform
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
-from bodycheck import pool
+from bodycheck import pool, store
 from bodycheck.case import Case
+from bodycheck.machine import fingerprint
 from bodycheck.outcome import Crashed, Run, TimedOut, Unsupported
 from bodycheck.plan import Task
 from bodycheck.reference.integration import OutOfReach
 from bodycheck.reference.truth import NotModelled, Truth
 from bodycheck.simulation import sampling_steps, simulate
-from bodycheck.store import Writer
+from bodycheck.store import Results, Writer
 from bodycheck.truths import truth
 
 TIME_LIMIT = 300.0
 """Seconds that one run, or one truth, may take."""
+
+
+class Advance(Protocol):
+    """Is called with a word on what has just been done, and how many things that was."""
+
+    def __call__(self, done: str, count: int = 1, /) -> None: ...
+
+
+def _silent(done: str, count: int = 1, /) -> None:
+    pass
 
 
 @dataclass(frozen=True)
@@ -37,7 +50,7 @@ def header(command: Sequence[str], engines: Mapping[str, str], missing: Mapping[
         "bodycheck": version("bodycheck"),
         "command": list(command),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
-        "machine": {"system": platform.platform(), "processor": platform.machine(), "python": platform.python_version()},
+        "machine": fingerprint(),
         "packages": {package: version(package) for package in packages},
         "engines": dict(engines),
         "missing": dict(missing),
@@ -49,40 +62,85 @@ def size(tasks: Sequence[Task]) -> int:
     return len(tasks) + len(_truth_tasks(tasks))
 
 
+@contextmanager
+def results(
+    tasks: Sequence[Task],
+    folder: Path,
+    head: dict[str, Any],
+    jobs: int = 1,
+    limit: float = TIME_LIMIT,
+    memory: int = pool.MEMORY,
+    progress: Advance = _silent,
+) -> Iterator[Results]:
+    """Run all tasks and the truths they need, in `jobs` processes, write each as it finishes, and give what came out.
+
+    Where the same was interrupted in that folder, it is gone on with: what is there is not done again. What is made of the
+    results within the context belongs to the run: it counts as interrupted until that is done too.
+
+    limit (s) and memory (bytes) are those of one run or truth. Raises `BadFolder` for a folder that holds other things,
+    `BadJournal` for one that another process is writing.
+    """
+    cases = tuple({task.case.name: task.case for task in tasks}.values())
+    places = {task: place for place, task in enumerate(tasks)}
+    identity = _identity(tasks, head, limit, memory)
+    with Writer(folder, {**head, "identity": identity}, cases) as writer:
+        everything: list[TruthTask | Task] = [*_truth_tasks(tasks), *tasks]
+        left = [argument for argument in everything if not _is_there(writer, argument)]
+        if there := len(everything) - len(left):
+            print(
+                f"bodycheck: going on with the interrupted run in {folder}: {there} of {len(everything)} are there",
+                file=sys.stderr,
+            )
+            progress("", there)
+        with closing(pool.call_all(perform, left, jobs, limit, memory)) as answers:
+            for argument, result in answers:
+                match argument, result:
+                    case Task(), Run():
+                        writer.add_run(result, places[argument])
+                    case Task(case, engine, method), Crashed() | TimedOut():
+                        writer.add_run(Run(case.name, engine, head["engines"][engine], method, result), places[argument])
+                    case TruthTask(case, timestep), Truth():
+                        writer.add_truth(case, timestep, result)
+                    case TruthTask(case, timestep), Unsupported() | Crashed() | TimedOut():
+                        writer.add_missing_truth(case, timestep, f"the reference: {result.reason}")
+                progress(_name(argument))
+        yield replace(store.read(folder), complete=True)
+
+
 def execute(
     tasks: Sequence[Task],
     folder: Path,
     head: dict[str, Any],
     jobs: int = 1,
     limit: float = TIME_LIMIT,
-    progress: Callable[[str], None] = lambda done: None,
+    memory: int = pool.MEMORY,
+    progress: Advance = _silent,
 ) -> None:
-    """Run all tasks and the truths they need, in `jobs` processes, and write each as it finishes.
+    """Likewise, where nothing is made of the results yet."""
+    with results(tasks, folder, head, jobs, limit, memory, progress):
+        pass
 
-    progress is called with a word on each finished one. Raises `BadFolder` for a folder that holds other things.
-    """
-    cases = tuple({task.case.name: task.case for task in tasks}.values())
-    places = {task: place for place, task in enumerate(tasks)}
-    with Writer(folder, head, cases) as writer:
-        everything: list[TruthTask | Task] = [*_truth_tasks(tasks), *tasks]
-        for argument, result in pool.call_all(_call, everything, jobs, limit):
-            match argument, result:
-                case Task(), Run():
-                    writer.add_run(result, places[argument])
-                case Task(case, engine, method), Crashed() | TimedOut():
-                    writer.add_run(Run(case.name, engine, head["engines"][engine], method, result), places[argument])
-                case TruthTask(case, timestep), Truth():
-                    writer.add_truth(case, timestep, result)
-                case TruthTask(case, timestep), Unsupported() | Crashed() | TimedOut():
-                    writer.add_missing_truth(case, timestep, f"the reference: {result.reason}")
-            progress(_name(argument))
+
+def _identity(tasks: Sequence[Task], head: Mapping[str, Any], limit: float, memory: int) -> str:
+    """A fingerprint of all that decides on the results, wherever and by whatever command they are made."""
+    versions = [store.FORMAT, *(head[name] for name in ("bodycheck", "packages", "engines"))]
+    cases = {task.case.name: task.case for task in tasks}
+    plan = [(task.case.name, task.engine, task.method) for task in tasks]
+    return sha256(repr((versions, limit, memory, cases, plan)).encode("utf-8")).hexdigest()
+
+
+def _is_there(writer: Writer, argument: TruthTask | Task) -> bool:
+    if isinstance(argument, Task):
+        return writer.has_run(argument.case.name, argument.engine, argument.method)
+    return writer.has_truth(argument.case.name, argument.timestep)
 
 
 def _truth_tasks(tasks: Sequence[Task]) -> tuple[TruthTask, ...]:
     return tuple(dict.fromkeys(TruthTask(task.case, task.method.timestep) for task in tasks))
 
 
-def _call(argument: TruthTask | Task) -> Run | Truth | Unsupported:
+def perform(argument: TruthTask | Task) -> Run | Truth | Unsupported:
+    """The run, or the truth, that is asked for; `Unsupported` where there is no truth."""
     if isinstance(argument, Task):
         return simulate(argument.case, argument.engine, argument.method.integrator, argument.method.timestep)
     case, timestep = argument.case, argument.timestep

@@ -2,9 +2,11 @@
 
 import re
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from datetime import date, time
 from importlib import resources
+from itertools import accumulate
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -14,16 +16,26 @@ from pydantic import ValidationError
 
 from bodycheck import grammar
 from bodycheck.errors import BadInput
+from bodycheck.expectation import ORDER, Expectation, Limit
+from bodycheck.outcome import Completed
 from bodycheck.reference.friction import height_of
 from bodycheck.reference.inertia import MassProperties, composite, particles, principal_axes, principal_moments, solid
 from bodycheck.reference.kinematics import body_rates, euler_from_quaternion, normalise, quaternion_from_euler
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere, State
 from bodycheck.reference.trajectory import Array
+from bodycheck.suggestion import did_you_mean
 from bodycheck.toml_positions import Path, Position, positions
 
 SUFFIX = ".case.toml"
-LARGEST_FILE = 1 << 20
+LARGEST_FILE = 1 << 18
+MOST_KEY_PARTS = 16
+MOST_DIGITS = 500
+MOST_FAULTS = 100
 LONGEST_QUOTE = 60
+LONGEST_MESSAGE = 200
+
+ORDER_TOLERANCE = 0.25
+"""An order that is expected as one number may differ by so much: it is read off three time steps, not at the limit."""
 
 SLENDER = 1e-15
 """Least ratio of principal moments that particles or parts may have: less is rounding."""
@@ -51,23 +63,17 @@ class CaseFaults(BadInput):
         self.faults = faults
 
 
-class _Slender(Exception):
-    """Particles or parts make a body that has no moment about one of its axes; the text is that of the fault."""
+class _Unfit(Exception):
+    """The keys are allowed one by one, but what they make is not; faults: paths, and what is wrong there."""
 
-
-@dataclass(frozen=True)
-class Expectation:
-    """Upper limits that one method must keep; the names of the limits are those of the result columns."""
-
-    engine: str
-    integrator: str
-    timestep: float
-    limits: tuple[tuple[str, float], ...]
+    def __init__(self, *faults: tuple[Path, str]) -> None:
+        super().__init__(*faults)
+        self.faults = faults
 
 
 @dataclass(frozen=True)
 class Case:
-    """A validated case. text: the file as it was read."""
+    """A validated case. extremes: axes by name, with the values to be tried. text: the file as it was read."""
 
     name: str
     title: str
@@ -77,6 +83,7 @@ class Case:
     duration: float
     samples: int
     expectations: tuple[Expectation, ...]
+    extremes: tuple[tuple[str, tuple[float, ...]], ...]
     text: str
 
     @property
@@ -104,37 +111,72 @@ def load(case: str | FilePath) -> Case:
 
 def parse(text: str, file: str) -> Case:
     """The case in the text of a case file; `file` is what faults call it. Raises `CaseFaults`."""
-    try:
-        document = tomllib.loads(text)
-    except RecursionError as error:
-        raise CaseFaults((Fault(file, "nested too deeply"),)) from error
-    except tomllib.TOMLDecodeError as error:
-        raise CaseFaults((_syntax_fault(file, text, str(error)),)) from error
-    errors: list[tuple[Path, str]] = list(grammar.contradictions(document))
+    document = _document(text, file)
+    errors, untold = list(grammar.contradictions(document)), 0
     try:
         table = grammar.CaseTable.model_validate(document)
     except ValidationError as error:
-        errors += [_explain(record, document) for record in error.errors(include_url=False)]
+        records = [record for record in error.errors(include_url=False) if not _misleads(record)]
+        errors += [_explain(record, document) for record in records[:MOST_FAULTS]]
+        untold += len(records[MOST_FAULTS:])
     if not errors:
         try:
             return _case(table, text)
-        except _Slender as error:
-            errors.append((("body",), str(error)))
-    places = positions(text)
-    faults = [_locate(file, places, document, path, message) for path, message in errors]
-    raise CaseFaults(tuple(sorted(faults, key=lambda fault: fault.position or Position(0, 0))))
+        except _Unfit as error:
+            errors += error.faults
+    untold += len(errors[MOST_FAULTS:])
+    places = positions(text, [path for path, _ in errors[:MOST_FAULTS]])
+    faults = [_locate(file, places, document, path, message) for path, message in errors[:MOST_FAULTS]]
+    faults.sort(key=lambda fault: fault.position or Position(0, 0))
+    raise CaseFaults((*faults, *([Fault(file, f"{untold} more faults")] if untold else [])))
+
+
+DOTTED = r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)"""
+"""A part of a dotted key, up to its dot."""
+
+TOO_MUCH = {
+    f"{DOTTED}{{{MOST_KEY_PARTS}}}": f"a key of more than {MOST_KEY_PARTS} parts",
+    rf"(?<![\w-])(?:0[xob]|[0-9])[0-9A-Fa-f_.]{{{MOST_DIGITS}}}": f"a number of more than {MOST_DIGITS} digits",
+}
+"""What takes a parser of TOML long, or more than it can, and what there is to say of it."""
+
+
+def _document(text: str, file: str) -> dict[str, Any]:
+    for much, message in TOO_MUCH.items():
+        if (found := re.search(much, text)) is not None:
+            raise CaseFaults((Fault(file, message, _position(text, found.start())),))
+    try:
+        return tomllib.loads(text)
+    except RecursionError as error:
+        raise CaseFaults((Fault(file, "nested too deeply", _position(text, _deepest(text))),)) from error
+    except tomllib.TOMLDecodeError as error:
+        raise CaseFaults((_syntax_fault(file, text, str(error)),)) from error
+
+
+def _position(text: str, offset: int) -> Position:
+    return Position(text.count("\n", 0, offset) + 1, offset - text.rfind("\n", 0, offset))
+
+
+def _deepest(text: str) -> int:
+    """The offset at which most brackets are open."""
+    depths = accumulate((character in "[{") - (character in "]}") for character in text)
+    return max(enumerate(depths), key=lambda place: place[1])[0]
 
 
 def _read(path: FilePath) -> str:
     try:
         if not path.is_file():
             known = f"there is no such file, and no shipped case of this name; shipped: {', '.join(shipped())}"
-            raise CaseFaults((Fault(str(path), known),))
+            raise CaseFaults((Fault(str(path), known + did_you_mean(str(path), shipped())),))
         with path.open("rb") as stream:
             content = stream.read(LARGEST_FILE + 1)
         if len(content) > LARGEST_FILE:
             raise CaseFaults((Fault(str(path), f"larger than {LARGEST_FILE} bytes, the most that a case file may have"),))
         return content.decode("utf-8")
+    except UnicodeDecodeError as error:
+        read = error.object[: error.start].decode("utf-8")
+        wrong = f"cannot be read: it is not UTF-8: {error.reason}"
+        raise CaseFaults((Fault(str(path), wrong, _position(read, len(read))),)) from error
     except (OSError, ValueError) as error:
         raise CaseFaults((Fault(str(path), f"cannot be read: {error}"),)) from error
 
@@ -143,8 +185,24 @@ def _syntax_fault(file: str, text: str, message: str) -> Fault:
     """A fault from tomllib's message, which ends in the place: "(at line 1, column 2)" or "(at end of document)"."""
     what, _, place = message.rpartition(" (at ")
     numbers = [int(number) for number in re.findall(r"\d+", place)]
-    line, column = numbers if len(numbers) == 2 else (max(len(text.splitlines()), 1), 1)
-    return Fault(file, f"not TOML: {what or message}", Position(line, column))
+    position = Position(*numbers) if len(numbers) == 2 else _position(text, len(text.rstrip("\n")))
+    return Fault(file, f"not TOML: {(what or message)[:LONGEST_MESSAGE]}", position)
+
+
+IN_TOML = {
+    **dict.fromkeys(("model_type", "model_attributes_type"), "should be a table"),
+    "tuple_type": "should be an array",
+    "string_type": "should be a string",
+}
+"""What pydantic says in the words of Python, by the kind of its error."""
+
+
+def _misleads(record: Any) -> bool:
+    """Whether an error is that there are too few items, where there are enough and some have faults of their own."""
+    if record["type"] != "too_short":
+        return False
+    least: int = record["ctx"]["min_length"]
+    return len(record["input"]) >= least
 
 
 def _explain(record: Any, document: dict[str, Any]) -> tuple[Path, str]:
@@ -153,17 +211,32 @@ def _explain(record: Any, document: dict[str, Any]) -> tuple[Path, str]:
     if path[:1] == ("body",):
         # pydantic puts the members of its unions into the path
         path = ("body", *(key for key in path[1:] if key not in (*grammar.SHAPE_TABLES, "moments", "tensor")))
+    if path[:1] == ("expect",):
+        path = tuple(key for key in path if key not in ("limit", "range"))
     kind = record["type"]
     if kind == "missing":
         return path, "is missing"
     if kind == "union_tag_not_found":
         return (*path, "shape"), f"is missing; allowed: {', '.join(grammar.SHAPE_TABLES)}"
     if kind == "union_tag_invalid":
-        return (*path, "shape"), f"allowed: {', '.join(grammar.SHAPE_TABLES)}"
+        return (*path, "shape"), _allowed(record["input"].get("shape"), grammar.SHAPE_TABLES)
     if kind == "extra_forbidden" and (table := grammar.table_at(path[:-1], document)) is not None:
-        return path, f"unknown key; allowed: {', '.join(table.model_fields)}"
-    message = str(record["msg"])
-    return path, message.removeprefix("Input ").removeprefix("Value error, ")
+        return path, f"unknown key; {_allowed(path[-1], table.model_fields)}"
+    message = IN_TOML.get(kind) or str(record["msg"]).removeprefix("Input ").removeprefix("Value error, ")
+    if kind in ("too_long", "too_short"):
+        side, bound = ("most", "max_length") if kind == "too_long" else ("least", "min_length")
+        message = f"has {len(record['input'])} items; allowed: at {side} {record['ctx'][bound]}"
+    if kind == "literal_error":
+        message += _meant(record["input"], re.findall("'([^']*)'", record["ctx"]["expected"]))
+    return path, message
+
+
+def _allowed(word: Any, known: Collection[str]) -> str:
+    return f"allowed: {', '.join(known)}{_meant(word, known)}"
+
+
+def _meant(word: Any, known: Collection[str]) -> str:
+    return did_you_mean(word, known) if isinstance(word, str) else ""
 
 
 def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], path: Path, message: str) -> Fault:
@@ -171,7 +244,7 @@ def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], p
     place = path
     while place not in places:
         place = place[:-1]
-    key = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{part}" for part in path).removeprefix(".")
+    key = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{_bare(part)}" for part in path).removeprefix(".")
     value: Any = document
     for part in path:
         try:
@@ -180,30 +253,63 @@ def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], p
             return Fault(file, message, places[place], key)
     if isinstance(value, dict):
         return Fault(file, message, places[place], key)
-    quote = repr(value)
-    quote = quote if len(quote) <= LONGEST_QUOTE else quote[: LONGEST_QUOTE - 1] + "…"
-    return Fault(file, f"read {quote}; {message}", places[place], key)
+    return Fault(file, f"read {_quote(value)}; {message}", places[place], key)
+
+
+def _bare(key: str) -> str:
+    """A key as it may stand in a message: on one line."""
+    return key if re.fullmatch(f"[A-Za-z0-9_-]{{1,{LONGEST_QUOTE}}}", key) else _quote(key)
+
+
+def _quote(value: Any) -> str:
+    """The beginning of a value, on one line."""
+    try:
+        quote = str(value) if isinstance(value, date | time) else repr(value)
+    except RecursionError:
+        return "what is nested deeply"
+    return quote if len(quote) <= LONGEST_QUOTE else quote[: LONGEST_QUOTE - 1] + "…"
 
 
 def _case(table: grammar.CaseTable, text: str) -> Case:
     body = _body(table.body)
+    scene = Scene(
+        body=body,
+        initial=_state(table.initial, body, table.scene.plane is not None),
+        gravity=table.scene.gravity,
+        plane=Plane(**table.scene.plane.model_dump()) if table.scene.plane else None,
+        drag=table.scene.drag.quadratic if table.scene.drag else 0.0,
+    )
+    extremes = tuple((name, values) for name, values in table.extremes if values is not None)
+    if faults := [(("extremes", name), fault) for name, _ in extremes if (fault := _missing(name, scene))]:
+        raise _Unfit(*faults)
     return Case(
         name=table.name,
         title=table.title,
         source=table.source,
         tags=table.tags,
-        scene=Scene(
-            body=body,
-            initial=_state(table.initial, body, table.scene.plane is not None),
-            gravity=table.scene.gravity,
-            plane=Plane(**table.scene.plane.model_dump()) if table.scene.plane else None,
-            drag=table.scene.drag.quadratic if table.scene.drag else 0.0,
-        ),
+        scene=scene,
         duration=table.run.duration,
         samples=table.run.samples,
         expectations=tuple(_expectation(expect) for expect in table.expect),
+        extremes=extremes,
         text=text,
     )
+
+
+def _missing(axis: str, scene: Scene) -> str | None:
+    """What an axis of the extremes needs of a scene and does not find, in words."""
+    initial, moments = scene.initial, scene.body.moments
+    if axis in ("spin", "separatrix") and not any(initial.angular_velocity):
+        return "the body has no angular velocity that could be scaled"
+    if axis == "speed" and not any(initial.velocity):
+        return "the body has no velocity that could be scaled"
+    if axis == "friction" and scene.plane is None:
+        return "the scene has no plane"
+    if axis in ("moment_ratio", "separatrix") and scene.plane is not None:
+        return "a body that lies on a plane"
+    if axis == "separatrix" and len(set(moments)) < 3:
+        return f"the body has no axis of a middle moment: {moments}"
+    return None
 
 
 def _body(table: grammar.AnyBody) -> Body:
@@ -211,7 +317,8 @@ def _body(table: grammar.AnyBody) -> Body:
         made = _composed(table)
         moments, axes = principal_axes(made.inertia)
         if not min(moments) > SLENDER * max(moments):
-            raise _Slender(f"its principal moments are {moments}; a body on a line, with none about it, cannot be followed")
+            slender = f"its principal moments are {moments}; a body on a line, with none about it, cannot be followed"
+            raise _Unfit((("body",), slender))
         return Body(made.mass, moments, None, axes)
     shape = _shape(table)
     assert table.mass is not None  # the grammar requires it where it is not composed
@@ -279,5 +386,15 @@ def _wide(values: Sequence[float]) -> Iterator[NDArray[np.longdouble]]:
 
 
 def _expectation(table: grammar.ExpectTable) -> Expectation:
-    limits = tuple((name, limit) for name in grammar.LIMITS if (limit := getattr(table, name)) is not None)
-    return Expectation(table.engine, table.integrator, table.timestep, limits)
+    limits = tuple(_limit(name, limit) for name in grammar.LIMITS if (limit := getattr(table, name)) is not None)
+    until = date.fromisoformat(table.until) if table.until is not None else None
+    status = table.status or Completed.status
+    return Expectation(table.engine, table.integrator, table.timestep, limits, status, table.known or "", until)
+
+
+def _limit(name: str, allowed: float | grammar.RangeTable) -> Limit:
+    if isinstance(allowed, grammar.RangeTable):
+        return Limit(name, allowed.at_least, allowed.at_most)
+    if name == ORDER:
+        return Limit(name, allowed - ORDER_TOLERANCE, allowed + ORDER_TOLERANCE)
+    return Limit(name, None, allowed)

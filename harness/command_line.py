@@ -1,18 +1,15 @@
 """The command line. Each command imports what it needs when it runs, so that help answers at once."""
 
+import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import App, CycloptsError, Parameter
 
-from bodycheck.errors import BadInput
-
-if TYPE_CHECKING:
-    from bodycheck.adapters.contract import Adapter
-    from bodycheck.case import Case
-
-OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+from bodycheck import arguments
+from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, OK, BadInput
+from bodycheck.studies.commands import ablate, extremes, recommend, tradeoff
 
 app = App(
     name="bodycheck",
@@ -23,6 +20,10 @@ app = App(
 )
 
 
+for study in (tradeoff, recommend, extremes, ablate):
+    app.command(study)
+
+
 @app.command
 def run(
     *cases: str,
@@ -30,10 +31,14 @@ def run(
     integrator: tuple[str, ...] = (),
     timestep: tuple[float, ...] = (),
     out: Path | None = None,
+    save: Path | None = None,
+    junit: Path | None = None,
     jobs: int | None = None,
     json: bool = False,
 ) -> int:
     """Run cases through engines, compare them with mechanics and report.
+
+    In a workflow of GitHub, broken expectations are annotated in the case files, and the report is the summary of the step.
 
     Parameters
     ----------
@@ -47,36 +52,50 @@ def run(
         A time step in s; may be given several times. By default 0.002, and what a case's expectations ask for.
     out
         The folder for results.csv, results.parquet, trajectories/, report.html and report.md.
+    save
+        A file (.parquet) for the results as a baseline, which `bodycheck diff` holds others against. Every run is made five
+        times, to see what rounding does to it.
+    junit
+        A file (.xml) for the expectations as tests, as CI systems read them.
     jobs
         How many processes. By default as many as there are processors.
     json
         Print the results as JSON instead of a table.
     """
     import contextlib
-    import os
     import tempfile
 
-    from bodycheck import attribution, campaign, judgement, reports, store, terminal
+    from bodycheck import attribution, baseline, campaign, judgement, reports, terminal
     from bodycheck.plan import plan
+    from bodycheck.reports import github
 
-    loaded = _load_all(cases)
-    adapters, missing = _engines(engine)
-    if jobs is not None and jobs < 1:
-        raise BadInput(f"--jobs {jobs}: must be at least 1")
+    for option, path in (("--save", save), ("--junit", junit)):
+        arguments.check_writable(option, path)
+    loaded = arguments.load_cases(cases)
+    adapters, missing = arguments.load_engines(engine)
     tasks = plan(loaded, adapters, integrator, timestep)
     head = campaign.header(sys.argv, {name: adapter.version() for name, adapter in adapters.items()}, missing)
 
     with contextlib.ExitStack() as stack:
         folder = out or Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bodycheck-")))
-        progress = stack.enter_context(terminal.progress("running", campaign.size(tasks)))
-        campaign.execute(tasks, folder, head, jobs or os.cpu_count() or 1, progress=progress)
-        results = store.read(folder)
+        with terminal.progress("running", campaign.size(tasks)) as progress:
+            done = campaign.results(tasks, folder, head, arguments.processes(jobs), progress=progress)
+            results = stack.enter_context(done)
         verdicts = judgement.judge(results)
         if out is not None:
             judgement.write(verdicts, folder)
             if parts := attribution.attribute(results, verdicts):
                 attribution.write(parts, folder)
             reports.write(results, verdicts, folder, parts)
+        if junit is not None:
+            reports.write_junit(results, verdicts, junit)
+        if github.is_running(os.environ):
+            for line in github.annotations(verdicts, results.cases, arguments.files_of(loaded, cases), os.environ):
+                print(line, file=sys.stderr)
+            github.add_summary(os.environ, reports.as_markdown(results, verdicts))
+        if save is not None:
+            with terminal.progress("nudging", baseline.size(verdicts)) as progress:
+                baseline.save(save, results, verdicts, arguments.processes(jobs), progress)
     if json:
         terminal.print_json(judgement.records(verdicts))
     else:
@@ -84,6 +103,35 @@ def run(
     if out is not None:
         print(f"report: {folder / 'report.html'}", file=sys.stderr)
     return FAILED if any(verdict.passed is False for verdict in verdicts) else OK
+
+
+@app.command
+def diff(base: Path, now: Path, /, *, json: bool = False) -> int:
+    """Say what has changed between two baselines, beyond what rounding and the truth's own error explain; else say nothing.
+
+    Exit codes: 0 nothing got worse; 1 a figure or a status got worse, or a run is gone; 2 no baselines of the same cases.
+    What got better or is new is told, and what steps cost where both were made on one machine: neither fails.
+
+    Parameters
+    ----------
+    base
+        What `bodycheck run --save` wrote before.
+    now
+        What it wrote later, elsewhere, or with other versions.
+    json
+        Print as JSON.
+    """
+    from bodycheck import baseline, terminal
+    from bodycheck.reports import github
+
+    found = baseline.diff(baseline.read(base), baseline.read(now))
+    if json:
+        terminal.print_json(baseline.as_json(found))
+    elif found.changes or found.paces:
+        terminal.print_difference(found)
+    if found.changes and github.is_running(os.environ):
+        print(github.annotation("error" if found.worse else "notice", found.text, "bodycheck diff"), file=sys.stderr)
+    return FAILED if found.worse else OK
 
 
 @app.command
@@ -112,7 +160,7 @@ def truth(
     from bodycheck.reference.integration import OutOfReach
     from bodycheck.reference.truth import NotModelled
 
-    (loaded,) = _load_all((case,))
+    (loaded,) = arguments.load_cases((case,))
     if not all(0 <= instant < float("inf") for instant in at):
         raise BadInput("--at: instants must be finite and at least 0 s")
     times = sorted(at) or None
@@ -135,19 +183,30 @@ def truth(
 
 
 @app.command
-def cases(*, json: bool = False) -> int:
+def cases(*, requires: bool = False, json: bool = False) -> int:
     """List the cases that come with bodycheck.
 
     Parameters
     ----------
+    requires
+        Show what each scene requires of a model.
     json
         Print as JSON.
     """
+    from dataclasses import asdict
+
     from bodycheck import terminal
     from bodycheck.case import shipped
+    from bodycheck.reference.requirements import requirements
 
-    loaded = _load_all(shipped())
-    if json:
+    loaded = arguments.load_cases(shipped())
+    if requires:
+        needs = {case.name: asdict(requirements(case.scene)) for case in loaded}
+        if json:
+            terminal.print_json([{"name": name, **needed} for name, needed in needs.items()])
+        else:
+            terminal.print_requirements(needs)
+    elif json:
         terminal.print_json([{"name": c.name, "title": c.title, "source": c.source, "tags": c.tags} for c in loaded])
     else:
         terminal.print_table(("case", "title", "tags"), [(c.name, c.title, ", ".join(c.tags)) for c in loaded])
@@ -171,7 +230,7 @@ def engines(
     """
     from bodycheck import smoke, terminal
 
-    adapters, missing = _engines(())
+    adapters, missing = arguments.load_engines(())
     faults = {name: smoke.check(name) for name in adapters} if check else {}
     if json:
         checked: dict[str, dict[str, list[str]]] = {name: {"faults": found} for name, found in faults.items()}
@@ -201,48 +260,80 @@ def validate(*files: str) -> int:
     """
     if not files:
         raise BadInput("validate: give at least one case file")
-    for case in _load_all(files):
+    for case in arguments.load_cases(files):
         print(f"{case.name}: valid")
     return OK
 
 
-def _load_all(names: "tuple[str, ...]") -> "list[Case]":
-    """The named cases, or all shipped ones. Raises `CaseFaults` with the faults of all files together."""
-    from bodycheck.case import CaseFaults, Fault, load, shipped
+@app.command
+def new(name: str, /) -> int:
+    """Write NAME.case.toml, a commented case that runs as it is, into the working directory.
 
-    loaded: dict[str, Case] = {}
-    faults: list[Fault] = []
-    for name in dict.fromkeys(names or shipped()):
-        try:
-            case = load(name)
-        except CaseFaults as error:
-            faults += error.faults
-            continue
-        if case.name in loaded:
-            faults.append(Fault(name, f"another case that was given has the name {case.name!r} too"))
-        loaded[case.name] = case
-    if faults:
-        raise CaseFaults(tuple(faults))
-    return list(loaded.values())
+    Parameters
+    ----------
+    name
+        The name of the case: small letters, digits and hyphens.
+    """
+    from bodycheck import authoring
+
+    print(authoring.new(name, Path()))
+    return OK
 
 
-def _engines(names: tuple[str, ...]) -> "tuple[dict[str, Adapter], dict[str, str]]":
-    """The named adapters, or all, and why others cannot be used; a named one that is missing is bad usage."""
-    from bodycheck.adapters import registry
+@app.command
+def schema() -> int:
+    """Print the JSON Schema of case files, by which editors complete and check them."""
+    from bodycheck import authoring
 
-    adapters: dict[str, Adapter] = {}
-    missing: dict[str, str] = {}
-    for name in dict.fromkeys(names or registry.names()):
-        try:
-            adapters[name] = registry.load(name)
-        except registry.EngineMissing as error:
-            if names:
-                raise BadInput(str(error)) from error
-            missing[name] = str(error)
-            print(f"bodycheck: {error}; going on without it", file=sys.stderr)
-    if not adapters:
-        raise BadInput("no engine can be used")
-    return adapters, missing
+    print(authoring.schema(), end="")
+    return OK
+
+
+@app.command
+def expect(
+    *files: str,
+    margin: float = 3.0,
+    engine: tuple[str, ...] = (),
+    integrator: tuple[str, ...] = (),
+    timestep: tuple[float, ...] = (),
+    jobs: int | None = None,
+) -> int:
+    """Measure what methods give, and write it into case files as what is expected of them from now on.
+
+    Parameters
+    ----------
+    files
+        Paths of case files.
+    margin
+        How many times what was measured is allowed, 3 by default; the limit is rounded down to two digits.
+    engine
+        An engine to measure; may be given several times. All that are installed by default.
+    integrator
+        An integrator to measure; may be given several times. All of each engine by default.
+    timestep
+        A time step in s; may be given several times. By default 0.002, and those of the expectations that are there.
+    jobs
+        How many processes. By default as many as there are processors.
+    """
+    import contextlib
+    import tempfile
+
+    from bodycheck import campaign, expectation_writer, judgement, terminal
+    from bodycheck.plan import plan
+
+    expectation_writer.check_margin(margin)
+    loaded = arguments.load_cases(files)
+    places = expectation_writer.places(files, loaded)
+    adapters, missing = arguments.load_engines(engine)
+    tasks = expectation_writer.chosen(plan(loaded, adapters, integrator, timestep), timestep)
+    head = campaign.header(sys.argv, {name: adapter.version() for name, adapter in adapters.items()}, missing)
+    with contextlib.ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bodycheck-")))
+        progress = stack.enter_context(terminal.progress("measuring", campaign.size(tasks)))
+        results = stack.enter_context(campaign.results(tasks, folder, head, arguments.processes(jobs), progress=progress))
+        changes = expectation_writer.write(results, judgement.judge(results), places, margin)
+    terminal.print_changes(changes)
+    return OK if all(change.done for change in changes) else FAILED
 
 
 def main() -> None:

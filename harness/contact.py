@@ -13,7 +13,8 @@ AT_REST = 1e-3
 """A body whose speed is below this part of the initial one has stopped; soft contacts creep on below it."""
 
 STOP_COLUMNS = ("stop_time_error", "stop_position_error", "stop_yaw_error", "creep")
-CONTACT_COLUMNS = (*STOP_COLUMNS, "penetration", "tilt", "mean_load", "peak_load", "time_in_contact")
+LOAD_COLUMNS = ("mean_load", "peak_load", "time_in_contact")
+CONTACT_COLUMNS = (*STOP_COLUMNS, "penetration", "tilt", *LOAD_COLUMNS)
 """s, m, rad, m/s of a stop; m and rad, over time; weights of the body and a part of 1, where the engine tells its loads."""
 
 

@@ -6,9 +6,10 @@ from dataclasses import asdict, dataclass
 import numpy as np
 
 from bodycheck.contact import CONTACT_COLUMNS, penetration, stop_figures, tilt
-from bodycheck.observables import observe
+from bodycheck.observables import Observables, observe
 from bodycheck.outcome import Completed, Run
 from bodycheck.reference.kinematics import geodesic_angle, normalise
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth, distance
 
@@ -78,20 +79,31 @@ def drifts(trajectory: Trajectory, truth: Truth) -> tuple[Array, Array, Array]:
     """How far total energy, rotational energy and inertial angular momentum are from what they should be, each (n,).
 
     That is the trajectory's own initial value, or where friction or drag act the truth's value at each instant. Relative to
-    the size of the initial value. Where that is zero, an energy is taken relative to the truth's largest kinetic energy, and
-    an angular momentum to the one that this energy would give the body's largest moment.
+    their `sizes`.
     """
     scene = truth.scene
     seen, reference = observe(scene, trajectory), observe(scene, truth.trajectory)
-    kinetic = float(reference.kinetic_energy.max()) or 1.0
-    momentum = float(np.sqrt(2 * kinetic * max(scene.body.moments)))
 
-    def relative(values: Array, expected: Array, scale_at_rest: float) -> Array:
-        initial = float(np.linalg.norm(values[0]))
-        return distance(values, values[:1] if scene.conserves else expected) / (initial or scale_at_rest)
+    def relative(values: Array, expected: Array, size: float) -> Array:
+        return distance(values, values[:1] if scene.conserves else expected) / size
 
+    energy, rotational_energy, momentum = sizes(scene, reference)
     return (
-        relative(seen.total_energy[:, None], reference.total_energy[:, None], kinetic),
-        relative(seen.rotational_energy[:, None], reference.rotational_energy[:, None], kinetic),
+        relative(seen.total_energy[:, None], reference.total_energy[:, None], energy),
+        relative(seen.rotational_energy[:, None], reference.rotational_energy[:, None], rotational_energy),
         relative(seen.angular_momentum, reference.angular_momentum, momentum),
+    )
+
+
+def sizes(scene: Scene, reference: Observables) -> tuple[float, float, float]:
+    """What total energy, rotational energy (J) and angular momentum (kg m^2/s) are relative to: their size at the beginning.
+
+    Where that is zero, an energy is taken relative to the truth's largest kinetic energy, and an angular momentum to the one
+    that this energy would give the body's largest moment.
+    """
+    kinetic = float(reference.kinetic_energy.max()) or 1.0
+    return (
+        abs(float(reference.total_energy[0])) or kinetic,
+        abs(float(reference.rotational_energy[0])) or kinetic,
+        float(np.linalg.norm(reference.angular_momentum[0])) or float(np.sqrt(2 * kinetic * max(scene.body.moments))),
     )

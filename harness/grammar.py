@@ -6,7 +6,8 @@ with the faults of single keys.
 
 import math
 from collections.abc import Iterator
-from typing import Annotated, Any, Literal
+from datetime import date
+from typing import Annotated, Any, Literal, get_args
 
 import numpy as np
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
@@ -14,10 +15,16 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Dis
 from bodycheck.reference.inertia import satisfies_triangle_inequality
 from bodycheck.toml_positions import Path
 
+FORMAT = 1
 MOST_SAMPLES = 100_001
 MOST_STEPS = 1e9
 MOST_PARTS = 1000
 LONGEST_NAME = 100
+LONGEST_TEXT = 1000
+MOST_TAGS = 50
+MOST_EXPECTATIONS = 1000
+MOST_VALUES = 50
+MOST_POINTS = 500
 LARGEST = 1e100
 """No number of a case may exceed this in size, nor, other than zero, fall below its inverse: squares and products exist."""
 
@@ -28,11 +35,21 @@ def _not_vanishing(value: float) -> float:
     return value
 
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-LARGEST, le=LARGEST), AfterValidator(_not_vanishing)]
-Positive = Annotated[Number, Field(gt=0)]
-NonNegative = Annotated[Number, Field(ge=0)]
-Text = Annotated[str, Field(strict=True)]
-Label = Annotated[str, Field(strict=True, min_length=1, max_length=LONGEST_NAME)]
+def _printable(value: str) -> str:
+    if not value.isprintable():
+        raise ValueError("should be printable, on one line")
+    return value
+
+
+Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Number = Annotated[Finite, Field(ge=-LARGEST, le=LARGEST), AfterValidator(_not_vanishing)]
+Positive = Annotated[Finite, Field(gt=0, le=LARGEST), AfterValidator(_not_vanishing)]
+NonNegative = Annotated[Finite, Field(ge=0, le=LARGEST), AfterValidator(_not_vanishing)]
+Ratio = Annotated[Finite, Field(ge=1e-20, le=1)]
+Factor = Annotated[Finite, Field(ge=1e-10, le=1e10)]
+Text = Annotated[str, Field(strict=True, max_length=LONGEST_TEXT), AfterValidator(_printable)]
+Name = Annotated[str, Field(strict=True, pattern=r"^[a-z0-9-]+$", max_length=LONGEST_NAME)]
+Label = Annotated[str, Field(strict=True, min_length=1, max_length=LONGEST_NAME), AfterValidator(_printable)]
 Vector = tuple[Number, Number, Number]
 PositiveVector = tuple[Positive, Positive, Positive]
 
@@ -104,9 +121,9 @@ class PartTable(Table):
     """A homogeneous solid that is part of a body, rigidly joined to the others."""
 
     shape: Literal["brick", "ellipsoid", "cylinder", "sphere"]
-    semi_axes: PositiveVector | None = None
-    radius: Positive | None = None
-    half_length: Positive | None = None
+    semi_axes: PositiveVector | None = Field(default=None, description="of a brick or ellipsoid, along I, J, K, m")
+    radius: Positive | None = Field(default=None, description="of a cylinder or sphere, m")
+    half_length: Positive | None = Field(default=None, description="of a cylinder, m")
     mass: Positive = Field(description="kg")
     position: Vector = Field(default=(0.0, 0.0, 0.0), description="of its centre, in the frame of the body, from any origin, m")
     euler_zxz: Vector | None = Field(default=None, description="of its axes in the frame of the body, rad")
@@ -119,8 +136,12 @@ class ShapelessTable(Table):
     shape: Literal["none"] = "none"
     mass: Positive | None = Field(default=None, description="kg, with inertia")
     inertia: AnyInertia | None = Field(default=None, description=INERTIA)
-    particles: Annotated[tuple[ParticleTable, ...], Field(min_length=1, max_length=MOST_PARTS)] | None = None
-    parts: Annotated[tuple[PartTable, ...], Field(min_length=1, max_length=MOST_PARTS)] | None = None
+    particles: Annotated[tuple[ParticleTable, ...], Field(min_length=1, max_length=MOST_PARTS)] | None = Field(
+        default=None, description="point masses that make it"
+    )
+    parts: Annotated[tuple[PartTable, ...], Field(min_length=1, max_length=MOST_PARTS)] | None = Field(
+        default=None, description="solids that make it"
+    )
 
 
 SHAPE_TABLES: dict[str, type[Table]] = {
@@ -162,8 +183,12 @@ class PlaneTable(Table):
     """The plane z = 0."""
 
     friction: NonNegative = Field(default=0.0, description="Coulomb's coefficient")
-    law: Literal["area", "corners", "decoupled"] = "area"
-    pressure: Literal["uniform", "balanced"] = "uniform"
+    law: Literal["area", "corners", "decoupled"] = Field(
+        default="area", description="where it touches: the whole face, its corners, or as if slide and spin were each alone"
+    )
+    pressure: Literal["uniform", "balanced"] = Field(
+        default="uniform", description="balanced: the load shifts to balance the tipping moment of friction"
+    )
 
 
 class DragTable(Table):
@@ -187,46 +212,116 @@ class RunTable(Table):
     samples: Annotated[int, Field(strict=True, ge=2, le=MOST_SAMPLES)] = Field(description="evenly spaced, both ends included")
 
 
-class ExpectTable(Table):
-    """What must hold of one method: each limit is at most, over all samples."""
+class RangeTable(Table):
+    """The range that a figure must be in."""
 
-    engine: Label
+    at_least: NonNegative | None = Field(default=None, description="in the figure's unit")
+    at_most: NonNegative | None = Field(default=None, description="in the figure's unit")
+
+
+def _kind_of_limit(value: Any) -> str:
+    return "range" if isinstance(value, dict | RangeTable) else "limit"
+
+
+def _is_date(value: str) -> str:
+    try:
+        date.fromisoformat(value)
+    except ValueError as error:
+        raise ValueError('should be a date such as "2027-06-01"') from error
+    return value
+
+
+AnyLimit = Annotated[Annotated[NonNegative, Tag("limit")] | Annotated[RangeTable, Tag("range")], Discriminator(_kind_of_limit)]
+
+
+Status = Literal["ok", "unsupported", "diverged", "crashed", "timeout"]
+
+
+def limit(description: str) -> Any:
+    """The field of a figure that may be limited."""
+    return Field(default=None, description=description)
+
+
+class ExpectTable(Table):
+    """What must hold of one method: a figure's largest value over all samples is at most a number, or within a range."""
+
+    engine: Label = Field(description="its name, as `bodycheck engines` lists it")
     integrator: Label = Field(description="by the engine's name; options of a method stand behind a colon")
     timestep: Positive = Field(description="s")
-    position_error: NonNegative | None = Field(default=None, description="m")
-    velocity_error: NonNegative | None = Field(default=None, description="m/s")
-    attitude_error: NonNegative | None = Field(default=None, description="rad")
-    angular_velocity_error: NonNegative | None = Field(default=None, description="rad/s")
-    energy_drift: NonNegative | None = Field(default=None, description="relative")
-    rotational_energy_drift: NonNegative | None = Field(default=None, description="relative")
-    angular_momentum_drift: NonNegative | None = Field(default=None, description="relative")
-    energy_error: NonNegative | None = Field(default=None, description="relative, with friction or drag")
-    rotational_energy_error: NonNegative | None = Field(default=None, description="relative, with friction or drag")
-    angular_momentum_error: NonNegative | None = Field(default=None, description="relative, with friction or drag")
-    stop_time_error: NonNegative | None = Field(default=None, description="s, of a body that slides to rest")
-    stop_position_error: NonNegative | None = Field(default=None, description="m")
-    stop_yaw_error: NonNegative | None = Field(default=None, description="rad")
-    creep: NonNegative | None = Field(default=None, description="m/s, after the stop")
-    penetration: NonNegative | None = Field(default=None, description="m, into the plane")
-    tilt: NonNegative | None = Field(default=None, description="rad, of K from the vertical")
+    status: Status | None = limit("how the run must end; default ok")
+    position_error: AnyLimit | None = limit("m")
+    velocity_error: AnyLimit | None = limit("m/s")
+    attitude_error: AnyLimit | None = limit("rad")
+    angular_velocity_error: AnyLimit | None = limit("rad/s")
+    energy_drift: AnyLimit | None = limit("relative")
+    rotational_energy_drift: AnyLimit | None = limit("relative")
+    angular_momentum_drift: AnyLimit | None = limit("relative")
+    energy_error: AnyLimit | None = limit("relative, with friction or drag")
+    rotational_energy_error: AnyLimit | None = limit("relative, with friction or drag")
+    angular_momentum_error: AnyLimit | None = limit("relative, with friction or drag")
+    stop_time_error: AnyLimit | None = limit("s, of a body that slides to rest")
+    stop_position_error: AnyLimit | None = limit("m")
+    stop_yaw_error: AnyLimit | None = limit("rad")
+    creep: AnyLimit | None = limit("m/s, after the stop")
+    penetration: AnyLimit | None = limit("m, into the plane")
+    tilt: AnyLimit | None = limit("rad, of K from the vertical")
+    order: AnyLimit | None = limit("of the attitude error, from this step, its half and its quarter; a number within a quarter")
+    known: Label | None = Field(default=None, description="where a discrepancy is discussed that breaks this")
+    until: Annotated[Text, AfterValidator(_is_date)] | None = Field(default=None, description="last day on which it may")
 
 
-LIMITS = tuple(name for name in ExpectTable.model_fields if name not in ("engine", "integrator", "timestep"))
+LIMITS = tuple(
+    name for name in ExpectTable.model_fields if name not in ("engine", "integrator", "timestep", "status", "known", "until")
+)
+
+
+def _distinct(values: tuple[float, ...]) -> tuple[float, ...]:
+    if not values:
+        raise ValueError("has no values")
+    if len(set(values)) < len(values):
+        raise ValueError("has a value twice")
+    return values
+
+
+Several, Distinct = Field(max_length=MOST_VALUES), AfterValidator(_distinct)
+Values = Annotated[tuple[Positive, ...], Several, Distinct]
+NonNegativeValues = Annotated[tuple[NonNegative, ...], Several, Distinct]
+Ratios = Annotated[tuple[Ratio, ...], Several, Distinct]
+Factors = Annotated[tuple[Factor, ...], Several, Distinct]
+
+
+class ExtremesTable(Table):
+    """How far the case may be pushed: axes, each with the values at which it is tried."""
+
+    spin: Values | None = Field(default=None, description="size of the initial angular velocity, rad/s")
+    timestep: Values | None = Field(default=None, description="s; with spin, every spin is tried with every step")
+    steps: Values | None = Field(default=None, description="how many steps of 2 ms the run takes")
+    moment_ratio: Ratios | None = Field(default=None, description="C / (A + B), stretched along K: 1 a disc, 0 a needle")
+    mass: Values | None = Field(default=None, description="kg, the moments in proportion")
+    size: Factors | None = Field(default=None, description="factor of all lengths of the body at its density")
+    distance: Values | None = Field(default=None, description="how far the start is moved from the origin, along x, m")
+    gravity: NonNegativeValues | None = Field(default=None, description="m/s^2")
+    friction: NonNegativeValues | None = Field(default=None, description="Coulomb's coefficient of the plane")
+    speed: Values | None = Field(default=None, description="size of the initial velocity, m/s")
+    separatrix: Ratios | None = Field(default=None, description="wobble of a spin about the middle axis, relative to it")
 
 
 class CaseTable(Table):
     """A whole case file."""
 
-    format: Literal[1]
-    name: Annotated[str, Field(strict=True, pattern=r"^[a-z0-9-]+$", max_length=LONGEST_NAME)]
-    title: Text
-    source: Text = ""
-    tags: tuple[Text, ...] = ()
-    body: AnyBody
+    format: Literal[1] = Field(description="of the file")
+    name: Name = Field(description="unique among the cases of a run")
+    title: Text = Field(description="what it is, in a few words")
+    source: Text = Field(default="", description="where it comes from")
+    tags: Annotated[tuple[Label, ...], Field(max_length=MOST_TAGS)] = Field(default=(), description="to group cases by")
+    body: AnyBody = Field(description="what moves")
     initial: InitialTable = InitialTable()
     scene: SceneTable = SceneTable()
     run: RunTable
-    expect: tuple[ExpectTable, ...] = ()
+    extremes: ExtremesTable = ExtremesTable()
+    expect: Annotated[tuple[ExpectTable, ...], Field(max_length=MOST_EXPECTATIONS)] = Field(
+        default=(), description="what must hold, a table a method"
+    )
 
 
 TABLES: dict[Path, type[Table]] = {
@@ -238,7 +333,9 @@ TABLES: dict[Path, type[Table]] = {
     ("scene", "plane"): PlaneTable,
     ("scene", "drag"): DragTable,
     ("run",): RunTable,
+    ("extremes",): ExtremesTable,
     ("expect",): ExpectTable,
+    **{("expect", name): RangeTable for name in LIMITS},
 }
 
 
@@ -258,15 +355,58 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
     duration = _number(_mapping(document.get("run")).get("duration"))
     expectations = document.get("expect")
     for index, expectation in enumerate(expectations if isinstance(expectations, list) else []):
-        if isinstance(expectation, dict) and not any(name in expectation for name in LIMITS):
-            yield ("expect", index), f"expects nothing; give at least one of {', '.join(LIMITS)}"
-        timestep = _number(_mapping(expectation).get("timestep"))
-        if duration > 0 and timestep > 0 and duration / timestep > MOST_STEPS:
-            yield ("expect", index, "timestep"), f"makes {duration / timestep:.3g} steps; at most {MOST_STEPS:.0e} are allowed"
+        for path, message in _expect_contradictions(_mapping(expectation), duration):
+            yield ("expect", index, *path), message
+    yield from _extremes_contradictions(_mapping(document.get("extremes")), duration)
+
+
+def _expect_contradictions(expectation: dict[str, Any], duration: float) -> Iterator[tuple[Path, str]]:
+    limits = [name for name in LIMITS if name in expectation]
+    status = expectation.get("status", "ok")
+    if not limits and "status" not in expectation:
+        yield (), f"expects nothing; give at least one of status, {', '.join(LIMITS)}"
+    if limits and status in get_args(Status) and status != "ok":
+        yield (limits[0],), f"a run that is {status} has no figures; give status alone"
+    for name in limits:
+        allowed = expectation[name]
+        if isinstance(allowed, dict):
+            if not allowed:
+                yield (name,), "gives no range; allowed: at_least, at_most"
+            if "at_most" in allowed and _number(allowed.get("at_least")) > _number(allowed["at_most"]):
+                yield (name,), "at_least is more than at_most"
+    for one, other in (("known", "until"), ("until", "known")):
+        if one in expectation and other not in expectation:
+            yield (other,), f"is missing: {one} needs it"
+    timestep = _number(expectation.get("timestep"))
+    if duration > 0 and timestep > 0 and duration / timestep > MOST_STEPS:
+        yield ("timestep",), f"makes {duration / timestep:.3g} steps; at most {MOST_STEPS:.0e} are allowed"
+
+
+def _extremes_contradictions(extremes: dict[str, Any], duration: float) -> Iterator[tuple[Path, str]]:
+    lengths = {name: len(values) for name, values in extremes.items() if isinstance(values, list)}
+    if "spin" in lengths and "timestep" in lengths:
+        lengths["spin"] *= lengths.pop("timestep")
+    points = sum(lengths.values())
+    if points > MOST_POINTS:
+        yield ("extremes",), f"makes {points} points; at most {MOST_POINTS} are allowed"
+    for name, allowed, least, most in (
+        ("timestep", "a step must divide the duration into 1 to {:.0e} steps", duration / MOST_STEPS, duration),
+        ("steps", "from 1 to {:.0e} are allowed", 1.0, MOST_STEPS),
+    ):
+        values = extremes.get(name)
+        for index, value in enumerate(values if isinstance(values, list) else []):
+            if (number := _number(value)) > 0 and duration > 0 and not least <= number <= most:
+                yield ("extremes", name, index), allowed.format(MOST_STEPS)
 
 
 def _mapping(value: Any) -> dict[str, Any]:
     return value if isinstance(value, dict) else {}
+
+
+def _shape(body: Any) -> str:
+    """The shape of a body or part where it is a word, else none: what else it may be is another fault."""
+    shape = _mapping(body).get("shape")
+    return shape if isinstance(shape, str) else ""
 
 
 def _number(value: Any) -> float:
@@ -296,7 +436,7 @@ def _body_contradictions(body: dict[str, Any]) -> Iterator[tuple[Path, str]]:
                 yield ("body", "inertia"), f"its smallest principal moment is {min(moments):.6g}; all must be positive"
     if moments and min(moments) > 0 and not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
         yield ("body", "inertia"), "no body has these moments: none may exceed the sum of the other two"
-    if _mapping(with_shape(body)).get("shape") == "none":
+    if _shape(with_shape(body)) == "none":
         made = [key for key in ("inertia", "particles", "parts") if key in body]
         if len(made) != 1:
             yield ("body",), "a body without a shape needs one of inertia, particles, parts" + (" alone" if made else "")
@@ -306,7 +446,7 @@ def _body_contradictions(body: dict[str, Any]) -> Iterator[tuple[Path, str]]:
             yield ("body", "mass"), f"says again what {made[0]} say; give one of the two"
     parts = body.get("parts")
     for index, part in enumerate(parts if isinstance(parts, list) else []):
-        needs = PART_SIZES.get(_mapping(part).get("shape", ""), ())
+        needs = PART_SIZES.get(_shape(part), ())
         for key in ("semi_axes", "radius", "half_length"):
             if needs and (key in needs) != (key in part):
                 what = "is missing" if key in needs else f"a {part['shape']} has none; allowed: {', '.join(needs)}"
@@ -326,5 +466,5 @@ PART_SIZES = {
 def table_at(path: Path, document: dict[str, Any]) -> type[Table] | None:
     """The grammar of the table at a path of a document; None where there is no table."""
     if path == ("body",):
-        return SHAPE_TABLES.get(_mapping(with_shape(document.get("body"))).get("shape", ""))
+        return SHAPE_TABLES.get(_shape(with_shape(document.get("body"))))
     return TABLES.get(tuple(key for key in path if isinstance(key, str)))

@@ -1,18 +1,23 @@
 """What stored runs are worth: discrepancies from the truth, expectations, and one row of results a run."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, date, datetime
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
-from bodycheck.case import Case, Expectation
+from bodycheck.case import Case
+from bodycheck.convergence import REFINEMENTS, attitude_order
 from bodycheck.discrepancy import COLUMNS as DISCREPANCIES
 from bodycheck.discrepancy import FURTHER_COLUMNS, Discrepancy, compare
+from bodycheck.expectation import ORDER, Expectation, Limit, unit
 from bodycheck.outcome import Completed, Outcome, Run, Unsupported
+from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
 from bodycheck.store import Results
 
@@ -24,11 +29,37 @@ COLUMNS = (
 """Of every table of results. Those of `FURTHER_COLUMNS` that any run has follow."""
 
 
+@dataclass(frozen=True)
+class Breach:
+    """What of an expectation does not hold: a figure's name, or "status"; both sides in words; and what else is to be said."""
+
+    name: str
+    measured: str
+    expected: str
+    notes: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """As one sentence."""
+        return "; ".join((f"{self.name} is {self.measured}, expected {self.expected}", *self.notes))
+
+
+@dataclass(frozen=True)
+class Judged:
+    """An expectation, held against a run on a day. text: what is to be said of it; a known discrepancy is told either way."""
+
+    expectation: Expectation
+    breaches: tuple[Breach, ...]
+    held: bool
+    text: str
+
+
 @dataclass(frozen=True, eq=False)
 class Verdict:
     """A run, judged. discrepancy: None for a run that is not ok. passed: None where nothing was expected of it.
 
-    reason: why it is not ok, or which expectation does not hold.
+    reason: why it is not ok, which expectation does not hold, or what is to be said of a discrepancy that is known.
+    known: whether one was. judged: what was expected of it, in the order of the case.
     """
 
     run: Run
@@ -36,6 +67,8 @@ class Verdict:
     discrepancy: Discrepancy | None
     passed: bool | None
     reason: str
+    known: bool = False
+    judged: tuple[Judged, ...] = ()
 
     def row(self) -> dict[str, Any]:
         """The run's row of results, with the columns `COLUMNS`; what a run that is not ok lacks is absent."""
@@ -58,24 +91,38 @@ class Verdict:
         return row
 
 
-def judge(results: Results) -> list[Verdict]:
-    """The verdicts on all runs of a results folder, in the order of its cases."""
+def judge(results: Results, today: date | None = None) -> list[Verdict]:
+    """The verdicts on all runs of a results folder, in the order of its cases, as of a day."""
     truths = cache(results.truth)
-    return [verdict(results.cases[run.case], truths(run.case, run.method.timestep), run) for run in results.runs()]
+    runs = list(results.runs())
+    return [
+        verdict(results.cases[run.case], truths(run.case, run.method.timestep), run, _finer(run, runs), today) for run in runs
+    ]
 
 
-def verdict(case: Case, truth: Truth | Unsupported, run: Run) -> Verdict:
-    """The verdict on one run against the truth at its instants; a run without a truth counts as unsupported."""
+def verdict(case: Case, truth: Truth | Unsupported, run: Run, finer: Sequence[Run] = (), today: date | None = None) -> Verdict:
+    """The verdict on one run against the truth at its instants; a run without a truth counts as unsupported.
+
+    finer: those of the same method with a half and a quarter of its time step, for expectations of an order.
+    today: the day by which a known discrepancy may be over; this day by default.
+    """
     outcome: Outcome = run.outcome
     if isinstance(outcome, Completed) and isinstance(truth, Unsupported):
         outcome = truth
     discrepancy = compare(truth, run) if isinstance(outcome, Completed) and isinstance(truth, Truth) else None
-    expectations = [expectation for expectation in case.expectations if _concerns(expectation, run)]
-    if discrepancy is None:
-        passed = False if outcome.failed or expectations else None
-        return Verdict(run, outcome, None, passed, outcome.reason)
-    broken = [text for expectation in expectations for text in _broken(expectation, discrepancy)]
-    return Verdict(run, outcome, discrepancy, not broken if expectations else None, "; ".join(broken))
+    method = run.method
+    expectations = [e for e in case.expectations if e.concerns(run.engine, method.integrator, method.timestep)]
+    if not expectations:
+        return Verdict(run, outcome, discrepancy, False if outcome.failed else None, outcome.reason)
+    order = _order(truth, (run, *finer)) if any(expectation.needs_order for expectation in expectations) else None
+    bounds = {} if isinstance(truth, Unsupported) else {name: float(b.max()) for name, b in truth_bounds(truth).items()}
+    judged = tuple(
+        settle(expectation, broken(expectation, outcome, discrepancy, order, bounds), today or datetime.now(UTC).date())
+        for expectation in expectations
+    )
+    reasons = [one.text for one in judged if one.text] or [outcome.reason]
+    known = any(expectation.known for expectation in expectations)
+    return Verdict(run, outcome, discrepancy, all(one.held for one in judged), "; ".join(reasons), known, judged)
 
 
 def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
@@ -101,20 +148,72 @@ def write(verdicts: Iterable[Verdict], folder: Path) -> None:
     frame.to_parquet(folder / "results.parquet", index=False)
 
 
-def _concerns(expectation: Expectation, run: Run) -> bool:
-    return (
-        expectation.engine == run.engine
-        and expectation.integrator == run.method.integrator
-        and math.isclose(expectation.timestep, run.method.timestep, rel_tol=1e-12)
+def truth_bounds(truth: Truth) -> dict[str, Array]:
+    """The bounds (n,) of the truth's own errors, by the column of the figure that is held against it."""
+    return {"attitude_error": truth.error, "position_error": truth.position_error}
+
+
+def broken(
+    expectation: Expectation,
+    outcome: Outcome,
+    discrepancy: Discrepancy | None,
+    order: float | None,
+    bounds: Mapping[str, float],
+) -> tuple[Breach, ...]:
+    """What of an expectation does not hold.
+
+    discrepancy: of a run that is ok. order: what was observed, None where the runs with finer steps are not there.
+    bounds: of the truth's own errors, by the figure's name.
+    """
+    if outcome.status != expectation.status:
+        return (Breach("status", outcome.status, expectation.status, (outcome.reason,) if outcome.reason else ()),)
+    if discrepancy is None:
+        return ()
+    measured = discrepancy.maxima() | ({} if order is None else {ORDER: order})
+    return tuple(
+        _breach(limit, measured, discrepancy, bounds)
+        for limit in expectation.limits
+        if not limit.holds(measured.get(limit.name, math.nan))
     )
 
 
-def _broken(expectation: Expectation, discrepancy: Discrepancy) -> list[str]:
-    maxima = discrepancy.maxima()
-    return [
-        f"{name} is {maxima[name]:.3g}, expected at most {limit:g}"
-        if name in maxima
-        else f"{name} is expected, but not measured in this scene"
-        for name, limit in expectation.limits
-        if not maxima.get(name, math.inf) <= limit
-    ]
+def _breach(limit: Limit, measured: Mapping[str, float], discrepancy: Discrepancy, bounds: Mapping[str, float]) -> Breach:
+    name = limit.name
+    if name not in measured:
+        missing = "the runs with finer steps are not there" if name == ORDER else "it is not measured in this scene"
+        return Breach(name, "unknown", limit.text, (missing,))
+    notes = []
+    if name in discrepancy.series:
+        notes.append(f"worst at t = {discrepancy.t[int(np.argmax(discrepancy.series[name]))]:.6g} s")
+    if name in bounds:
+        notes.append(f"the truth's own error is at most {bounds[name]:.2g}{unit(name)}")
+    return Breach(name, f"{measured[name]:.4g}{unit(name)}", limit.text, tuple(notes))
+
+
+def settle(expectation: Expectation, breaches: tuple[Breach, ...], today: date) -> Judged:
+    """Whether an expectation counts as held on a day."""
+    text = "; ".join(breach.text for breach in breaches)
+    if not expectation.known:
+        return Judged(expectation, breaches, not breaches, text)
+    if not breaches:
+        return Judged(expectation, breaches, True, f"what is known to fail ({expectation.known}) holds now")
+    assert expectation.until is not None  # the grammar requires it
+    tolerated = today <= expectation.until
+    told = "known until" if tolerated else "no longer tolerated since"
+    return Judged(expectation, breaches, tolerated, f"{told} {expectation.until.isoformat()} ({expectation.known}): {text}")
+
+
+def _finer(run: Run, runs: Sequence[Run]) -> list[Run]:
+    def is_finer(other: Run, by: int) -> bool:
+        same = (run.case, run.engine, run.method.integrator) == (other.case, other.engine, other.method.integrator)
+        return same and math.isclose(other.method.timestep * by, run.method.timestep, rel_tol=1e-12)
+
+    return [other for by in REFINEMENTS for other in runs if is_finer(other, by)]
+
+
+def _order(truth: Truth | Unsupported, runs: Sequence[Run]) -> float | None:
+    """The observed order in attitude; None where not all the runs are there."""
+    trajectories = [(run.method.timestep, run.outcome.trajectory) for run in runs if isinstance(run.outcome, Completed)]
+    if len(trajectories) != 1 + len(REFINEMENTS) or isinstance(truth, Unsupported):
+        return None
+    return attitude_order(trajectories, truth)

@@ -1,9 +1,10 @@
 """How a run ended: a closed family of frozen types that answer the same questions."""
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from bodycheck.adapters.contract import Method
+from bodycheck.limits import shortage
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Trajectory
 
@@ -41,9 +42,15 @@ class Unsupported:
 
 @dataclass(frozen=True)
 class Diverged:
-    """Not a number, an energy out of all bounds, or a silent reset."""
+    """Not a number, an energy out of all bounds, or a silent reset.
+
+    signal: what the engine itself told of it: nothing, or that it gave up or started over. trajectory: the states until then
+    and the first one after it, as far as there are any.
+    """
 
     reason: str
+    signal: Literal["none", "gave up", "reset"] = "none"
+    trajectory: Trajectory | None = field(default=None, compare=False, repr=False)
     status: ClassVar[str] = "diverged"
     failed: ClassVar[bool] = True
 
@@ -71,6 +78,12 @@ class TimedOut:
 
 
 Outcome = Completed | Unsupported | Diverged | Crashed | TimedOut
+
+
+def crash(error: BaseException) -> Crashed:
+    """What an error that an engine raised says, in text that every file can hold."""
+    text = f"{shortage()}: {error}" if isinstance(error, MemoryError) else f"{type(error).__name__}: {error}"
+    return Crashed(text.removesuffix(": ").encode("utf-8", "backslashreplace").decode("utf-8"))
 
 
 @dataclass(frozen=True, eq=False)

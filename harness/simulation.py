@@ -3,15 +3,16 @@
 import math
 import time
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Adapter, EngineDiverged, Method, SceneUnsupported, Simulation, Strides
+from bodycheck.adapters.contract import Adapter, EngineDiverged, EngineReset, Method, SceneUnsupported, Simulation, Strides
 from bodycheck.case import Case
 from bodycheck.contact import measured_stop
 from bodycheck.observables import observe
-from bodycheck.outcome import Completed, Crashed, Diverged, Load, Outcome, Run, Unsupported
+from bodycheck.outcome import Completed, Diverged, Load, Outcome, Run, Unsupported, crash
 from bodycheck.reference.inertia import angular_momentum
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -22,6 +23,9 @@ DEFAULT_TIMESTEP = 0.002
 
 WATCHED_STEPS = 20_000
 """Steps over which the load of a contact is watched at most: it takes some ten times as long as stepping alone."""
+
+VISIBLE = 1e-6
+"""Part of its position by which, and angle (rad) through which, a body must move in a step to be seen in single precision."""
 
 OUT_OF_BOUNDS = 100.0
 """A kinetic energy beyond this multiple of the most that mechanics allows is called diverged, not inaccurate."""
@@ -60,8 +64,8 @@ def _outcome(adapter: Adapter, engine: str, case: Case, method: Method) -> Outco
         return Unsupported(str(error))
     except EngineDiverged as error:
         return Diverged(str(error))
-    except Exception as error:  # whatever an engine raises is its outcome, not ours
-        return Crashed(f"{type(error).__name__}: {error}")
+    except (Exception, SystemExit) as error:  # whatever an engine raises is its outcome, not ours
+        return crash(error)
 
 
 def _load(adapter: Adapter, scene: Scene, method: Method, outcome: Completed) -> Load | None:
@@ -84,11 +88,24 @@ def _advance(simulation: Simulation, case: Case, method: Method) -> Outcome:
     strides = np.diff(steps, prepend=0)
     with np.errstate(all="ignore"):  # a run that overflows is judged by its states
         start = time.perf_counter()
-        rows = simulation.advance(strides)
+        try:
+            rows = simulation.advance(strides)
+        except EngineDiverged as error:
+            signal: Literal["gave up", "reset"] = "reset" if isinstance(error, EngineReset) else "gave up"
+            return Diverged(str(error), signal, _trajectory(steps, method, error.rows))
         wall_time = time.perf_counter() - start
-    t = steps.astype(np.float64) * method.timestep
-    trajectory = Trajectory(t, rows[:, :3], rows[:, 3:7], rows[:, 7:10], rows[:, 10:])
-    return _divergence(case.scene, trajectory) or Completed(trajectory, int(steps[-1]), wall_time)
+    rows = np.asarray(rows, dtype=np.float64)  # whatever else an engine's own type can do stays here
+    if rows.shape != (len(steps), 13):
+        raise ValueError(f"its states have the shape {rows.shape}, not {(len(steps), 13)}")
+    trajectory = _trajectory(steps, method, rows)
+    failed = _divergence(case.scene, trajectory) or _standstill(case.scene, trajectory, method.timestep)
+    return failed or Completed(trajectory, int(steps[-1]), wall_time)
+
+
+def _trajectory(steps: Strides, method: Method, rows: Array) -> Trajectory:
+    """States (k, 13) after the first k of some numbers of steps."""
+    t = steps[: len(rows)].astype(np.float64) * method.timestep
+    return Trajectory(t, rows[:, :3], rows[:, 3:7], rows[:, 7:10], rows[:, 10:])
 
 
 def _divergence(scene: Scene, trajectory: Trajectory) -> Diverged | None:
@@ -97,15 +114,36 @@ def _divergence(scene: Scene, trajectory: Trajectory) -> Diverged | None:
     states = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
     finite = np.isfinite(np.hstack(states)).all(axis=1)
     if not finite.all():
-        return Diverged(f"not a number at t = {t[np.argmin(finite)]:.6g} s")
+        return Diverged(f"not a number at t = {t[np.argmin(finite)]:.6g} s", trajectory=trajectory)
     with np.errstate(over="ignore"):
         kinetic = observe(scene, trajectory).kinetic_energy
     most = _largest_kinetic_energy(scene, float(t[-1]))
     beyond = kinetic > OUT_OF_BOUNDS * most
     if most > 0 and beyond.any():
         first = int(np.argmax(beyond))
-        return Diverged(f"kinetic energy {kinetic[first] / most:.3g} times the most possible at t = {t[first]:.6g} s")
+        reason = f"kinetic energy {kinetic[first] / most:.3g} times the most possible at t = {t[first]:.6g} s"
+        return Diverged(reason, trajectory=trajectory)
     return None
+
+
+def _standstill(scene: Scene, trajectory: Trajectory, timestep: float) -> Diverged | None:
+    """States that are the same in every bit at all samples, although such a state cannot last.
+
+    With the velocity v the position moves by v h in a step h, with the spin w the attitude turns by |w| h, whatever acts; and
+    a body at rest falls where nothing carries it. Motion that rounding can hide is none, nor whole turns between samples.
+    """
+    states = np.hstack([trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity])
+    if len(states) < 2 or (states != states[0]).any():
+        return None
+    position, velocity = trajectory.position[0], trajectory.velocity[0]
+    spin = math.hypot(*trajectory.angular_velocity[0])
+    with np.errstate(all="ignore"):  # of too large numbers nothing is said
+        moves = (np.abs(velocity) * timestep > VISIBLE * np.abs(position)).any()
+        turns = spin * timestep > VISIBLE and (np.abs(np.sin(spin * np.diff(trajectory.t) / 2)) > VISIBLE).any()
+    falls = scene.plane is None and scene.gravity > 0 and not velocity.any()
+    if not (moves or turns or falls):
+        return None
+    return Diverged("the state never changes although the body moves", trajectory=trajectory)
 
 
 def _largest_kinetic_energy(scene: Scene, duration: float) -> float:

@@ -1,12 +1,13 @@
 """Scenes with one obvious answer, so that a broken adapter is never reported as a wrong engine."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Method
+from bodycheck.adapters.contract import MODEL_OPTION, Adapter, Method
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.trajectory import Array
@@ -78,12 +79,19 @@ SCENES = (
 )
 
 
+def methods(adapter: Adapter, scene: Scene) -> Iterator[str]:
+    """The integrators of a scene, each as it is and on all models that there are of the scene."""
+    for integrator in adapter.integrators(scene):
+        yield integrator
+        yield from (f"{integrator}{MODEL_OPTION}{model}" for model in adapter.models(scene, integrator))
+
+
 def check(engine: str) -> list[str]:
     """What an adapter gets wrong, a sentence each; none for a good one. Raises `EngineMissing`."""
     adapter = registry.load(engine)
     faults: list[str] = []
     for obvious in SCENES:
-        for integrator in adapter.integrators(obvious.scene):
+        for integrator in methods(adapter, obvious.scene):
             try:
                 simulation = adapter.prepare(obvious.scene, Method(integrator, TIMESTEP))
                 # The instant 0 too: a border that turns what it hands in must not go unseen.

@@ -1,22 +1,23 @@
 """A results folder: what was run, raw, so that every figure and report is computed from it without simulating again.
 
-`run.jsonl` is a header, a line a truth and a run as they finish, and a footer; without its footer it tells of an interrupted
+`run.jsonl` is a journal with a record of each truth and each run as they finish; without its footer it tells of an interrupted
 run. `trajectories/` holds the states. The case files are in the header as they were read.
 """
 
-import json
+import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
 from urllib.parse import quote
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from bodycheck import journal
 from bodycheck.adapters.contract import Method
 from bodycheck.case import Case, parse
 from bodycheck.errors import BadInput
@@ -29,6 +30,7 @@ from bodycheck.reference.truth import Truth
 FORMAT = 1
 RECORDS = "run.jsonl"
 TRAJECTORIES = "trajectories"
+TRUTH = "truth"
 STATE_COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz")
 
 
@@ -37,33 +39,46 @@ class BadFolder(BadInput):
 
 
 class Writer:
-    """Writes a results folder; use as a context, whose regular end writes the footer."""
+    """Writes a results folder; use as a context, whose regular end writes the footer.
+
+    Goes on with a folder in which the same work was interrupted, as the `identity` in the header tells; any other results are
+    replaced.
+    """
 
     def __init__(self, folder: Path, header: dict[str, Any], cases: tuple[Case, ...]) -> None:
-        _make_room(folder)
-        self.folder, self.runs = folder, 0
-        self.stream: TextIO = (folder / RECORDS).open("x", encoding="utf-8")
+        _refuse_other_things(folder)
         texts = [{"name": case.name, "text": case.text} for case in cases]
-        self._write({"record": "header", "format": FORMAT, **header, "cases": texts})
+        self.folder = folder
+        self.journal = journal.resume(folder / RECORDS, {"format": FORMAT, **header, "cases": texts})
+        self.done = {_path_of(record) for record in self.journal.records if _is_stored(folder, record)}
+        _remove_all_but(self.done, folder)
 
     def __enter__(self) -> "Writer":
+        self.journal.__enter__()
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is None:
-            self._write({"record": "footer", "runs": self.runs})
-        self.stream.close()
+    def __exit__(self, *exit: Any) -> None:
+        self.journal.__exit__(*exit)
+
+    def has_truth(self, case: str, timestep: float) -> bool:
+        """Whether that of a case for a time step (s) was there already, or the reason why there is none."""
+        return _trajectory_path(case, TRUTH, Method("", timestep)) in self.done
+
+    def has_run(self, case: str, engine: str, method: Method) -> bool:
+        """Likewise for a run, however it ended."""
+        return _trajectory_path(case, engine, method) in self.done
 
     def add_truth(self, case: Case, timestep: float, truth: Truth) -> None:
-        path = _trajectory_path(case.name, "truth", Method("", timestep))
+        path = _trajectory_path(case.name, TRUTH, Method("", timestep))
         self._save(path, truth.trajectory, {"truth_error": truth.error, "truth_position_error": truth.position_error})
-        record: dict[str, Any] = {"case": case.name, "timestep": timestep, "model": truth.model, "backend": truth.backend}
+        record: dict[str, Any] = {"case": case.name, "timestep": timestep, "model": truth.model, "why": truth.reason}
+        record |= {"backend": truth.backend, "witnesses": truth.witnesses}
         if truth.stop is not None:
             record["stop"] = asdict(truth.stop)
-        self._write({"record": "truth", **record})
+        self.journal.add({"record": "truth", **record})
 
     def add_missing_truth(self, case: Case, timestep: float, reason: str) -> None:
-        self._write({"record": "truth", "case": case.name, "timestep": timestep, "reason": reason})
+        self.journal.add({"record": "truth", "case": case.name, "timestep": timestep, "reason": reason})
 
     def add_run(self, run: Run, place: int) -> None:
         """place: where the run stood in the plan, which is the order of every table."""
@@ -86,20 +101,16 @@ class Writer:
                 record |= {"limit": limit}
             case outcome:
                 record |= {"reason": outcome.reason}
-        self._write(record)
-        self.runs += 1
-
-    def _write(self, record: dict[str, Any]) -> None:
-        self.stream.write(json.dumps(record, ensure_ascii=False) + "\n")
-        self.stream.flush()
+        self.journal.add(record)
 
     def _save(self, path: Path, trajectory: Trajectory, more: dict[str, Array]) -> None:
         states = np.hstack([trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity])
         columns = {"t": trajectory.t, **dict(zip(STATE_COLUMNS, states.T, strict=True)), **more}
-        (self.folder / path).parent.mkdir(parents=True, exist_ok=True)
-        pq.write_table(
-            pa.table(columns), self.folder / path, compression="zstd", use_dictionary=False, use_byte_stream_split=True
-        )
+        file = self.folder / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        part = file.with_suffix(".part")
+        pq.write_table(pa.table(columns), part, compression="zstd", use_dictionary=False, use_byte_stream_split=True)
+        os.replace(part, file)  # whole or not at all, and there before its record is
 
 
 @dataclass(frozen=True)
@@ -127,7 +138,7 @@ class Results:
             if record["record"] == "truth" and record["case"] == case and record["timestep"] == timestep:
                 if "reason" in record:
                     return Unsupported(record["reason"])
-                table = pq.read_table(self.folder / _trajectory_path(case, "truth", Method("", timestep)))
+                table = pq.read_table(self.folder / _trajectory_path(case, TRUTH, Method("", timestep)))
                 errors = table["truth_error"].to_numpy(), table["truth_position_error"].to_numpy()
                 stop = record.get("stop")
                 return Truth(
@@ -135,7 +146,9 @@ class Results:
                     _trajectory(table),
                     *errors,
                     model=record["model"],
+                    reason=record["why"],
                     backend=record["backend"],
+                    witnesses=tuple(record["witnesses"]),
                     stop=Stop(stop["time"], tuple(stop["position"]), stop["yaw"]) if stop else None,
                 )
         return Unsupported("the reference was interrupted")
@@ -159,15 +172,32 @@ class Results:
 def read(folder: Path) -> Results:
     """The results in a folder. Raises `BadFolder`."""
     try:
-        # Whoever was killed may have left half a line: what follows the last line end is no record.
-        lines = (folder / RECORDS).read_text("utf-8").split("\n")[:-1]
-        header, *records = [json.loads(line) for line in lines]
-        if header["record"] != "header" or header["format"] != FORMAT:
-            raise ValueError("its first line is no header of this format")
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        contents = journal.read(folder / RECORDS)
+        if contents.header["format"] != FORMAT:
+            raise ValueError(f"its format is {contents.header['format']!r}, not {FORMAT}")
+        # What was done again, because its trajectory was lost, is told of by its later record.
+        records = {_path_of(record): record for record in contents.records}
+    except (journal.BadJournal, ValueError, KeyError, TypeError) as error:
         raise BadFolder(f"{folder}: no readable results: {error}") from error
-    complete = bool(records) and records[-1]["record"] == "footer"
-    return Results(folder, header, tuple(records), complete)
+    return Results(folder, contents.header, tuple(records.values()), contents.complete)
+
+
+def _path_of(record: dict[str, Any]) -> Path:
+    """Where the trajectory is of which a record tells."""
+    if record["record"] == "truth":
+        return _trajectory_path(record["case"], TRUTH, Method("", record["timestep"]))
+    return _trajectory_path(record["case"], record["engine"], Method(record["integrator"], record["timestep"]))
+
+
+def _is_stored(folder: Path, record: dict[str, Any]) -> bool:
+    """Whether the trajectory of which a record tells is there and can be read; also where there is none to be."""
+    if "reason" in record or record.get("status", Completed.status) != Completed.status:
+        return True
+    try:
+        pq.read_table(folder / _path_of(record))
+    except (OSError, pa.ArrowException):
+        return False
+    return True
 
 
 def _trajectory_path(case: str, engine: str, method: Method) -> Path:
@@ -181,12 +211,17 @@ def _trajectory(table: pa.Table) -> Trajectory:
     return Trajectory(table["t"].to_numpy(), states[:, :3], states[:, 3:7], states[:, 7:10], states[:, 10:])
 
 
-def _make_room(folder: Path) -> None:
-    """An empty place for results: earlier results are replaced, anything else is left alone."""
+def _refuse_other_things(folder: Path) -> None:
     if folder.exists() and not folder.is_dir():
         raise BadFolder(f"{folder}: is not a folder")
     if folder.exists() and any(folder.iterdir()) and not (folder / RECORDS).is_file():
         raise BadFolder(f"{folder}: has other things in it than results; give an empty or a new folder")
-    shutil.rmtree(folder / TRAJECTORIES, ignore_errors=True)
-    (folder / RECORDS).unlink(missing_ok=True)
-    folder.mkdir(parents=True, exist_ok=True)
+
+
+def _remove_all_but(kept: Collection[Path], folder: Path) -> None:
+    """Remove the trajectories that are not kept: those of earlier results, and what was written and never told of."""
+    if not kept:
+        shutil.rmtree(folder / TRAJECTORIES, ignore_errors=True)
+    for path in (folder / TRAJECTORIES).rglob("*"):
+        if path.is_file() and path.relative_to(folder) not in kept:
+            path.unlink()

@@ -1,9 +1,9 @@
 """What the command line shows: results on stdout, progress on stderr."""
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.console import Console
@@ -11,11 +11,16 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from bodycheck.campaign import Advance
 from bodycheck.discrepancy import drifts
+from bodycheck.expectation_writer import Change
 from bodycheck.judgement import Verdict
 from bodycheck.reference.certificate import Certificate
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
+
+if TYPE_CHECKING:
+    from bodycheck.baseline import Difference
 
 WIDTH_OF_A_FILE = 200
 """Columns of a table that goes into a file or a pipe."""
@@ -32,6 +37,16 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     console = Console()
     console.width = console.width if console.is_terminal else WIDTH_OF_A_FILE
     console.print(table)
+
+
+def print_requirements(needs: Mapping[str, Mapping[str, bool | str | int]]) -> None:
+    """A line a case: what it requires, by name."""
+
+    def text(value: bool | str | int) -> str:
+        return ("yes" if value else "-") if isinstance(value, bool) else str(value)
+
+    header = ("case", *(name.replace("_", " ") for name in next(iter(needs.values()))))
+    print_table(header, [(case, *map(text, needed.values())) for case, needed in needs.items()])
 
 
 def print_results(verdicts: Sequence[Verdict]) -> None:
@@ -73,6 +88,31 @@ def _result(verdict: Verdict) -> tuple[str, ...]:
     )
 
 
+def print_changes(changes: Sequence[Change]) -> None:
+    """A line a measurement: what became of it."""
+    rows = [
+        (run.case, run.engine, run.method.integrator, f"{run.method.timestep:g}", change.text)
+        for change in changes
+        for run in (change.verdict.run,)
+    ]
+    print_table(("case", "engine", "integrator", "step", "its expectations"), rows)
+
+
+def print_difference(found: "Difference") -> None:
+    """A line a change, times that changed, and what matters most as one sentence."""
+    if found.changes:
+        header = ("case", "engine", "integrator", "step", "what", "base", "now", "explained", "change")
+        rows = [
+            (change.case, change.engine, change.integrator, f"{change.timestep:g}", change.what, *change.figures, change.amount)
+            for change in found.changes
+        ]
+        print_table(header, rows)
+    for pace in found.paces:
+        print(pace.text)
+    if found.changes:
+        print(found.text)
+
+
 def print_truth(truth: Truth, most_rows: int) -> None:
     """The states at evenly chosen instants, and what made them."""
     trajectory = truth.trajectory
@@ -93,7 +133,9 @@ def print_truth(truth: Truth, most_rows: int) -> None:
     ]
     print_table(header, rows)
     left_out = f"; {len(chosen)} of {len(trajectory)} instants, --json prints all" if len(chosen) < len(trajectory) else ""
-    print(f"model {truth.model}, backend {truth.backend}{left_out}")
+    print(f"model {truth.model} ({truth.reason}), backend {truth.backend}{left_out}")
+    if truth.witnesses:
+        print(f"held against {'; '.join(truth.witnesses)}")
 
 
 def print_certificate(certificate: Certificate) -> None:
@@ -116,16 +158,16 @@ def print_certificate(certificate: Certificate) -> None:
 
 
 @contextmanager
-def progress(title: str, total: int) -> Iterator[Callable[[str], None]]:
-    """A progress bar on stderr, gone when done; call what it gives with a word on each thing that is done."""
+def progress(title: str, total: int) -> Iterator[Advance]:
+    """A progress bar on stderr, gone when done; call what it gives with a word on what is done."""
     columns = (TextColumn(title), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.fields[last]}"))
     console = Console(stderr=True)
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(title, total=total, last="")
 
-        def advance(last: str) -> None:
-            bar.update(task, advance=1, last=escape(last))
-            if not console.is_terminal:
+        def advance(last: str, count: int = 1, /) -> None:
+            bar.update(task, advance=count, last=escape(last))
+            if last and not console.is_terminal:
                 print(last, file=console.file)
 
         yield advance

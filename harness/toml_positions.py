@@ -1,6 +1,7 @@
-"""Where each key of a TOML document stands, which `tomllib` does not tell."""
+"""Where the keys and values of a TOML document stand, which `tomllib` does not tell."""
 
 import tomllib
+from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 import tree_sitter_toml
@@ -10,63 +11,101 @@ Path = tuple[str | int, ...]
 
 
 class Position(NamedTuple):
-    """Line and column, counted from 1."""
+    """Line and column, counted from 1, in characters."""
 
     line: int
     column: int
 
 
-def positions(text: str) -> dict[Path, Position]:
-    """Positions of all tables, keys and array elements of a valid TOML document, by their path."""
+class Entry(NamedTuple):
+    """Nodes of a syntax tree: what names a table, key or array element, and the value of a key."""
+
+    name: Node
+    value: Node | None = None
+
+
+def positions(text: str, paths: Iterable[Path]) -> dict[Path, Position]:
+    """Positions of the tables, keys and array elements at some paths of a valid TOML document, and of all that are around them.
+
+    What is not in the document is absent.
+    """
+    content = text.encode()
+    return {(): Position(1, 1)} | {path: _position(content, entry.name) for path, entry in entries(text, paths).items()}
+
+
+def entries(text: str, paths: Iterable[Path]) -> dict[Path, Entry]:
+    """The same, with the nodes themselves. Only what leads to the paths is looked at, as a document may be large."""
+    search = _Search({path[:length] for path in paths for length in range(1, len(path) + 1)})
     root = Parser(Language(tree_sitter_toml.language())).parse(text.encode()).root_node
-    found: dict[Path, Position] = {(): Position(1, 1)}
-    lengths: dict[Path, int] = {}
     for node in root.named_children:
         if node.type == "pair":
-            _pair(node, (), found)
+            search.pair(node, ())
         elif node.type in ("table", "table_array_element"):
-            header = node.named_children[0]
-            keys = _keys(header)
-            path = _inside(keys[:-1], lengths) + keys[-1:]
-            _record(path, header, found)
-            if node.type == "table_array_element":
-                lengths[path] = lengths.get(path, 0) + 1
-                path = (*path, lengths[path] - 1)
-                _record(path, header, found)
+            search.table(node)
+    return search.found
+
+
+def _position(content: bytes, node: Node) -> Position:
+    before = content[node.start_byte - node.start_point.column : node.start_byte]
+    return Position(node.start_point.row + 1, len(before.decode()) + 1)
+
+
+class _Search:
+    """wanted: paths, with all around them. lengths: of the arrays of tables seen so far."""
+
+    def __init__(self, wanted: set[Path]) -> None:
+        self.wanted = wanted
+        self.found: dict[Path, Entry] = {}
+        self.lengths: dict[Path, int] = {}
+
+    def table(self, node: Node) -> None:
+        header = node.named_children[0]
+        keys = _keys(header)
+        path = self._inside(keys[:-1]) + keys[-1:]
+        self._record(path, Entry(header))
+        if node.type == "table_array_element":
+            self.lengths[path] = self.lengths.get(path, 0) + 1
+            path = (*path, self.lengths[path] - 1)
+            self._record(path, Entry(header))
+        if path in self.wanted:
             for child in node.named_children[1:]:
                 if child.type == "pair":
-                    _pair(child, path, found)
-    return found
+                    self.pair(child, path)
 
+    def pair(self, node: Node, base: Path) -> None:
+        key, value = node.named_children[:2]
+        path = base
+        for name in _keys(key):
+            path = (*path, name)
+            self._record(path, Entry(key, value))
+        self._value(value, path)
 
-def _inside(keys: Path, lengths: dict[Path, int]) -> Path:
-    """The path of a table's parents: a parent that is an array of tables stands for its last element."""
-    path: Path = ()
-    for key in keys:
-        path = (*path, key)
-        if path in lengths:
-            path = (*path, lengths[path] - 1)
-    return path
+    def _inside(self, keys: Path) -> Path:
+        """The path of a table's parents: a parent that is an array of tables stands for its last element."""
+        path: Path = ()
+        for key in keys:
+            path = (*path, key)
+            if path in self.lengths:
+                path = (*path, self.lengths[path] - 1)
+        return path
 
+    def _value(self, node: Node, path: Path) -> None:
+        if path not in self.wanted:
+            return
+        children = [child for child in node.named_children if child.type != "comment"]
+        if node.type == "array":
+            for index, child in enumerate(children):
+                if (*path, index) in self.wanted:
+                    self._record((*path, index), Entry(child, child))
+                    self._value(child, (*path, index))
+        elif node.type == "inline_table":
+            for child in children:
+                self.pair(child, path)
 
-def _pair(node: Node, base: Path, found: dict[Path, Position]) -> None:
-    key, value = node.named_children[:2]
-    path = base
-    for name in _keys(key):
-        path = (*path, name)
-        _record(path, key, found)
-    _value(value, path, found)
-
-
-def _value(node: Node, path: Path, found: dict[Path, Position]) -> None:
-    children = [child for child in node.named_children if child.type != "comment"]
-    if node.type == "array":
-        for index, child in enumerate(children):
-            _record((*path, index), child, found)
-            _value(child, (*path, index), found)
-    elif node.type == "inline_table":
-        for child in children:
-            _pair(child, path, found)
+    def _record(self, path: Path, entry: Entry) -> None:
+        # A dotted key or a header may name the same table again: the first place is where a reader looks.
+        if path in self.wanted:
+            self.found.setdefault(path, entry)
 
 
 def _keys(node: Node) -> tuple[str, ...]:
@@ -77,8 +116,3 @@ def _keys(node: Node) -> tuple[str, ...]:
         unquoted: dict[str, Any] = tomllib.loads(f"{text} = 0")
         return tuple(unquoted)
     return (text,)
-
-
-def _record(path: Path, node: Node, found: dict[Path, Position]) -> None:
-    # A dotted key or a header may name the same table again: the first place is where a reader looks.
-    found.setdefault(path, Position(node.start_point[0] + 1, node.start_point[1] + 1))

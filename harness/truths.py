@@ -37,7 +37,9 @@ def as_json(case: Case, truth: Truth) -> dict[str, Any]:
     return {
         "case": case.name,
         "model": truth.model,
+        "reason": truth.reason,
         "backend": truth.backend,
+        "witnesses": list(truth.witnesses),
         "t": trajectory.t.tolist(),
         "position": trajectory.position.tolist(),
         "quaternion": trajectory.quaternion.tolist(),
