@@ -1,0 +1,79 @@
+"""The cheapest methods that keep an error below a limit, from what a tradeoff study measured: nothing is extrapolated."""
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+Row = Mapping[str, Any]
+"""A row of the tradeoff study."""
+
+COLUMNS = {
+    "attitude": ("attitude_error",),
+    "position": ("position_error",),
+    "energy": ("energy_drift", "energy_error"),
+    "angular_momentum": ("angular_momentum_drift", "angular_momentum_error"),
+}
+"""Where the error of a quantity stands: the second is that of scenes with friction or drag."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One method as it was measured. error: in the quantity's unit. cost: seconds of computing a simulated second."""
+
+    engine: str
+    version: str
+    integrator: str
+    timestep: float
+    error: float
+    cost: float
+    cost_low: float
+    cost_high: float
+
+
+@dataclass(frozen=True)
+class Recommendation:
+    """A method that keeps the limit, and the next coarser and finer steps of its integrator that were measured."""
+
+    method: Measured
+    coarser: Measured | None
+    finer: Measured | None
+
+
+def recommend(rows: Sequence[Row], quantity: str, limit: float) -> list[Recommendation]:
+    """For each integrator the cheapest time step whose error is at most the limit; the cheapest integrator first."""
+    found = []
+    by_integrator: dict[tuple[str, str], list[Measured]] = defaultdict(list)
+    for method in measured(rows, quantity):
+        by_integrator[method.engine, method.integrator].append(method)
+    for methods in by_integrator.values():
+        methods.sort(key=lambda method: -method.timestep)
+        keeping = [method for method in methods if method.error <= limit]
+        if keeping:
+            best = min(keeping, key=lambda method: method.cost)
+            place = methods.index(best)
+            coarser = methods[place - 1] if place else None
+            finer = methods[place + 1] if place + 1 < len(methods) else None
+            found.append(Recommendation(best, coarser, finer))
+    return sorted(found, key=lambda recommendation: recommendation.method.cost)
+
+
+def pareto(rows: Sequence[Row], quantity: str) -> list[Measured]:
+    """The methods that no other one beats in both error and cost, the cheapest first."""
+    front: list[Measured] = []
+    for method in sorted(measured(rows, quantity), key=lambda method: (method.cost, method.error)):
+        if not front or method.error < front[-1].error:
+            front.append(method)
+    return front
+
+
+def measured(rows: Sequence[Row], quantity: str) -> list[Measured]:
+    """The rows of one case that have both an error in a quantity and a cost."""
+    found = []
+    for row in rows:
+        errors = [row[column] for column in COLUMNS[quantity] if row.get(column) is not None]
+        if errors and row["cost"] is not None:
+            low, high = (row[column] / row["timestep"] for column in ("time_per_step_low", "time_per_step_high"))
+            names = row["engine"], row["version"], row["integrator"]
+            found.append(Measured(*names, row["timestep"], errors[0], row["cost"], low, high))
+    return found
