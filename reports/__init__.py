@@ -1,7 +1,7 @@
 """What people read of results: `report.html`, one file that works from disk without a network, and `report.md`.
 
-Reports are computed from stored results and their verdicts; nothing is simulated here. `contents` holds what is said, once for
-all writers; `html` and `markdown` only lay it out.
+Reports are computed from stored results and their verdicts; nothing is simulated here. `contents` holds what is said of runs,
+and `study` what is said of a study, once for all writers; `html` and `markdown` only lay it out.
 """
 
 from collections.abc import Sequence
@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from bodycheck.attribution import Attribution
     from bodycheck.judgement import Verdict
+    from bodycheck.reports.study import StudyReport
     from bodycheck.store import Results
 
-__all__ = ["write"]
+__all__ = ["as_markdown", "write", "write_junit", "write_study"]
 
 
 def write(
@@ -29,7 +30,33 @@ def write(
     from bodycheck.reports.contents import gather
 
     contents = gather(results, verdicts, parts)
+    return _write(folder, html.render(contents), markdown.render(contents))
+
+
+def as_markdown(results: "Results", verdicts: "Sequence[Verdict]") -> str:
+    """The text of report.md."""
+    from bodycheck.reports import markdown
+    from bodycheck.reports.contents import gather
+
+    return markdown.render(gather(results, verdicts))
+
+
+def write_junit(results: "Results", verdicts: "Sequence[Verdict]", path: Path) -> None:
+    """Write the verdicts as JUnit XML. Raises `OSError` where the file cannot be written."""
+    from bodycheck.reports import junit
+
+    path.write_text(junit.render(verdicts, results.header), encoding="utf-8")
+
+
+def write_study(report: "StudyReport", folder: Path) -> tuple[Path, ...]:
+    """Likewise for a study."""
+    from bodycheck.reports import html, markdown
+
+    return _write(folder, html.render_study(report), markdown.render_study(report))
+
+
+def _write(folder: Path, *texts: str) -> tuple[Path, ...]:
     paths = folder / "report.html", folder / "report.md"
-    for path, text in zip(paths, (html.render(contents), markdown.render(contents)), strict=True):
+    for path, text in zip(paths, texts, strict=True):
         path.write_text(text, encoding="utf-8", errors="replace")
     return paths

@@ -1,4 +1,4 @@
-"""Charts as Vega-Lite specifications: plain dictionaries that name their datasets and hold no data.
+"""Charts as Vega-Lite specifications: plain dictionaries. Those of runs name their datasets and hold no data.
 
 A chart of errors over time reads the datasets `series`, a row a method with `method`, `timestep` and an array a quantity;
 `times`, a row a time step with the array `t`; `floor`, a row with the arrays `t` and `truth_error`. The charts of the
@@ -21,6 +21,9 @@ COMPONENT_COLOURS = ("#009e73", "#b35c8d", "#8c8500")
 COMPONENT_DASHES = ((1, 0), (7, 3), (2, 2))
 INK = "currentColor"
 
+ZOOMING = "Drag to pan, zoom with Ctrl and the wheel or a pinch, double-click to reset."
+"""What the reader of a `zoomable` chart can do."""
+
 
 def over_time(quantity: Quantity, lines: Sequence[Line]) -> Spec:
     """A quantity over time on a log scale, one line a method; the truth's own error is a grey floor under attitude errors.
@@ -33,7 +36,7 @@ def over_time(quantity: Quantity, lines: Sequence[Line]) -> Spec:
         "type": "quantitative",
         "title": quantity.label,
         "scale": scale,
-        "axis": _log_axis(),
+        "axis": log_axis("y"),
         "stack": None,
     }
     methods = {
@@ -44,11 +47,14 @@ def over_time(quantity: Quantity, lines: Sequence[Line]) -> Spec:
             {"flatten": ["t", quantity.name], "as": ["t", "value"]},
             {"filter": "datum.value > 0"},
         ],
-        "encoding": {"x": _time(), "y": y, "color": _scale("color", lines)},
+        "encoding": {"x": _time(), "y": y, "color": method_scale("color", lines)},
         "layer": [
             {
                 "mark": {"type": "line", "clip": True, "aria": False},
-                "encoding": {"strokeDash": _scale("strokeDash", lines), "strokeWidth": _scale("strokeWidth", lines)},
+                "encoding": {
+                    "strokeDash": method_scale("strokeDash", lines),
+                    "strokeWidth": method_scale("strokeWidth", lines),
+                },
             },
             _points(_tooltip("method", quantity.title, quantity.unit)),
         ],
@@ -56,7 +62,7 @@ def over_time(quantity: Quantity, lines: Sequence[Line]) -> Spec:
     layers: list[Spec] = [methods]
     if quantity.name == "attitude_error":
         layers.insert(0, _floor(y))
-    return _frame(layers, height=260) | {"params": [{"name": "hidden", "value": []}]}
+    return zoomable(layers, height=260) | {"params": [{"name": "hidden", "value": []}]}
 
 
 def momentum(frame: str) -> Spec:
@@ -96,7 +102,7 @@ def momentum(frame: str) -> Spec:
         "mark": {"type": "point", "opacity": 0, "tooltip": None, "aria": False},
         "encoding": {"y": {**y, "field": "bound"}},
     }
-    return _frame([bounds, curves], height=220)
+    return zoomable([bounds, curves], height=220)
 
 
 def without_legend(spec: Spec) -> Spec:
@@ -104,10 +110,15 @@ def without_legend(spec: Spec) -> Spec:
     return {**spec, "config": {**spec["config"], "legend": {"disable": True}}}
 
 
-def _frame(layers: list[Spec], height: int) -> Spec:
+def zoomable(layers: list[Spec], height: int) -> Spec:
     """Layers that zoom and pan together. The wheel alone scrolls the page; with Ctrl, which a pinch sends too, it zooms."""
     zoom = {"type": "interval", "zoom": "wheel![event.ctrlKey || event.metaKey]"}
     layers[-1]["layer"][0]["params"] = [{"name": "window", "select": zoom, "bind": "scales"}]
+    return framed(layers, height)
+
+
+def framed(layers: list[Spec], height: int) -> Spec:
+    """Layers in the width and the colours of all charts."""
     text = {"labelColor": INK, "titleColor": INK, "labelFontSize": 11, "titleFontSize": 11, "titleFontWeight": "normal"}
     rules = {
         "domainColor": INK,
@@ -165,10 +176,10 @@ def _floor(y: Spec) -> Spec:
     }
 
 
-def _log_axis() -> Spec:
+def log_axis(channel: str) -> Spec:
     """Ticks with powers of ten as 1e-3; those between are faint, and labelled only where fewer than two decades are seen."""
     power = "abs(log(datum.value) / LN10 - round(log(datum.value) / LN10)) < 1e-6"
-    near = "log(domain('y')[1] / domain('y')[0]) < 2 * LN10"
+    near = f"log(domain('{channel}')[1] / domain('{channel}')[0]) < 2 * LN10"
     # The opacities here are shares of those that the configuration gives.
     return {
         "tickCount": 7,
@@ -198,7 +209,8 @@ def _tooltip(field: str, reading: str, unit: str) -> Spec:
     }
 
 
-def _scale(channel: str, lines: Sequence[Line]) -> Spec:
+def method_scale(channel: str, lines: Sequence[Line]) -> Spec:
+    """The encoding of methods by their lines' color, strokeDash or strokeWidth."""
     values = {
         "color": [line.colour for line in lines],
         "strokeDash": [list(line.dash) for line in lines],

@@ -17,8 +17,8 @@ from bodycheck.reports.summary import Finding, contact, findings, headline, key_
 from bodycheck.reports.tables import Entry, Table, origins_table
 from bodycheck.store import Results
 
-MOST_NUMBERS = 800_000
-"""Numbers of all curves of a report together, so that a large one still opens."""
+MOST_NUMBERS = 300_000
+"""Numbers of all curves of a report together, so that a large one still opens: some 4 MB."""
 
 MOST_POINTS = 256
 """Points of one curve."""

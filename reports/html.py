@@ -1,7 +1,8 @@
-"""The report as one HTML file: everything it needs is in it, and its content policy forbids it to load anything."""
+"""Reports as one HTML file: everything it needs is in it, and its content policy forbids it to load anything."""
 
 import json
 import re
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
 from typing import Any
@@ -14,15 +15,47 @@ from bodycheck.reports import charts
 from bodycheck.reports.contents import Contents
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import count, milliseconds
+from bodycheck.reports.study import StudyReport
 
 MEASURE = re.compile(
-    r"(?<![\w.&#-])-?\d[\d.]*(?:e-?\d+)?(?: (?:rad/s|rad|m/s²|m/s|m|µs|s|kg m²/s|kg m²|kg|%)(?!\w))?(?![\w;-])"
+    r"(?<![\w.&#-])-?\d[\d.]*(?:e-?\d+)?(?: (?:rad/s|rad|m/s²|m/s|ms|m|µs|s|kg m²/s|kg m²|kg|%)(?!\w))?(?![\w;-])"
 )
 """A number and its unit in escaped text; not the numbers inside names and character references."""
 
 
 def render(contents: Contents) -> str:
-    """The text of report.html."""
+    """The text of report.html for runs."""
+    return _page(
+        "report.html.jinja",
+        contents.header,
+        contents.notices,
+        specifications(contents),
+        contents=contents,
+        engines=_spans(contents.lines),
+        datasets={section.name: _json(section.curves.datasets) for section in contents.sections},
+    )
+
+
+def render_study(report: StudyReport) -> str:
+    """The text of report.html for a study."""
+    drawn = {
+        f"{part.name}-{place}": charts.without_legend(chart.specification) if part.lines else chart.specification
+        for part in report.parts
+        for place, chart in enumerate(part.charts, start=1)
+    }
+    return _page("study.html.jinja", report.header, report.notices, drawn, report=report)
+
+
+def specifications(contents: Contents) -> dict[str, charts.Spec]:
+    """The charts of a report by name: each is stored once and drawn with every case's datasets."""
+    errors = {quantity.name: charts.without_legend(charts.over_time(quantity, contents.lines)) for quantity in contents.plotted}
+    return errors | {f"momentum_{frame}": charts.momentum(frame) for frame in charts.FRAMES}
+
+
+def _page(
+    template: str, header: Mapping[str, Any], notices: Sequence[str], specifications: Mapping[str, charts.Spec], **values: Any
+) -> str:
+    """A page: the frame that all share, filled by its template. specifications: of its charts, by name."""
     templates = resources.files("bodycheck.reports") / "templates"
     environment = jinja2.Environment(
         autoescape=True,
@@ -32,22 +65,16 @@ def render(contents: Contents) -> str:
         lstrip_blocks=True,
     )
     environment.filters |= {"milliseconds": milliseconds, "unbroken": _unbroken, "dashes": _dashes}
-    environment.globals |= {"count": count}
-    return environment.get_template("report.html.jinja").render(
-        contents=contents,
-        engines=_spans(contents.lines),
-        specifications=_json(specifications(contents)),
-        datasets={section.name: _json(section.curves.datasets) for section in contents.sections},
+    environment.globals |= {"count": count, "zooming": charts.ZOOMING}
+    return environment.get_template(template).render(
+        header=header,
+        notices=notices,
+        specifications=_json(specifications),
         style=_verbatim((templates / "report.css").read_text("utf-8"), "style"),
         library=_verbatim(_library(), "script"),
         script=_verbatim((templates / "report.js").read_text("utf-8"), "script"),
+        **values,
     )
-
-
-def specifications(contents: Contents) -> dict[str, charts.Spec]:
-    """The charts of a report by name: each is stored once and drawn with every case's datasets."""
-    errors = {quantity.name: charts.without_legend(charts.over_time(quantity, contents.lines)) for quantity in contents.plotted}
-    return errors | {f"momentum_{frame}": charts.momentum(frame) for frame in charts.FRAMES}
 
 
 @cache

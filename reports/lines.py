@@ -28,7 +28,10 @@ WIDTHS = (2.0, 1.3, 0.8)
 
 @dataclass(frozen=True)
 class Line:
-    """One method: what it is called in this report and how it is drawn. dash: lengths on and off, in pixels."""
+    """One method: what it is called in this report and how it is drawn. dash: lengths on and off, in pixels.
+
+    timestep: in s, 0 for a line through all time steps.
+    """
 
     engine: str
     integrator: str
@@ -57,7 +60,8 @@ def assign(keys: Iterable[Key]) -> dict[Key, Line]:
             _, integrator, timestep = key
             place = integrators.index(integrator)
             label = f"{engine} {integrator}" + (f" {milliseconds(timestep)}" if len(steps) > 1 else "")
-            colour, dash = hues[engine][place % 2], DASHES[place % len(DASHES)]
+            turns, dash = divmod(place, len(DASHES))
+            colour = hues[engine][(place + turns) % 2]
             width = WIDTHS[min(steps.index(timestep), len(WIDTHS) - 1)]
-            lines[key] = Line(engine, integrator, timestep, label, colour, dash, width)
+            lines[key] = Line(engine, integrator, timestep, label, colour, DASHES[dash], width)
     return lines

@@ -1,10 +1,13 @@
-"""The report as Markdown that fits a comment on a pull request: verdict, matrix and, as long as there is room, tables."""
+"""Reports as Markdown that fits a comment on a pull request: what matters first and, as long as there is room, tables."""
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
 
 from bodycheck.reports.contents import Contents, Failure, Section
 from bodycheck.reports.quantities import count, milliseconds
+from bodycheck.reports.study import StudyReport
+from bodycheck.reports.summary import Finding
 from bodycheck.reports.tables import Table
 
 ROOM = 60_000
@@ -12,6 +15,9 @@ ROOM = 60_000
 
 LONGEST = 240
 """Characters of one string from outside."""
+
+LONGEST_SENTENCE = 1200
+"""Characters of one that the report makes of such strings."""
 
 MOST_FAILURES = 30
 
@@ -21,45 +27,75 @@ INVISIBLE = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u20
 MARKUP = re.compile(r"([\\`*_\[\]!|~$])")
 
 
-def escape(text: str) -> str:
+def escape(text: str, longest: int = LONGEST) -> str:
     """A string from outside as Markdown that shows it, on one line, cut where it is long."""
     line = INVISIBLE.sub(" ", text).strip()
-    line = line if len(line) <= LONGEST else line[: LONGEST - 1] + "…"
+    line = line if len(line) <= longest else line[: longest - 1] + "…"
     line = MARKUP.sub(r"\\\1", line.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;"))
     # A word joiner in them keeps a forge from making links of names, numbers and addresses.
     return line.replace("@", "@\u2060").replace("#", "#\u2060").replace("://", ":\u2060//").replace("www.", "www\u2060.")
 
 
 def render(contents: Contents) -> str:
-    """The text of report.md."""
-    parts, room, left_out = [], ROOM, []
-    for name, part in _parts(contents):
+    """The text of report.md for runs."""
+    return _fitted(_parts(contents), contents.header)
+
+
+def render_study(report: StudyReport) -> str:
+    """The text of report.md for a study; of its charts it says what they show."""
+    return _fitted(_study_parts(report), report.header)
+
+
+def _fitted(parts: Iterable[str], header: Mapping[str, Any]) -> str:
+    """As many of the parts as there is room for, then what made them."""
+    kept, room, left_out = [], ROOM, 0
+    for part in parts:
         if len(part) + 2 > room:
-            left_out.append(name)
+            left_out += 1
             continue
-        parts.append(part)
+        kept.append(part)
         room -= len(part) + 2
     if left_out:
-        parts.append(f"*Left out here for their size: {count(len(left_out), 'table')}; report.html has them.*")
-    return "\n\n".join([*parts, _footer(contents)]) + "\n"
+        kept.append(f"*Left out here for their size: {count(left_out, 'table')}; report.html has them.*")
+    return "\n\n".join([*kept, _footer(header)]) + "\n"
 
 
-def _parts(contents: Contents) -> Iterator[tuple[str, str]]:
-    yield "head", _head(contents)
-    if contents.failures:
-        yield "failures", _failures(contents.failures)
-    if contents.findings:
-        yield "findings", "\n".join(f"- **{finding.subject}.** {escape(finding.text)}" for finding in contents.findings)
-    if contents.lines:
-        yield "matrix", _matrix(contents)
-    for section in contents.sections:
-        yield section.name, _section(section)
-
-
-def _head(contents: Contents) -> str:
+def _parts(contents: Contents) -> Iterator[str]:
     tally = " · ".join(f"{name} {amount}" for name, amount in contents.tally)
-    notices = [f"> {escape(notice)}" for notice in contents.notices]
-    return "\n\n".join(filter(None, (f"# bodycheck: {contents.headline}", tally, "\n>\n".join(notices))))
+    yield _head(contents.headline, tally, contents.notices)
+    if contents.failures:
+        yield _failures(contents.failures)
+    if contents.findings:
+        yield _findings(contents.findings)
+    if contents.lines:
+        yield _matrix(contents)
+    for section in contents.sections:
+        yield _section(section)
+
+
+def _study_parts(report: StudyReport) -> Iterator[str]:
+    yield _head(report.title, escape(report.headline), report.notices)
+    if report.findings:
+        yield _findings(report.findings)
+    for part in report.parts:
+        texts = [escape(text, LONGEST_SENTENCE) for text in part.texts]
+        shown = "\n".join(f"- {escape(chart.alt, LONGEST_SENTENCE)}" for chart in part.charts)
+        tables = [f"{escape(caption)}:\n\n{_filled(table)}" for caption, table in part.tables]
+        yield _folded(f"<b>{escape(part.title)}</b>", *texts, shown, *tables)
+
+
+def _head(title: str, subtitle: str, notices: Sequence[str]) -> str:
+    quoted = "\n>\n".join(f"> {escape(notice)}" for notice in notices)
+    return "\n\n".join(filter(None, (f"# bodycheck: {title}", subtitle, quoted)))
+
+
+def _findings(findings: Sequence[Finding]) -> str:
+    return "\n".join(f"- **{finding.subject}.** {escape(finding.text, LONGEST_SENTENCE)}" for finding in findings)
+
+
+def _folded(summary: str, *blocks: str) -> str:
+    """What shows its summary until it is opened."""
+    return "\n\n".join(filter(None, (f"<details><summary>{summary}</summary>", *blocks, "</details>")))
 
 
 def _failures(failures: Sequence[Failure]) -> str:
@@ -85,16 +121,14 @@ def _section(section: Section) -> str:
     facts = [f"- {fact.term}: {escape(fact.text)}" for fact in section.facts]
     source = [f"- Source: {escape(section.source)}"] if section.source else []
     body = "No run of this case finished." if section.table is None else _filled(section.table)
-    if section.origins is not None:
-        body += f"\n\nWhere it comes from:\n\n{_filled(section.origins)}"
-    listed = "\n".join(source + facts)
-    summary = f"<b>{section.name}</b>: {escape(section.title)}"
-    return f"<details><summary>{summary}</summary>\n\n{listed}\n\n{body}\n\n</details>"
+    origins = () if section.origins is None else ("Where it comes from:", _filled(section.origins))
+    return _folded(f"<b>{section.name}</b>: {escape(section.title)}", "\n".join(source + facts), body, *origins)
 
 
 def _filled(table: Table) -> str:
     rows = [[entry.text for entry in row] for row in table.rows]
-    return "\n\n".join([_table(table.columns, rows, table.numeric.index(True)), *table.notes])
+    numeric_from = table.numeric.index(True) if True in table.numeric else None
+    return "\n\n".join([_table(table.columns, rows, numeric_from), *table.notes])
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]], numeric_from: int | None = None) -> str:
@@ -103,8 +137,7 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]], numeric_from: int
     return "\n".join("| " + " | ".join(row) + " |" for row in (cells[0], marks, *cells[1:]))
 
 
-def _footer(contents: Contents) -> str:
-    header = contents.header
+def _footer(header: Mapping[str, Any]) -> str:
     versions = {"bodycheck": header["bodycheck"], **header["engines"], **header["packages"]}
     machine = ", ".join(f"{name} {value}" for name, value in header["machine"].items())
     listed = ", ".join(f"{name} {version}" for name, version in versions.items())

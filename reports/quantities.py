@@ -81,9 +81,9 @@ def bound(value: float, digits: int = 4) -> str:
     return number(float(Context(prec=digits, rounding=ROUND_CEILING).create_decimal(f"{value:.7g}")), digits)
 
 
-def milliseconds(seconds: float) -> str:
-    """A time step in ms with its unit, all digits that were given."""
-    return f"{seconds * 1e3:.12g} ms"
+def milliseconds(seconds: float, digits: int = 12) -> str:
+    """A time step in ms with its unit, all digits that were given unless fewer are asked for."""
+    return f"{seconds * 1e3:.{digits}g} ms"
 
 
 def listing(names: Sequence[str], most: int | None = None, noun: str = "") -> str:

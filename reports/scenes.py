@@ -71,7 +71,9 @@ def _vector(components: Sequence[float]) -> str:
 def _truth(truths: Sequence[Truth | Unsupported]) -> str:
     known = [truth for truth in truths if isinstance(truth, Truth)]
     if known:
-        sources = " and ".join(dict.fromkeys(f"{truth.model} by {truth.backend}" for truth in known))
-        return f"{sources}, its own attitude error at most {bound(max(float(truth.error.max()) for truth in known))} rad"
+        sources = " and ".join(dict.fromkeys(f"{truth.model} ({truth.reason}) by {truth.backend}" for truth in known))
+        witnesses = "; ".join(dict.fromkeys(witness for truth in known for witness in truth.witnesses))
+        held = f", held against {witnesses}" if witnesses else ""
+        return f"{sources}{held}, its own attitude error at most {bound(max(float(truth.error.max()) for truth in known))} rad"
     reasons = dict.fromkeys(truth.reason for truth in truths if isinstance(truth, Unsupported))
     return f"none: {'; '.join(reasons)}"

@@ -22,8 +22,9 @@
     for (const button of buttons) button.setAttribute("aria-pressed", String(!hidden.has(button.dataset.method)));
     views.forEach(follow);
   };
+  const swatches = document.getElementById("swatches"); // one legend for all cases, or none where each has its own
   for (const legend of document.querySelectorAll(".legend")) {
-    legend.append(document.getElementById("swatches").content.cloneNode(true));
+    if (swatches) legend.append(swatches.content.cloneNode(true));
     const own = [...legend.querySelectorAll("button")];
     for (const button of own) {
       const { method } = button.dataset;
@@ -44,8 +45,9 @@
   const draw = (box) => {
     if (box.dataset.drawn) return Promise.resolve();
     box.dataset.drawn = "yes";
-    const specification = { ...specifications[box.dataset.chart], width: "container", datasets: read(`data-${box.dataset.case}`) };
-    const named = { ...options, downloadFileName: `${box.dataset.case}-${box.dataset.chart}` };
+    const specification = { ...specifications[box.dataset.chart], width: "container" };
+    if (box.dataset.data) specification.datasets = read(box.dataset.data);
+    const named = { ...options, downloadFileName: box.dataset.file };
     return vegaEmbed(box, specification, named).then(
       ({ view }) => {
         views.add(view);
