@@ -13,6 +13,8 @@ from bodycheck.case import shipped
 settings.register_profile("bodycheck", deadline=None)
 settings.load_profile("bodycheck")
 
+pytest_plugins = ["pytester"]
+
 HERE = Path(__file__).parent
 MINIATURES = HERE / "miniature"
 

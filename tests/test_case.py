@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from bodycheck import Case, CaseFaults, load
 from bodycheck.case import LARGEST_FILE, Fault, parse, shipped
+from bodycheck.expectation import Limit
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Sphere
 from bodycheck.toml_positions import positions
 
@@ -68,7 +69,7 @@ def test_the_grammar_in_full() -> None:
     np.testing.assert_allclose(scene.initial.angular_velocity, [0.1 * math.cos(0.3), -0.1 * math.sin(0.3), 10.0], rtol=1e-15)
     assert math.hypot(*scene.initial.quaternion) == pytest.approx(1, abs=2e-16)
     (expectation,) = case.expectations
-    assert expectation.limits == (("attitude_error", 1e-6),)
+    assert expectation.limits == (Limit("attitude_error", None, 1e-6),)
 
 
 @pytest.mark.parametrize(
@@ -99,7 +100,7 @@ def test_shipped_cases_are_what_the_package_promises() -> None:
 def test_shipped_cases_are_named_as_their_files(shipped_case: Case) -> None:
     assert load(shipped_case.name) == shipped_case
     assert shipped_case.source
-    assert shipped_case.expectations or shipped_case.name == "osrf-boxes-simple"
+    assert {"mujoco", "pinocchio"} <= {expectation.engine for expectation in shipped_case.expectations}
 
 
 def test_all_faults_at_once_each_with_its_line() -> None:
@@ -152,7 +153,7 @@ timestep = 0.002
         ("timestep = 0.002", "timestep = 1e-30", "29 expect[1].timestep", "steps; at most"),
         ("samples = 1001", "samples = 1e3", "24 run.samples", "valid integer"),
         ("attitude_error = 1e-6", "atitude_error = 1e-6", "30 expect[1].atitude_error", "unknown key; allowed: engine"),
-        ("[body]", "[[body]]", "5 body", "dictionary"),
+        ("[body]", "[[body]]", "5 body", "should be a table"),
         ('title = "A good case"', "title = ", "3 ", "not TOML"),
         ("[run]", "[body]", "22 ", "not TOML"),
     ],
@@ -225,15 +226,23 @@ def test_every_key_has_a_position(document: dict[str, object]) -> None:
 
     text = "\n".join(f"{quoted(key)} = {written(value)}" for key, value in document.items())
     assert tomllib.loads(text) == document
-    found = positions(text)
-    for line, (key, value) in enumerate(document.items(), start=1):
+    inner = {
+        (key, part)
+        for key, value in document.items()
+        for part in (value if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else ())
+    }
+    found = positions(text, [*inner, *((key,) for key in document)])
+    assert set(found) == {(), *inner, *((key,) for key in document)}
+    for line, key in enumerate(document, start=1):
         assert found[(key,)] == (line, 1)
-        inner = value if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else ()
-        assert all(found[(key, part)].line == line for part in inner)
+        assert all(found[path].line == line for path in inner if path[0] == key)
 
 
 def test_positions_in_arrays_of_tables() -> None:
-    found = positions("[[a]]\nx = 1\n[[a]]\n[a.b]\ny.z = 2\n[[a.c]]\nw = [\n 1,\n 2]\n")
+    text = "[[a]]\nx = 1\n[[a]]\n[a.b]\ny.z = 2\n[[a.c]]\nw = [\n 1,\n 2]\n"
+    found = positions(text, [("a", 0, "x"), ("a", 1, "b", "y", "z"), ("a", 1, "c", 0, "w", 1), ("a", 2), ("b",)])
+    assert ("a", 2) not in found
+    assert ("b",) not in found
     assert found["a", 0, "x"].line == 2
     assert found["a", 1].line == 3
     assert found["a", 1, "b", "y", "z"].line == 5

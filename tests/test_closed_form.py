@@ -275,6 +275,17 @@ def test_projectile_is_a_parabola_in_vacuum() -> None:
     np.testing.assert_array_equal(trajectory.velocity, [[4.0, 5.0, -10.0], [4.0, 5.0, 6.0], [4.0, 5.0, 10.0]])
 
 
+@pytest.mark.skipif(WIDE_EPS == EPS, reason="no type wider than double precision")
+def test_centre_of_mass_is_exact_to_the_last_digit() -> None:
+    scene = Scene(FLIP.body, State((0.1, 0.2, 0.3), velocity=(1.1, -2.2, 3.3), angular_velocity=(0.0, 0.0, 1.0)), gravity=9.81)
+    times = np.linspace(0, 10, 101)
+    found = motion(scene, times)
+    for time, height, speed in zip(times.tolist(), found.position[:, 2].tolist(), found.velocity[:, 2].tolist(), strict=True):
+        t, z, v, g = map(Fraction, (time, 0.3, 3.3, 9.81))
+        assert abs(z + v * t - g * t * t / 2 - Fraction(height)) <= Fraction(math.ulp(height)) * Fraction(51, 100)
+        assert abs(v - g * t - Fraction(speed)) <= Fraction(math.ulp(speed)) * Fraction(51, 100)
+
+
 # What mechanics demands.
 
 

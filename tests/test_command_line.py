@@ -157,7 +157,7 @@ def test_truth_prints_its_arrays() -> None:
     done = bodycheck("truth", "gimbal-start", "--at", "1.5", "0", "0.25", "--json")
     found = json.loads(done.stdout)
     arrays = ["t", "position", "quaternion", "velocity", "angular_velocity", "truth_error"]
-    assert list(found) == ["case", "model", "backend", *arrays, "truth_position_error"]
+    assert list(found) == ["case", "model", "reason", "backend", "witnesses", *arrays, "truth_position_error"]
     assert found["t"] == [0, 0.25, 1.5]
     expected = truth(load("gimbal-start"), [0, 0.25, 1.5])
     np.testing.assert_array_equal(found["position"], expected.trajectory.position)

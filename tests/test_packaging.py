@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = {"harness": "", "reference": "reference/", "adapters": "adapters/", "cases": "cases/", "reports": "reports/"}
+FOLDERS = {"harness": ""} | {name: f"{name}/" for name in ("reference", "adapters", "cases", "reports", "studies")}
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +21,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_wheel_has_every_file_of_the_package(wheel: Path) -> None:
-    shipped = {"**/*.py", "*.case.toml", "templates/*", "py.typed"}
+    shipped = {"**/*.py", "*.case.toml", "template.toml", "case.schema.json", "templates/*", "py.typed"}
     expected = {
         f"bodycheck/{prefix}{path.relative_to(ROOT / folder).as_posix()}"
         for folder, prefix in FOLDERS.items()

@@ -9,7 +9,7 @@ import pytest
 
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported
-from bodycheck.adapters.pinocchio import solver_settings
+from bodycheck.adapters.pinocchio_contact import solver_settings
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, State
 from bodycheck.reference.sliding import slide
@@ -177,16 +177,16 @@ def test_a_step_that_admm_does_not_solve_is_diverged(monkeypatch: pytest.MonkeyP
         settings.max_iterations = 2
         return settings
 
-    monkeypatch.setattr("bodycheck.adapters.pinocchio.solver_settings", hurried)
+    monkeypatch.setattr("bodycheck.adapters.pinocchio_contact.solver_settings", hurried)
     with pytest.raises(EngineDiverged, match=r"ADMM stops at a residual of .* at t = 0\.001 s"):
         every_step(flat((SPEED, 0.0), SPIN), "admm", 1e-3, 0.01)
 
 
 def test_integrators_are_those_of_the_scene() -> None:
     on_plane, free = flat(), replace(flat(), plane=None)
-    assert PINOCCHIO.integrators(on_plane) == SCHEMES
+    assert PINOCCHIO.integrators(on_plane) == (*SCHEMES, "law-force-planar")
     assert set(PINOCCHIO.integrators(free)) == {"semi-implicit-euler", "body-twist-euler", "rk4", "rk4-naive"}
-    assert set(PINOCCHIO.integrators()) == {*PINOCCHIO.integrators(free), *SCHEMES}
+    assert set(PINOCCHIO.integrators()) == {*PINOCCHIO.integrators(free), *PINOCCHIO.integrators(on_plane)}
     for scene, integrator in ((on_plane, "rk4"), (free, "admm")):
         with pytest.raises(SceneUnsupported, match="no integrator"):
             PINOCCHIO.prepare(scene, Method(integrator, 1e-3))
@@ -198,7 +198,7 @@ def lifted(height: float) -> Scene:
 
 
 UNSUPPORTED = {
-    "drag together with a plane": replace(flat(), drag=0.1),
+    "drag together with contact": replace(flat(), drag=0.1),
     "contact without a weight": replace(flat(), gravity=0.0),
     "no face to lie on": flat(shape=Ellipsoid((0.1, 0.2, 0.05))),
     "does not lie flat": lifted(0.06),

@@ -4,14 +4,14 @@ import json
 import math
 import re
 import shutil
-from collections.abc import Iterator
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
+import pages
 import pytest
 import vl_convert
+from pages import HOSTILE, Page, attributes_of, markdown_tables
 
 from bodycheck import campaign, judgement, plan, reports, store
 from bodycheck.adapters import registry
@@ -27,7 +27,6 @@ from bodycheck.reports.series import corners, ends, envelope, rounded
 from bodycheck.store import Results
 
 FLIP, FLIGHT = "intermediate-axis-flip", "projectile"
-HOSTILE = "<script>alert(1)</script> \"quoted\" 'single' \u202eשלום\u202c | `code` [link](x) & <b>"
 BROKEN = """
 [[expect]]
 engine = "mujoco"
@@ -80,44 +79,6 @@ def page(contents: Contents) -> str:
     return html.render(contents)
 
 
-class Page(HTMLParser):
-    """What a browser would see: attributes, texts outside scripts and styles, and table cells with their numbers."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.attributes: list[tuple[str, str, str]] = []
-        self.tags: list[str] = []
-        self.text = ""
-        self.rows: list[list[str]] = []
-        self.values: list[list[float]] = []
-        self.foreign = ""
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self.attributes += [(tag, name, value or "") for name, value in attrs]
-        if tag in ("script", "style"):
-            self.foreign = tag
-        if tag == "tr":
-            self.rows.append([])
-            self.values.append([])
-        if tag in ("td", "th") and self.rows:
-            self.rows[-1].append("")
-        if tag == "td" and (value := dict(attrs).get("data-value")) is not None:
-            self.values[-1].append(float(value))
-
-    def handle_endtag(self, tag: str) -> None:
-        if tag == self.foreign:
-            self.foreign = ""
-
-    def handle_data(self, data: str) -> None:
-        if self.foreign:
-            return
-        self.text += data
-        if self.rows and self.rows[-1]:
-            self.rows[-1][-1] += data
-
-
 def altered(results: Results, verdicts: list[Verdict], **strings: str) -> tuple[Results, list[Verdict]]:
     """The same results, the strings of the flip's case replaced."""
     case = results.cases[FLIP]
@@ -133,45 +94,8 @@ def test_written_side_by_side_and_small(results: Results, verdicts: list[Verdict
     assert paths[1].stat().st_size < 60_000
 
 
-def test_loads_nothing(page: str) -> None:
-    seen = Page(page)
-    loading = ("src", "href", "srcset", "action", "data", "poster", "background")
-    for tag, name, value in seen.attributes:
-        assert name not in loading or value.startswith(("#", "data:")), (tag, name, value)
-        assert not name.startswith("on"), (tag, name)
-    style = page.partition("<style>")[2].partition("</style>")[0]
-    assert "url(" not in style
-    assert "@import" not in style
-    policy = next(value for tag, _, value in seen.attributes if tag == "meta" and "default-src" in value)
-    assert "default-src 'none'" in policy
-    assert "http" not in policy
-
-
-def test_every_link_has_its_target(page: str) -> None:
-    seen = Page(page)
-    ids = [value for _, name, value in seen.attributes if name == "id"]
-    assert len(ids) == len(set(ids))
-    assert {value[1:] for _, name, value in seen.attributes if name == "href" and value.startswith("#")} <= set(ids)
-    assert {value for _, name, value in seen.attributes if name == "aria-labelledby"} <= set(ids)
-
-
-def test_headings_and_table_heads(page: str) -> None:
-    seen = Page(page)
-    assert seen.tags.count("h1") == 1
-    assert all(("scope" in dict(attrs)) for attrs in _attributes_of(page, "th"))
-    assert all(attrs.get("aria-label") for attrs in map(dict, _attributes_of(page, "figure")))
-
-
-def _attributes_of(page: str, wanted: str) -> list[list[tuple[str, str | None]]]:
-    found: list[list[tuple[str, str | None]]] = []
-
-    class Parser(HTMLParser):
-        def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-            if tag == wanted:
-                found.append(attrs)
-
-    Parser().feed(page)
-    return found
+def test_a_page_stands_alone(page: str) -> None:
+    pages.check(page)
 
 
 def test_tables_have_the_measured_numbers(page: str, verdicts: list[Verdict]) -> None:
@@ -287,7 +211,7 @@ def test_hostile_strings_show_as_text(results: Results, verdicts: list[Verdict])
     seen = Page(text)
     assert HOSTILE in seen.text
     assert "</script><script>alert(2)</script>" in seen.text
-    scripts = [dict(attrs) for attrs in _attributes_of(text, "script")]
+    scripts = [dict(attrs) for attrs in attributes_of(text, "script")]
     assert len(scripts) == len(contents.sections) + 3  # data a case, the charts, the library, the page's own
     assert text.lower().count("</script") == len(scripts)
 
@@ -299,14 +223,8 @@ def test_hostile_strings_in_markdown(results: Results, verdicts: list[Verdict]) 
     assert "@someone" not in text
     assert "://" not in text
     assert "\n# @" not in text
-    for table in _markdown_tables(text):
+    for table in markdown_tables(text):
         assert len({len(re.findall(r"(?<!\\)\|", line)) for line in table}) == 1
-
-
-def _markdown_tables(text: str) -> Iterator[list[str]]:
-    for block in text.split("\n\n"):
-        if block.startswith("|"):
-            yield block.splitlines()
 
 
 def test_a_title_of_ten_thousand_letters(results: Results, verdicts: list[Verdict]) -> None:

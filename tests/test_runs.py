@@ -12,8 +12,9 @@ from conftest import shortened
 
 from bodycheck import Case, campaign, compare, judgement, load, simulate, store, truth
 from bodycheck.adapters import registry
-from bodycheck.case import Expectation
+from bodycheck.case import parse
 from bodycheck.errors import BadInput
+from bodycheck.expectation import Expectation, Limit
 from bodycheck.outcome import Completed, Crashed, Diverged, Unsupported
 from bodycheck.plan import Task, plan
 from bodycheck.reference.scene import Plane, State
@@ -24,17 +25,19 @@ SPIN = shortened(load("osrf-boxes-simple"), 1.0, 11)
 
 FAILING = {
     "raising": ("crashed", "RuntimeError: the miniature engine gives up"),
-    "dying": ("crashed", "its process died with exit code 3"),
+    "dying": ("crashed", "its process exited with code 3"),
     "hanging": ("timeout", "stopped after 4 s"),
     "not-a-number": ("diverged", "not a number at t = 0.5 s"),
     "exploding": ("diverged", "times the most possible at t = "),
 }
 
 
-def run_all(case: Case, engines: list[str], folder: Path, jobs: int = 2) -> store.Results:
+def run_all(
+    case: Case, engines: list[str], folder: Path, jobs: int = 2, timesteps: tuple[float, ...] = (0.1,)
+) -> store.Results:
     adapters = {name: registry.load(name) for name in engines}
     head = campaign.header(["test"], {name: adapter.version() for name, adapter in adapters.items()}, {})
-    campaign.execute(plan([case], adapters, (), (0.1,)), folder, head, jobs, limit=4.0)
+    campaign.execute(plan([case], adapters, (), timesteps), folder, head, jobs, limit=4.0)
     return store.read(folder)
 
 
@@ -94,7 +97,8 @@ def test_what_is_stored_is_what_was_run_bit_by_bit(tmp_path: Path) -> None:
     stored = results.truth(case.name, 0.1)
     np.testing.assert_array_equal(stored.error, exact.error)
     np.testing.assert_array_equal(stored.position_error, exact.position_error)
-    assert (stored.model, stored.backend) == (exact.model, exact.backend)
+    for name in ("model", "reason", "backend", "witnesses"):
+        assert getattr(stored, name) == getattr(exact, name)
     for run in results.runs():
         again = simulate(case, run.engine, run.method.integrator, run.method.timestep)
         for part in ("t", "position", "quaternion", "velocity", "angular_velocity"):
@@ -139,7 +143,7 @@ def test_a_line_cut_short_is_where_the_run_was_interrupted(tmp_path: Path) -> No
 def test_the_name_of_a_method_leads_nowhere_out_of_the_folder(miniatures: Path, tmp_path: Path) -> None:
     """An engine that takes any options completes under whatever name a stranger's case file gives the method."""
     name = "closed-form:/../../../../x"
-    case = replace(SPIN, expectations=(Expectation("exact", name, 0.1, (("position_error", 1.0),)),))
+    case = replace(SPIN, expectations=(Expectation("exact", name, 0.1, (Limit("position_error", None, 1.0),)),))
     tasks = plan([case], {"exact": registry.load("exact")}, (), ())
     campaign.execute(tasks, tmp_path / "deep" / "out", campaign.header([], {"exact": "1"}, {}), 1)
     results = store.read(tmp_path / "deep" / "out")
@@ -166,7 +170,10 @@ def test_earlier_results_are_replaced(tmp_path: Path) -> None:
 
 
 def expecting(case: Case, **limits: float) -> Case:
-    return replace(case, expectations=(Expectation("mujoco", "RK4", 0.1, tuple(limits.items())),))
+    return replace(
+        case,
+        expectations=(Expectation("mujoco", "RK4", 0.1, tuple(Limit(name, None, limit) for name, limit in limits.items())),),
+    )
 
 
 def judged(case: Case, integrator: str = "RK4") -> judgement.Verdict:
@@ -179,9 +186,22 @@ def test_expectations_are_judged_by_the_largest_value() -> None:
     assert judged(expecting(case, attitude_error=measured)).passed is True
     failed = judged(expecting(case, attitude_error=measured * 0.999, energy_error=1.0))
     assert failed.passed is False
-    assert f"attitude_error is {measured:.3g}, expected at most" in failed.reason
-    assert "energy_error is expected, but not measured in this scene" in failed.reason
+    assert f"attitude_error is {measured:.4g} rad, expected at most" in failed.reason
+    assert "energy_error is unknown, expected at most 1; it is not measured in this scene" in failed.reason
     assert judged(expecting(case, attitude_error=measured), "Euler").passed is None
+
+
+@pytest.mark.parametrize(("expected", "passed"), [(4, True), (2, False)])
+def test_an_order_is_expected_of_a_step_its_half_and_its_quarter(tmp_path: Path, expected: float, passed: bool) -> None:
+    expectation = f'[[expect]]\nengine = "mujoco"\nintegrator = "RK4"\ntimestep = 0.02\norder = {expected}\n'
+    case = parse(load("osrf-boxes-complex").text.partition("[[expect]]")[0] + expectation, "ordered")
+    verdicts = judgement.judge(run_all(case, ["mujoco"], tmp_path, timesteps=()))
+    asked = {verdict.run.method.timestep: verdict for verdict in verdicts if verdict.run.method.integrator == "RK4"}
+    assert asked.keys() == {0.002, 0.02, 0.01, 0.005}
+    assert {step: verdict.passed for step, verdict in asked.items()} == {0.002: None, 0.02: passed, 0.01: None, 0.005: None}
+    assert passed or "order is 4" in asked[0.02].reason
+    alone = judgement.verdict(case, truth(case, asked[0.02].run.outcome.trajectory.t), asked[0.02].run)
+    assert (alone.passed, "finer steps are not there" in alone.reason) == (False, True)
 
 
 def test_an_expectation_of_a_run_that_is_not_ok_fails() -> None:
@@ -222,7 +242,9 @@ def test_the_plan_is_every_case_engine_integrator_and_step_once() -> None:
 
 
 def test_what_a_case_expects_is_run_too() -> None:
-    case = replace(load("projectile"), expectations=(Expectation("mujoco", "RK9", 0.01, (("position_error", 1.0),)),))
+    case = replace(
+        load("projectile"), expectations=(Expectation("mujoco", "RK9", 0.01, (Limit("position_error", None, 1.0),)),)
+    )
     adapters = {"mujoco": registry.load("mujoco")}
     (task,) = [task for task in plan([case], adapters, (), ()) if task.method.timestep == 0.01]
     assert isinstance(task, Task)

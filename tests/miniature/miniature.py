@@ -3,13 +3,17 @@
 They know spins about a principal axis only, so that their exact motion needs no integration.
 """
 
+import ctypes
 import math
 import os
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+
+from bodycheck.reference.requirements import missing
 
 Spoil = Callable[[float, np.ndarray], np.ndarray]
 
@@ -48,9 +52,41 @@ def dying(t: float, row: np.ndarray) -> np.ndarray:
     os._exit(3)
 
 
+def vanishing(t: float, row: np.ndarray) -> np.ndarray:
+    """Ends its process as if all were well."""
+    os._exit(0)
+
+
+def exiting(t: float, row: np.ndarray) -> np.ndarray:
+    sys.exit("the miniature engine has had enough")
+
+
+def segfaulting(t: float, row: np.ndarray) -> np.ndarray:
+    ctypes.string_at(0)
+    return row
+
+
+HOARD: list[np.ndarray] = []
+
+
+def allocating(t: float, row: np.ndarray) -> np.ndarray:
+    """Fills memory without end, 16 MiB at a time, and lets go of none of it."""
+    while True:
+        HOARD.append(np.ones(1 << 21))
+
+
+def shapeless(t: float, row: np.ndarray) -> np.ndarray:
+    return row[:12]
+
+
 def hanging(t: float, row: np.ndarray) -> np.ndarray:
     while True:
         time.sleep(1)
+
+
+def dawdling(t: float, row: np.ndarray) -> np.ndarray:
+    time.sleep(2e-4)
+    return row
 
 
 def printing(t: float, row: np.ndarray) -> np.ndarray:
@@ -86,6 +122,12 @@ class Flight:
 
 
 @dataclass(frozen=True)
+class Claim:
+    order: int | None = None
+    evaluations: int | None = 1
+
+
+@dataclass(frozen=True)
 class Miniature:
     spoil: Spoil
 
@@ -95,8 +137,14 @@ class Miniature:
     def integrators(self, scene: object = None) -> tuple[str, ...]:
         return ("closed-form",)
 
+    def claim(self, integrator: str) -> Claim:
+        return Claim()
+
+    def models(self, scene: object, integrator: str) -> dict[str, str]:
+        return {}
+
     def unsupported(self, scene: object) -> str | None:
-        return None
+        return missing(scene, {"gravity", "translation", "rotation"})
 
     def contact_law(self, scene: object, integrator: str) -> object | None:
         return None
@@ -108,6 +156,20 @@ class Miniature:
         return Flight(scene, method.timestep, self.spoil)
 
 
+class Frozen(Miniature):
+    """Says that it models everything and that it steps, and stands still."""
+
+    def unsupported(self, scene: object) -> str | None:
+        return None
+
+    def prepare(self, scene: object, method: object) -> Flight:
+        return Flight(scene, 0.0, self.spoil)
+
+
 EXACT, WRONG, DRIFTING, EXPLODING, NOT_A_NUMBER, RAISING, DYING, HANGING, PRINTING = map(
     Miniature, (exact, wrong, drifting, exploding, not_a_number, raising, dying, hanging, printing)
 )
+VANISHING, EXITING, SEGFAULTING, ALLOCATING, SHAPELESS, DAWDLING = map(
+    Miniature, (vanishing, exiting, segfaulting, allocating, shapeless, dawdling)
+)
+FROZEN = Frozen(exact)

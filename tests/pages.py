@@ -1,0 +1,87 @@
+"""Pages as tests of reports read them, and what every page must keep."""
+
+from collections.abc import Iterator
+from html.parser import HTMLParser
+
+HOSTILE = "<script>alert(1)</script> \"quoted\" 'single' \u202eשלום\u202c | `code` [link](x) & <b>"
+
+
+class Page(HTMLParser):
+    """What a browser would see: attributes, texts outside scripts and styles, and table cells with their numbers."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.attributes: list[tuple[str, str, str]] = []
+        self.tags: list[str] = []
+        self.text = ""
+        self.rows: list[list[str]] = []
+        self.values: list[list[float]] = []
+        self.foreign = ""
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value or "") for name, value in attrs]
+        if tag in ("script", "style"):
+            self.foreign = tag
+        if tag == "tr":
+            self.rows.append([])
+            self.values.append([])
+        if tag in ("td", "th") and self.rows:
+            self.rows[-1].append("")
+        if tag == "td" and (value := dict(attrs).get("data-value")) is not None:
+            self.values[-1].append(float(value))
+
+    def handle_endtag(self, tag: str) -> None:
+        if tag == self.foreign:
+            self.foreign = ""
+
+    def handle_data(self, data: str) -> None:
+        if self.foreign:
+            return
+        self.text += data
+        if self.rows and self.rows[-1]:
+            self.rows[-1][-1] += data
+
+
+def check(page: str) -> None:
+    """It loads nothing, its links lead somewhere, and its headings, tables and figures say what they are."""
+    seen = Page(page)
+    loading = ("src", "href", "srcset", "action", "data", "poster", "background")
+    for tag, name, value in seen.attributes:
+        assert name not in loading or value.startswith(("#", "data:")), (tag, name, value)
+        assert not name.startswith("on"), (tag, name)
+    style = page.partition("<style>")[2].partition("</style>")[0]
+    assert "url(" not in style
+    assert "@import" not in style
+    policy = next(value for tag, _, value in seen.attributes if tag == "meta" and "default-src" in value)
+    assert "default-src 'none'" in policy
+    assert "http" not in policy
+
+    ids = [value for _, name, value in seen.attributes if name == "id"]
+    assert len(ids) == len(set(ids))
+    assert {value[1:] for _, name, value in seen.attributes if name == "href" and value.startswith("#")} <= set(ids)
+    assert {value for _, name, value in seen.attributes if name == "aria-labelledby"} <= set(ids)
+
+    assert seen.tags.count("h1") == 1
+    assert all(("scope" in dict(attrs)) for attrs in attributes_of(page, "th"))
+    assert all(attrs.get("aria-label") for attrs in map(dict, attributes_of(page, "figure")))
+
+
+def attributes_of(page: str, wanted: str) -> list[list[tuple[str, str | None]]]:
+    found: list[list[tuple[str, str | None]]] = []
+
+    class Parser(HTMLParser):
+        def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+            if tag == wanted:
+                found.append(attrs)
+
+    Parser().feed(page)
+    return found
+
+
+def markdown_tables(text: str) -> Iterator[list[str]]:
+    """The lines of each."""
+    for block in text.split("\n\n"):
+        if block.startswith("|"):
+            yield block.splitlines()
