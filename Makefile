@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 RESULTS ?= results
 
-.PHONY: run test lint types tests benchmarks clean
+.PHONY: run test lint types tests slow benchmarks clean
 
 run: $(VENV)/.installed
 	$(BIN)/bodycheck run --out $(RESULTS)
@@ -23,6 +23,9 @@ types: $(VENV)/.installed-for-development
 
 tests: $(VENV)/.installed-for-development
 	$(BIN)/pytest -n auto
+
+slow: $(VENV)/.installed-for-development
+	$(BIN)/pytest -n auto -m slow
 
 benchmarks: $(VENV)/.installed-for-development
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done

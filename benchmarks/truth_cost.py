@@ -1,8 +1,8 @@
 """What a truth costs: SciPy's DOP853, heyoka's 80-bit Taylor series and the closed form on ten seconds of flip.
 
-All are timed in one process, in turns, warm: each for a tenth of a second a turn, at least once. A fresh process with an
-empty cache of compiled code, and one with a full cache, tell what the first truth costs. Last, ten thousand closed forms of
-random bodies. Run: python benchmarks/truth_cost.py
+All are timed in one process, in turns, warm: each for a tenth of a second a turn, at least once. So are the smaller closed
+forms of bodies that need less than a flip. A fresh process with an empty cache of compiled code, and one with a full cache,
+tell what the first truth costs. Last, ten thousand closed forms of random bodies. Run: python benchmarks/truth_cost.py
 """
 
 import os
@@ -12,6 +12,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -31,7 +32,7 @@ from bodycheck import load
 from bodycheck.reference import taylor
 case = load("intermediate-axis-flip")
 start = time.perf_counter()
-taylor.integrate(case.scene, case.instants)
+taylor.euler_lagrange(case.scene, case.instants)
 print(time.perf_counter() - start)
 """
 
@@ -41,11 +42,15 @@ def main() -> None:
     scene, times = case.scene, case.instants
     ways: dict[str, Callable[[], object]] = {
         "DOP853, Euler-Lagrange": lambda: lagrangian.integrate(scene, times),
-        "80-bit, Euler-Lagrange": lambda: taylor.integrate(scene, times),
+        "80-bit, Euler-Lagrange": lambda: taylor.euler_lagrange(scene, times),
         "closed form": lambda: closed_form.motion(scene, times),
         "DOP853, with its bound": lambda: truth.truth(scene, times, truth.dop853()),
         "80-bit, with its bound": lambda: truth.truth(scene, times),
+        "no rotation": lambda: closed_form.motion(replace(scene, initial=State()), times),
+        "steady turn": lambda: closed_form.motion(replace(scene, body=Body(1.0, (0.1, 0.1, 0.1))), times),
+        "symmetric top": lambda: closed_form.motion(replace(scene, body=Body(1.0, (0.1, 0.1, 0.15))), times),
     }
+    compared = ["DOP853, Euler-Lagrange"] * 3 + ["DOP853, with its bound"] * 2 + ["closed form"] * 3
     costs: dict[str, list[float]] = {name: [] for name in ways}
     for turn in range(TURNS + 1):
         for name, way in ways.items():
@@ -57,7 +62,7 @@ def main() -> None:
                 costs[name].append((time.perf_counter() - start) / calls)
 
     print(f"{case.name}, {len(times)} samples, warm, median of {TURNS} turns")
-    for name, reference in zip(ways, [*["DOP853, Euler-Lagrange"] * 3, *["DOP853, with its bound"] * 2], strict=True):
+    for name, reference in zip(ways, compared, strict=True):
         ratio = statistics.median(b / a for a, b in zip(costs[name], costs[reference], strict=True))
         print(f"{name:24} {statistics.median(costs[name]) * 1e3:8.2f} ms, 1/{ratio:.1f} of {reference}")
 
