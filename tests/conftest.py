@@ -1,8 +1,11 @@
 """What several tests share."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import browser as browsing
 import pytest
 from hypothesis import settings
 
@@ -42,6 +45,13 @@ def conservative_case(request: pytest.FixtureRequest) -> Case:
 def flying_case(request: pytest.FixtureRequest) -> Case:
     """Each of the shipped cases that does not touch a plane."""
     return load(request.param)
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """A real browser; where there is none, the test is skipped."""
+    with browsing.launched() as launched:
+        yield launched
 
 
 def shortened(case: Case, duration: float, samples: int) -> Case:
