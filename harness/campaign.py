@@ -107,20 +107,6 @@ def results(
         yield replace(store.read(folder), complete=True)
 
 
-def execute(
-    tasks: Sequence[Task],
-    folder: Path,
-    head: dict[str, Any],
-    jobs: int = 1,
-    limit: float = TIME_LIMIT,
-    memory: int = pool.MEMORY,
-    progress: Advance = _silent,
-) -> None:
-    """Likewise, where nothing is made of the results yet."""
-    with results(tasks, folder, head, jobs, limit, memory, progress):
-        pass
-
-
 def _identity(tasks: Sequence[Task], head: Mapping[str, Any], limit: float, memory: int) -> str:
     """A fingerprint of all that decides on the results, wherever and by whatever command they are made."""
     versions = [store.FORMAT, *(head[name] for name in ("bodycheck", "packages", "engines"))]

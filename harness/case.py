@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from bodycheck import grammar
+from bodycheck.contradictions import contradictions
 from bodycheck.errors import BadInput
 from bodycheck.expectation import ORDER, Expectation, Limit
 from bodycheck.outcome import Completed
@@ -112,7 +113,7 @@ def load(case: str | FilePath) -> Case:
 def parse(text: str, file: str) -> Case:
     """The case in the text of a case file; `file` is what faults call it. Raises `CaseFaults`."""
     document = _document(text, file)
-    errors, untold = list(grammar.contradictions(document)), 0
+    errors, untold = list(contradictions(document)), 0
     try:
         table = grammar.CaseTable.model_validate(document)
     except ValidationError as error:

@@ -103,7 +103,8 @@ def attributed(tmp_path: Path, name: str, integrators: tuple[str, ...]) -> dict[
     """The parts at the smaller of two steps, by integrator and quantity."""
     adapters = {engine: registry.load(engine) for engine in ("mujoco", "pinocchio")}
     tasks = plan([load(name)], adapters, integrators, (1e-3, 5e-4))
-    campaign.execute(tasks, tmp_path, campaign.header([], dict.fromkeys(adapters, "1"), {}), 2)
+    with campaign.results(tasks, tmp_path, campaign.header([], dict.fromkeys(adapters, "1"), {}), 2):
+        pass
     results = store.read(tmp_path)
     found = attribute(results, judgement.judge(results))
     return {(part.integrator, part.quantity): part for part in found if part.timestep == 5e-4}
@@ -168,7 +169,8 @@ def test_the_stop_is_stored_and_its_columns_follow(tmp_path: Path) -> None:
     case = shortened(load("curling-brick"), 0.8, 81)
     adapters = {name: registry.load(name) for name in ("mujoco", "pinocchio")}
     tasks = plan([case, load("projectile")], adapters, ("Euler", "law-force", "rk4"), (0.01,))
-    campaign.execute(tasks, tmp_path, campaign.header([], dict.fromkeys(adapters, "1"), {}), 2)
+    with campaign.results(tasks, tmp_path, campaign.header([], dict.fromkeys(adapters, "1"), {}), 2):
+        pass
     results = store.read(tmp_path)
     stored, exact = results.truth(case.name, 0.01), truth(case)
     assert stored.stop == exact.stop

@@ -55,7 +55,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     cases = (parse(flip.text + BROKEN, FLIP), shortened(FLIGHT))
     tasks = plan.plan(cases, engines, ("Euler", "RK4", "semi-implicit-euler", "body-twist-euler", "rk4"), ())
     head = campaign.header(("bodycheck", "run", "<b>"), {name: engine.version() for name, engine in engines.items()}, {})
-    campaign.execute(tasks, place, head, jobs=2)
+    with campaign.results(tasks, place, head, jobs=2):
+        pass
     return place
 
 

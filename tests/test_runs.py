@@ -37,7 +37,8 @@ def run_all(
 ) -> store.Results:
     adapters = {name: registry.load(name) for name in engines}
     head = campaign.header(["test"], {name: adapter.version() for name, adapter in adapters.items()}, {})
-    campaign.execute(plan([case], adapters, (), timesteps), folder, head, jobs, limit=4.0)
+    with campaign.results(plan([case], adapters, (), timesteps), folder, head, jobs, limit=4.0):
+        pass
     return store.read(folder)
 
 
@@ -145,7 +146,8 @@ def test_the_name_of_a_method_leads_nowhere_out_of_the_folder(miniatures: Path, 
     name = "closed-form:/../../../../x"
     case = replace(SPIN, expectations=(Expectation("exact", name, 0.1, (Limit("position_error", None, 1.0),)),))
     tasks = plan([case], {"exact": registry.load("exact")}, (), ())
-    campaign.execute(tasks, tmp_path / "deep" / "out", campaign.header([], {"exact": "1"}, {}), 1)
+    with campaign.results(tasks, tmp_path / "deep" / "out", campaign.header([], {"exact": "1"}, {}), 1):
+        pass
     results = store.read(tmp_path / "deep" / "out")
     assert {run.method.integrator: run.outcome.status for run in results.runs()}[name] == "ok"
     files = [path for path in tmp_path.rglob("*") if path.is_file()]

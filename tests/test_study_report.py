@@ -77,7 +77,8 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     tasks = [task for case, own in methods.items() for task in tradeoff.plan((case,), engines, own, STEPS)]
     head = campaign.header(("bodycheck", "tradeoff"), {name: engine.version() for name, engine in engines.items()}, {})
     place = tmp_path_factory.mktemp("tradeoff")
-    campaign.execute(tasks, place, head, jobs=2)
+    with campaign.results(tasks, place, head, jobs=2):
+        pass
     results = store.read(place)
     verdicts = judgement.judge(results)
     rows = [timed_once(own, engines) for own in judgement.records(verdicts)]

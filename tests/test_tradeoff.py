@@ -28,7 +28,8 @@ EULERS = [("mujoco", "Euler"), ("mujoco", "implicit"), ("mujoco", "implicitfast"
 def run(cases: list[Case], folder: Path, integrators: tuple[str, ...] = (), timesteps: tuple[float, ...] = ()) -> Results:
     tasks = tradeoff.plan(cases, ENGINES, integrators, timesteps)
     head = campaign.header(["test"], {name: engine.version() for name, engine in ENGINES.items()}, {})
-    campaign.execute(tasks, folder, head, jobs=2)
+    with campaign.results(tasks, folder, head, jobs=2):
+        pass
     return store.read(folder)
 
 
