@@ -1,4 +1,4 @@
-"""MuJoCo: a body with an inertia, the joints that the scene needs, and what it needs besides, stepped in C.
+"""MuJoCo: a body with an inertia, the joints that the scene needs, and what it needs besides, stepped in C (`mujoco_stepping`).
 
 Of a free joint qpos is (position world, quaternion w x y z), and qvel is linear in the world frame, angular in the body frame.
 What other joints there are, and what models that are larger than need be, is in `mujoco_models`.
@@ -13,17 +13,14 @@ the smallest model instead, of three coordinates, and friction as a force from o
 """
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 
 import mujoco
 import numpy as np
-from mujoco import rollout
 
 from bodycheck.adapters import mujoco_contact, mujoco_models
-from bodycheck.adapters.contract import MODEL_OPTION, Claim, EngineDiverged, EngineReset, Method, SceneUnsupported, Strides
-from bodycheck.adapters.mujoco_models import Force, Joints
+from bodycheck.adapters.contract import MODEL_OPTION, Claim, Method, SceneUnsupported, Strides
+from bodycheck.adapters.mujoco_stepping import Rollouts, Steps, quiet, refuse_warnings, stepping
 from bodycheck.reference.requirements import missing, requirements
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
@@ -47,17 +44,12 @@ MODEL = """
 </mujoco>
 """
 
-CHUNK = 8192
-"""Steps of one rollout. It returns every state, so this bounds the memory; a call costs as much as some 30 steps."""
-
 FLUID = "-fluid"
 
 PLANAR = "Euler-planar"
 
 MODELLED = frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"})
 """What MuJoCo can model of what a scene may require."""
-
-RESETS = {mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC}
 
 
 def version() -> str:
@@ -121,7 +113,7 @@ def contact_law(scene: Scene, integrator: str) -> Plane | None:
     return replace(scene.plane, law="corners", pressure="balanced")
 
 
-def prepare(scene: Scene, method: Method) -> "Rollout":
+def prepare(scene: Scene, method: Method) -> Rollouts | Steps:
     """As the contract has it; on a plane with any options of `mujoco_contact`, whether `integrators` lists them or not."""
     if (lacking := unsupported(scene)) is not None:
         raise SceneUnsupported(lacking)
@@ -159,7 +151,7 @@ def prepare(scene: Scene, method: Method) -> "Rollout":
         force = mujoco_models.braking(scene, scene.plane, method.timestep, data)
     elif scene.drag and not fluid and model != "rotation":
         force = mujoco_models.resistance(scene.drag, data)
-    return Rollout(compiled, data, joints, force)
+    return stepping(compiled, data, joints, force)
 
 
 def read(scene: Scene, method: str) -> tuple[str, str, str | None]:
@@ -221,76 +213,3 @@ def contact_loads(scene: Scene, method: Method, steps: int) -> tuple[Array, Stri
                 load[step] += force[0]
                 touching[step] += force[0] > 0
     return load, touching
-
-
-@contextmanager
-def quiet() -> Iterator[None]:
-    """Keeps MuJoCo from writing its warnings to a log file in the working directory."""
-    mujoco.set_mju_user_warning(lambda text: None)
-    try:
-        yield
-    finally:
-        mujoco.set_mju_user_warning(None)
-
-
-def refuse_warnings(data: mujoco.MjData, time: float) -> None:
-    """Raise `EngineDiverged` where MuJoCo has warned of anything up to a time (s): only its warnings tell."""
-    kinds = {name: kind for name, kind in mujoco.mjtWarning.__members__.items() if name.startswith("mjWARN_")}
-    given = {name.removeprefix("mjWARN_"): kind for name, kind in kinds.items() if data.warning[kind].number}
-    if given:
-        # It answers a bad state by starting over from the initial one, and drops what its buffers cannot hold.
-        signal, answer = (EngineReset, "reset itself after") if RESETS & set(given.values()) else (EngineDiverged, "warned of")
-        raise signal(f"MuJoCo {answer} {', '.join(given)} at t = {time:.6g} s")
-
-
-class Rollout:
-    """A MuJoCo model and its data, advanced by `mujoco.rollout`. force: from outside, where there is one."""
-
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: Joints, force: Force | None) -> None:
-        self.model, self.data, self.joints, self.force = model, data, joints, force
-        self.pool = rollout.Rollout(nthread=0)
-        # Row 0 is the state at which the simulation stands, the rows below are those of one rollout. They are filled, so that
-        # the memory is there before the first step.
-        self.states = np.full((CHUNK + 1, mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)), 0.0)
-        mujoco.mj_getState(model, data, self.states[0], mujoco.mjtState.mjSTATE_FULLPHYSICS)
-
-    def advance(self, strides: Strides) -> Array:
-        ends = np.cumsum(strides)
-        columns = slice(1, 1 + self.model.nq + self.model.nv)
-        rows = np.empty((len(strides), self.model.nq + self.model.nv))
-        done = 0
-        while True:
-            count = min(CHUNK, int(ends[-1]) - done)
-            if count:
-                self._step(count)
-            first, last = np.searchsorted(ends, (done, done + count + 1))
-            rows[first:last] = self.states[ends[first:last] - done, columns]
-            # A rollout stands still after a warning, and a reset turns its clock back.
-            clock = self.states[: count + 1, 0]
-            try:
-                refuse_warnings(self.data, float(clock.max()))
-            except EngineDiverged as signal:
-                sound = done + int(np.argmax(np.diff(clock, append=clock[-1]) <= 0))
-                before = rows[: np.searchsorted(ends, sound, side="right")]
-                signal.rows = self.joints.rows(np.vstack([before, self.states[count, None, columns]])[: len(rows)])
-                raise
-            self.states[0] = self.states[count]
-            done += count
-            if done == ends[-1]:
-                return self.joints.rows(rows)
-
-    def _step(self, count: int) -> None:
-        start, following = self.states[0], self.states[1 : count + 1]
-        mujoco.set_mjcb_passive(self.force)
-        try:
-            with quiet():
-                self.pool.rollout(
-                    self.model,
-                    self.data,
-                    start[None],
-                    nstep=count,
-                    initial_warmstart=self.data.qacc_warmstart[None],
-                    state=following[None],
-                )
-        finally:
-            mujoco.set_mjcb_passive(None)

@@ -11,6 +11,7 @@ same on the body twist of Pinocchio's planar joint.
 """
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -230,9 +231,7 @@ def with_collision_detection(step: Step, joints: Joints, shape: Shape, depth: fl
     ground = library.Halfspace(np.array([0.0, 0.0, 1.0]), -depth)
     model, data, geometry = joints.model, joints.model.createData(), pin.GeometryModel()
     parts = (("body", joints.joint, solid), ("ground", UNIVERSE, ground))
-    numbers = [
-        geometry.addGeometryObject(pin.GeometryObject(name, joint, pin.SE3.Identity(), part)) for name, joint, part in parts
-    ]
+    numbers = [geometry.addGeometryObject(placed(name, joint, part)) for name, joint, part in parts]
     geometry.addCollisionPair(pin.CollisionPair(*numbers))
     found = geometry.createData()
 
@@ -244,14 +243,24 @@ def with_collision_detection(step: Step, joints: Joints, shape: Shape, depth: fl
     return checked
 
 
+def placed(name: str, joint: int, solid: Any) -> pin.GeometryObject:
+    """A solid that is fixed to a joint, in its frame."""
+    try:
+        return pin.GeometryObject(name, joint, pin.SE3.Identity(), solid)
+    except TypeError:  # before Pinocchio 3 the solid comes first
+        return pin.GeometryObject(name, joint, solid, pin.SE3.Identity())
+
+
 def with_all_terms(step: Step, joints: Joints) -> Step:
     """A step after which everything is computed that Pinocchio has to tell of the state."""
     model, data = joints.model, joints.model.createData()
+    # `computeAllTerms` has made both energies; before Pinocchio 3 nothing adds them up.
+    mechanical_energy = getattr(pin, "computeMechanicalEnergy", lambda model, data: data.kinetic_energy + data.potential_energy)
 
     def told(q: Array, v: Array) -> tuple[Array, Array]:
         q, v = step(q, v)
         pin.computeAllTerms(model, data, q, v)
-        pin.computeMechanicalEnergy(model, data)
+        mechanical_energy(model, data)
         return q, v
 
     return told

@@ -104,7 +104,7 @@ def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -
     return step
 
 
-def solver_settings(shape: Brick, initial: State, velocity: float) -> pin.ADMMSolverSettings:
+def solver_settings(shape: Brick, initial: State, velocity: float) -> "pin.ADMMSolverSettings":
     """How ADMM solves the contacts of a brick that starts from some state, in units of m g h and the velocity g h (m/s)."""
     fastest = math.hypot(*initial.velocity) + math.hypot(*initial.angular_velocity) * math.hypot(*shape.semi_axes)
     tolerance = max(TOLERANCE, ROUNDING * fastest / velocity)
