@@ -41,8 +41,7 @@ def load_engines(names: tuple[str, ...]) -> "tuple[dict[str, Adapter], dict[str,
     missing: dict[str, str] = {}
     known = registry.names()
     for name in dict.fromkeys(names or known):
-        if name not in known:
-            raise BadInput(f"there is no engine {name!r}; there are: {', '.join(known)}{did_you_mean(name, known)}")
+        check_engine(name)
         try:
             adapters[name] = registry.load(name)
         except registry.EngineMissing as error:
@@ -53,6 +52,14 @@ def load_engines(names: tuple[str, ...]) -> "tuple[dict[str, Adapter], dict[str,
     if not adapters:
         raise BadInput("no engine can be used")
     return adapters, missing
+
+
+def check_engine(name: str) -> None:
+    """Raises `BadInput` for an engine that has no adapter; whether it is installed is not asked."""
+    from bodycheck.adapters import registry
+
+    if name not in (known := registry.names()):
+        raise BadInput(f"there is no engine {name!r}; there are: {', '.join(known)}{did_you_mean(name, known)}")
 
 
 def files_of(cases: "list[Case]", names: tuple[str, ...]) -> dict[str, Path]:
@@ -67,6 +74,32 @@ def check_writable(option: str, path: Path | None) -> None:
     """Raises `BadInput` where an option names a file that cannot be there: better before a long run than after it."""
     if path is not None and (path.is_dir() or not path.parent.is_dir()):
         raise BadInput(f"{option} {path}: {'is a folder' if path.is_dir() else f'there is no folder {path.parent}'}")
+
+
+def check_has_folder(figures: tuple[str, ...], out: Path | None) -> None:
+    """Raises `BadInput` where plots are asked for and there is no folder to write them into."""
+    if figures and out is None:
+        raise BadInput(f"--figures {figures[0]}: needs --out, a folder to write into")
+
+
+def folder_for(folders: tuple[Path, ...], out: Path | None) -> Path:
+    """Where a report of the results in some folders goes. Raises `BadInput`."""
+    if not folders:
+        raise BadInput("report: give at least one folder of results")
+    if out is None and len(folders) > 1:
+        raise BadInput("report: give --out, a folder for what is made of several folders")
+    if out is not None and len(folders) > 1 and out.resolve() in {folder.resolve() for folder in folders}:
+        raise BadInput(f"--out {out}: is one of the folders to be compared, and keeps its own report")
+    return folders[0] if out is None else out
+
+
+def make_folder(option: str, path: Path | None) -> None:
+    """Make the folder that an option names, where it names one. Raises `BadInput` where it cannot be."""
+    try:
+        if path is not None:
+            path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BadInput(f"{option} {path}: no folder can be made there: {error}") from error
 
 
 def processes(jobs: int | None) -> int:

@@ -2,13 +2,11 @@
 
 import json
 import math
-import tomllib
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache, partial
-from hashlib import sha256
 from pathlib import Path
 from statistics import median
 from typing import Any, Literal, get_args
@@ -17,13 +15,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from bodycheck import campaign, judgement, pool, rounding
-from bodycheck.case import Case
 from bodycheck.contact import LOAD_COLUMNS
 from bodycheck.discrepancy import COLUMNS, FURTHER_COLUMNS
 from bodycheck.errors import BadInput
 from bodycheck.expectation import unit
 from bodycheck.judgement import Verdict
 from bodycheck.outcome import Completed, Run, Unsupported
+from bodycheck.physics import identity
 from bodycheck.plan import Task
 from bodycheck.reference.truth import Truth
 from bodycheck.store import Results
@@ -42,9 +40,6 @@ FASTEST, SLOWEST = "time_per_step_low", "time_per_step_high"
 """Of the runs that were made of a row (s)."""
 
 FIGURES = tuple(name for name in (*COLUMNS, *FURTHER_COLUMNS) if name != "truth_error")
-
-NOT_PHYSICS = {"format", "name", "title", "source", "tags", "extremes", "expect"}
-"""Tables and keys of a case file that do not change what happens in it."""
 
 NEARLY_SAME = 1.01
 
@@ -179,10 +174,9 @@ def save(
 
     progress is called with a word on each of these. Raises `BadInput` where the file cannot be written.
     """
-    measured = _measured(results, verdicts, jobs, progress)
-    rows = [row | measured.get(_row_key(row), {}) for row in judgement.records(verdicts)]
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    table = pa.table({name: [row.get(name) for row in rows] for name in names})
+    allowed = rows(results, verdicts, jobs, progress)
+    names = list(dict.fromkeys(name for row in allowed for name in row))
+    table = pa.table({name: [row.get(name) for row in allowed] for name in names})
     told = {
         "format": FORMAT,
         "header": {name: results.header[name] for name in HEADER},
@@ -207,13 +201,6 @@ def read(path: Path) -> Baseline:
         raise BadInput(f"{path}: no baseline that `bodycheck run --save` has written: {error}") from error
 
 
-def identity(case: Case) -> str:
-    """A fingerprint of what happens in a case: of its body, start and surroundings, not of its title or expectations."""
-    document = tomllib.loads(case.text)
-    physics = {name: value for name, value in document.items() if name not in NOT_PHYSICS}
-    return sha256(json.dumps(physics, sort_keys=True).encode()).hexdigest()
-
-
 def diff(base: Baseline, now: Baseline) -> Difference:
     """What has changed, beyond what rounding and the truths' own errors explain.
 
@@ -221,10 +208,10 @@ def diff(base: Baseline, now: Baseline) -> Difference:
     """
     if other := sorted(name for name, told in base.cases.items() if now.cases.get(name, told) != told):
         raise BadInput(f"the case itself has changed, save a new baseline: {', '.join(other)}")
-    changes = [change for key in {**base.rows, **now.rows} for change in _changes(key, base.rows.get(key), now.rows.get(key))]
-    changes.sort(key=lambda change: (DIRECTIONS.index(change.direction), -change.factor))
+    found = [change for key in {**base.rows, **now.rows} for change in changes(key, base.rows.get(key), now.rows.get(key))]
+    found.sort(key=lambda change: (DIRECTIONS.index(change.direction), -change.factor))
     same_machine = base.header["machine"] == now.header["machine"]
-    return Difference(tuple(changes), tuple(_paces(base, now)) if same_machine else (), tuple(_versions(base, now)))
+    return Difference(tuple(found), tuple(_paces(base, now)) if same_machine else (), tuple(_versions(base, now)))
 
 
 def as_json(found: Difference) -> dict[str, Any]:
@@ -233,6 +220,17 @@ def as_json(found: Difference) -> dict[str, Any]:
     paces = [{**asdict(pace), "text": pace.text} for pace in found.paces]
     versions = {name: {"base": base, "now": now} for name, base, now in found.versions}
     return {"worse": len(found.worse), "changes": changes, "times": paces, "versions": versions}
+
+
+def rows(
+    results: Results, verdicts: Sequence[Verdict], jobs: int, progress: Callable[[str], None] = lambda done: None
+) -> list[Row]:
+    """The rows of results with an allowance of every figure, and with the fastest and the slowest step.
+
+    Every completed run is made `rounding.NUDGES` times more for it. progress is called with a word on each of these.
+    """
+    measured = _measured(results, verdicts, jobs, progress)
+    return [row | measured.get(_row_key(row), {}) for row in judgement.records(verdicts)]
 
 
 def _measured(results: Results, verdicts: Sequence[Verdict], jobs: int, progress: Callable[[str], None]) -> dict[Key, Row]:
@@ -266,7 +264,8 @@ def _row_of(truth: Truth | Unsupported, run: Run, others: Sequence[Run]) -> Row:
     return allowed | ({FASTEST: min(times), SLOWEST: max(times)} if times else {})
 
 
-def _changes(key: Key, base: Row | None, now: Row | None) -> Iterator[Change]:
+def changes(key: Key, base: Row | None, now: Row | None) -> Iterator[Change]:
+    """What has changed in one run beyond both allowances, from its rows: its being there, its status, or its figures."""
     change = partial(Change, *key)
     if base is None or now is None:
         there = [None if row is None else str(row["status"]) for row in (base, now)]

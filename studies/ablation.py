@@ -29,8 +29,8 @@ COLUMNS = (
     *("case", "engine", "version", "integrator", "timestep", "model"),
     *("relative_cost", "relative_cost_low", "relative_cost_high"),
 )
-"""Of ablation.csv, followed by the errors, the changes against the smallest model with the time-step errors that they may be
-due to, and what became of the run."""
+"""Of ablation.csv, followed by the errors, the changes against the smallest model with the rounding and the time-step errors
+that they may be due to, what became of the run, and what the model adds to the one before it."""
 
 LEFT = 2.0
 """An error of first order is twice what it changes by when the step is halved; one of higher order is less."""
@@ -189,6 +189,8 @@ def records(rows: Sequence[ModelRow]) -> list[dict[str, Any]]:
         for quantity in ("position", "attitude"):
             change = row.changes.get(quantity)
             record[f"{quantity}_change"] = change.size if change else None
+            record[f"{quantity}_rounding"] = change.rounding if change else None
             record[f"{quantity}_time_step"] = change.time_step if change else None
-        found.append(record | {"time_per_step": row.time_per_step, "status": row.status, "reason": row.reason})
+        told = {"time_per_step": row.time_per_step, "status": row.status, "reason": row.reason, "adds": row.adds}
+        found.append(record | told)
     return found

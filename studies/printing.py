@@ -1,7 +1,7 @@
 """What the commands of the studies print."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from bodycheck.convergence import UNITS
 from bodycheck.studies.ablation_rows import Change, ModelRow
@@ -9,6 +9,9 @@ from bodycheck.studies.extreme_rows import Limit, Row
 from bodycheck.studies.orders import Order
 from bodycheck.studies.recommendation import Measured, Recommendation
 from bodycheck.terminal import print_table
+
+if TYPE_CHECKING:  # what measures releases is for their commands alone
+    from bodycheck.studies import bisection, release_rows
 
 
 def print_tradeoff(rows: Sequence[Mapping[str, Any]], orders: Sequence[Order]) -> None:
@@ -45,6 +48,40 @@ def print_ablation(rows: Sequence[ModelRow]) -> None:
     """A line a model."""
     header = ("case", "engine", "integrator", "step", "model", "us/step", "cost", "position change m", "attitude change rad")
     print_table((*header, "reason"), map(_model, rows))
+
+
+def print_releases(found: "release_rows.Found") -> None:
+    """A line a change, from release to release, then a line for each release that could not be measured."""
+    header = ("case", "integrator", "step", "from", "to", "quantity", "before", "after", "factor", "order", "scheme")
+    if found.changes:
+        print_table(header, map(_release_change, found.changes))
+    for version, reason in found.header["unmeasured"].items():
+        print(f"{version}: not measured: {reason}")
+    print(f"{len(found.changes)} changes in {len(found.rows)} runs of {len(found.header['versions'])} releases")
+
+
+def print_removed(engine: str, versions: Sequence[str]) -> None:
+    """The releases whose environments are gone."""
+    print(f"{engine}: removed {', '.join(versions)}" if versions else f"{engine}: there was no environment")
+
+
+def print_bisection(found: "bisection.Found", observer: "bisection.Observer") -> None:
+    """The two releases between which a figure broke its limit, and what it took to find them."""
+    limit = observer.limit
+    where = f"{observer.engine} {limit.integrator} on {limit.case.name} at {limit.timestep:g} s"
+    good, bad = observer.looks[found.last_good], observer.looks[found.first_bad]
+    print(f"{where}: {limit.quantity} is at most {limit.most:g} in {good.text}; not in {bad.text}")
+    if found.unknown:
+        print(f"between them, nothing can be told of {', '.join(found.unknown)}")
+    print(f"{len(found.probed)} releases looked at, environments made for it: {observer.made}")
+
+
+def _release_change(change: "release_rows.Change") -> tuple[str, ...]:
+    before, after = (value if isinstance(value, str) else f"{value:.4g}" for value in (change.before, change.after))
+    orders = " → ".join("?" if order is None else f"{order:.2f}" for order in (change.order_before, change.order_after))
+    schemes = " → ".join(dict.fromkeys(scheme or "?" for scheme in (change.scheme_before, change.scheme_after)))
+    where = (change.case, change.integrator, f"{change.timestep:g}", change.from_version, change.to_version, change.quantity)
+    return (*where, before, after, _figure(change.factor), orders.replace("? → ?", ""), "" if schemes == "?" else schemes)
 
 
 def _model(row: ModelRow) -> tuple[str, ...]:
