@@ -9,7 +9,7 @@ add up.
 
 import math
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from functools import cache
 from pathlib import Path
@@ -18,7 +18,7 @@ import numpy as np
 import pandas as pd
 
 from bodycheck.contact import measured_stop
-from bodycheck.judgement import Verdict
+from bodycheck.judgement import LABEL, Verdict
 from bodycheck.outcome import Completed, Run
 from bodycheck.reference.integration import OutOfReach
 from bodycheck.reference.scene import Scene
@@ -96,9 +96,14 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
     return found
 
 
-def write(attributions: Iterable[Attribution], folder: Path) -> None:
-    """attribution.csv in a folder."""
-    table(attributions).to_csv(folder / "attribution.csv", index=False)
+def write(attributions: Mapping[str, Iterable[Attribution]], folder: Path) -> None:
+    """attribution.csv in a folder, where there are any, by the label of their set of results; the only one has none."""
+    told = [(label, part) for label, own in attributions.items() for part in own]
+    frame = table(part for _, part in told)
+    if len(attributions) > 1:
+        frame.insert(0, LABEL, [label for label, _ in told])
+    if told:
+        frame.to_csv(folder / "attribution.csv", index=False)
 
 
 def table(attributions: Iterable[Attribution]) -> pd.DataFrame:

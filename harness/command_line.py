@@ -3,13 +3,19 @@
 import os
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, CycloptsError, Parameter
 
 from bodycheck import arguments
 from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, OK, BadInput
-from bodycheck.studies.commands import ablate, extremes, recommend, tradeoff
+from bodycheck.options import CaseName, Engines, Figures, Integrators, Jobs, Json, JUnit, Out, Timesteps
+from bodycheck.studies.commands import ablate, bisect, extremes, recommend, releases, tradeoff
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from bodycheck.result_set import ResultSet
 
 app = App(
     name="bodycheck",
@@ -20,57 +26,44 @@ app = App(
 )
 
 
-for study in (tradeoff, recommend, extremes, ablate):
+for study in (tradeoff, recommend, extremes, ablate, releases, bisect):
     app.command(study)
 
 
 @app.command
 def run(
-    *cases: str,
-    engine: tuple[str, ...] = (),
-    integrator: tuple[str, ...] = (),
-    timestep: tuple[float, ...] = (),
-    out: Path | None = None,
+    *cases: CaseName,
+    engine: Engines = (),
+    integrator: Integrators = (),
+    timestep: Timesteps = (),
+    out: Out = None,
+    figures: Figures = (),
     save: Path | None = None,
-    junit: Path | None = None,
-    jobs: int | None = None,
-    json: bool = False,
+    junit: JUnit = None,
+    jobs: Jobs = None,
+    json: Json = False,
 ) -> int:
     """Run cases through engines, compare them with mechanics and report.
 
+    Time steps are 2 ms by default, and what a case's expectations ask for. The tables are results.csv and results.parquet;
+    results.json has them too, and the findings.
     In a workflow of GitHub, broken expectations are annotated in the case files, and the report is the summary of the step.
 
     Parameters
     ----------
-    cases
-        Names of shipped cases, or paths of case files; all shipped cases if none is given.
-    engine
-        An engine to run; may be given several times. All that are installed by default.
-    integrator
-        An integrator to run; may be given several times. All of each engine by default.
-    timestep
-        A time step in s; may be given several times. By default 0.002, and what a case's expectations ask for.
-    out
-        The folder for results.csv, results.parquet, trajectories/, report.html and report.md.
     save
         A file (.parquet) for the results as a baseline, which `bodycheck diff` holds others against. Every run is made five
         times, to see what rounding does to it.
-    junit
-        A file (.xml) for the expectations as tests, as CI systems read them.
-    jobs
-        How many processes. By default as many as there are processors.
-    json
-        Print the results as JSON instead of a table.
     """
     import contextlib
     import tempfile
 
-    from bodycheck import attribution, baseline, campaign, judgement, reports, terminal
+    from bodycheck import baseline, campaign, judgement, reports, result_set, terminal
     from bodycheck.plan import plan
-    from bodycheck.reports import github
 
     for option, path in (("--save", save), ("--junit", junit)):
         arguments.check_writable(option, path)
+    arguments.check_has_folder(figures, out)
     loaded = arguments.load_cases(cases)
     adapters, missing = arguments.load_engines(engine)
     tasks = plan(loaded, adapters, integrator, timestep)
@@ -81,18 +74,10 @@ def run(
         with terminal.progress("running", campaign.size(tasks)) as progress:
             done = campaign.results(tasks, folder, head, arguments.processes(jobs), progress=progress)
             results = stack.enter_context(done)
-        verdicts = judgement.judge(results)
-        if out is not None:
-            judgement.write(verdicts, folder)
-            if parts := attribution.attribute(results, verdicts):
-                attribution.write(parts, folder)
-            reports.write(results, verdicts, folder, parts)
-        if junit is not None:
-            reports.write_junit(results, verdicts, junit)
-        if github.is_running(os.environ):
-            for line in github.annotations(verdicts, results.cases, arguments.files_of(loaded, cases), os.environ):
-                print(line, file=sys.stderr)
-            github.add_summary(os.environ, reports.as_markdown(results, verdicts))
+        found = result_set.judged(results)
+        verdicts = found.verdicts
+        _write([found], out, figures, junit)
+        reports.tell_github(found, arguments.files_of(loaded, cases), os.environ)
         if save is not None:
             with terminal.progress("nudging", baseline.size(verdicts)) as progress:
                 baseline.save(save, results, verdicts, arguments.processes(jobs), progress)
@@ -100,13 +85,83 @@ def run(
         terminal.print_json(judgement.records(verdicts))
     else:
         terminal.print_results(verdicts)
-    if out is not None:
-        print(f"report: {folder / 'report.html'}", file=sys.stderr)
     return FAILED if any(verdict.passed is False for verdict in verdicts) else OK
 
 
 @app.command
-def diff(base: Path, now: Path, /, *, json: bool = False) -> int:
+def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit: JUnit = None) -> int:
+    """Make reports again from saved results, without simulating anything: of runs or of a study, as `--out` has written them.
+
+    Several folders of runs become one report, which says first what differs between them: those of two releases of an engine,
+    of two machines, or before and after a change of a case; so do several of `bodycheck releases`. What is interrupted is
+    reported as far as it went, with exit code 2.
+
+    Parameters
+    ----------
+    folders
+        Folders of results; what is in each is found from its files.
+    out
+        The folder for the report and its tables. By default that of the results, where one is given.
+    """
+    from bodycheck import reports, result_set
+    from bodycheck.reports import saved
+    from bodycheck.reports.study import StudyReport
+    from bodycheck.studies import release_rows
+
+    arguments.check_writable("--junit", junit)
+    into = arguments.folder_for(folders, out)
+    if all((folder / release_rows.RECORDS).is_file() for folder in folders):
+        return _report_releases(folders, into, figures, junit)
+    found = [saved.read(folder) for folder in folders]
+    arguments.make_folder("--out", into)
+    if isinstance(found[0], StudyReport) and len(found) == 1:
+        if junit is not None:
+            raise BadInput(f"--junit {junit}: {folders[0]} holds a study, of which nothing is expected")
+        reports.write_study(found[0], into, figures)
+        print(f"report: {into / 'report.html'}", file=sys.stderr)
+        return OK
+    sets = []
+    for folder, label, one in zip(folders, result_set.labels(folders), found, strict=True):
+        if isinstance(one, StudyReport):
+            raise BadInput(f"{folder}: holds a study; several folders are compared in one report where all are of runs")
+        with saved.undamaged(folder):
+            sets.append(result_set.judged(one, label))
+    _write(sets, into, figures, junit)
+    if interrupted := [str(one.results.folder) for one in sets if not one.results.complete]:
+        print(f"bodycheck: interrupted, and reported as far as it went: {', '.join(interrupted)}", file=sys.stderr)
+        return BAD_INPUT
+    return FAILED if any(verdict.passed is False for one in sets for verdict in one.verdicts) else OK
+
+
+def _report_releases(folders: tuple[Path, ...], into: Path, figures: Figures, junit: Path | None) -> int:
+    """One report of studies of releases, made on several machines for one."""
+    from bodycheck import reports
+    from bodycheck.reports.releases import present
+    from bodycheck.studies import release_rows
+
+    if junit is not None:
+        raise BadInput(f"--junit {junit}: {folders[0]} holds a study, of which nothing is expected")
+    found = [release_rows.read(folder) for folder in folders]
+    arguments.make_folder("--out", into)
+    reports.write_study(present(dict(zip(release_rows.labels(found), found, strict=True))), into, figures)
+    print(f"report: {into / 'report.html'}", file=sys.stderr)
+    return OK
+
+
+def _write(sets: "Sequence[ResultSet]", out: Path | None, figures: Figures, junit: Path | None) -> None:
+    """What is asked for of results."""
+    from bodycheck import reports, result_set
+
+    if out is not None:
+        result_set.write(sets, out)
+        reports.write(sets, out, figures)
+        print(f"report: {out / 'report.html'}", file=sys.stderr)
+    if junit is not None:
+        reports.write_junit(sets, junit)
+
+
+@app.command
+def diff(base: Path, now: Path, /, *, json: Json = False) -> int:
     """Say what has changed between two baselines, beyond what rounding and the truth's own error explain; else say nothing.
 
     Exit codes: 0 nothing got worse; 1 a figure or a status got worse, or a run is gone; 2 no baselines of the same cases.
@@ -118,8 +173,6 @@ def diff(base: Path, now: Path, /, *, json: bool = False) -> int:
         What `bodycheck run --save` wrote before.
     now
         What it wrote later, elsewhere, or with other versions.
-    json
-        Print as JSON.
     """
     from bodycheck import baseline, terminal
     from bodycheck.reports import github
@@ -141,7 +194,7 @@ def truth(
     *,
     at: Annotated[tuple[float, ...], Parameter(consume_multiple=True)] = (),
     certify: bool = False,
-    json: bool = False,
+    json: Json = False,
 ) -> int:
     """Print the reference trajectory of a case and the bound of its error.
 
@@ -153,8 +206,6 @@ def truth(
         Instants in s, in any order; the case's own by default.
     certify
         Also run every other way to the truth, 128-bit arithmetic among them, and print how far they are apart.
-    json
-        Print one JSON object with all instants.
     """
     from bodycheck import terminal, truths
     from bodycheck.reference.integration import OutOfReach
@@ -183,15 +234,13 @@ def truth(
 
 
 @app.command
-def cases(*, requires: bool = False, json: bool = False) -> int:
+def cases(*, requires: bool = False, json: Json = False) -> int:
     """List the cases that come with bodycheck.
 
     Parameters
     ----------
     requires
         Show what each scene requires of a model.
-    json
-        Print as JSON.
     """
     from dataclasses import asdict
 
@@ -217,7 +266,7 @@ def cases(*, requires: bool = False, json: bool = False) -> int:
 def engines(
     *,
     check: bool = False,
-    json: bool = False,
+    json: Json = False,
 ) -> int:
     """List the engines, their versions and integrators.
 
@@ -225,8 +274,6 @@ def engines(
     ----------
     check
         Also run each adapter through scenes with one obvious answer; exit 1 if one is wrong.
-    json
-        Print as JSON.
     """
     from bodycheck import smoke, terminal
 
@@ -281,11 +328,18 @@ def new(name: str, /) -> int:
 
 
 @app.command
-def schema() -> int:
-    """Print the JSON Schema of case files, by which editors complete and check them."""
-    from bodycheck import authoring
+def schema(of: Literal["cases", "results"] = "cases", /) -> int:
+    """Print the JSON Schema of case files, by which editors complete and check them, or that of results.json.
 
-    print(authoring.schema(), end="")
+    Parameters
+    ----------
+    of
+        What the schema is of, case files by default.
+    """
+    from bodycheck import authoring
+    from bodycheck.reports import results_json
+
+    print(authoring.schema() if of == "cases" else results_json.schema(), end="")
     return OK
 
 
@@ -293,12 +347,14 @@ def schema() -> int:
 def expect(
     *files: str,
     margin: float = 3.0,
-    engine: tuple[str, ...] = (),
-    integrator: tuple[str, ...] = (),
-    timestep: tuple[float, ...] = (),
-    jobs: int | None = None,
+    engine: Engines = (),
+    integrator: Integrators = (),
+    timestep: Timesteps = (),
+    jobs: Jobs = None,
 ) -> int:
     """Measure what methods give, and write it into case files as what is expected of them from now on.
+
+    Time steps are 2 ms by default, and those of the expectations that are there.
 
     Parameters
     ----------
@@ -306,14 +362,6 @@ def expect(
         Paths of case files.
     margin
         How many times what was measured is allowed, 3 by default; the limit is rounded down to two digits.
-    engine
-        An engine to measure; may be given several times. All that are installed by default.
-    integrator
-        An integrator to measure; may be given several times. All of each engine by default.
-    timestep
-        A time step in s; may be given several times. By default 0.002, and those of the expectations that are there.
-    jobs
-        How many processes. By default as many as there are processors.
     """
     import contextlib
     import tempfile

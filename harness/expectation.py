@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from datetime import date
 
-from bodycheck.units import UNITS
+from bodycheck.columns import UNITS
 
 ORDER = "order"
 """Of the attitude error in the time step: expected like a figure of the results, from a step, its half and its quarter."""

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from bodycheck.case import Case, parse, shipped
+from bodycheck.columns import UNITS
 from bodycheck.discrepancy import CONSERVED, sizes
 from bodycheck.errors import BadInput
 from bodycheck.grammar import LIMITS
@@ -27,7 +28,6 @@ from bodycheck.reference.truth import Truth
 from bodycheck.simulation import DEFAULT_TIMESTEP
 from bodycheck.store import Results
 from bodycheck.toml_positions import entries
-from bodycheck.units import UNITS
 
 ROUNDING = 1e-12
 """A figure below this part of what it is the difference of is nothing but rounding, as one below the truth's own bound is."""

@@ -85,6 +85,8 @@ def read(path: Path) -> Contents:
     except (OSError, ValueError, RecursionError) as error:
         raise BadJournal(f"{path}: no journal: {error}") from error
     complete = bool(records) and records[-1].get("record") == "footer"
+    if complete and (ended := records[-1].get("records")) != len(records) - 1:
+        raise BadJournal(f"{path}: no whole journal: {len(records) - 1} records, {ended} when it was ended")
     return Contents(header, tuple(records[:-1] if complete else records), complete)
 
 

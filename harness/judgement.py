@@ -28,6 +28,9 @@ COLUMNS = (
 )
 """Of every table of results. Those of `FURTHER_COLUMNS` that any run has follow."""
 
+LABEL = "set"
+"""The column before these where results of several sets are in one table."""
+
 
 @dataclass(frozen=True)
 class Breach:
@@ -60,6 +63,7 @@ class Verdict:
 
     reason: why it is not ok, which expectation does not hold, or what is to be said of a discrepancy that is known.
     known: whether one was. judged: what was expected of it, in the order of the case.
+    label: of the results that the run is from, where several are looked at together.
     """
 
     run: Run
@@ -69,11 +73,13 @@ class Verdict:
     reason: str
     known: bool = False
     judged: tuple[Judged, ...] = ()
+    label: str = ""
 
     def row(self) -> dict[str, Any]:
         """The run's row of results, with the columns `COLUMNS`; what a run that is not ok lacks is absent."""
         method = self.run.method
         row: dict[str, Any] = {
+            **({LABEL: self.label} if self.label else {}),
             "case": self.run.case,
             "engine": self.run.engine,
             "version": self.run.version,
@@ -129,7 +135,8 @@ def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     """The rows of results with all of `COLUMNS`, in their order; None where a run has no figure."""
     rows = [verdict.row() for verdict in verdicts]
     more = [name for name in FURTHER_COLUMNS if any(name in row for row in rows)]
-    return [dict.fromkeys((*COLUMNS, *more)) | row for row in rows]
+    labels = (LABEL,) if any(LABEL in row for row in rows) else ()
+    return [dict.fromkeys((*labels, *COLUMNS, *more)) | row for row in rows]
 
 
 def table(verdicts: Iterable[Verdict]) -> pd.DataFrame:

@@ -41,28 +41,6 @@ OWN_MARKERS = pytest.StashKey[set[str]]()
 TAKEN_MARKERS = pytest.StashKey[set[str]]()
 PERFORM = pytest.StashKey["Perform"]()
 
-MEANINGS = {
-    "status": "how the run ended",
-    "position_error": "largest distance of the centre of mass from where mechanics has it",
-    "velocity_error": "largest difference of the velocity from that of mechanics",
-    "attitude_error": "largest angle between the body's attitude and that of mechanics",
-    "angular_velocity_error": "largest difference of the angular velocity from that of mechanics",
-    "energy_drift": "largest change of the energy, which mechanics keeps; relative",
-    "rotational_energy_drift": "largest change of the energy of rotation, which mechanics keeps; relative",
-    "angular_momentum_drift": "largest change of the angular momentum, which mechanics keeps; relative",
-    "energy_error": "largest difference of the energy from that of mechanics, relative",
-    "rotational_energy_error": "largest difference of the energy of rotation from that of mechanics, relative",
-    "angular_momentum_error": "largest difference of the angular momentum from that of mechanics, relative",
-    "stop_time_error": "how far the time at which the body comes to rest is from that of mechanics",
-    "stop_position_error": "how far the place at which the body comes to rest is from that of mechanics",
-    "stop_yaw_error": "how far the angle at which the body comes to rest is from that of mechanics",
-    "creep": "mean speed after the stop, where mechanics has the body at rest",
-    "penetration": "how far the body goes into the plane",
-    "tilt": "how far the body tilts off the plane",
-    "order": "power of the time step with which the attitude error falls, seen at this step, its half and its quarter",
-}
-"""What is measured, for readers of a failure who know nothing of bodycheck."""
-
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.getgroup("bodycheck").addoption(
@@ -206,9 +184,11 @@ class Broken(Exception):
 
 
 def _told(judged: "Judged", place: str) -> Iterator[str]:
+    from bodycheck.columns import EXPECTED
+
     expectation = judged.expectation
     for breach in judged.breaches:
-        yield f"{place}: {breach.name}, {MEANINGS[breach.name]}"
+        yield f"{place}: {breach.name}, {EXPECTED[breach.name].told}"
         yield f"    expected  {breach.expected}"
         yield f"    measured  {breach.measured}"
         yield from (f"              {note}" for note in breach.notes)

@@ -10,12 +10,13 @@ A figure that is the difference of two numbers of size S is allowed `MARGIN` (sp
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from bodycheck.case import Case
+from bodycheck.columns import UNITS
 from bodycheck.discrepancy import compare, sizes
 from bodycheck.judgement import truth_bounds
 from bodycheck.observables import observe
@@ -24,7 +25,6 @@ from bodycheck.reference.kinematics import multiply, normalise
 from bodycheck.reference.scene import State, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
-from bodycheck.units import UNITS
 
 NUDGES = 4
 """Runs from nudged initial states."""
@@ -68,16 +68,25 @@ def allowances(truth: Truth, run: Run, others: Sequence[Run]) -> dict[str, float
 
     others: the runs from nudged initial states, of which figures that are not there are infinitely far away.
     """
+    moved = [compare(truth, other).maxima() if isinstance(other.outcome, Completed) else {} for other in others]
+    figures = compare(truth, run).maxima()
+    found = {}
+    for name, least in unamplified(truth, run, figures).items():
+        spread = max((abs(other.get(name, math.inf) - figures[name]) for other in moved), default=math.inf)
+        found[name] = MARGIN * spread + least
+    return found
+
+
+def unamplified(truth: Truth, run: Run, names: Iterable[str]) -> dict[str, float]:
+    """The least that is allowed figures of a completed run, by column: what it is where the motion amplifies no rounding."""
     assert isinstance(run.outcome, Completed)
     trajectory = run.outcome.trajectory
-    moved = [compare(truth, other).maxima() if isinstance(other.outcome, Completed) else {} for other in others]
     all_one_way = run.outcome.steps * _unit_of_rounding(trajectory)
     bounds, numbers = truth_bounds(truth), _sizes(truth, trajectory)
     found = {}
-    for name, figure in compare(truth, run).maxima().items():
-        spread = max((abs(other.get(name, math.inf) - figure) for other in moved), default=math.inf)
+    for name in names:
         bound = float(bounds[name].max()) if name in bounds else 0.0
-        found[name] = MARGIN * (spread + all_one_way * numbers.get(name, numbers[UNITS.get(name, "")])) + bound
+        found[name] = MARGIN * all_one_way * numbers.get(name, numbers[UNITS.get(name, "")]) + bound
     return found
 
 

@@ -138,13 +138,15 @@ class Results:
             if record["record"] == "truth" and record["case"] == case and record["timestep"] == timestep:
                 if "reason" in record:
                     return Unsupported(record["reason"])
-                table = pq.read_table(self.folder / _trajectory_path(case, TRUTH, Method("", timestep)))
-                errors = table["truth_error"].to_numpy(), table["truth_position_error"].to_numpy()
+                bounds = ("truth_error", "truth_position_error")
+                table = _read_columns(self.folder / _trajectory_path(case, TRUTH, Method("", timestep)), bounds)
+                error, position_error = (table[bound].to_numpy() for bound in bounds)
                 stop = record.get("stop")
                 return Truth(
                     self.cases[case].scene,
                     _trajectory(table),
-                    *errors,
+                    error,
+                    position_error,
                     model=record["model"],
                     reason=record["why"],
                     backend=record["backend"],
@@ -159,7 +161,7 @@ class Results:
         run = Run(record["case"], record["engine"], record["version"], method, Unsupported(""), Plane(**law) if law else None)
         match record["status"]:
             case Completed.status:
-                table = pq.read_table(self.folder / _trajectory_path(run.case, run.engine, method))
+                table = _read_columns(self.folder / _trajectory_path(run.case, run.engine, method))
                 load = Load(**record["load"]) if record["load"] else None
                 return replace(run, outcome=Completed(_trajectory(table), record["steps"], record["wall_time"], load))
             case TimedOut.status:
@@ -204,6 +206,14 @@ def _trajectory_path(case: str, engine: str, method: Method) -> Path:
     # The name of a method may come from a stranger's case file: quoted, it cannot lead out of the folder.
     name = quote("-".join(filter(None, (engine, method.integrator, f"{method.timestep!r}s"))), safe=" =,")
     return Path(TRAJECTORIES, case, f"{name}.parquet")
+
+
+def _read_columns(path: Path, more: tuple[str, ...] = ()) -> pa.Table:
+    """The file of a trajectory. more: columns beside the states. Raises `BadFolder` where it is lost or damaged."""
+    try:
+        return pq.read_table(path, columns=["t", *STATE_COLUMNS, *more])
+    except (OSError, pa.ArrowException) as error:
+        raise BadFolder(f"{path}: a trajectory that the results tell of cannot be read: {error}") from error
 
 
 def _trajectory(table: pa.Table) -> Trajectory:
