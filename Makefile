@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 RESULTS ?= results
 
-.PHONY: run test lint types tests slow benchmarks clean
+.PHONY: run test lint types tests slow benchmarks screenshots clean
 
 run: $(VENV)/.installed
 	$(BIN)/bodycheck run --out $(RESULTS)
@@ -29,6 +29,9 @@ slow: $(VENV)/.installed-for-development
 
 benchmarks: $(VENV)/.installed-for-development
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
+
+screenshots: $(VENV)/.installed-for-development run
+	$(BIN)/python docs/screenshots.py $(RESULTS)/report.html --out $(RESULTS)/screenshots
 
 $(VENV)/.installed: pyproject.toml constraints.txt
 	$(PYTHON) -c 'import sys; sys.exit("bodycheck needs Python 3.11 or newer, this is " + sys.version) if sys.version_info < (3, 11) else None'

@@ -131,7 +131,7 @@ def required(needs: Requirements) -> str:
 
 def chart(rows: Sequence[ModelRow]) -> Chart:
     """Bars of the relative costs."""
-    (line,) = assign([(rows[0].engine, rows[0].integrator, 0.0)]).values()
+    (line,) = assign([(rows[0].engine, rows[0].integrator, 0.0, "")]).values()
     drawn = [row for row in rows if row.relative_cost is not None]
     alt = "; ".join(f"{row.model} {number(row.relative_cost, 3)}" for row in drawn)
     return Chart(

@@ -1,9 +1,10 @@
 """Charts as Vega-Lite specifications: plain dictionaries. Those of runs name their datasets and hold no data.
 
-A chart of errors over time reads the datasets `series`, a row a method with `method`, `timestep` and an array a quantity;
-`times`, a row a time step with the array `t`; `floor`, a row with the arrays `t` and `truth_error`. The charts of the
-angular momentum read `momentum`, a row with the arrays `t`, `I`, `J`, `K` and `x`, `y`, `z`. With `datasets` set to these, a
-specification is complete. The parameter `hidden` holds the names of methods that are switched off.
+A chart of errors over time reads the datasets `series`, a row a method with `method`, `timestep`, an array a quantity, and
+`every`, which says that the pointer finds one point of so many; `times`, a row a time step with the array `t`; `floor`, a row
+with the arrays `t` and `truth_error`. The charts of the angular momentum read `momentum`, a row with the arrays `t`, `I`, `J`,
+`K` and `x`, `y`, `z`. With `datasets` set to these, a specification is complete. The parameter `hidden` holds the names of
+methods that are switched off.
 
 Text and rules have the colour of the text around the chart, so that one specification suits light, dark and paper.
 """
@@ -56,7 +57,8 @@ def over_time(quantity: Quantity, lines: Sequence[Line]) -> Spec:
                     "strokeWidth": method_scale("strokeWidth", lines),
                 },
             },
-            _points(_tooltip("method", quantity.title, quantity.unit)),
+            {"transform": [{"window": [{"op": "row_number", "as": "row"}]}, {"filter": "datum.row % datum.every == 0"}]}
+            | _points(_tooltip("method", quantity.title, quantity.unit)),
         ],
     }
     layers: list[Spec] = [methods]

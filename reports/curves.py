@@ -16,7 +16,13 @@ from bodycheck.reports.series import corners, ends, envelope, rounded
 MOST_CORNERS = 800
 """Instants of the curves of the angular momentum."""
 
+MOST_FOUND = 600
+"""Points of one chart, about, that the pointer finds: each is an element of the page, and takes time to draw."""
+
 INSTANT_DIGITS = 7
+
+SMALLEST = 1e-20
+"""What is less, far below the rounding of any scene, is drawn as zero, lest it stretch a log scale."""
 
 
 @dataclass(frozen=True)
@@ -47,12 +53,14 @@ def draw(verdicts: Mapping[str, Verdict], truths: Mapping[float, Truth], points:
     for timestep, truth in truths.items():
         t = truth.trajectory.t
         datasets["times"].append({"timestep": timestep, "t": rounded(t[ends(len(t), points)], INSTANT_DIGITS)})
+    every = max(1, points * len(verdicts) // MOST_FOUND)
     for label, verdict in verdicts.items():
-        row: dict[str, Any] = {"method": label, "timestep": verdict.run.method.timestep}
+        row: dict[str, Any] = {"method": label, "timestep": verdict.run.method.timestep, "every": every}
         for name in PLOTTED:
             if verdict.discrepancy is not None and (values := verdict.discrepancy.series.get(name)) is not None:
-                row[name] = rounded(envelope(values, points))
-                peaks.setdefault(name, {})[label] = float(values.max())
+                told = np.where(values < SMALLEST, 0.0, values)
+                row[name] = rounded(envelope(told, points))
+                peaks.setdefault(name, {})[label] = float(told.max())
         datasets["series"].append(row)
     momentum = ""
     if truths:

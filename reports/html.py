@@ -12,7 +12,7 @@ import vl_convert
 from markupsafe import Markup, escape
 
 from bodycheck.reports import charts
-from bodycheck.reports.contents import Contents
+from bodycheck.reports.contents import Contents, Section
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.study import StudyReport
@@ -31,8 +31,9 @@ def render(contents: Contents) -> str:
         contents.notices,
         specifications(contents),
         contents=contents,
-        engines=_spans(contents.lines),
+        legends={section.name: _legend(section, contents.lines) for section in contents.sections},
         datasets={section.name: _json(section.curves.datasets) for section in contents.sections},
+        played={section.name: _json(section.playback.data) for section in contents.sections if section.playback},
     )
 
 
@@ -47,9 +48,15 @@ def render_study(report: StudyReport) -> str:
 
 
 def specifications(contents: Contents) -> dict[str, charts.Spec]:
-    """The charts of a report by name: each is stored once and drawn with every case's datasets."""
+    """The charts of a report by name: each is stored once, and most are drawn with every case's datasets."""
     errors = {quantity.name: charts.without_legend(charts.over_time(quantity, contents.lines)) for quantity in contents.plotted}
-    return errors | {f"momentum_{frame}": charts.momentum(frame) for frame in charts.FRAMES}
+    origins = {
+        f"{section.name}-origins-{place}": chart.specification
+        for section in contents.sections
+        if section.origins is not None
+        for place, chart in enumerate(section.origins.charts, start=1)
+    }
+    return errors | {f"momentum_{frame}": charts.momentum(frame) for frame in charts.FRAMES} | origins
 
 
 def _page(
@@ -64,14 +71,17 @@ def _page(
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters |= {"milliseconds": milliseconds, "unbroken": _unbroken, "dashes": _dashes}
+    environment.filters |= {"milliseconds": milliseconds, "unbroken": _unbroken, "dashes": _dashes, "breakable": _breakable}
     environment.globals |= {"count": count, "zooming": charts.ZOOMING}
     return environment.get_template(template).render(
         header=header,
         notices=notices,
         specifications=_json(specifications),
         style=_verbatim((templates / "report.css").read_text("utf-8"), "style"),
+        player_style=_verbatim((templates / "player.css").read_text("utf-8"), "style"),
+        player=_verbatim((templates / "player.js").read_text("utf-8"), "script"),
         library=_verbatim(_library(), "script"),
+        sorting=_verbatim((templates / "tables.js").read_text("utf-8"), "script"),
         script=_verbatim((templates / "report.js").read_text("utf-8"), "script"),
         **values,
     )
@@ -83,15 +93,20 @@ def _library() -> str:
     return str(vl_convert.javascript_bundle("window.vegaEmbed = vegaEmbed;"))
 
 
-def _spans(lines: tuple[Line, ...]) -> tuple[tuple[str, int], ...]:
-    """Engines with the numbers of their methods, as the head of the matrix spans them."""
-    engines = [line.engine for line in lines]
-    return tuple((engine, engines.count(engine)) for engine in dict.fromkeys(engines))
+def _legend(section: Section, lines: Sequence[Line]) -> str:
+    """The places, among all lines, of the methods that the charts of a case draw."""
+    drawn = {row["method"] for row in section.curves.datasets["series"]}
+    return " ".join(str(place) for place, line in enumerate(lines) if line.label in drawn)
 
 
 def _unbroken(text: str) -> Markup:
     """Text whose numbers stay on one line with their units: 2.1e-9 rad must not break after the sign."""
     return Markup(MEASURE.sub(r'<span class="keep">\g<0></span>', str(escape(text))))
+
+
+def _breakable(name: str) -> Markup:
+    """The name of an integrator, which a narrow column may break after its marks: rk4-naive, Euler:cone=elliptic."""
+    return Markup(re.sub(r"[-:,=]", r"\g<0><wbr>", str(escape(name))))
 
 
 def _dashes(line: Line) -> str:

@@ -28,7 +28,7 @@ def render(verdicts: Iterable[Verdict], header: Mapping[str, Any]) -> str:
     versions = {"bodycheck": header["bodycheck"], **header["engines"]}
     _properties(suite, {f"version of {name}": version for name, version in versions.items()})
     for verdict, row in zip(asked, rows, strict=True):
-        method = f"{row['engine']} {row['integrator']} {row['timestep']!r} s"
+        method = f"{row['engine']} {row['integrator']} {row['timestep']!r} s" + (f" ({verdict.label})" if verdict.label else "")
         test = _sub(suite, "testcase", classname=row["case"], name=method, time=_seconds([row]))
         _properties(test, {name: value for name, value in row.items() if name not in NOT_PROPERTIES})
         if not verdict.passed:

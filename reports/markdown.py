@@ -5,6 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from bodycheck.reports.contents import Contents, Failure, Section
+from bodycheck.reports.matrix import Cell, Matrix
 from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.study import StudyReport
 from bodycheck.reports.summary import Finding
@@ -20,6 +21,8 @@ LONGEST_SENTENCE = 1200
 """Characters of one that the report makes of such strings."""
 
 MOST_FAILURES = 30
+
+MATRICES = "## Cases and methods\n\n✗: failed. ≤: within the truth's own error, which is the figure given."
 
 INVISIBLE = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff]+")
 """Controls, line ends and marks of direction: they break tables, or reorder what stands beside them."""
@@ -67,8 +70,10 @@ def _parts(contents: Contents) -> Iterator[str]:
         yield _failures(contents.failures)
     if contents.findings:
         yield _findings(contents.findings)
-    if contents.lines:
-        yield _matrix(contents)
+    if contents.matrices:
+        yield MATRICES
+    for matrix in contents.matrices:
+        yield _matrix(matrix)
     for section in contents.sections:
         yield _section(section)
 
@@ -105,23 +110,31 @@ def _failures(failures: Sequence[Failure]) -> str:
     return f"## What failed\n\n{table}" + (f"\n\n*And {count(more, 'run')} more.*" if more else "")
 
 
-def _matrix(contents: Contents) -> str:
-    steps = f", time step {milliseconds(contents.timesteps[0])}" if len(contents.timesteps) == 1 else ""
-    rows = [
-        (name, *("" if cell is None else f"{'✗ ' if cell.failed else ''}{cell.text}" for cell in cells))
-        for name, cells in contents.matrix
-    ]
-    note = "≤: within the truth's own error, which is the figure given."
-    size = f"{count(len(rows), 'case')}, {count(len(contents.lines), 'method')}{steps}"
-    table = _table(("Case", *(line.label for line in contents.lines)), rows, numeric_from=1)
-    return f"## Largest attitude error, rad\n\n{size}. {note}\n\n{table}"
+def _matrix(matrix: Matrix) -> str:
+    title = f"{matrix.kind.title}: largest {matrix.quantity.title.lower()}, {matrix.quantity.unit}"
+    steps = f"time step {milliseconds(matrix.timestep)}" + (" but where another is given" if matrix.several_steps else "")
+    size = f"{count(len(matrix.rows), 'case')}, {count(matrix.methods, 'method')}, {steps}."
+    rows = [(row.case, *(_cell(cell, matrix.timestep) for cell in row.cells)) for row in matrix.rows]
+    head = ("Case", *(f"{column.engine} {column.integrator} {column.results}".rstrip() for column in matrix.columns))
+    return f"### {title}\n\n{size}\n\n{_table(head, rows, numeric_from=1)}"
+
+
+def _cell(cell: Cell | None, common: float) -> str:
+    if cell is None:
+        return ""
+    return ", ".join(
+        ("✗ " if figure.failed else "")
+        + figure.text
+        + ("" if figure.timestep == common else f" ({milliseconds(figure.timestep)})")
+        for figure in cell.figures
+    )
 
 
 def _section(section: Section) -> str:
     facts = [f"- {fact.term}: {escape(fact.text)}" for fact in section.facts]
     source = [f"- Source: {escape(section.source)}"] if section.source else []
     body = "No run of this case finished." if section.table is None else _filled(section.table)
-    origins = () if section.origins is None else ("Where it comes from:", _filled(section.origins))
+    origins = () if section.origins is None else ("Where it comes from:", _filled(section.origins.table))
     return _folded(f"<b>{section.name}</b>: {escape(section.title)}", "\n".join(source + facts), body, *origins)
 
 

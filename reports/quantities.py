@@ -5,6 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 
+from bodycheck.columns import COLUMNS
+from bodycheck.discrepancy import COLUMNS as DISCREPANCIES
+from bodycheck.discrepancy import FURTHER_COLUMNS
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -26,33 +30,9 @@ class Quantity:
 
 
 QUANTITIES = {
-    quantity.name: quantity
-    for quantity in (
-        Quantity("position_error", "Position error", "m", "Distance of the centre of mass from the truth's."),
-        Quantity("velocity_error", "Velocity error", "m/s", "Distance of its velocity from the truth's."),
-        Quantity("attitude_error", "Attitude error", "rad", "Angle of the one rotation that takes the truth's attitude to it."),
-        Quantity("angular_velocity_error", "Angular velocity error", "rad/s", "Distance of the body's rates from the truth's."),
-        Quantity("energy_drift", "Energy drift", "", "Change of the total energy, relative to the size it begins with."),
-        Quantity("rotational_energy_drift", "Rotational energy drift", "", "The same of the energy of rotation alone."),
-        Quantity(
-            "angular_momentum_drift",
-            "Angular momentum drift",
-            "",
-            "Change of the angular momentum about the centre of mass in the inertial frame, a vector, relative likewise.",
-        ),
-        Quantity("energy_error", "Energy error", "", "Distance of the total energy from the truth's, relative."),
-        Quantity("rotational_energy_error", "Rotational energy error", "", "The same of the energy of rotation alone."),
-        Quantity("angular_momentum_error", "Angular momentum error", "", "Distance of the vector from the truth's, relative."),
-        Quantity("stop_time_error", "Stop time error", "s", "By how much it comes to rest too early or too late."),
-        Quantity("stop_position_error", "Stop position error", "m", "Distance of where it comes to rest from where it should."),
-        Quantity("stop_yaw_error", "Stop yaw error", "rad", "By how much it has turned too far or too little until then."),
-        Quantity("creep", "Creep", "m/s", "Mean speed along the plane after the stop."),
-        Quantity("penetration", "Penetration", "m", "Depth of the lowest point of the body in the plane."),
-        Quantity("tilt", "Tilt", "rad", "Angle between K and the vertical."),
-        Quantity("mean_load", "Mean load", "weights", "What the plane bears on the average until the stop."),
-        Quantity("peak_load", "Peak load", "weights", "The most that it bears in a step."),
-        Quantity("time_in_contact", "In contact", "of the steps", "Part of the steps in which it bears anything."),
-    )
+    name: Quantity(name, column.title, column.unit or column.counts, f"{column.meaning[0].upper()}{column.meaning[1:]}.")
+    for name, column in COLUMNS.items()
+    if name in (*DISCREPANCIES, *FURTHER_COLUMNS) and name != "truth_error"
 }
 
 TABLED = tuple(name for name in QUANTITIES if name != "angular_velocity_error")

@@ -1,7 +1,7 @@
 """What a person must know first: how the runs ended, and the findings that matter, as sentences made of measurements."""
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from statistics import median
@@ -12,6 +12,7 @@ from bodycheck.judgement import Verdict
 from bodycheck.outcome import Completed, Unsupported
 from bodycheck.reports.lines import Key, Line
 from bodycheck.reports.quantities import bound, count, listing, number
+from bodycheck.result_set import ResultSet
 from bodycheck.store import Results
 
 TIE = 1e-3
@@ -22,6 +23,9 @@ ALIKE = 1e-3
 
 TELLING = 100.0
 """Only attitude errors this many times above the truth's own are compared between engines."""
+
+TELLING_ATTITUDE = 1e-9
+"""And only those (rad) that are far above what the rounding of thousands of steps makes."""
 
 TELLING_POSITION = 1e-6
 """Likewise position errors (m): far above rounding in any scene of human size."""
@@ -91,13 +95,14 @@ def measured(verdicts: Sequence[Verdict], lines: Mapping[Key, Line]) -> list[Mea
 def key_of(verdict: Verdict) -> Key:
     """The method of a run."""
     run = verdict.run
-    return run.engine, run.method.integrator, run.method.timestep
+    return run.engine, run.method.integrator, run.method.timestep, verdict.label
 
 
 def headline(results: Results, verdicts: Sequence[Verdict]) -> str:
     """The verdict in one line."""
     runs, failed = len(verdicts), sum(verdict.passed is False for verdict in verdicts)
-    held = sum(verdict.passed is True for verdict in verdicts)
+    tolerated = sum(map(_tolerated, verdicts))
+    held = sum(verdict.passed is True for verdict in verdicts) - tolerated
     unsupported = sum(_unsupported(verdict) for verdict in verdicts)
     if not runs:
         text = "No run finished"
@@ -105,8 +110,9 @@ def headline(results: Results, verdicts: Sequence[Verdict]) -> str:
         text = f"{failed} of {count(runs, 'run')} failed"
     elif unsupported == runs:
         text = f"None of {count(runs, 'run')} is supported"
-    elif held:
-        text = f"None of {count(runs, 'run')} failed; {held} held what was expected of them"
+    elif held or tolerated:
+        known = f", {tolerated} broke it in a way that is known" if tolerated else ""
+        text = f"None of {count(runs, 'run')} failed; {held} held what was expected of them{known}"
     else:
         text = f"None of {count(runs, 'run')} failed; no expectations were set"
     return text if results.complete else f"Interrupted. {text}"
@@ -119,12 +125,13 @@ def tally(verdicts: Sequence[Verdict]) -> tuple[tuple[str, int], ...]:
     completed, unsupported = statuses.pop(Completed.status, 0), statuses.pop(Unsupported.status, 0)
     asked = [("runs", len(verdicts)), ("completed", completed), ("passed", passed[True]), ("failed", passed[False])]
     unasked = sum(verdict.passed is None and not _unsupported(verdict) for verdict in verdicts)
-    return (*asked, *statuses.items(), ("unsupported", unsupported), *([("without expectation", unasked)] if unasked else []))
+    more = [("known to be broken", sum(map(_tolerated, verdicts))), ("without expectation", unasked)]
+    return (*asked, *statuses.items(), ("unsupported", unsupported), *((name, amount) for name, amount in more if amount))
 
 
-def notices(results: Results, verdicts: Sequence[Verdict]) -> tuple[str, ...]:
-    """What limits the report: interruption, missing engines, runs that were not supported."""
-    texts = []
+def notices(one: ResultSet) -> tuple[str, ...]:
+    """What limits what is said of a set of results: interruption, missing engines, runs that were not supported."""
+    results, verdicts, texts = one.results, one.verdicts, []
     if not results.complete:
         texts.append(
             f"The run was interrupted after {count(len(verdicts), 'run')}. What had not finished by then is not in this report."
@@ -133,26 +140,62 @@ def notices(results: Results, verdicts: Sequence[Verdict]) -> tuple[str, ...]:
         texts.append(f"Without the engine {engine}: {reason}.")
     for reason, amount in Counter(verdict.outcome.reason for verdict in verdicts if _unsupported(verdict)).items():
         texts.append(f"{count(amount, 'run')} unsupported: {reason}.")
-    return tuple(texts)
+    return tuple(f"{one.label}: {text}" if one.label else text for text in texts)
 
 
-def findings(runs: Sequence[Measured]) -> tuple[Finding, ...]:
-    """What the completed runs show, the most telling first."""
-    told: list[Callable[[Sequence[Measured]], Finding | None]] = [_position, _attitude, _angular_momentum]
+def told_as(verdict: Verdict) -> str:
+    """What became of what was expected of a run."""
+    if _tolerated(verdict):
+        return "known"
+    return {True: "held", False: "failed", None: "–"}[verdict.passed]
+
+
+def result(verdict: Verdict) -> str:
+    """How a run failed."""
+    return "expectation broken" if isinstance(verdict.outcome, Completed) else verdict.outcome.status
+
+
+def broken(verdicts: Sequence[Verdict], lines: Mapping[Key, Line]) -> Finding | None:
+    """What failed: how many runs, and the first of them, how and why; None where all is well."""
+    failed = [verdict for verdict in verdicts if verdict.passed is False]
+    if not failed:
+        return None
+    first, cases = failed[0], len({verdict.run.case for verdict in failed})
+    amount = f"{count(len(failed), 'run')} in {count(cases, 'case')}. The first: " if len(failed) > 1 else ""
+    why = f"{result(first)}: {first.reason}" if first.reason else result(first)
+    return Finding("Failed", f"{amount}{lines[key_of(first)].label} in ", first.run.case, f", {why}.")
+
+
+def findings(runs: Sequence[Measured], parts: Sequence[Attribution], lines: Mapping[Key, Line]) -> tuple[Finding, ...]:
+    """What the completed runs and the parts of their discrepancies of contact show, the most telling first.
+
+    How far off they are, which method is closest, then what explains it.
+    """
+    if not runs:
+        return ()
     # A contact is another model, and no integrator's doing: what is said of methods is said of flight.
     flight = [run for run in runs if "penetration" not in run.maxima]
-    of_methods: list[Callable[[Sequence[Measured]], Finding | None]] = [_closest, _alike]
-    found = [tell(runs) for tell in told if runs] + [tell(flight) for tell in of_methods if flight]
+    flights = len({run.case for run in flight})
+    everywhere = f"in each of {flights} flights" if flights > 1 else "in the one flight"
+    everywhere = everywhere if len(flight) < len(runs) else "in every case"
+    found = (
+        _position(runs),
+        _attitude(runs),
+        _closest(flight, everywhere) if flight else None,
+        _contact(parts, lines),
+        _angular_momentum(runs),
+        _alike(flight) if flight else None,
+    )
     return tuple(finding for finding in found if finding is not None)
 
 
-def contact(parts: Sequence[Attribution], lines: Mapping[Key, Line]) -> tuple[Finding, ...]:
+def _contact(parts: Sequence[Attribution], lines: Mapping[Key, Line]) -> Finding | None:
     """What the form of a contact's model does: the largest part of a turn to the stop that no time step mends."""
     formed = [part for part in parts if part.quantity == "stop_yaw" and part.model_form]
     if not formed:
-        return ()
+        return None
     worst = max(formed, key=lambda part: abs(part.model_form or 0.0))
-    form, label = worst.model_form or 0.0, lines[worst.engine, worst.integrator, worst.timestep].label
+    form, label = worst.model_form or 0.0, lines[worst.engine, worst.integrator, worst.timestep, ""].label
     rest = ""
     if worst.constraint is not None and worst.time_step is not None:
         constraint, time_step = number(worst.constraint, 3), number(worst.time_step, 3)
@@ -163,7 +206,7 @@ def contact(parts: Sequence[Attribution], lines: Mapping[Key, Line]) -> tuple[Fi
         "than with the friction of the case. "
         f"The form of the model, corners instead of an area, makes {number(form, 3)} rad of it, at any time step.{rest}"
     )
-    return (Finding("Contact", "In ", worst.case, text),)
+    return Finding("Contact", "In ", worst.case, text)
 
 
 def _attitude(runs: Sequence[Measured]) -> Finding | None:
@@ -216,16 +259,19 @@ def _angular_momentum(runs: Sequence[Measured]) -> Finding | None:
     )
 
 
-def _closest(runs: Sequence[Measured]) -> Finding | None:
-    """The method whose worst attitude error over all cases is the smallest, of those that completed every case."""
+def _closest(runs: Sequence[Measured], everywhere: str) -> Finding | None:
+    """The method whose worst attitude error over all cases is the smallest, of those that completed every case.
+
+    everywhere: these cases in words.
+    """
     cases = {run.case for run in runs}
-    everywhere = [own for own in _by_line(runs).values() if len(own) == len(cases)]
-    if len(everywhere) < 2:
+    eligible = [own for own in _by_line(runs).values() if len(own) == len(cases)]
+    if len(eligible) < 2:
         return None
-    worsts = [(max(run.attitude_bound for run in own), own) for own in everywhere]
+    worsts = [(max(run.attitude_bound for run in own), own) for own in eligible]
     limit = min(worst for worst, _ in worsts) * (1 + NEAR)
     tied = [own for worst, own in worsts if worst <= limit]
-    if len(tied) == len(everywhere):
+    if len(tied) == len(eligible):
         return None
     named = [run for own in tied for run in own]
     turn, shift = max(run.attitude_bound for run in named), max(run.maxima["position_error"] for run in named)
@@ -235,7 +281,7 @@ def _closest(runs: Sequence[Measured]) -> Finding | None:
     costs = listing([f"{number(_cost(own), 2)} µs" for own in tied[:MOST_NAMES]])
     return Finding(
         "Closest",
-        f"With {_names([own[0] for own in tied])} the body is {attitude} and at most {bound(shift)} m off in every case. "
+        f"With {_names([own[0] for own in tied])} the body is {attitude} and at most {bound(shift)} m off {everywhere}. "
         f"A step takes {costs} (medians over the cases).",
     )
 
@@ -265,7 +311,7 @@ def _difference(by_line: Mapping[Line, Sequence[Measured]], one: Line, other: Li
         mine, their = run.maxima, theirs.get(run.case)
         if their is None:
             return None
-        floors = {"attitude_error": TELLING * mine["truth_error"], "position_error": TELLING_POSITION}
+        floors = {"attitude_error": max(TELLING_ATTITUDE, TELLING * mine["truth_error"]), "position_error": TELLING_POSITION}
         sizes = [(mine[name], their[name]) for name, floor in floors.items() if max(mine[name], their[name]) > floor]
         largest = max([largest, *(abs(a - b) / max(a, b) for a, b in sizes)])
         cases += any(mine[name] > floor for name, floor in floors.items())
@@ -304,6 +350,11 @@ def _cost(runs: Sequence[Measured]) -> float:
 
 def _share(value: float, digits: int = 3) -> str:
     return f"{number(100 * value, digits)} %" if value < 10 else f"{number(value, digits)} times its initial size"
+
+
+def _tolerated(verdict: Verdict) -> bool:
+    """Whether a run breaks what is expected of it in a way that is known, and still passes."""
+    return verdict.passed is True and any(one.breaches for one in verdict.judged)
 
 
 def _unsupported(verdict: Verdict) -> bool:

@@ -65,8 +65,8 @@ def present(header: Mapping[str, Any], rows: Sequence[Row], orders: Sequence[Ord
 
 
 def _lines(rows: Sequence[Row]) -> Lines:
-    assigned = assign((row["engine"], row["integrator"], 0.0) for row in rows)
-    return {(engine, integrator): line for (engine, integrator, _), line in assigned.items()}
+    assigned = assign((row["engine"], row["integrator"], 0.0, "") for row in rows)
+    return {(engine, integrator): line for (engine, integrator, *_), line in assigned.items()}
 
 
 def _headline(cases: Sequence[CaseMeasurements], lines: Lines) -> str:

@@ -42,7 +42,7 @@ class Visit:
 def visiting(
     browser: Any, path: Path, width: int = 1280, height: int = 800, scheme: Literal["light", "dark"] = "light"
 ) -> Iterator[Visit]:
-    """A file opened from disk in a window of so many pixels. Fails afterwards where the page complained or asked for anything."""
+    """A file opened from disk in a window of so many pixels. Fails where the page complained or asked for anything."""
     context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
     try:
         visit = Visit(context.new_page())

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from html.parser import HTMLParser
+from itertools import pairwise
 
 HOSTILE = "<script>alert(1)</script> \"quoted\" 'single' \u202eשלום\u202c | `code` [link](x) & <b>"
 
@@ -29,8 +30,8 @@ class Page(HTMLParser):
             self.values.append([])
         if tag in ("td", "th") and self.rows:
             self.rows[-1].append("")
-        if tag == "td" and (value := dict(attrs).get("data-value")) is not None:
-            self.values[-1].append(float(value))
+        if tag == "td" and (value := dict(attrs).get("data-value")) is not None and dict(attrs).get("class") == "number":
+            self.values[-1].append(float(value))  # as measured: a bound is shown calmly
 
     def handle_endtag(self, tag: str) -> None:
         if tag == self.foreign:
@@ -63,7 +64,12 @@ def check(page: str) -> None:
     assert {value[1:] for _, name, value in seen.attributes if name == "href" and value.startswith("#")} <= set(ids)
     assert {value for _, name, value in seen.attributes if name == "aria-labelledby"} <= set(ids)
 
-    assert seen.tags.count("h1") == 1
+    levels = [int(tag[1]) for tag in seen.tags if tag in ("h1", "h2", "h3", "h4")]
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert all(after <= before + 1 for before, after in pairwise(levels))
+    tables = [dict(attrs) for attrs in attributes_of(page, "table")]
+    assert len(tables) == seen.tags.count("caption") + sum("aria-labelledby" in attrs for attrs in tables)
     assert all(("scope" in dict(attrs)) for attrs in attributes_of(page, "th"))
     assert all(attrs.get("aria-label") for attrs in map(dict, attributes_of(page, "figure")))
 

@@ -56,7 +56,7 @@ def test_run_writes_everything_it_promises(short: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     done = bodycheck("run", short, "projectile", "--out", out, "--jobs", 2)
     assert done.returncode == 0, done.stderr
-    names = {"results.csv", "results.parquet", "trajectories", "report.html", "report.md", "run.jsonl"}
+    names = {"results.csv", "results.parquet", "results.json", "trajectories", "report.html", "report.md", "run.jsonl"}
     assert {path.name for path in out.iterdir()} == names
     results = pd.read_csv(out / "results.csv")
     assert set(results.case) == {"short", "projectile"}

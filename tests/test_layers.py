@@ -14,6 +14,7 @@ MAY_IMPORT = {
         *("bodycheck", "bodycheck.reference", "bodycheck.adapters.contract", "bodycheck.reports"),
         *("bodycheck.studies.ablation_rows",),
         *("bodycheck.studies.orders", "bodycheck.studies.recommendation", "bodycheck.studies.extreme_rows"),
+        *("bodycheck.studies.release_rows",),
     },
     "studies": {"bodycheck", "bodycheck.reference", "bodycheck.adapters", "bodycheck.studies", "bodycheck.reports"},
     "harness": {"bodycheck", "bodycheck.reference", "bodycheck.adapters", "bodycheck.reports", "bodycheck.studies"},

@@ -186,7 +186,7 @@ def test_written_side_by_side_and_small(study: Study, tmp_path: Path) -> None:
 def test_a_page_stands_alone(page: str, study: Study) -> None:
     pages.check(page)
     scripts = attributes_of(page, "script")
-    assert len(scripts) == 3  # the charts, the library, the page's own
+    assert len(scripts) == 4  # sorting, the charts, the library, the page's own
     assert page.lower().count("</script") == len(scripts)
     assert page.count('class="chart"') == sum(len(part.charts) for part in study.report.parts)
 
@@ -329,7 +329,7 @@ def test_hostile_strings_show_as_text() -> None:
     pages.check(text)
     seen = Page(text)
     assert seen.text.count(HOSTILE) >= 6
-    assert text.lower().count("</script") == len(attributes_of(text, "script")) == 3
+    assert text.lower().count("</script") == len(attributes_of(text, "script")) == 4
     for part in report.parts:
         for chart in part.charts:
             assert drawn(chart.specification)[0] == 1

@@ -3,8 +3,7 @@
   const read = (id) => JSON.parse(document.getElementById(id).textContent);
   const specifications = read("charts");
   const hidden = new Set();
-  const views = new Set();
-  const buttons = [];
+  const updates = new Set(); // one a drawn chart, that makes it follow the legend
   const options = {
     mode: "vega-lite",
     renderer: "svg",
@@ -13,33 +12,60 @@
     logLevel: 1, // errors: a chart whose methods are all switched off is no reason to warn
   };
 
-  // One choice of methods for the whole page: every legend shows it and every chart follows it.
-  const follow = (view) => {
-    if ("hidden" in view.getState().signals) view.signal("hidden", [...hidden]).runAsync();
+  // One chart at a time, when there is nothing else to do: the page answers in between.
+  const idle = window.requestIdleCallback ?? ((callback) => setTimeout(callback, 20));
+  const pause = () => new Promise((resolve) => idle(resolve, { timeout: 500 }));
+  const waiting = new Set();
+  let working = false;
+  const work = async () => {
+    for (const task of waiting) {
+      await pause();
+      waiting.delete(task);
+      await task();
+    }
+    working = false;
   };
+  const soon = (task) => {
+    waiting.add(task);
+    if (working) return;
+    working = true;
+    work();
+  };
+
+  // One choice of methods for the whole page: every legend shows it and every chart follows it.
+  const follow = (view) => view.signal("hidden", [...hidden]).runAsync();
+  const shown = (button) => button.setAttribute("aria-pressed", String(!hidden.has(button.dataset.method)));
   const choose = (change) => {
     change();
-    for (const button of buttons) button.setAttribute("aria-pressed", String(!hidden.has(button.dataset.method)));
-    views.forEach(follow);
+    document.querySelectorAll(".legend [data-method]").forEach(shown);
+    updates.forEach(soon);
   };
-  const swatches = document.getElementById("swatches"); // one legend for all cases, or none where each has its own
-  for (const legend of document.querySelectorAll(".legend")) {
-    if (swatches) legend.append(swatches.content.cloneNode(true));
-    const own = [...legend.querySelectorAll("button")];
-    for (const button of own) {
-      const { method } = button.dataset;
-      button.addEventListener("click", () => choose(() => hidden.delete(method) || hidden.add(method)));
+  document.addEventListener("click", ({ target }) => {
+    const button = target.closest?.(".legend button");
+    if (!button) return;
+    const { method } = button.dataset;
+    if (method !== undefined) choose(() => hidden.delete(method) || hidden.add(method));
+    else if (hidden.size) choose(() => hidden.clear());
+    else choose(() => button.parentElement.querySelectorAll("[data-method]").forEach((own) => hidden.add(own.dataset.method)));
+  });
+
+  // A legend is filled when it comes near the window, as a chart is drawn.
+  const swatches = document.getElementById("swatches"); // of all methods, or none where each legend has its own
+  const fill = (legend) => {
+    if (legend.dataset.filled) return;
+    legend.dataset.filled = "yes";
+    if (swatches) {
+      const { firstElementChild: floor, children } = swatches.content;
+      const places = legend.dataset.lines.split(" ").filter(Boolean);
+      legend.append(...[floor, ...places.map((place) => children[1 + Number(place)])].map((own) => own.cloneNode(true)));
     }
+    legend.querySelectorAll("[data-method]").forEach(shown);
     const everything = document.createElement("button");
     everything.type = "button";
     everything.className = "all";
     everything.textContent = "all / none";
-    everything.addEventListener("click", () =>
-      choose(() => (hidden.size ? hidden.clear() : own.forEach((button) => hidden.add(button.dataset.method)))),
-    );
     legend.append(everything);
-    buttons.push(...own);
-  }
+  };
 
   // A chart is drawn when it comes near the window: a page of many cases opens at once.
   const draw = (box) => {
@@ -50,8 +76,9 @@
     const named = { ...options, downloadFileName: box.dataset.file };
     return vegaEmbed(box, specification, named).then(
       ({ view }) => {
-        views.add(view);
-        if (hidden.size) follow(view);
+        if (!("hidden" in view.getState().signals)) return undefined;
+        updates.add(() => follow(view));
+        return hidden.size ? follow(view) : undefined;
       },
       (error) => {
         box.textContent = `This chart cannot be drawn: ${error.message}`;
@@ -65,20 +92,17 @@
       for (const { isIntersecting, target } of entries) {
         if (!isIntersecting) continue;
         observer.unobserve(target);
-        draw(target);
+        if (target.matches(".legend")) fill(target);
+        else soon(() => draw(target));
       }
     },
     { rootMargin: "800px 0px" },
   );
-  boxes.forEach((box) => observer.observe(box));
+  const legends = document.querySelectorAll(".legend");
+  [...legends, ...boxes].forEach((near) => observer.observe(near));
 
-  // A page of few charts draws the others when it has nothing else to do, so that it prints whole.
-  const few = 120;
-  const idle = window.requestIdleCallback || ((callback) => setTimeout(callback, 50));
-  const rest = () => {
-    const next = boxes.find((box) => !box.dataset.drawn);
-    if (next) draw(next).then(() => idle(rest));
-  };
-  if (boxes.length <= few) idle(rest);
-  window.addEventListener("beforeprint", () => boxes.forEach(draw));
+  window.addEventListener("beforeprint", () => {
+    legends.forEach(fill);
+    boxes.forEach(draw);
+  });
 })();

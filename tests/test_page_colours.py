@@ -1,0 +1,104 @@
+"""The colours of pages, read from their style: text that can be read, a scale that does not need hues, one hue an engine."""
+
+import re
+from importlib import resources
+from itertools import pairwise
+
+import pytest
+
+from bodycheck.reports.lines import HUES, assign
+
+STYLE = (resources.files("bodycheck.reports") / "templates" / "report.css").read_text("utf-8")
+DARK = "@media screen and (prefers-color-scheme: dark) {"
+READABLE, VISIBLE = 4.5, 3.0
+"""Contrasts that WCAG 2 asks of text (1.4.3, AA) and of graphics (1.4.11)."""
+
+TEXT = [
+    *((ink, ground) for ink in ("ink", "faint", "link") for ground in ("ground", "panel")),
+    *((ink, "bad-ground") for ink in ("ink", "link", "bad")),
+    *((ink, "warn-ground") for ink in ("ink", "link")),
+    ("bad", "ground"),
+]
+
+
+def luminance(colour: str) -> float:
+    """Relative luminance as WCAG 2 defines it."""
+    shares = [int(colour[place : place + 2], 16) / 255 for place in (1, 3, 5)]
+    red, green, blue = (share / 12.92 if share <= 0.04045 else ((share + 0.055) / 1.055) ** 2.4 for share in shares)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def contrast(one: str, other: str) -> float:
+    dark, light = sorted((luminance(one), luminance(other)))
+    return (light + 0.05) / (dark + 0.05)
+
+
+def lightness(colour: str) -> float:
+    """CIE L*, in which equal steps look equal."""
+    return 116 * luminance(colour) ** (1 / 3) - 16
+
+
+def blocks(scheme: str) -> str:
+    """The rules that hold in a scheme: those of the dark one alone, or all others."""
+    dark = re.findall(re.escape(DARK) + r"(.*?)\n}", STYLE, re.DOTALL)
+    assert len(dark) == 2
+    return "\n".join(dark) if scheme == "dark" else re.sub(re.escape(DARK) + r".*?\n}", "", STYLE, flags=re.DOTALL)
+
+
+def variables(scheme: str) -> dict[str, str]:
+    return dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6});", blocks(scheme)))
+
+
+def heat(scheme: str) -> list[tuple[str, str]]:
+    """Ground and ink of each decade, from the smallest errors to the largest."""
+    found = {int(decade): (ground, ink) for decade, ground, ink in re.findall(HEAT, blocks(scheme))}
+    return [found[decade] for decade in range(12, -1, -1)]
+
+
+HEAT = r"\.d(\d+) \{ background: (#[0-9a-f]{6}); color: (#[0-9a-f]{6}); \}"
+
+
+def test_the_dark_scheme_has_every_colour() -> None:
+    assert set(variables("dark")) == set(variables("light"))
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(("ink", "ground"), TEXT)
+def test_text_can_be_read(scheme: str, ink: str, ground: str) -> None:
+    colours = variables(scheme)
+    assert contrast(colours[ink], colours[ground]) >= READABLE
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_what_is_no_text_can_be_seen(scheme: str) -> None:
+    colours = variables(scheme)
+    for name in ("edge", "link", "bad", "good"):
+        assert contrast(colours[name], colours["ground"]) >= VISIBLE, name
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_figures_on_the_heat_scale_can_be_read(scheme: str) -> None:
+    for ground, ink in heat(scheme):
+        assert contrast(ground, ink) >= READABLE, ground
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_the_heat_scale_goes_by_lightness(scheme: str) -> None:
+    """Who sees no hues still sees the order; of neighbours, differences of 4 can be told, a step being some 6.5."""
+    steps = [one - other for one, other in pairwise(lightness(ground) for ground, _ in heat(scheme))]
+    assert all(step * (1 if scheme == "light" else -1) > 4 for step in steps)
+
+
+def test_lines_can_be_seen_on_both_grounds() -> None:
+    for pair in HUES:
+        for colour in pair:
+            for scheme in ("light", "dark"):
+                assert contrast(colour, variables(scheme)["ground"]) >= VISIBLE, (colour, scheme)
+
+
+def test_an_engine_has_one_hue() -> None:
+    """Whatever it is run with; the second shade of a pair tells integrators apart."""
+    lines = assign((engine, f"i{place}", 0.002, "") for engine in ("zeta", "pinocchio", "mujoco") for place in range(20))
+    for engine in ("zeta", "pinocchio", "mujoco"):
+        own = {line.colour for line in lines.values() if line.engine == engine}
+        assert own in [set(pair) for pair in HUES]
