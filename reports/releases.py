@@ -14,7 +14,7 @@ from bodycheck.reports.release_chart import Point, release_chart
 from bodycheck.reports.release_findings import findings, named, orders
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
-from bodycheck.studies.release_rows import STATUS, Change, Found, Row, merged_header
+from bodycheck.studies.release_rows import STATUS, Change, Found, Row, made, merged_header
 
 PRIMARY = "attitude_error"
 """The figure that is drawn and tabled whether it changed or not."""
@@ -81,10 +81,11 @@ def _key(label: str, row: Row) -> Key:
 def _headline(told: _Told) -> str:
     changed = {change.integrator for _, change in told.changes}
     upgrades = {(change.from_version, change.to_version) for _, change in told.changes}
-    runs = f"{count(len(told.rows), 'run')} of {count(len(told.versions), 'release')}"
+    ran = made(row for _, row in told.rows)
+    runs = f"{count(len(ran), 'run')} of {count(len({row['version'] for row in ran}), 'release')}"
     if changed:
         return f"{count(len(changed), 'integrator')} changed at {count(len(upgrades), 'upgrade')}, in {runs}"
-    return f"No change in {runs}" if told.rows else "No release could be measured"
+    return f"No change in {runs}" if ran else "No release could be measured"
 
 
 def _notices(found: Found) -> list[str]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from bodycheck.convergence import UNITS
+from bodycheck.studies import release_rows
 from bodycheck.studies.ablation_rows import Change, ModelRow
 from bodycheck.studies.extreme_rows import Limit, Row
 from bodycheck.studies.orders import Order
@@ -11,7 +12,7 @@ from bodycheck.studies.recommendation import Measured, Recommendation
 from bodycheck.terminal import print_table
 
 if TYPE_CHECKING:  # what measures releases is for their commands alone
-    from bodycheck.studies import bisection, release_rows
+    from bodycheck.studies import bisection
 
 
 def print_tradeoff(rows: Sequence[Mapping[str, Any]], orders: Sequence[Order]) -> None:
@@ -50,14 +51,15 @@ def print_ablation(rows: Sequence[ModelRow]) -> None:
     print_table((*header, "reason"), map(_model, rows))
 
 
-def print_releases(found: "release_rows.Found") -> None:
+def print_releases(found: release_rows.Found) -> None:
     """A line a change, from release to release, then a line for each release that could not be measured."""
     header = ("case", "integrator", "step", "from", "to", "quantity", "before", "after", "factor", "order", "scheme")
     if found.changes:
         print_table(header, map(_release_change, found.changes))
     for version, reason in found.header["unmeasured"].items():
         print(f"{version}: not measured: {reason}")
-    print(f"{len(found.changes)} changes in {len(found.rows)} runs of {len(found.header['versions'])} releases")
+    made = release_rows.made(found.rows)
+    print(f"changes: {len(found.changes)}; runs: {len(made)}; releases: {len({row['version'] for row in made})}")
 
 
 def print_removed(engine: str, versions: Sequence[str]) -> None:
@@ -76,7 +78,7 @@ def print_bisection(found: "bisection.Found", observer: "bisection.Observer") ->
     print(f"{len(found.probed)} releases looked at, environments made for it: {observer.made}")
 
 
-def _release_change(change: "release_rows.Change") -> tuple[str, ...]:
+def _release_change(change: release_rows.Change) -> tuple[str, ...]:
     before, after = (value if isinstance(value, str) else f"{value:.4g}" for value in (change.before, change.after))
     orders = " → ".join("?" if order is None else f"{order:.2f}" for order in (change.order_before, change.order_after))
     schemes = " → ".join(dict.fromkeys(scheme or "?" for scheme in (change.scheme_before, change.scheme_after)))

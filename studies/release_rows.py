@@ -13,6 +13,7 @@ from typing import Any
 from bodycheck import journal
 from bodycheck.errors import BadInput
 from bodycheck.judgement import COLUMNS
+from bodycheck.outcome import Unsupported
 
 RECORDS = "releases.jsonl"
 
@@ -73,6 +74,11 @@ class Found:
     header: Mapping[str, Any]
     rows: tuple[Row, ...]
     changes: tuple[Change, ...]
+
+
+def made(rows: Iterable[Row]) -> list[Row]:
+    """The rows of runs that were made, however they ended: of releases that can be had, of methods that they have."""
+    return [row for row in rows if row["status"] not in (UNOBTAINABLE, Unsupported.status)]
 
 
 def labels(found: Sequence[Found]) -> list[str]:

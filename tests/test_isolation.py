@@ -30,14 +30,14 @@ SPIN = shortened(load("osrf-boxes-simple"), 1.0, 11)
 MEMORY = 512 << 20
 """Bytes a call, far less than any machine has: the engine that allocates without end soon comes to it."""
 
-LIMIT = 8.0
+LIMIT = 15.0
 """Seconds a call; a hundred times what one takes that does not hang, for machines that are busy with other things."""
 
 STEPS = (0.1, 0.05)
 INNOCENT = ("exact", "drifting", "printing", "mujoco")
 GUILTY = {
     "segfaulting": ("crashed", "its process died of signal SIGSEGV"),
-    "hanging": ("timeout", "stopped after 8 s"),
+    "hanging": ("timeout", f"stopped after {LIMIT:g} s"),
     "dying": ("crashed", "its process exited with code 3"),
     "vanishing": ("crashed", "its process exited with code 0"),
     "exiting": ("crashed", "SystemExit: the miniature engine has had enough"),
