@@ -51,9 +51,9 @@ def _charts(parts: Parts) -> Iterator[Chart]:
             if part.constraint is not None and (key not in finest or part.timestep < finest[key].timestep):
                 finest[key] = part
     for quantity, (title, unit) in QUANTITIES.items():
-        own = {_method(*key[1:], part): part for key, part in finest.items() if key[0] == quantity}
-        if any(abs(part.total) > NOTHING for part in own.values()):
-            yield Chart(f"{title}: engine minus truth", _bars(own, f"{title}, {unit}"), _alt(own, title, unit))
+        methods = {_method(*key[1:], part): part for key, part in finest.items() if key[0] == quantity}
+        if any(abs(part.total) > NOTHING for part in methods.values()):
+            yield Chart(f"{title}: engine minus truth", _bars(methods, f"{title}, {unit}"), _alt(methods, title, unit))
 
 
 def _method(engine: str, integrator: str, label: str, part: Attribution) -> str:
