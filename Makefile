@@ -21,8 +21,9 @@ types: $(VENV)/.installed-for-development
 	$(BIN)/pip install --quiet --no-deps --no-build-isolation --target build/installed .
 	MYPYPATH=build/installed $(BIN)/mypy
 
+# All tests of a file in one process: what they share is made once.
 tests: $(VENV)/.installed-for-development
-	$(BIN)/pytest -n auto
+	$(BIN)/pytest -n auto --dist loadfile
 
 slow: $(VENV)/.installed-for-development
 	$(BIN)/pytest -n auto -m slow

@@ -351,7 +351,7 @@ def count_lines(folder: Path) -> int:
 
 
 def test_studies_that_are_killed_come_to_the_same(tmp_path: Path) -> None:
-    kill_studies(4, seed=1, tmp_path=tmp_path)
+    kill_studies(2, seed=1, tmp_path=tmp_path)
 
 
 @pytest.mark.slow
