@@ -1,4 +1,4 @@
-"""Finding adapters by name: the files of this folder, and the entry points `bodycheck.engines` of other packages.
+"""Finding adapters by name: the folders beside this file, and the entry points `bodycheck.engines` of other packages.
 
 An entry point names an adapter's module, or an object in one. Nothing is imported before an engine is asked for by name.
 
@@ -19,12 +19,6 @@ DISTRIBUTIONS = "bodycheck.distributions"
 OWN_DISTRIBUTIONS = {"mujoco": "mujoco", "pinocchio": "pin"}
 """What the engines with adapters here are installed from."""
 
-OWN_MODULES = (
-    *("contract", "registry"),
-    *("mujoco_contact", "mujoco_models", "mujoco_stepping"),
-    *("pinocchio_contact", "pinocchio_joints", "pinocchio_schemes"),
-)
-
 
 class EngineMissing(Exception):
     """An engine cannot be used here; the text says why and, where it can, what to install."""
@@ -32,7 +26,7 @@ class EngineMissing(Exception):
 
 def names() -> tuple[str, ...]:
     """Names of all engines that have an adapter, whether the engine itself is installed or not."""
-    here = [module.name for module in pkgutil.iter_modules(bodycheck.adapters.__path__) if module.name not in OWN_MODULES]
+    here = [module.name for module in pkgutil.iter_modules(bodycheck.adapters.__path__) if module.ispkg]
     return tuple(here + [point.name for point in entry_points(group=GROUP) if point.name not in here])
 
 
@@ -52,7 +46,7 @@ def load(name: str) -> Adapter:
     try:
         for point in entry_points(group=GROUP, name=name):
             return cast(Adapter, point.load())
-        return cast(Adapter, importlib.import_module(f"bodycheck.adapters.{name}"))
+        return cast(Adapter, importlib.import_module(f"bodycheck.adapters.{name}.engine"))
     except ModuleNotFoundError as error:
         raise EngineMissing(f"{name} is not installed: there is no Python package {error.name!r}") from error
     except ImportError as error:

@@ -13,7 +13,7 @@ import numpy as np
 from bodycheck import load
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
-from bodycheck.simulation import sampling_steps
+from bodycheck.running.simulation import sampling_steps
 
 TURNS = 15
 TIMESTEP = 0.002

@@ -17,7 +17,7 @@ import pinocchio as pin
 
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
-from bodycheck.adapters.pinocchio_contact import solver_settings
+from bodycheck.adapters.pinocchio.contact import solver_settings
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Array

@@ -13,14 +13,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from bodycheck import campaign, judgement, load, plan, reports, store
+from bodycheck import load, reports
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
-from bodycheck.judgement import Verdict
-from bodycheck.outcome import Unsupported
+from bodycheck.judging import judgement
+from bodycheck.judging.judgement import Verdict
+from bodycheck.judging.result_set import ResultSet
 from bodycheck.reference.truth import Truth
-from bodycheck.result_set import ResultSet
-from bodycheck.store import Results
+from bodycheck.running import campaign, plan, store
+from bodycheck.running.outcome import Unsupported
+from bodycheck.running.store import Results
 
 CASES, METHODS = 100, 20
 NAMES = ("intermediate-axis-flip", "projectile", "free-brick", "sliding-brick")
@@ -101,8 +103,8 @@ def _renamed(verdict: Verdict, case: str, place: int) -> Verdict:
 
 
 def main() -> None:
-    sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-    from browser import CHROMIUM, launched
+    sys.path.insert(0, str(Path(__file__).parents[1]))
+    from tests.support.browser import CHROMIUM, launched
 
     if CHROMIUM is None:
         print("there is no chromium on the path")

@@ -17,7 +17,9 @@ from dataclasses import replace
 import numpy as np
 
 from bodycheck import load
-from bodycheck.reference import closed_form, lagrangian, taylor, truth
+from bodycheck.reference import truth
+from bodycheck.reference.flight import closed_form
+from bodycheck.reference.integration import lagrangian, taylor
 from bodycheck.reference.scene import Body, Scene, State
 
 TURNS = 11
@@ -29,7 +31,7 @@ MANY = 10_000
 FIRST = """
 import time
 from bodycheck import load
-from bodycheck.reference import taylor
+from bodycheck.reference.integration import taylor
 case = load("intermediate-axis-flip")
 start = time.perf_counter()
 taylor.euler_lagrange(case.scene, case.instants)

@@ -6,13 +6,13 @@ import numpy as np
 
 from bodycheck import load, simulate, truth
 from bodycheck.adapters.contract import Method
-from bodycheck.adapters.mujoco import contact_loads
-from bodycheck.case import Case
-from bodycheck.contact import measured_stop
-from bodycheck.outcome import Completed
+from bodycheck.adapters.mujoco.engine import contact_loads
+from bodycheck.casefile.case import Case
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.scene import Body, Brick, Plane
+from bodycheck.reference.stopping import measured_stop
 from bodycheck.reference.truth import truth as truth_of_scene
+from bodycheck.running.outcome import Completed
 
 TIMESTEP = 5e-4
 BEFORE = (1e-1, 1e-3, 1e-5, 1e-7)

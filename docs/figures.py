@@ -19,9 +19,9 @@ import numpy as np
 import vl_convert
 
 import bodycheck
-from bodycheck.observables import observe
+from bodycheck.reference.chapter.orientation import axis_and_angle, zxz
 from bodycheck.reference.kinematics import euler_from_quaternion, euler_rates
-from bodycheck.reference.orientation import axis_and_angle, zxz
+from bodycheck.reference.observables import observe
 from bodycheck.reference.trajectory import Array
 
 Rows = list[dict[str, Any]]

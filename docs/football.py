@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from bodycheck import load, truth
+from bodycheck.reference.chapter.wobble import cone_angle, largest_wobble
 from bodycheck.reference.kinematics import rotate
-from bodycheck.reference.wobble import cone_angle, largest_wobble
 
 WOBBLES = (0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
 EXCESSES = (0.0, 0.001, 0.01, 0.03, 0.1)

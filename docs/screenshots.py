@@ -45,9 +45,10 @@ def main() -> None:
         parser.error(f"{options.report} is not a file")
     options.out.mkdir(parents=True, exist_ok=True)
 
-    sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
-    from browser import CHROMIUM, QUIET
+    sys.path.insert(0, str(Path(__file__).parents[1]))
     from playwright.sync_api import sync_playwright
+
+    from tests.support.browser import CHROMIUM, QUIET
 
     if CHROMIUM is None:
         parser.error("there is no chromium on the path")

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference import closed_form, torque_free, truth
-from bodycheck.reference.closed_form import smallest_rotation
+from bodycheck.reference import truth
+from bodycheck.reference.flight import closed_form, torque_free
+from bodycheck.reference.flight.closed_form import smallest_rotation
 from bodycheck.reference.principal import along_principal_axes, in_body_frame
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
@@ -55,7 +56,7 @@ def certify(scene: Scene, times: Array) -> Certificate:
         # The general form holds for it too, by another way.
         ways[ELLIPTIC], _ = torque_free.rotation(body.moments, start.angular_velocity, start.quaternion, times)
     try:
-        from bodycheck.reference import sensitivity, taylor
+        from bodycheck.reference.integration import sensitivity, taylor
     except ImportError:
         difference, growth = truth.attitude_difference, None
         quadruple: tuple[str, ...] = ()

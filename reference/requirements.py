@@ -4,9 +4,8 @@ from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal
 
-from bodycheck.reference.friction import NotFlat
+from bodycheck.reference.lying import NotFlat, planar_state
 from bodycheck.reference.scene import Scene, Vector
-from bodycheck.reference.sliding import planar_state
 
 Symmetry = Literal["sphere", "symmetric", "asymmetric"]
 

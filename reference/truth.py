@@ -12,16 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference import closed_form, drag, lagrangian, quasi_coordinates
-from bodycheck.reference.closed_form import smallest_rotation
-from bodycheck.reference.friction import NotFlat
-from bodycheck.reference.integration import OutOfReach
+from bodycheck.reference.flight import closed_form, drag
+from bodycheck.reference.flight.closed_form import smallest_rotation
+from bodycheck.reference.integration import lagrangian, quasi_coordinates
+from bodycheck.reference.integration.dop853 import OutOfReach
 from bodycheck.reference.kinematics import geodesic_angle
-from bodycheck.reference.pressure import WouldTip
+from bodycheck.reference.lying import NotFlat, Stop, planar_state
 from bodycheck.reference.principal import ALIGNED, along_principal_axes, in_body_frame
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Scene
-from bodycheck.reference.sliding import Stop, planar_state, slide
+from bodycheck.reference.sliding.motion import slide
+from bodycheck.reference.sliding.pressure import WouldTip
 from bodycheck.reference.trajectory import Array, Trajectory
 
 CLOSED_FORMS, INTEGRATED = "numpy", "scipy-dop853"
@@ -85,7 +86,7 @@ def missing_model(scene: Scene) -> str | None:
 def backend() -> Backend:
     """heyoka's Taylor series in the widest float of the machine where heyoka is installed, else SciPy's DOP853."""
     try:
-        from bodycheck.reference import taylor
+        from bodycheck.reference.integration import taylor
     except ImportError:
         return dop853()
     return Backend(

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from bodycheck.judging.result_set import ResultSet
     from bodycheck.reports.figures import Format
     from bodycheck.reports.study import StudyReport
-    from bodycheck.result_set import ResultSet
 
 __all__ = ["tell_github", "write", "write_junit", "write_study"]
 
@@ -24,8 +24,9 @@ def write(sets: "Sequence[ResultSet]", folder: Path, formats: "Sequence[Format]"
     Earlier reports are replaced. Raises `OSError` where a file cannot be written.
     """
     # Imported when first used: who only runs cases must not wait for templates and charts.
-    from bodycheck.reports import figures, html, markdown, results_json
-    from bodycheck.reports.contents import gather
+    from bodycheck.reports import figures, html, markdown
+    from bodycheck.reports.runs import results_json
+    from bodycheck.reports.runs.contents import gather
 
     contents = gather(sets)
     texts = {"report.html": html.render(contents), "report.md": markdown.render(contents)}
@@ -39,8 +40,9 @@ def tell_github(found: "ResultSet", files: Mapping[str, Path], environment: Mapp
 
     files: those that cases were read from, by name.
     """
-    from bodycheck.reports import github, markdown
-    from bodycheck.reports.contents import gather
+    from bodycheck.reports import markdown
+    from bodycheck.reports.runs import github
+    from bodycheck.reports.runs.contents import gather
 
     if github.is_running(environment):
         for line in github.annotations(found.verdicts, found.results.cases, files, environment):
@@ -50,7 +52,7 @@ def tell_github(found: "ResultSet", files: Mapping[str, Path], environment: Mapp
 
 def write_junit(sets: "Sequence[ResultSet]", path: Path) -> None:
     """Write the verdicts as JUnit XML. Raises `OSError` where the file cannot be written."""
-    from bodycheck.reports import comparison, junit
+    from bodycheck.reports.runs import comparison, junit
 
     verdicts = [verdict for one in sets for verdict in one.verdicts]
     path.write_text(junit.render(verdicts, comparison.header(sets)), encoding="utf-8")

@@ -9,7 +9,7 @@ import vl_convert
 
 from bodycheck.reports import charts
 from bodycheck.reports.charts import INK, Spec
-from bodycheck.reports.contents import Contents
+from bodycheck.reports.runs.contents import Contents
 from bodycheck.reports.study import StudyReport
 
 Format = Literal["png", "svg"]

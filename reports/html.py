@@ -12,9 +12,9 @@ import vl_convert
 from markupsafe import Markup, escape
 
 from bodycheck.reports import charts
-from bodycheck.reports.contents import Contents, Section
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import count, milliseconds
+from bodycheck.reports.runs.contents import Contents, Section
 from bodycheck.reports.study import StudyReport
 
 MEASURE = re.compile(

@@ -4,11 +4,11 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from bodycheck.reports.contents import Contents, Failure, Section
-from bodycheck.reports.matrix import Cell, Matrix
 from bodycheck.reports.quantities import count, milliseconds
+from bodycheck.reports.runs.contents import Contents, Failure, Section
+from bodycheck.reports.runs.matrix import Cell, Matrix
+from bodycheck.reports.runs.summary import Finding
 from bodycheck.reports.study import StudyReport
-from bodycheck.reports.summary import Finding
 from bodycheck.reports.tables import Table
 
 ROOM = 60_000

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 
 from bodycheck.columns import COLUMNS
-from bodycheck.discrepancy import COLUMNS as DISCREPANCIES
-from bodycheck.discrepancy import FURTHER_COLUMNS
+from bodycheck.judging.discrepancy import COLUMNS as DISCREPANCIES
+from bodycheck.judging.discrepancy import FURTHER_COLUMNS
 
 
 @dataclass(frozen=True)

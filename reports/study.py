@@ -6,7 +6,7 @@ from typing import Any
 
 from bodycheck.reports.charts import Spec
 from bodycheck.reports.lines import Line
-from bodycheck.reports.summary import Finding
+from bodycheck.reports.runs.summary import Finding
 from bodycheck.reports.tables import Table
 
 

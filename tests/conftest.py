@@ -5,21 +5,19 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import browser as browsing
 import pytest
 from hypothesis import settings
 
 from bodycheck import Case, load
-from bodycheck.case import shipped
+from bodycheck.casefile.case import shipped
+from tests.support import MINIATURES
+from tests.support import browser as browsing
 
 # No deadline: the first example pays for imports, and machines that run tests are slow at times.
 settings.register_profile("bodycheck", deadline=None)
 settings.load_profile("bodycheck")
 
 pytest_plugins = ["pytester"]
-
-HERE = Path(__file__).parent
-MINIATURES = HERE / "miniature"
 
 
 @pytest.fixture

@@ -1,0 +1,206 @@
+"""The contact of a flat body with a plane, as MuJoCo's XML has it, and the options of a method that change it.
+
+A method's name may carry options behind a colon: `Euler:cone=elliptic,solref=0.004 1`. What is not asked for is not written,
+and keeps the default of the installed MuJoCo. The keys:
+
+- cone: elliptic or pyramidal. impratio: of frictional to normal impedance. noslip: iterations of the solver of that name.
+- condim: 1 (no friction), 3 (sliding), 4 (and torsion), 6 (and rolling). solref, solimp: how stiff, how soft.
+- pads: n, the face as n x n small spheres at the middles of equal cells, in place of the body's own shape, for which MuJoCo
+  finds at most four contacts. Of a round face only the pads within it are there.
+
+More pads do not bring the friction of an area. Where a contact slides at speed u, MuJoCo's convex friction pushes it up with
+the acceleration mu b u, b ~ 2/timeconst: by default several times gravity at 1 m/s. The body then leaves the plane and falls
+back, and where it spins the outermost pads, which are the fastest, bear all of the load.
+
+Sliding friction is the scene's. Torsion (0.005 m) and rolling (0.0001 m), where condim asks for them, are MuJoCo's defaults.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.reference.lying import NotFlat, height_of, named, planar_state
+from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
+
+DEFAULTS = ("Euler:cone=elliptic", "Euler:cone=elliptic,pads=4")
+"""The methods with options that are run where none is asked for."""
+
+LEAST_FRICTION = 1e-5
+"""MuJoCo's mjMINMU: it raises smaller coefficients to this one without a word."""
+
+MOST_PADS = 32
+"""A direction: a thousand contacts, which with noslip are already more than MuJoCo's buffer holds."""
+
+PAD_SIZE = 0.01
+"""Radius of a pad in half-heights of the body: so small that a tilt hardly moves its contact point."""
+
+TORSION_AND_ROLLING = (0.005, 0.0001)
+"""MuJoCo's default coefficients (m)."""
+
+OPTION_ATTRIBUTES = {"cone": "cone", "impratio": "impratio", "noslip": "noslip_iterations"}
+"""The keys that are attributes of the XML's `option`."""
+
+Reader = Callable[[str], str]
+"""From what was written to what goes into the XML; raises `ValueError` for what is not allowed."""
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a scene adds to the XML of a free body: attributes of `flag` and `option`, and elements."""
+
+    flags: str = 'contact="disable" constraint="disable"'
+    option: str = ""
+    default: str = ""
+    plane: str = ""
+    geoms: str = ""
+    sensors: str = ""
+
+
+def unsupported(scene: Scene) -> str | None:
+    """What the contact of a scene with a plane requires that is not modelled here, in words; None where nothing is."""
+    if scene.drag:
+        return "drag together with contact"
+    try:
+        planar_state(scene)
+    except NotFlat as error:
+        return f"this contact: {error}"
+    return None
+
+
+def parts(scene: Scene, plane: Plane, options: str | None, shortest: float) -> Parts:
+    """The contact of a body that lies flat. Raises `SceneUnsupported`.
+
+    options: as behind the colon of a method's name. shortest: time constant (s) of solref that MuJoCo puts in place of a
+    shorter one.
+    """
+    shape = scene.body.shape
+    if not isinstance(shape, Brick | Cylinder):
+        raise SceneUnsupported(f"{named(shape)} has no face to lie on")
+    chosen = read(options) if options is not None else {}
+    # A contact without friction has one dimension; MuJoCo knows no friction of zero in the others.
+    condim = chosen.get("condim", "3" if plane.friction else "1")
+    if condim != "1" and plane.friction < LEAST_FRICTION:
+        raise SceneUnsupported(f"MuJoCo's least friction is {LEAST_FRICTION:g}, the scene's is {plane.friction:g}")
+    if 0 < (timeconst := float(chosen.get("solref", "0").split()[0])) < shortest:
+        raise SceneUnsupported(f"MuJoCo would raise the time constant {timeconst:g} s of solref to {shortest:g} s")
+    option = {attribute: chosen[key] for key, attribute in OPTION_ATTRIBUTES.items() if key in chosen}
+    geom = {"condim": condim, "friction": numbers_written(plane.friction, *TORSION_AND_ROLLING)}
+    geom |= {key: value for key, value in chosen.items() if key in ("solref", "solimp")}
+    return Parts(
+        "",
+        written(option),
+        f"<default><geom {written(geom)}/></default>",
+        '<geom type="plane" size="0 0 1"/>',
+        "\n      ".join(body_geoms(shape, int(chosen.get("pads", "0")))),
+    )
+
+
+def written(attributes: dict[str, str]) -> str:
+    return " ".join(f'{name}="{value}"' for name, value in attributes.items())
+
+
+def body_geoms(shape: Brick | Cylinder, pads: int) -> list[str]:
+    """The elements that touch the plane: the shape itself, or pads x pads spheres inside its lower face."""
+    if pads:
+        height = height_of(shape)
+        radius = PAD_SIZE * height
+        return [
+            f'<geom type="sphere" size="{numbers_written(radius)}" pos="{numbers_written(x, y, radius - height)}"/>'
+            for x, y in pad_centres(shape, pads)
+        ]
+    match shape:
+        case Brick(semi_axes):
+            return [f'<geom type="box" size="{numbers_written(*semi_axes)}"/>']
+        case Cylinder(radius, half_length):
+            return [f'<geom type="cylinder" size="{numbers_written(radius, half_length)}"/>']
+
+
+def pad_centres(shape: Brick | Cylinder, pads: int) -> list[tuple[float, float]]:
+    """Middles (m, body frame) of the equal cells into which a face is cut, pads a direction; those within it."""
+    fractions = [(2 * i + 1 - pads) / pads for i in range(pads)]
+    cells = [(x, y) for x in fractions for y in fractions]
+    match shape:
+        case Brick((a, b, _)):
+            return [(a * x, b * y) for x, y in cells]
+        case Cylinder(radius, _):
+            return [(radius * x, radius * y) for x, y in cells if x * x + y * y <= 1]
+
+
+def read(text: str) -> dict[str, str]:
+    """The options of a method, key by key, as the XML spells their values. Raises `SceneUnsupported` with what is allowed."""
+    options: dict[str, str] = {}
+    for item in text.split(","):
+        key, _, value = item.partition("=")
+        if key not in OPTIONS:
+            raise SceneUnsupported(f"unknown contact option {item!r}; there are: {', '.join(OPTIONS)}")
+        if key in options:
+            raise SceneUnsupported(f"contact option {key} is given twice")
+        reader, allowed = OPTIONS[key]
+        try:
+            options[key] = reader(value)
+        except ValueError:
+            raise SceneUnsupported(f"contact option {key}={value!r}: must be {allowed}") from None
+    return options
+
+
+def numbers_written(*values: float) -> str:
+    return " ".join(repr(float(value)) for value in values)
+
+
+def word(*allowed: str) -> Reader:
+    def reader(text: str) -> str:
+        if text not in allowed:
+            raise ValueError(text)
+        return text
+
+    return reader
+
+
+def whole(accepted: Callable[[int], bool]) -> Reader:
+    def reader(text: str) -> str:
+        if not accepted(number := int(text)):
+            raise ValueError(text)
+        return repr(number)
+
+    return reader
+
+
+def numbers(accepted: Callable[[tuple[float, ...]], bool]) -> Reader:
+    def reader(text: str) -> str:
+        values = tuple(map(float, text.split()))
+        if not all(map(math.isfinite, values)) or not accepted(values):
+            raise ValueError(text)
+        return numbers_written(*values)
+
+    return reader
+
+
+def is_solref(values: tuple[float, ...]) -> bool:
+    # MuJoCo replaces a pair of mixed signs by its default.
+    return len(values) == 2 and (min(values) > 0 or max(values) <= 0)
+
+
+def is_solimp(values: tuple[float, ...]) -> bool:
+    if len(values) not in (3, 5):
+        return False
+    least, most, width, midpoint, power = (*values, 0.5, 2.0)[:5]
+    return 0 <= least <= 1 and 0 <= most <= 1 and width >= 0 and 0 <= midpoint <= 1 and power >= 1
+
+
+OPTIONS: dict[str, tuple[Reader, str]] = {
+    "cone": (word("elliptic", "pyramidal"), "elliptic or pyramidal"),
+    "impratio": (numbers(lambda values: len(values) == 1 and values[0] > 0), "a positive number"),
+    "condim": (word("1", "3", "4", "6"), "1, 3, 4 or 6"),
+    "solref": (
+        numbers(is_solref),
+        "two numbers, both positive (time constant, damping ratio) or both not (-stiffness -damping)",
+    ),
+    "solimp": (
+        numbers(is_solimp),
+        "three or five numbers: two impedances from 0 to 1, a width (m) >= 0, a midpoint from 0 to 1, a power >= 1",
+    ),
+    "noslip": (whole(lambda number: number >= 0), "a whole number >= 0"),
+    "pads": (whole(lambda number: 1 <= number <= MOST_PADS), f"a whole number from 1 to {MOST_PADS}"),
+}
+"""How to read each option's value, and what is allowed."""

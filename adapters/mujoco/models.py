@@ -1,0 +1,232 @@
+"""Models of a scene in MuJoCo, from the smallest on: the joints of its body, and what else is in the XML.
+
+A method's name may ask for one behind a colon: `Euler:model=six-coordinates`. In space a body is carried by as many slides,
+balls or free joints as it needs. On a plane the smallest model has two slides and a hinge: the plane bears the weight, neither
+of them is in the model, and friction is a force from outside, by the reference's law.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from bodycheck.adapters.contract import states
+from bodycheck.adapters.mujoco.contact import Parts, numbers_written
+from bodycheck.reference.kinematics import multiply
+from bodycheck.reference.lying import planar_state
+from bodycheck.reference.requirements import requirements
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Quaternion, Scene, Shape, Sphere
+from bodycheck.reference.sliding.motion import smallest_friction
+from bodycheck.reference.trajectory import Array
+
+FAR = 1e6
+"""How far below the body a plane is that nothing ever touches (m)."""
+
+SENSORS = """
+  <sensor>
+    <framepos objtype="body" objname="body"/>
+    <framequat objtype="body" objname="body"/>
+    <framelinvel objtype="body" objname="body"/>
+    <frameangvel objtype="body" objname="body"/>
+    <framelinacc objtype="body" objname="body"/>
+    <subtreeangmom body="body"/>
+  </sensor>"""
+
+IN_FLIGHT = {
+    "translation": "three slides",
+    "rotation": "a ball joint",
+    "translation-and-rotation": "three slides and a ball joint",
+    "six-coordinates": "one free joint",
+    "far-geometry": "the body's shape and a plane 1000 km below it, collision detection and the constraint solver",
+    "everything": "sensors of pose, velocities, acceleration and angular momentum, and energy",
+}
+ON_PLANE = {
+    "planar": "two slides and a hinge; friction is a force from outside, evaluated in Python",
+    "six-coordinates": "one free joint; friction is the same force",
+    "far-geometry": "the body's shape and a plane 1000 km below it, collision detection and the constraint solver",
+    "contact": "the plane under the body, with MuJoCo's own contact, friction and gravity instead of the force",
+    "everything": "sensors of pose, velocities, acceleration and angular momentum, and energy",
+}
+"""What each model has that the one before it has not."""
+
+TOUCHING = ("contact", "everything")
+"""The models of a body on a plane that touch it."""
+
+Force = Callable[[Any, Any], None]
+"""MuJoCo's callback for passive forces: of a model and its data."""
+
+
+@dataclass(frozen=True)
+class Joints:
+    """How a body may move.
+
+    xml: the joints. qpos, qvel: the initial state in their coordinates. rows: from n states (n, nq + nv) in them to (n, 13).
+    origin: of the body (m) where the coordinates are zero. turn: of the scene's body against that of the XML.
+    """
+
+    xml: str
+    qpos: tuple[float, ...]
+    qvel: tuple[float, ...]
+    rows: Callable[[Array], Array]
+    origin: tuple[float, ...] = (0.0, 0.0, 0.0)
+    turn: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+def growing(scene: Scene) -> dict[str, str]:
+    """The models of a scene in order of growth, the smallest first, and what each has that the one before it has not."""
+    needs = requirements(scene)
+    if needs.contact:
+        return dict(ON_PLANE)
+    if needs.rotation == "none":
+        others = {"rotation"}
+    else:
+        others = {"translation", "rotation", "translation-and-rotation"} if needs.translation else {"translation"}
+    if scene.body.shape is None:
+        others.add("far-geometry")
+    return {name: meaning for name, meaning in IN_FLIGHT.items() if name not in others}
+
+
+def joints(scene: Scene, model: str) -> Joints:
+    """The joints that carry a scene's body in a model."""
+    kinds = {
+        "translation": slides,
+        "rotation": ball,
+        "translation-and-rotation": slides_and_ball,
+        "planar": slides_and_hinge,
+    }
+    return kinds.get(model, free_joint)(scene)
+
+
+def slides(scene: Scene) -> Joints:
+    """The body's frame is the world's, so that the slides are along x, y and z: the body itself is turned in it."""
+    initial = scene.initial
+
+    def rows(seen: Array) -> Array:
+        count = len(seen)
+        attitude, rates = np.tile(initial.quaternion, (count, 1)), np.zeros((count, 3))
+        return states(seen[:, :3], attitude, seen[:, 3:], rates)
+
+    return Joints(slide("1 0 0", "0 1 0", "0 0 1"), initial.position, initial.velocity, rows, turn=initial.quaternion)
+
+
+def ball(scene: Scene) -> Joints:
+    initial = scene.initial
+
+    def rows(seen: Array) -> Array:
+        count = len(seen)
+        return states(np.tile(initial.position, (count, 1)), seen[:, :4], np.zeros((count, 3)), seen[:, 4:])
+
+    xml = '<joint type="ball"/>'
+    return Joints(xml, initial.quaternion, initial.angular_velocity, rows, initial.position)
+
+
+def slides_and_ball(scene: Scene) -> Joints:
+    return replace(free_joint(scene), xml=slide("1 0 0", "0 1 0", "0 0 1") + '<joint type="ball"/>')
+
+
+def free_joint(scene: Scene) -> Joints:
+    initial = scene.initial
+    qpos = (*initial.position, *initial.quaternion)
+    return Joints("<freejoint/>", qpos, (*initial.velocity, *initial.angular_velocity), lambda seen: seen)
+
+
+def slides_and_hinge(scene: Scene) -> Joints:
+    """The coordinates are x, y and yaw. Raises `NotFlat` for a body that does not lie flat."""
+    start, height = planar_state(scene).tolist(), scene.initial.position[2]
+
+    def rows(seen: Array) -> Array:
+        x, y, yaw, vx, vy, w = seen.T
+        nothing = np.zeros(len(seen))
+        return states(
+            np.column_stack([x, y, nothing + height]),
+            np.column_stack([np.cos(yaw / 2), nothing, nothing, np.sin(yaw / 2)]),
+            np.column_stack([vx, vy, nothing]),
+            np.column_stack([nothing, nothing, w]),
+        )
+
+    xml = slide("1 0 0", "0 1 0") + '<joint type="hinge" axis="0 0 1"/>'
+    return Joints(xml, tuple(start[:3]), tuple(start[3:]), rows, (0.0, 0.0, height))
+
+
+def slide(*axes: str) -> str:
+    return "".join(f'<joint type="slide" axis="{axis}"/>' for axis in axes)
+
+
+def principal_axes(scene: Scene, carried: Joints) -> str:
+    """The principal axes in the frame of the body of the XML."""
+    return numbers_written(*multiply(np.array(carried.turn), np.array(scene.body.axes)).tolist())
+
+
+def parts(scene: Scene, model: str, contact: Parts | None) -> Parts:
+    """What a model has besides its body; contact: of one that touches the plane."""
+    found = contact or Parts()
+    if contact is None and model in ("far-geometry", *TOUCHING) and scene.body.shape is not None:
+        plane = f'<geom type="plane" size="0 0 1" pos="0 0 {-FAR!r}"/>'
+        found = replace(found, flags="", plane=plane, geoms=geometry(scene.body.shape))
+    return replace(found, flags='energy="enable"', sensors=SENSORS) if model == "everything" else found
+
+
+def geometry(shape: Shape) -> str:
+    """The shape of a body, along its axes."""
+    size: tuple[float, ...]
+    match shape:
+        case Brick(semi_axes):
+            kind, size = "box", semi_axes
+        case Ellipsoid(semi_axes):
+            kind, size = "ellipsoid", semi_axes
+        case Cylinder(radius, half_length):
+            kind, size = "cylinder", (radius, half_length)
+        case Sphere(radius):
+            kind, size = "sphere", (radius,)
+    return f'<geom type="{kind}" size="{numbers_written(*size)}"/>'
+
+
+def resistance(drag: float, data: Any) -> Force:
+    """Drag (kg/m) as a force on joints whose first three velocities are those of the centre of mass.
+
+    data: that which is stepped. Its arrays are looked up once, here and below, for a look costs as much as the arithmetic.
+    """
+    velocities, forces = data.qvel[:3], data.qfrc_passive[:3]
+
+    def force(_model: Any, _data: Any) -> None:
+        x, y, z = velocities.tolist()
+        slowing = -drag * math.sqrt(x * x + y * y + z * z)
+        forces[:] = slowing * x, slowing * y, slowing * z
+
+    return force
+
+
+def braking(scene: Scene, plane: Plane, timestep: float, data: Any) -> Force:
+    """The friction of a flat body as a force on x, y and the last velocity, its spin.
+
+    Where friction would reverse the motion within a step, in the sense of the kinetic energy's scalar product, it is what
+    stops the body in that step. Where a law brakes translation and spin apart, they come to rest each for itself.
+    """
+    law, apart = smallest_friction(scene, plane)
+    mass, moment = scene.body.mass, scene.body.moments[2]
+    velocities, coordinates, forces = data.qvel, data.qpos, data.qfrc_passive
+    others = (0.0,) * (len(velocities) - 3)
+
+    def force(_model: Any, _data: Any) -> None:
+        x, y, *_, w = velocities.tolist()
+        if others:
+            *_, real, _, _, k = coordinates.tolist()
+            cosine, sine = real * real - k * k, 2 * real * k
+        else:
+            *_, yaw = coordinates.tolist()
+            cosine, sine = math.cos(yaw), math.sin(yaw)
+        f1, f2, torque = law(cosine * x + sine * y, cosine * y - sine * x, w)
+        fx, fy = cosine * f1 - sine * f2, sine * f1 + cosine * f2
+        sliding = mass * (x * x + y * y) + timestep * (fx * x + fy * y)
+        spinning = moment * w * w + timestep * torque * w
+        if not apart:
+            sliding = spinning = sliding + spinning
+        if sliding <= 0:
+            fx, fy = -mass * x / timestep, -mass * y / timestep
+        if spinning <= 0:
+            torque = -moment * w / timestep
+        forces[:] = fx, fy, *others, torque
+
+    return force

@@ -1,0 +1,75 @@
+"""Help for those who write case files: a file to begin with, and what lets an editor complete and check one."""
+
+import json
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
+from pydantic_core import core_schema
+
+from bodycheck.casefile import grammar
+from bodycheck.casefile.case import SUFFIX
+from bodycheck.errors import BadInput
+
+SCHEMA_FILE = "case.schema.json"
+"""Beside the shipped cases, whose first line tells editors of it."""
+
+TEMPLATE_FILE = "template.toml"
+TEMPLATE_NAME = "my-case"
+
+
+def new(name: str, folder: Path) -> Path:
+    """Write a commented case of this name into a folder and give the file's path. Raises `BadInput`."""
+    try:
+        TypeAdapter(grammar.Name).validate_python(name)
+    except ValidationError as error:
+        most = grammar.LONGEST_NAME
+        raise BadInput(f"name: read {name!r}; allowed: small letters, digits and hyphens, at most {most}") from error
+    path = folder / (name + SUFFIX)
+    try:
+        with path.open("x", encoding="utf-8") as stream:
+            stream.write(template().replace(f'name = "{TEMPLATE_NAME}"', f'name = "{name}"', 1))
+    except FileExistsError as error:
+        raise BadInput(f"{path}: is there already") from error
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
+    return path
+
+
+def template() -> str:
+    """The text of the case that `new` writes."""
+    return (resources.files("bodycheck.cases") / TEMPLATE_FILE).read_text("utf-8")
+
+
+def schema() -> str:
+    """The grammar of case files as a JSON Schema."""
+    made = {"$schema": _Schema.schema_dialect, **grammar.CaseTable.model_json_schema(schema_generator=_Schema)}
+    return json.dumps(made | {"title": f"Case file of bodycheck, format {grammar.FORMAT}"}, indent=2, ensure_ascii=False) + "\n"
+
+
+class _Schema(GenerateJsonSchema):
+    """Pydantic's JSON Schema in words that all editors know, of older drafts too."""
+
+    def nullable_schema(self, schema: core_schema.NullableSchema) -> JsonSchemaValue:
+        return self.generate_inner(schema["schema"])  # TOML knows no null: a key that is not there is left out
+
+    def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
+        made = super().default_schema(schema)
+        if made["default"] is None or isinstance(made["default"], dict):
+            del made["default"]
+        return made
+
+    def tuple_schema(self, schema: core_schema.TupleSchema) -> JsonSchemaValue:
+        made = super().tuple_schema(schema)
+        items: list[Any] = made.pop("prefixItems", [])
+        return made | {"items": items[0]} if items else made  # all coordinates of a vector are alike
+
+    def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> JsonSchemaValue:
+        made = super().tagged_union_schema(schema)
+        made.pop("discriminator", None)
+        return made
+
+    def field_title_should_be_set(self, schema: Any) -> bool:
+        return False

@@ -1,0 +1,128 @@
+"""Faults of case files that lie between keys: what the grammar of single keys cannot say."""
+
+import math
+from collections.abc import Iterator
+from typing import Any, get_args
+
+import numpy as np
+
+from bodycheck.casefile.grammar import LARGEST, LIMITS, MOST_POINTS, MOST_STEPS, Status, shape_of, with_shape
+from bodycheck.casefile.toml_positions import Path
+from bodycheck.reference.inertia import satisfies_triangle_inequality
+
+PART_SIZES = {
+    "brick": ("semi_axes",),
+    "ellipsoid": ("semi_axes",),
+    "cylinder": ("radius", "half_length"),
+    "sphere": ("radius",),
+}
+
+
+def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
+    """Faults that lie between keys, as (path, what is allowed), of a raw document that may have any other faults too."""
+    yield from _body_contradictions(_mapping(document.get("body")))
+    initial = _mapping(document.get("initial"))
+    for one, other in (("euler_zxz", "quaternion"), ("euler_rates", "angular_velocity")):
+        if one in initial and other in initial:
+            yield ("initial", other), f"says again what {one} says; give one of the two"
+    quaternion = _numbers(initial.get("quaternion"), 4)
+    if quaternion and not 0.999 < math.hypot(*quaternion) < 1.001:
+        yield ("initial", "quaternion"), f"its length is {math.hypot(*quaternion):.6g}; must be 1 within 0.1 %"
+    plane = _mapping(_mapping(document.get("scene")).get("plane"))
+    if plane.get("law") == "decoupled" and plane.get("pressure") == "balanced":
+        yield ("scene", "plane", "pressure"), "the decoupled law knows no place of the load; allowed: uniform"
+    duration = _number(_mapping(document.get("run")).get("duration"))
+    expectations = document.get("expect")
+    for index, expectation in enumerate(expectations if isinstance(expectations, list) else []):
+        for path, message in _expect_contradictions(_mapping(expectation), duration):
+            yield ("expect", index, *path), message
+    yield from _extremes_contradictions(_mapping(document.get("extremes")), duration)
+
+
+def _expect_contradictions(expectation: dict[str, Any], duration: float) -> Iterator[tuple[Path, str]]:
+    limits = [name for name in LIMITS if name in expectation]
+    status = expectation.get("status", "ok")
+    if not limits and "status" not in expectation:
+        yield (), f"expects nothing; give at least one of status, {', '.join(LIMITS)}"
+    if limits and status in get_args(Status) and status != "ok":
+        yield (limits[0],), f"a run that is {status} has no figures; give status alone"
+    for name in limits:
+        allowed = expectation[name]
+        if isinstance(allowed, dict):
+            if not allowed:
+                yield (name,), "gives no range; allowed: at_least, at_most"
+            if "at_most" in allowed and _number(allowed.get("at_least")) > _number(allowed["at_most"]):
+                yield (name,), "at_least is more than at_most"
+    for one, other in (("known", "until"), ("until", "known")):
+        if one in expectation and other not in expectation:
+            yield (other,), f"is missing: {one} needs it"
+    timestep = _number(expectation.get("timestep"))
+    if duration > 0 and timestep > 0 and duration / timestep > MOST_STEPS:
+        yield ("timestep",), f"makes {duration / timestep:.3g} steps; at most {MOST_STEPS:.0e} are allowed"
+
+
+def _extremes_contradictions(extremes: dict[str, Any], duration: float) -> Iterator[tuple[Path, str]]:
+    lengths = {name: len(values) for name, values in extremes.items() if isinstance(values, list)}
+    if "spin" in lengths and "timestep" in lengths:
+        lengths["spin"] *= lengths.pop("timestep")
+    points = sum(lengths.values())
+    if points > MOST_POINTS:
+        yield ("extremes",), f"makes {points} points; at most {MOST_POINTS} are allowed"
+    for name, allowed, least, most in (
+        ("timestep", "a step must divide the duration into 1 to {:.0e} steps", duration / MOST_STEPS, duration),
+        ("steps", "from 1 to {:.0e} are allowed", 1.0, MOST_STEPS),
+    ):
+        values = extremes.get(name)
+        for index, value in enumerate(values if isinstance(values, list) else []):
+            if (number := _number(value)) > 0 and duration > 0 and not least <= number <= most:
+                yield ("extremes", name, index), allowed.format(MOST_STEPS)
+
+
+def _body_contradictions(body: dict[str, Any]) -> Iterator[tuple[Path, str]]:
+    inertia = body.get("inertia")
+    moments, rows = _numbers(inertia, 3), [_numbers(row, 3) for row in inertia] if isinstance(inertia, list) else []
+    if len(rows) == 3 and all(rows):
+        tensor = np.array(rows)
+        if not np.allclose(tensor, tensor.T, rtol=1e-12, atol=0):
+            yield ("body", "inertia"), "the tensor must be symmetric"
+        else:
+            moments = np.linalg.eigvalsh(tensor).tolist()
+            if min(moments) <= 0:
+                yield ("body", "inertia"), f"its smallest principal moment is {min(moments):.6g}; all must be positive"
+    if moments and min(moments) > 0 and not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
+        yield ("body", "inertia"), "no body has these moments: none may exceed the sum of the other two"
+    if shape_of(with_shape(body)) == "none":
+        made = [key for key in ("inertia", "particles", "parts") if key in body]
+        if len(made) != 1:
+            yield ("body",), "a body without a shape needs one of inertia, particles, parts" + (" alone" if made else "")
+        if "inertia" in body and "mass" not in body:
+            yield ("body", "mass"), "is missing"
+        if made and "inertia" not in body and "mass" in body:
+            yield ("body", "mass"), f"says again what {made[0]} say; give one of the two"
+    parts = body.get("parts")
+    for index, part in enumerate(parts if isinstance(parts, list) else []):
+        needs = PART_SIZES.get(shape_of(part), ())
+        for key in ("semi_axes", "radius", "half_length"):
+            if needs and (key in needs) != (key in part):
+                what = "is missing" if key in needs else f"a {part['shape']} has none; allowed: {', '.join(needs)}"
+                yield ("body", "parts", index, key), what
+        if "euler_zxz" in _mapping(part) and "quaternion" in part:
+            yield ("body", "parts", index, "quaternion"), "says again what euler_zxz says; give one of the two"
+
+
+def _mapping(value: Any) -> dict[str, Any]:
+    return value if isinstance(value, dict) else {}
+
+
+def _number(value: Any) -> float:
+    """The value where it is a number within bounds, else 0: what else it may be is another fault."""
+    return (_numbers([value], 1) or [0.0])[0]
+
+
+def _numbers(value: Any, length: int) -> list[float] | None:
+    """The value where it is a list of that many finite numbers, else None: what else it may be is another fault."""
+    if not isinstance(value, list) or len(value) != length:
+        return None
+    if not all(isinstance(item, int | float) and not isinstance(item, bool) for item in value):
+        return None
+    return [float(item) for item in value] if all(abs(item) <= LARGEST for item in value) else None

@@ -1,0 +1,46 @@
+"""The command line: all commands, and how errors become messages and exit codes."""
+
+import sys
+
+from cyclopts import App, CycloptsError, Parameter
+
+from bodycheck.commands.authoring import expect, new, schema, validate
+from bodycheck.commands.diff import diff
+from bodycheck.commands.listing import cases, engines
+from bodycheck.commands.report import report
+from bodycheck.commands.run import run
+from bodycheck.commands.truth import truth
+from bodycheck.errors import BAD_INPUT, INTERRUPTED, BadInput
+from bodycheck.studies.ablation.command import ablate
+from bodycheck.studies.extremes.command import extremes
+from bodycheck.studies.releases.command import bisect, releases
+from bodycheck.studies.tradeoff.command import recommend, tradeoff
+
+app = App(
+    name="bodycheck",
+    help="Hold physics engines against rigid-body mechanics.",
+    help_epilogue="Exit codes: 0 everything held; 1 an expectation or a run failed; 2 bad input or usage.",
+    version_flags=["--version"],
+    default_parameter=Parameter(negative=(), show_default=False),
+)
+
+COMMANDS = (
+    *(run, tradeoff, recommend, extremes, ablate, releases, bisect, report, diff),
+    *(truth, cases, engines, validate, new, schema, expect),
+)
+
+for command in COMMANDS:
+    app.command(command)
+
+
+def main() -> None:
+    """The entry point of the command `bodycheck`."""
+    try:
+        code = app(exit_on_error=False, print_error=False, result_action="return_value")
+    except (CycloptsError, BadInput) as error:
+        print(error, file=sys.stderr)
+        code = BAD_INPUT
+    except KeyboardInterrupt:
+        print("bodycheck: interrupted", file=sys.stderr)
+        code = INTERRUPTED
+    sys.exit(code)

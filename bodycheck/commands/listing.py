@@ -1,0 +1,75 @@
+"""The commands `bodycheck cases` and `bodycheck engines`.
+
+Each imports what it needs when it runs, so that `--help` answers at once.
+"""
+
+from typing import TYPE_CHECKING
+
+from bodycheck.console import arguments
+from bodycheck.console.options import Json
+from bodycheck.errors import FAILED, OK
+
+if TYPE_CHECKING:
+    pass
+
+
+def cases(*, requires: bool = False, json: Json = False) -> int:
+    """List the cases that come with bodycheck.
+
+    Parameters
+    ----------
+    requires
+        Show what each scene requires of a model.
+    """
+    from dataclasses import asdict
+
+    from bodycheck.casefile.case import shipped
+    from bodycheck.console import terminal
+    from bodycheck.reference.requirements import requirements
+
+    loaded = arguments.load_cases(shipped())
+    if requires:
+        needs = {case.name: asdict(requirements(case.scene)) for case in loaded}
+        if json:
+            terminal.print_json([{"name": name, **needed} for name, needed in needs.items()])
+        else:
+            terminal.print_requirements(needs)
+    elif json:
+        terminal.print_json([{"name": c.name, "title": c.title, "source": c.source, "tags": c.tags} for c in loaded])
+    else:
+        terminal.print_table(("case", "title", "tags"), [(c.name, c.title, ", ".join(c.tags)) for c in loaded])
+    return OK
+
+
+def engines(
+    *,
+    check: bool = False,
+    json: Json = False,
+) -> int:
+    """List the engines, their versions and integrators.
+
+    Parameters
+    ----------
+    check
+        Also run each adapter through scenes with one obvious answer; exit 1 if one is wrong.
+    """
+    from bodycheck.console import terminal
+    from bodycheck.running import smoke
+
+    adapters, missing = arguments.load_engines(())
+    faults = {name: smoke.check(name) for name in adapters} if check else {}
+    if json:
+        checked: dict[str, dict[str, list[str]]] = {name: {"faults": found} for name, found in faults.items()}
+        terminal.print_json(
+            [
+                {"name": name, "version": adapter.version(), "integrators": adapter.integrators(), **checked.get(name, {})}
+                for name, adapter in adapters.items()
+            ]
+            + [{"name": name, "missing": why} for name, why in missing.items()]
+        )
+    else:
+        rows = [(name, adapter.version(), ", ".join(adapter.integrators())) for name, adapter in adapters.items()]
+        terminal.print_table(("engine", "version", "integrators"), rows + [(name, "-", why) for name, why in missing.items()])
+        for name, found in faults.items():
+            print("\n".join(found) if found else f"{name}: the adapter does what is obvious")
+    return FAILED if any(faults.values()) else OK

@@ -1,0 +1,164 @@
+"""What a folder of saved results holds: of runs, or of a study, which is found from what is in it.
+
+Nothing is simulated, and no engine need be installed.
+"""
+
+import csv
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import fields
+from pathlib import Path
+from types import UnionType
+from typing import Any, get_args
+
+from bodycheck.adapters.contract import MODEL_OPTION
+from bodycheck.casefile.case import CaseFaults
+from bodycheck.columns import COLUMNS
+from bodycheck.reports.runs.results_json import HEADER
+from bodycheck.reports.study import StudyReport
+from bodycheck.running import journal, store
+from bodycheck.running.store import BadFolder, Results
+from bodycheck.studies.ablation import page as ablation
+from bodycheck.studies.ablation.rows import Change, ModelRow
+from bodycheck.studies.extremes import page as extremes
+from bodycheck.studies.extremes.rows import Limit, Row
+from bodycheck.studies.orders import Order
+from bodycheck.studies.tradeoff import page as tradeoff
+
+Parse = Callable[[str], Any]
+
+EXTREMES = "extremes.jsonl"
+
+TRADEOFF = {"evaluations": int}
+"""Columns of tradeoff.csv beside those of results that are no decimal numbers."""
+
+INTERRUPTED = "was interrupted before it had anything to report; start it again with the same --out, and it goes on"
+
+
+def read(folder: Path) -> Results | StudyReport:
+    """The results of runs in a folder, or the report of the study in it.
+
+    Raises `BadFolder` for a folder that holds neither, or more than one, for a study that was interrupted, and for damage.
+    Results of runs may be interrupted: they say so.
+    """
+    if not folder.is_dir():
+        raise BadFolder(f"{folder}: there is no such folder" if not folder.exists() else f"{folder}: is not a folder")
+    there = [name for name in (store.RECORDS, EXTREMES) if (folder / name).is_file()]
+    if len(there) != 1:
+        found = " and ".join(there) or f"neither {store.RECORDS} nor {EXTREMES}"
+        raise BadFolder(f"{folder}: no folder of results: has {found}, of which bodycheck writes one into each")
+    with undamaged(folder):
+        if there == [EXTREMES]:
+            return _extremes(folder)
+        results = store.read(folder)
+        _check_header(results.header)
+        return _study(results) or results
+
+
+@contextmanager
+def undamaged(folder: Path) -> Iterator[None]:
+    """Raises `BadFolder` where what is read within the context is not what bodycheck has written."""
+    try:
+        yield
+    except CaseFaults as error:
+        raise BadFolder(f"{folder}: damaged: {error}") from error
+    except (OSError, KeyError, TypeError, ValueError) as error:
+        raise BadFolder(f"{folder}: damaged: {type(error).__name__}: {error}") from error
+
+
+def _check_header(header: Mapping[str, Any]) -> None:
+    """Raises `KeyError` where a header lacks what every report tells."""
+    for name in HEADER:
+        header[name]
+
+
+def _study(results: Results) -> StudyReport | None:
+    """The report of the study of which there is a table beside the runs."""
+    tables = [name for name in ("tradeoff.csv", "ablation.csv") if (results.folder / name).is_file()]
+    if not tables:
+        return None
+    if len(tables) > 1:
+        raise BadFolder(f"{results.folder}: holds {' and '.join(tables)}, of which one is of other results; remove that")
+    if not results.complete:
+        raise BadFolder(f"{results.folder}: the study {INTERRUPTED}")
+    return _tradeoff(results) if tables == ["tradeoff.csv"] else _ablation(results)
+
+
+def _tradeoff(results: Results) -> StudyReport:
+    kinds: dict[str, Parse] = {name: _PARSERS[column.kind] for name, column in COLUMNS.items()}
+    rows = _table(results.folder / "tradeoff.csv", kinds | TRADEOFF)
+    _check(results, "tradeoff.csv", {_key(row) for row in rows}, {_key(run) for run in _runs(results)})
+    orders = _table(results.folder / "orders.csv", _kinds(Order))
+    return tradeoff.present(results.header, rows, [Order(**order) for order in orders])
+
+
+def _ablation(results: Results) -> StudyReport:
+    rows = _table(results.folder / "ablation.csv", _kinds(ModelRow))
+    keys = {_key(row | {"integrator": f"{row['integrator']}{MODEL_OPTION}{row['model']}"}) for row in rows}
+    _check(results, "ablation.csv", keys, keys & {_key(run) for run in _runs(results)})
+    return ablation.present(results.header, results.cases, list(map(_model_row, rows)))
+
+
+def _extremes(folder: Path) -> StudyReport:
+    contents = journal.read(folder / EXTREMES)
+    _check_header(contents.header)
+    if not contents.complete:
+        raise BadFolder(f"{folder}: the study {INTERRUPTED}")
+    rows = [Row(**row) for row in _table(folder / "extremes.csv", _kinds(Row))]
+    limits = [Limit(**limit) for limit in _table(folder / "limits.csv", _kinds(Limit))]
+    made = [Row(**record["row"]) for record in contents.records if record["record"] == "run"]
+    if set(rows) != set(made):
+        raise BadFolder(f"{folder}: damaged: extremes.csv does not tell of the runs in {EXTREMES}")
+    return extremes.present(contents.header, rows, limits)
+
+
+def _check(results: Results, table: str, told: set[Any], made: set[Any]) -> None:
+    """Raises `BadFolder` where a table does not tell of the runs beside it."""
+    if not told or told != made:
+        raise BadFolder(
+            f"{results.folder}: {table} does not tell of the runs in {store.RECORDS}: it is damaged, or of other results; in "
+            "that case remove it"
+        )
+
+
+def _model_row(row: Mapping[str, Any]) -> ModelRow:
+    names = [field.name for field in fields(ModelRow) if field.name not in ("changes", "errors")]
+    changes = {
+        quantity: Change(*(row[f"{quantity}_{part}"] for part in ("change", "rounding", "time_step")))
+        for quantity in ("position", "attitude")
+        if row[f"{quantity}_change"] is not None
+    }
+    errors = {name: row[name] for name in COLUMNS if name not in names and row.get(name) is not None}
+    return ModelRow(**{name: row[name] for name in names}, changes=changes, errors=errors)
+
+
+def _runs(results: Results) -> Iterator[dict[str, Any]]:
+    return (record for record in results.records if record["record"] == "run")
+
+
+def _key(row: Mapping[str, Any]) -> tuple[str, str, str, float]:
+    return row["case"], row["engine"], row["integrator"], row["timestep"]
+
+
+def _truth_value(text: str) -> bool:
+    return {"True": True, "False": False}[text]
+
+
+_PARSERS: Mapping[str, Parse] = {"string": str, "boolean": _truth_value, "integer": int, "number": float}
+
+
+def _kinds(row: type) -> dict[str, Parse]:
+    """How the fields of a dataclass of rows are read, but for decimal numbers."""
+    types = {field.name: get_args(field.type) if isinstance(field.type, UnionType) else (field.type,) for field in fields(row)}
+    return {name: kind for name, allowed in types.items() for kind in (str, int) if kind in allowed}
+
+
+def _table(path: Path, kinds: Mapping[str, Parse]) -> list[dict[str, Any]]:
+    """The rows of a CSV file. kinds: how columns are read; all others are decimal numbers. None where an entry is empty."""
+
+    def value(name: str, text: str) -> Any:
+        parse = kinds.get(name, float)
+        return parse(text) if text or parse is str else None
+
+    with path.open(encoding="utf-8", newline="") as stream:
+        return [{name: value(name, text) for name, text in row.items()} for row in csv.DictReader(stream)]

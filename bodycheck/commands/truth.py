@@ -1,0 +1,62 @@
+"""The command `bodycheck truth`.
+
+It imports what it needs when it runs, so that `--help` answers at once.
+"""
+
+import sys
+from typing import TYPE_CHECKING, Annotated
+
+from cyclopts import Parameter
+
+from bodycheck.console import arguments
+from bodycheck.console.options import Json
+from bodycheck.errors import FAILED, OK, BadInput
+
+if TYPE_CHECKING:
+    pass
+
+
+def truth(
+    case: str,
+    /,
+    *,
+    at: Annotated[tuple[float, ...], Parameter(consume_multiple=True)] = (),
+    certify: bool = False,
+    json: Json = False,
+) -> int:
+    """Print the reference trajectory of a case and the bound of its error.
+
+    Parameters
+    ----------
+    case
+        The name of a shipped case, or the path of a case file.
+    at
+        Instants in s, in any order; the case's own by default.
+    certify
+        Also run every other way to the truth, 128-bit arithmetic among them, and print how far they are apart.
+    """
+    from bodycheck.console import terminal
+    from bodycheck.reference.integration.dop853 import OutOfReach
+    from bodycheck.reference.truth import NotModelled
+    from bodycheck.running import truths
+
+    (loaded,) = arguments.load_cases((case,))
+    if not all(0 <= instant < float("inf") for instant in at):
+        raise BadInput("--at: instants must be finite and at least 0 s")
+    times = sorted(at) or None
+    try:
+        certificate = truths.certify(loaded, times) if certify else None
+        found = certificate.truth if certificate else truths.truth(loaded, times)
+    except NotModelled as error:
+        print(f"{loaded.name}: unsupported: the reference does not model {error}", file=sys.stderr)
+        return FAILED
+    except OutOfReach as error:
+        print(f"{loaded.name}: the reference cannot follow this motion: {error}", file=sys.stderr)
+        return FAILED
+    if json:
+        terminal.print_json(truths.as_json(loaded, found) | (truths.certificate_as_json(certificate) if certificate else {}))
+    else:
+        terminal.print_truth(found, most_rows=len(at) or 11)
+        if certificate:
+            terminal.print_certificate(certificate)
+    return OK

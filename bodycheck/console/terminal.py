@@ -1,0 +1,173 @@
+"""What the command line shows: results on stdout, progress on stderr."""
+
+import json
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Table
+
+from bodycheck.judging.discrepancy import drifts
+from bodycheck.judging.expectation_writer import Change
+from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.certificate import Certificate
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truth import Truth
+from bodycheck.running.campaign import Advance
+
+if TYPE_CHECKING:
+    from bodycheck.judging.baseline import Difference
+
+WIDTH_OF_A_FILE = 200
+"""Columns of a table that goes into a file or a pipe."""
+
+
+def print_json(value: Any) -> None:
+    print(json.dumps(value, ensure_ascii=False))
+
+
+def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    table = Table(*header, box=None, header_style="bold", pad_edge=False)
+    for row in rows:
+        table.add_row(*map(escape, row))
+    console = Console()
+    console.width = console.width if console.is_terminal else WIDTH_OF_A_FILE
+    console.print(table)
+
+
+def print_requirements(needs: Mapping[str, Mapping[str, bool | str | int]]) -> None:
+    """A line a case: what it requires, by name."""
+
+    def text(value: bool | str | int) -> str:
+        return ("yes" if value else "-") if isinstance(value, bool) else str(value)
+
+    header = ("case", *(name.replace("_", " ") for name in next(iter(needs.values()))))
+    print_table(header, [(case, *map(text, needed.values())) for case, needed in needs.items()])
+
+
+def print_results(verdicts: Sequence[Verdict]) -> None:
+    """A line a run, and how many of them passed and failed."""
+    header = (
+        "case",
+        "engine",
+        "integrator",
+        "step",
+        "status",
+        "passed",
+        "position m",
+        "attitude rad",
+        "energy",
+        "us/step",
+        "reason",
+    )
+    print_table(header, map(_result, verdicts))
+    count = {passed: sum(verdict.passed is passed for verdict in verdicts) for passed in (True, False, None)}
+    print(f"{len(verdicts)} runs: {count[True]} passed, {count[False]} failed, {count[None]} without expectations")
+
+
+def _result(verdict: Verdict) -> tuple[str, ...]:
+    row = verdict.row()
+
+    def figure(*names: str, scale: float = 1.0) -> str:
+        return next((f"{row[name] * scale:.3g}" for name in names if name in row), "")
+
+    passed = {True: "passed", False: "FAILED", None: "-"}[verdict.passed]
+    return (
+        *(row["case"], row["engine"], row["integrator"], f"{row['timestep']:g}", row["status"], passed),
+        *(
+            figure("position_error"),
+            figure("attitude_error"),
+            figure("energy_drift", "energy_error"),
+            figure("time_per_step", scale=1e6),
+        ),
+        row["reason"],
+    )
+
+
+def print_changes(changes: Sequence[Change]) -> None:
+    """A line a measurement: what became of it."""
+    rows = [
+        (run.case, run.engine, run.method.integrator, f"{run.method.timestep:g}", change.text)
+        for change in changes
+        for run in (change.verdict.run,)
+    ]
+    print_table(("case", "engine", "integrator", "step", "its expectations"), rows)
+
+
+def print_difference(found: "Difference") -> None:
+    """A line a change, times that changed, and what matters most as one sentence."""
+    if found.changes:
+        header = ("case", "engine", "integrator", "step", "what", "base", "now", "explained", "change")
+        rows = [
+            (change.case, change.engine, change.integrator, f"{change.timestep:g}", change.what, *change.figures, change.amount)
+            for change in found.changes
+        ]
+        print_table(header, rows)
+    for pace in found.paces:
+        print(pace.text)
+    if found.changes:
+        print(found.text)
+
+
+def print_truth(truth: Truth, most_rows: int) -> None:
+    """The states at evenly chosen instants, and what made them."""
+    trajectory = truth.trajectory
+    chosen = np.unique(np.linspace(0, len(trajectory) - 1, min(most_rows, len(trajectory))).astype(int))
+
+    def vector(values: Any) -> str:
+        return " ".join(f"{value:.9g}" for value in values)
+
+    header = ("t s", "position m", "quaternion w x y z", "velocity m/s", "angular velocity (body) rad/s", "error rad")
+    rows = [
+        (
+            f"{trajectory.t[i]:g}",
+            *(vector(part[i]) for part in (trajectory.position, trajectory.quaternion, trajectory.velocity)),
+            vector(trajectory.angular_velocity[i]),
+            f"{truth.error[i]:.2g}",
+        )
+        for i in chosen
+    ]
+    print_table(header, rows)
+    left_out = f"; {len(chosen)} of {len(trajectory)} instants, --json prints all" if len(chosen) < len(trajectory) else ""
+    print(f"model {truth.model} ({truth.reason}), backend {truth.backend}{left_out}")
+    if truth.witnesses:
+        print(f"held against {'; '.join(truth.witnesses)}")
+
+
+def print_certificate(certificate: Certificate) -> None:
+    """How far the ways to the truth have been apart until some instants, and what the truth itself conserves."""
+    truth = certificate.truth
+    t = truth.trajectory.t
+    chosen = np.unique(np.searchsorted(t, np.linspace(0, t[-1], 5)[1:]))
+
+    def figures(values: Array) -> tuple[str, ...]:
+        return tuple(f"{values[i]:.1e}" for i in chosen)
+
+    print("\nlargest attitude difference so far, rad")
+    rows = [(f"{one} | {other}", *figures(apart)) for (one, other), apart in certificate.differences.items()]
+    rows += [("printed bound of the truth's error", *figures(truth.error)), ("certified bound", *figures(certificate.bound))]
+    print_table(("ways", *(f"until {t[i]:g} s" for i in chosen)), rows)
+    if certificate.growth is not None:
+        print(f"an error made on the way grows up to {certificate.growth.max():.2g}-fold")
+    energy, rotational, momentum = (f"{values.max():.1e}" for values in drifts(truth.trajectory, truth))
+    print(f"drifts of the truth itself, relative: energy {energy}, rotational energy {rotational}, angular momentum {momentum}")
+
+
+@contextmanager
+def progress(title: str, total: int) -> Iterator[Advance]:
+    """A progress bar on stderr, gone when done; call what it gives with a word on what is done."""
+    columns = (TextColumn(title), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.fields[last]}"))
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(title, total=total, last="")
+
+        def advance(last: str, count: int = 1, /) -> None:
+            bar.update(task, advance=count, last=escape(last))
+            if last and not console.is_terminal:
+                print(last, file=console.file)
+
+        yield advance

@@ -1,0 +1,125 @@
+"""Where a discrepancy of contact comes from: the form of the model, the contact's own softness or error, the time step.
+
+The engine's contacts stand for a friction law, say that of four corners whose loads balance the tipping of the body, which
+need not be the one that the case asks for.
+Both have exact truths: their difference is *model form*. What an engine tends to as its step goes to zero need not be the
+truth of its own law: that difference is *constraint*. What is left at a step, and vanishes with it, is *time step*. The three
+add up.
+"""
+
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from bodycheck.judging.judgement import LABEL, Verdict
+from bodycheck.reference.integration.dop853 import OutOfReach
+from bodycheck.reference.lying import Stop, yaw
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.stopping import measured_stop
+from bodycheck.reference.truth import NotModelled, truth
+from bodycheck.running.outcome import Completed, Run
+from bodycheck.running.store import Results
+
+QUANTITIES = ("stop_time", "stop_distance", "stop_yaw")
+"""s, m from the start, rad from the start."""
+
+
+@dataclass(frozen=True)
+class Attribution:
+    """The signed parts of one quantity's discrepancy, engine minus truth, in the quantity's unit.
+
+    total = model_form + constraint + time_step. model_form is None where the engine's contacts make no law of the reference;
+    the constraint then contains it. The last two are None for a method that was run with one step only.
+    """
+
+    case: str
+    engine: str
+    version: str
+    integrator: str
+    timestep: float
+    quantity: str
+    total: float
+    model_form: float | None
+    constraint: float | None
+    time_step: float | None
+
+
+COLUMNS = tuple(field.name for field in fields(Attribution))
+
+
+def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution]:
+    """The parts of every completed run on a plane whose truth stops.
+
+    The limit of a vanishing step is Richardson's, for a discrepancy of first order, from a method's two smallest steps.
+    """
+    exact = cache(_exact)
+    methods: dict[tuple[str, str, str], dict[float, Run]] = defaultdict(dict)
+    for run in (verdict.run for verdict in verdicts if isinstance(verdict.outcome, Completed)):
+        if results.cases[run.case].scene.plane is not None:
+            methods[run.case, run.engine, run.method.integrator][run.method.timestep] = run
+    found: list[Attribution] = []
+    for (case, engine, integrator), by_step in methods.items():
+        scene = results.cases[case].scene
+        law = next(iter(by_step.values())).contact_law
+        duration = results.cases[case].duration
+        asked, implied = exact(scene, duration), exact(replace(scene, plane=law), duration) if law is not None else None
+        if asked is None:
+            continue
+        seen = {
+            step: _quantities(scene, measured_stop(scene, run.outcome.trajectory))
+            for step, run in by_step.items()
+            if isinstance(run.outcome, Completed)
+        }
+        steps = sorted(seen)
+        for quantity in QUANTITIES:
+            limit = None
+            if len(steps) > 1:
+                fine, coarse = steps[:2]
+                slope = (seen[coarse][quantity] - seen[fine][quantity]) / (coarse - fine)
+                limit = seen[fine][quantity] - slope * fine
+            for step in steps:
+                found.append(
+                    Attribution(
+                        *(case, engine, by_step[step].version, integrator, step, quantity),
+                        total=seen[step][quantity] - asked[quantity],
+                        model_form=None if implied is None else implied[quantity] - asked[quantity],
+                        constraint=None if limit is None else limit - (implied or asked)[quantity],
+                        time_step=None if limit is None else seen[step][quantity] - limit,
+                    )
+                )
+    return found
+
+
+def write(attributions: Mapping[str, Iterable[Attribution]], folder: Path) -> None:
+    """attribution.csv in a folder, where there are any, by the label of their set of results; the only one has none."""
+    told = [(label, part) for label, own in attributions.items() for part in own]
+    frame = table(part for _, part in told)
+    if len(attributions) > 1:
+        frame.insert(0, LABEL, [label for label, _ in told])
+    if told:
+        frame.to_csv(folder / "attribution.csv", index=False)
+
+
+def table(attributions: Iterable[Attribution]) -> pd.DataFrame:
+    """A row a method, step and quantity, in the columns `COLUMNS`."""
+    return pd.DataFrame([asdict(attribution) for attribution in attributions], columns=list(COLUMNS))
+
+
+def _exact(scene: Scene, duration: float) -> dict[str, float] | None:
+    """The quantities of a scene's truth; None where it does not stop within a hundred times the duration (s)."""
+    try:
+        stop = truth(scene, np.array([0.0, 100 * duration])).stop
+    except (NotModelled, OutOfReach):
+        return None
+    return None if stop is None else _quantities(scene, stop)
+
+
+def _quantities(scene: Scene, stop: Stop) -> dict[str, float]:
+    way = math.dist(stop.position[:2], scene.initial.position[:2])
+    return dict(zip(QUANTITIES, (stop.time, way, stop.yaw - float(yaw(np.array(scene.initial.quaternion)))), strict=True))

@@ -1,0 +1,338 @@
+"""Baselines: results in one file, with what rounding explains of each figure, and later results held against them."""
+
+import json
+import math
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache, partial
+from pathlib import Path
+from statistics import median
+from typing import Any, Literal, get_args
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from bodycheck.casefile.expectation import unit
+from bodycheck.casefile.identity import identity
+from bodycheck.errors import BadInput
+from bodycheck.judging import judgement, rounding
+from bodycheck.judging.discrepancy import COLUMNS, FURTHER_COLUMNS, LOAD_COLUMNS
+from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.truth import Truth
+from bodycheck.running import campaign, pool
+from bodycheck.running.outcome import Completed, Run, Unsupported
+from bodycheck.running.plan import Task
+from bodycheck.running.store import Results
+
+FORMAT = 1
+METADATA = b"bodycheck"
+"""The key of what a file's schema says of the run: versions, machine, and the identities of its cases."""
+
+HEADER = ("bodycheck", "started", "machine", "packages", "engines")
+"""What is kept of the header of results."""
+
+ALLOWANCE = "_allowance"
+"""Behind the name of a figure: by how much it may differ where nothing has changed. See `rounding.allowances`."""
+
+FASTEST, SLOWEST = "time_per_step_low", "time_per_step_high"
+"""Of the runs that were made of a row (s)."""
+
+FIGURES = tuple(name for name in (*COLUMNS, *FURTHER_COLUMNS) if name != "truth_error")
+
+NEARLY_SAME = 1.01
+
+UNREST = 1.25
+"""By this factor the pace of a machine differs from one hour to the next."""
+
+Direction = Literal["worse", "better", "new"]
+DIRECTIONS = get_args(Direction)
+
+Key = tuple[str, str, str, float]
+"""Case, engine, integrator and time step (s)."""
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """A file that `save` has written. header: versions and machine. cases: identities by name."""
+
+    header: Mapping[str, Any]
+    cases: Mapping[str, str]
+    rows: Mapping[Key, Row]
+
+
+@dataclass(frozen=True)
+class Change:
+    """What is not as it was in one run. what: a figure's column, "status", or "run" for one that is in one file only.
+
+    base, now: None where there is none. allowance: of the difference of a figure.
+    """
+
+    case: str
+    engine: str
+    integrator: str
+    timestep: float
+    what: str
+    base: float | str | None
+    now: float | str | None
+    allowance: float | None
+    direction: Direction
+
+    @property
+    def factor(self) -> float:
+        """How many times farther from what is right the larger of two figures is; infinite where there are no two."""
+        if not (isinstance(self.base, float) and isinstance(self.now, float)):
+            return math.inf
+        least, most = sorted((_distance(self.what, self.base), _distance(self.what, self.now)))
+        return most / least if least > 0 else math.inf
+
+    @property
+    def figures(self) -> tuple[str, str, str]:
+        """Base, now and allowance, with as many digits as it takes to see a difference; empty where there is none."""
+        for digits in (3, 6, 9, 12, 17):
+            base, now = _said(self.base, digits), _said(self.now, digits)
+            if base != now:
+                break
+        return base, now, _said(self.allowance, 3)
+
+    @property
+    def amount(self) -> str:
+        """Better or worse, and how many times, or by what part of it where it is nearly the same."""
+        if not math.isfinite(self.factor):
+            return self.direction
+        if self.factor < NEARLY_SAME:
+            return f"{self.direction} by {self.factor - 1:.1g} of it"
+        return f"{self.factor:.3g} times {self.direction}"
+
+    @property
+    def text(self) -> str:
+        """As one sentence."""
+        where = f"{self.engine} {self.integrator} on {self.case}, {self.timestep:g} s"
+        if self.what == "run":
+            return f"{where}, {'is not run any more' if self.now is None else 'is new'}"
+        base, now, _ = self.figures
+        return f"{where}: {self.what} {base} → {now}{unit(self.what)}, {self.amount}"
+
+
+@dataclass(frozen=True)
+class Pace:
+    """A change of what the steps of a method cost on one machine, over some runs. factor: median of now over base."""
+
+    engine: str
+    integrator: str
+    factor: float
+    runs: int
+
+    @property
+    def text(self) -> str:
+        """As one sentence."""
+        times = f"{self.factor:.2g} times as long" if self.factor > 1 else f"{1 / self.factor:.2g} times less"
+        runs = "1 run" if self.runs == 1 else f"{self.runs} runs"
+        return f"{self.engine} {self.integrator}: a step takes {times} (median of {runs}, same machine)"
+
+
+@dataclass(frozen=True)
+class Difference:
+    """What differs between two baselines, the worst first. versions: what has another version now, with both."""
+
+    changes: tuple[Change, ...]
+    paces: tuple[Pace, ...]
+    versions: tuple[tuple[str, str, str], ...]
+
+    @property
+    def worse(self) -> tuple[Change, ...]:
+        return tuple(change for change in self.changes if change.direction == "worse")
+
+    @property
+    def text(self) -> str:
+        """As one sentence, of changes that there are."""
+        counts = {
+            direction: len({_key(change) for change in self.changes if change.direction == direction})
+            for direction in DIRECTIONS
+        }
+        tally = ", ".join(f"{count} {direction}" for direction, count in counts.items() if count)
+        versions = "".join(f"; {name} {base} → {now}" for name, base, now in self.versions)
+        return f"runs: {tally}; {self.changes[0].text}{versions}"
+
+
+def size(verdicts: Sequence[Verdict]) -> int:
+    """How many runs `save` makes."""
+    return rounding.NUDGES * sum(verdict.discrepancy is not None for verdict in verdicts)
+
+
+def save(
+    path: Path,
+    results: Results,
+    verdicts: Sequence[Verdict],
+    jobs: int,
+    progress: Callable[[str], None] = lambda done: None,
+) -> None:
+    """Write a baseline. Every completed run is made some times more, to see what rounding does to it.
+
+    progress is called with a word on each of these. Raises `BadInput` where the file cannot be written.
+    """
+    allowed = rows(results, verdicts, jobs, progress)
+    names = list(dict.fromkeys(name for row in allowed for name in row))
+    table = pa.table({name: [row.get(name) for row in allowed] for name in names})
+    told = {
+        "format": FORMAT,
+        "header": {name: results.header[name] for name in HEADER},
+        "cases": {name: identity(case) for name, case in results.cases.items()},
+    }
+    try:
+        pq.write_table(table.replace_schema_metadata({METADATA: json.dumps(told)}), path, compression="zstd")
+    except OSError as error:
+        raise BadInput(f"{path}: cannot be written: {error}") from error
+
+
+def read(path: Path) -> Baseline:
+    """The baseline in a file. Raises `BadInput`."""
+    try:
+        table = pq.read_table(path)
+        told = json.loads((table.schema.metadata or {})[METADATA])
+        if told["format"] != FORMAT:
+            raise ValueError(f"its format is {told['format']}, not {FORMAT}")
+        rows = {_row_key(row): row | {"status": str(row["status"])} for row in table.to_pylist()}
+        return Baseline({name: told["header"][name] for name in HEADER}, dict(told["cases"]), rows)
+    except (OSError, ValueError, KeyError, TypeError, pa.ArrowException) as error:
+        raise BadInput(f"{path}: no baseline that `bodycheck run --save` has written: {error}") from error
+
+
+def diff(base: Baseline, now: Baseline) -> Difference:
+    """What has changed, beyond what rounding and the truths' own errors explain.
+
+    Raises `BadInput` where a case is another one now, as then nothing can be said.
+    """
+    if other := sorted(name for name, told in base.cases.items() if now.cases.get(name, told) != told):
+        raise BadInput(f"the case itself has changed, save a new baseline: {', '.join(other)}")
+    found = [change for key in {**base.rows, **now.rows} for change in changes(key, base.rows.get(key), now.rows.get(key))]
+    found.sort(key=lambda change: (DIRECTIONS.index(change.direction), -change.factor))
+    same_machine = base.header["machine"] == now.header["machine"]
+    return Difference(tuple(found), tuple(_paces(base, now)) if same_machine else (), tuple(_versions(base, now)))
+
+
+def as_json(found: Difference) -> dict[str, Any]:
+    """What `bodycheck diff --json` prints."""
+    changes = [{**asdict(change), "text": change.text} for change in found.changes]
+    paces = [{**asdict(pace), "text": pace.text} for pace in found.paces]
+    versions = {name: {"base": base, "now": now} for name, base, now in found.versions}
+    return {"worse": len(found.worse), "changes": changes, "times": paces, "versions": versions}
+
+
+def rows(
+    results: Results, verdicts: Sequence[Verdict], jobs: int, progress: Callable[[str], None] = lambda done: None
+) -> list[Row]:
+    """The rows of results with an allowance of every figure, and with the fastest and the slowest step.
+
+    Every completed run is made `rounding.NUDGES` times more for it. progress is called with a word on each of these.
+    """
+    measured = _measured(results, verdicts, jobs, progress)
+    return [row | measured.get(_row_key(row), {}) for row in judgement.records(verdicts)]
+
+
+def _measured(results: Results, verdicts: Sequence[Verdict], jobs: int, progress: Callable[[str], None]) -> dict[Key, Row]:
+    """Allowances and times by the run's key."""
+    truths = lru_cache(1)(results.truth)
+    waiting = {_run_key(verdict.run): verdict.run for verdict in verdicts if verdict.discrepancy is not None}
+    tasks = [
+        Task(rounding.nudged(results.cases[run.case], run, seed), run.engine, run.method)
+        for run in waiting.values()
+        for seed in range(rounding.NUDGES)
+    ]
+    answers: dict[Key, list[Run]] = defaultdict(list)
+    found = {}
+    with closing(pool.call_all(campaign.perform, tasks, jobs, campaign.TIME_LIMIT)) as calls:
+        for task, answer in calls:
+            key = task.case.name, task.engine, task.method.integrator, task.method.timestep
+            progress(f"{task.case.name} · {task.engine} {task.method.integrator} {task.method.timestep:g} s, nudged")
+            assert not isinstance(answer, Truth)  # none was asked for
+            answers[key].append(answer if isinstance(answer, Run) else replace(waiting[key], outcome=answer))
+            if len(answers[key]) == rounding.NUDGES:
+                run = waiting.pop(key)
+                found[key] = _row_of(truths(run.case, run.method.timestep), run, answers.pop(key))
+    return found
+
+
+def _row_of(truth: Truth | Unsupported, run: Run, others: Sequence[Run]) -> Row:
+    assert isinstance(truth, Truth)  # the run has a discrepancy
+    allowed = {f"{name}{ALLOWANCE}": value for name, value in rounding.allowances(truth, run, others).items()}
+    completed = [one.outcome for one in (run, *others) if isinstance(one.outcome, Completed)]
+    times = [outcome.wall_time / outcome.steps for outcome in completed if outcome.steps]
+    return allowed | ({FASTEST: min(times), SLOWEST: max(times)} if times else {})
+
+
+def changes(key: Key, base: Row | None, now: Row | None) -> Iterator[Change]:
+    """What has changed in one run beyond both allowances, from its rows: its being there, its status, or its figures."""
+    change = partial(Change, *key)
+    if base is None or now is None:
+        there = [None if row is None else str(row["status"]) for row in (base, now)]
+        direction: Direction = "new" if base is None else "worse"
+        yield change(what="run", base=there[0], now=there[1], allowance=None, direction=direction)
+        return
+    if (was := base["status"]) != (is_now := now["status"]):
+        direction = "better" if _rank(is_now) < _rank(was) else "worse"
+        yield change(what="status", base=was, now=is_now, allowance=None, direction=direction)
+        return
+    for name in FIGURES:
+        figures, allowances = _both(base, now, name), _both(base, now, name + ALLOWANCE)
+        if figures is None or allowances is None or abs(figures[1] - figures[0]) <= sum(allowances):
+            continue
+        direction = "better" if _distance(name, figures[1]) < _distance(name, figures[0]) else "worse"
+        yield change(what=name, base=figures[0], now=figures[1], allowance=sum(allowances), direction=direction)
+
+
+def _both(base: Row, now: Row, name: str) -> tuple[float, float] | None:
+    """An entry of two rows, where both have it."""
+    one, other = base.get(name), now.get(name)
+    return None if one is None or other is None else (float(one), float(other))
+
+
+def _rank(status: str) -> int:
+    return (Completed.status, Unsupported.status).index(status) if status in (Completed.status, Unsupported.status) else 2
+
+
+def _said(value: float | str | None, digits: int) -> str:
+    return f"{value:.{digits}g}" if isinstance(value, float) else value or ""
+
+
+def _distance(name: str, value: float) -> float:
+    """How far a figure is from what is right: 0 of an error; of a load, one weight of the body all the time."""
+    return abs(value - 1.0) if name in LOAD_COLUMNS else value
+
+
+def _paces(base: Baseline, now: Baseline) -> Iterator[Pace]:
+    """Methods of which most runs take longer, or less, than the spreads of both times together and `UNREST` explain."""
+    factors: dict[tuple[str, str], list[tuple[float, float]]] = defaultdict(list)
+    for key in base.rows.keys() & now.rows.keys():
+        fastest, slowest = (_both(base.rows[key], now.rows[key], name) for name in (FASTEST, SLOWEST))
+        if fastest is not None and slowest is not None:
+            spread = slowest[0] / fastest[0] * slowest[1] / fastest[1]
+            factors[key[1], key[2]].append((math.sqrt(fastest[1] * slowest[1] / (fastest[0] * slowest[0])), spread))
+    for method, found in sorted(factors.items()):
+        middle = median(factor for factor, _ in found)
+        same_way = [(max(factor, 1 / factor), spread) for factor, spread in found if (factor > 1) == (middle > 1)]
+        beyond = [factor for factor, spread in same_way if factor > max(spread, UNREST)]
+        if len(beyond) > len(found) / 2:
+            yield Pace(*method, middle, len(found))
+
+
+def _versions(base: Baseline, now: Baseline) -> Iterator[tuple[str, str, str]]:
+    before, after = ({"bodycheck": one.header["bodycheck"], **one.header["engines"]} for one in (base, now))
+    for name in before.keys() & after.keys():
+        if before[name] != after[name]:
+            yield name, before[name], after[name]
+
+
+def _row_key(row: Mapping[str, Any]) -> Key:
+    return row["case"], row["engine"], row["integrator"], float(row["timestep"])
+
+
+def _run_key(run: Run) -> Key:
+    return run.case, run.engine, run.method.integrator, run.method.timestep
+
+
+def _key(change: Change) -> Key:
+    return change.case, change.engine, change.integrator, change.timestep

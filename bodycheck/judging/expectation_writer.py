@@ -1,0 +1,257 @@
+"""Expectations set from what was measured, in a case file that is left as it was in everything else.
+
+A limit is a margin times what was measured, rounded down to two digits. What is nothing but rounding differs between machines:
+such a figure is taken for its floor. A comment behind each limit says what was measured, with which version, and the margin.
+"""
+
+import json
+import math
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import ROUND_FLOOR, Context
+from pathlib import Path
+
+import numpy as np
+
+from bodycheck.adapters.contract import Adapter
+from bodycheck.casefile.case import Case, parse, shipped
+from bodycheck.casefile.grammar import LIMITS
+from bodycheck.casefile.toml_positions import entries
+from bodycheck.columns import UNITS
+from bodycheck.errors import BadInput
+from bodycheck.judging.discrepancy import CONSERVED, sizes
+from bodycheck.judging.judgement import Verdict, truth_bounds
+from bodycheck.reference.observables import observe
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truth import Truth
+from bodycheck.running import plan as planned
+from bodycheck.running.outcome import Crashed, TimedOut, Unsupported
+from bodycheck.running.plan import Task
+from bodycheck.running.simulation import DEFAULT_TIMESTEP
+from bodycheck.running.store import Results
+
+ROUNDING = 1e-12
+"""A figure below this part of what it is the difference of is nothing but rounding, as one below the truth's own bound is."""
+
+DIGITS = 2
+SMALLEST_MARGIN = 1.1
+"""Rounding down to two digits takes at most an eleventh."""
+
+COMMENT_COLUMN = 45
+OUR_COMMENT = rb"# \S+ x .*measured with .*"
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """What a method gave. figures: those that may be limited, and floors: below which they are rounding, by their names."""
+
+    verdict: Verdict
+    figures: Mapping[str, float]
+    floors: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Change:
+    """What became of a measurement, in words. done: whether the file agrees with it now."""
+
+    verdict: Verdict
+    text: str
+    done: bool = True
+
+
+@dataclass(frozen=True)
+class Edit:
+    """Of the bytes of a file."""
+
+    start: int
+    end: int
+    text: str
+
+
+def measure(verdict: Verdict, truth: Truth | Unsupported) -> Measurement:
+    """The figures of a run, none where it is not ok. truth: of its scene, at its instants."""
+    if verdict.discrepancy is None or isinstance(truth, Unsupported):
+        return Measurement(verdict, {}, {})
+    maxima = verdict.discrepancy.maxima()
+    figures = {name: maxima[name] for name in LIMITS if name in maxima}
+    return Measurement(verdict, figures, floors(truth, figures))
+
+
+def floors(truth: Truth, names: Iterable[str]) -> dict[str, float]:
+    """What rounding may come to in figures, in their units."""
+    scene, trajectory = truth.scene, truth.trajectory
+    duration = float(trajectory.t[-1])
+    length = max(_largest(trajectory.position), float(np.sqrt(max(scene.body.moments) / scene.body.mass)))
+    spin = max(_largest(trajectory.angular_velocity), 1 / duration)
+    scales = {"m": length, "rad": spin * duration, "rad/s": spin, "s": duration}
+    scales["m/s"] = max(_largest(trajectory.velocity), length / duration)
+    seen = observe(scene, trajectory)
+    energy = float((seen.kinetic_energy + np.abs(seen.potential_energy)).max())
+    largest = energy, float(seen.rotational_energy.max()), _largest(seen.angular_momentum)
+    for conserved, most, size in zip(CONSERVED, largest, sizes(scene, seen), strict=True):
+        scales |= {f"{conserved}_{kind}": max(most / size, 1.0) for kind in ("drift", "error")}
+    bounds = {name: float(bound.max()) for name, bound in truth_bounds(truth).items()}
+    return {name: max(ROUNDING * scales[UNITS.get(name, name)], bounds.get(name, 0.0)) for name in names}
+
+
+def _largest(vectors: Array) -> float:
+    return float(np.linalg.norm(vectors, axis=1).max())
+
+
+def check_margin(margin: float) -> None:
+    """Raises `BadInput` for a margin that rounding would bring below 1."""
+    if not SMALLEST_MARGIN <= margin < math.inf:
+        raise BadInput(f"--margin {margin:g}: must be at least {SMALLEST_MARGIN:g}, as limits are rounded down to two digits")
+
+
+def places(files: Sequence[str], cases: Sequence[Case]) -> dict[str, Path]:
+    """The files that cases came from, each given once or more, by the cases' names.
+
+    Raises `BadInput` where there are none, for the name of a shipped case, and for a file in which expectations are an array of
+    inline tables, to which none can be added.
+    """
+    if not files:
+        raise BadInput("expect: give at least one case file")
+    found = {}
+    for file, case in zip(dict.fromkeys(files), cases, strict=True):
+        if file in shipped():
+            raise BadInput(f"{file}: the name of a shipped case; give the path of a file, which will be written to")
+        expect = entries(case.text, [("expect",)]).get(("expect",))
+        if expect is not None and expect.value is not None:
+            raise BadInput(f"{file}: expect: an array; write its elements as [[expect]] tables, to which others can be added")
+        found[case.name] = Path(file)
+    return found
+
+
+def plan(
+    cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
+) -> tuple[Task, ...]:
+    """What is measured: the runs of `running.plan.plan`, without the finer steps that only serve to see an order.
+
+    Raises `BadInput` as `running.plan.plan` does.
+    """
+    return tuple(
+        task
+        for task in planned.plan(cases, engines, integrators, timesteps)
+        if task.method.timestep in (timesteps or (DEFAULT_TIMESTEP,))
+        or any(e.concerns(task.engine, task.method.integrator, task.method.timestep) for e in task.case.expectations)
+    )
+
+
+def write(results: Results, verdicts: Sequence[Verdict], places: Mapping[str, Path], margin: float) -> list[Change]:
+    """Set the expectations in the files of cases, by their names, from results that were judged. Raises `BadInput`."""
+    changes = []
+    for name, case in results.cases.items():
+        file, own = places[name], [verdict for verdict in verdicts if verdict.run.case == name]
+        measurements = [measure(verdict, results.truth(name, verdict.run.method.timestep)) for verdict in own]
+        text, made = rewrite(case, measurements, margin)
+        parse(text, str(file))
+        try:
+            if file.read_bytes() != case.text.encode():
+                raise BadInput(f"{file}: has changed meanwhile; nothing is written")
+            file.write_text(text, encoding="utf-8", newline="")
+        except OSError as error:
+            raise BadInput(f"{file}: cannot be written: {error.strerror}") from error
+        changes += made
+    return changes
+
+
+def rewrite(case: Case, measurements: Sequence[Measurement], margin: float) -> tuple[str, list[Change]]:
+    """The text of a case's file with its expectations set, and what was done.
+
+    Where something is expected of a method already, its numbers are renewed; ranges, orders, statuses and what is known to fail
+    stay. Of others all figures are limited, in tables at the end.
+    """
+    newline = "\r\n" if "\r\n" in case.text else "\n"
+    content = case.text.encode()
+    edits: list[Edit] = []
+    changes: list[Change] = []
+    tables: list[str] = []
+    for measurement in measurements:
+        verdict = measurement.verdict
+        run, outcome = verdict.run, verdict.outcome
+        places = [
+            place
+            for place, expectation in enumerate(case.expectations)
+            if expectation.concerns(run.engine, run.method.integrator, run.method.timestep)
+        ]
+        if isinstance(outcome, Crashed | TimedOut) and not places:
+            changes.append(Change(verdict, f"nothing is written: {outcome.status}: {outcome.reason}", done=False))
+        elif not places:
+            tables += ["", *_table(measurement, margin)]
+            changes.append(Change(verdict, "written"))
+        for place in places:
+            made, change = _renewed(case, place, measurement, margin)
+            edits += made
+            changes.append(change)
+    for edit in sorted(edits, key=lambda edit: edit.start, reverse=True):
+        content = content[: edit.start] + edit.text.encode() + content[edit.end :]
+    if tables and not content.endswith(b"\n"):
+        content += newline.encode()
+    return content.decode() + "".join(line + newline for line in tables), changes
+
+
+def _renewed(case: Case, place: int, measurement: Measurement, margin: float) -> tuple[list[Edit], Change]:
+    """The edits that renew the numbers of one of a case's expectations."""
+    verdict, expectation = measurement.verdict, case.expectations[place]
+    outcome = verdict.outcome
+    if expectation.known:
+        return [], Change(verdict, f"left as it is: known to fail ({expectation.known})")
+    if outcome.status != expectation.status:
+        found = f"{outcome.status}: {outcome.reason}".removesuffix(": ")
+        return [], Change(verdict, f"left as it is: {expectation.status} is expected, found is {found}", done=False)
+    content = case.text.encode()
+    there = entries(case.text, [("expect", place, name) for name in measurement.figures])
+    edits = []
+    for name in measurement.figures:
+        value = there[path].value if (path := ("expect", place, name)) in there else None
+        if value is not None and value.type in ("float", "integer"):
+            edits.append(_renewed_number(content, value.start_byte, value.end_byte, *_limit(measurement, name, margin)))
+    return edits, Change(verdict, "renewed" if edits else "left as it is: it has no numbers")
+
+
+def _renewed_number(content: bytes, start: int, end: int, number: str, comment: str) -> Edit:
+    """The edit that puts a number where another is, and a comment behind it, in the column of the one that is there.
+
+    A comment that is not one of ours stays.
+    """
+    rest = re.split(rb"[\r\n]", content[end:], maxsplit=1)[0]
+    line = content.rfind(b"\n", 0, start) + 1
+    if rest.strip():
+        column = end + rest.index(b"#") - line
+        comment = comment if re.fullmatch(OUR_COMMENT, rest.strip()) else rest.strip().decode()
+    else:
+        column = COMMENT_COLUMN
+    begun = content[line:start].decode() + number
+    return Edit(line, end + len(rest), f"{begun:<{column - 1}} {comment}")
+
+
+def _table(measurement: Measurement, margin: float) -> list[str]:
+    """The lines of a new expectation."""
+    run, status = measurement.verdict.run, measurement.verdict.outcome.status
+    lines = ["[[expect]]", f"engine = {_quoted(run.engine)}", f"integrator = {_quoted(run.method.integrator)}"]
+    lines.append(f"timestep = {run.method.timestep!r}")
+    if not measurement.figures:
+        return [*lines, f"{f'status = {_quoted(status)}':<{COMMENT_COLUMN - 1}} # found with {run.engine} {run.version}"]
+    for name in measurement.figures:
+        number, comment = _limit(measurement, name, margin)
+        lines.append(f"{f'{name} = {number}':<{COMMENT_COLUMN - 1}} {comment}")
+    return lines
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _limit(measurement: Measurement, name: str, margin: float) -> tuple[str, str]:
+    """The limit of a figure and the comment on it."""
+    value, floor, run = measurement.figures[name], measurement.floors[name], measurement.verdict.run
+    found = f"{value:.3g} measured with {run.engine} {run.version}"
+    if value >= floor:
+        return _rounded_down(margin * value), f"# {margin:g} x {found}"
+    return _rounded_down(margin * floor), f"# {margin:g} x {floor:.2g}, the floor: {found} is rounding"
+
+
+def _rounded_down(value: float) -> str:
+    return f"{float(Context(prec=DIGITS, rounding=ROUND_FLOOR).create_decimal(repr(value))):g}"

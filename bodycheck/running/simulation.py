@@ -1,0 +1,153 @@
+"""One run: a case through one engine with one method, in this process."""
+
+import math
+import time
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Adapter, EngineDiverged, EngineReset, Method, SceneUnsupported, Simulation, Strides
+from bodycheck.casefile.case import Case
+from bodycheck.reference.inertia import angular_momentum
+from bodycheck.reference.observables import observe
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.stopping import measured_stop
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import missing_model
+from bodycheck.running.outcome import Completed, Diverged, Load, Outcome, Run, Unsupported, crash
+
+DEFAULT_TIMESTEP = 0.002
+"""MuJoCo's default (s)."""
+
+WATCHED_STEPS = 20_000
+"""Steps over which the load of a contact is watched at most: it takes some ten times as long as stepping alone."""
+
+VISIBLE = 1e-6
+"""Part of its position by which, and angle (rad) through which, a body must move in a step to be seen in single precision."""
+
+OUT_OF_BOUNDS = 100.0
+"""A kinetic energy beyond this multiple of the most that mechanics allows is called diverged, not inaccurate."""
+
+
+def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT_TIMESTEP) -> Run:
+    """Run a case through an engine. How it ends is part of the run: no engine's failure raises.
+
+    Raises `EngineMissing` for an engine that is not there.
+    """
+    adapter = registry.load(engine)
+    method = Method(integrator, timestep)
+    law = adapter.contact_law(case.scene, method.integrator) if case.scene.plane is not None else None
+    return Run(case.name, engine, adapter.version(), method, _outcome(adapter, engine, case, method), law)
+
+
+def base(integrator: str) -> str:
+    """The name of an integrator without the options that may follow a colon."""
+    return integrator.partition(":")[0]
+
+
+def _outcome(adapter: Adapter, engine: str, case: Case, method: Method) -> Outcome:
+    named = f"{engine} {adapter.version()}"
+    try:
+        if base(method.integrator) not in map(base, adapter.integrators(case.scene)):
+            return Unsupported(f"{named} has no integrator {method.integrator!r} for this scene")
+        if (missing := missing_model(case.scene)) is not None:
+            return Unsupported(f"the reference does not model {missing}")
+        if (missing := adapter.unsupported(case.scene)) is not None:
+            return Unsupported(f"{named} does not model {missing}")
+        outcome = _advance(adapter.prepare(case.scene, method), case, method)
+        if case.scene.plane is None or not isinstance(outcome, Completed):
+            return outcome
+        return replace(outcome, load=_load(adapter, case.scene, method, outcome))
+    except SceneUnsupported as error:
+        return Unsupported(str(error))
+    except EngineDiverged as error:
+        return Diverged(str(error))
+    except (Exception, SystemExit) as error:  # whatever an engine raises is its outcome, not ours
+        return crash(error)
+
+
+def _load(adapter: Adapter, scene: Scene, method: Method, outcome: Completed) -> Load | None:
+    """The load until the stop, from a run of its own that is not timed; from the start on where nothing moves."""
+    stop = round(measured_stop(scene, outcome.trajectory).time / method.timestep)
+    load = adapter.contact_load(scene, method, min(stop or outcome.steps, WATCHED_STEPS))
+    if load is None or len(load) == 0 or scene.gravity == 0:
+        return None
+    weight = scene.body.mass * scene.gravity
+    return Load(float(load.mean()) / weight, float(load.max()) / weight, float((load > 0).mean()))
+
+
+def sampling_steps(instants: Array, timestep: float) -> Strides:
+    """The numbers of steps (m,) whose ends are nearest to the instants, each once."""
+    return np.unique(np.rint(instants / timestep).astype(np.int64))
+
+
+def _advance(simulation: Simulation, case: Case, method: Method) -> Outcome:
+    steps = sampling_steps(case.instants, method.timestep)
+    strides = np.diff(steps, prepend=0)
+    with np.errstate(all="ignore"):  # a run that overflows is judged by its states
+        start = time.perf_counter()
+        try:
+            rows = simulation.advance(strides)
+        except EngineDiverged as error:
+            signal: Literal["gave up", "reset"] = "reset" if isinstance(error, EngineReset) else "gave up"
+            return Diverged(str(error), signal, _trajectory(steps, method, error.rows))
+        wall_time = time.perf_counter() - start
+    rows = np.asarray(rows, dtype=np.float64)  # whatever else an engine's own type can do stays here
+    if rows.shape != (len(steps), 13):
+        raise ValueError(f"its states have the shape {rows.shape}, not {(len(steps), 13)}")
+    trajectory = _trajectory(steps, method, rows)
+    failed = _divergence(case.scene, trajectory) or _standstill(case.scene, trajectory, method.timestep)
+    return failed or Completed(trajectory, int(steps[-1]), wall_time)
+
+
+def _trajectory(steps: Strides, method: Method, rows: Array) -> Trajectory:
+    """States (k, 13) after the first k of some numbers of steps."""
+    t = steps[: len(rows)].astype(np.float64) * method.timestep
+    return Trajectory(t, rows[:, :3], rows[:, 3:7], rows[:, 7:10], rows[:, 10:])
+
+
+def _divergence(scene: Scene, trajectory: Trajectory) -> Diverged | None:
+    """The first instant at which the states are not numbers, or their kinetic energy is out of all bounds."""
+    t = trajectory.t
+    states = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
+    finite = np.isfinite(np.hstack(states)).all(axis=1)
+    if not finite.all():
+        return Diverged(f"not a number at t = {t[np.argmin(finite)]:.6g} s", trajectory=trajectory)
+    with np.errstate(over="ignore"):
+        kinetic = observe(scene, trajectory).kinetic_energy
+    most = _largest_kinetic_energy(scene, float(t[-1]))
+    beyond = kinetic > OUT_OF_BOUNDS * most
+    if most > 0 and beyond.any():
+        first = int(np.argmax(beyond))
+        reason = f"kinetic energy {kinetic[first] / most:.3g} times the most possible at t = {t[first]:.6g} s"
+        return Diverged(reason, trajectory=trajectory)
+    return None
+
+
+def _standstill(scene: Scene, trajectory: Trajectory, timestep: float) -> Diverged | None:
+    """States that are the same in every bit at all samples, although such a state cannot last.
+
+    With the velocity v the position moves by v h in a step h, with the spin w the attitude turns by |w| h, whatever acts; and
+    a body at rest falls where nothing carries it. Motion that rounding can hide is none, nor whole turns between samples.
+    """
+    states = np.hstack([trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity])
+    if len(states) < 2 or (states != states[0]).any():
+        return None
+    position, velocity = trajectory.position[0], trajectory.velocity[0]
+    spin = math.hypot(*trajectory.angular_velocity[0])
+    with np.errstate(all="ignore"):  # of too large numbers nothing is said
+        moves = (np.abs(velocity) * timestep > VISIBLE * np.abs(position)).any()
+        turns = spin * timestep > VISIBLE and (np.abs(np.sin(spin * np.diff(trajectory.t) / 2)) > VISIBLE).any()
+    falls = scene.plane is None and scene.gravity > 0 and not velocity.any()
+    if not (moves or turns or falls):
+        return None
+    return Diverged("the state never changes although the body moves", trajectory=trajectory)
+
+
+def _largest_kinetic_energy(scene: Scene, duration: float) -> float:
+    """What a fall of the whole duration and the slowest-turning axis could reach at most (J)."""
+    speed = math.hypot(*scene.initial.velocity) + scene.gravity * duration
+    momentum = math.hypot(*angular_momentum(scene.body, np.array(scene.initial.angular_velocity)))
+    return scene.body.mass * speed**2 / 2 + momentum**2 / (2 * min(scene.body.moments))

@@ -1,0 +1,61 @@
+"""The truth of a case."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bodycheck.casefile.case import Case
+from bodycheck.reference import certificate
+from bodycheck.reference.certificate import Certificate
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truth import Truth
+from bodycheck.reference.truth import truth as truth_of_scene
+
+
+def truth(case: Case, times: ArrayLike | None = None) -> Truth:
+    """The reference trajectory of a case and its error bound, at the case's instants or at ascending times (n,) >= 0 s.
+
+    Raises `bodycheck.reference.truth.NotModelled` for a scene that the reference has no model of, and
+    `bodycheck.reference.integration.dop853.OutOfReach` for a motion that it cannot follow.
+    """
+    return truth_of_scene(case.scene, _instants(case, times))
+
+
+def certify(case: Case, times: ArrayLike | None = None) -> Certificate:
+    """Every way to the truth of a case held against every other, at the instants and with the errors raised of `truth`."""
+    return certificate.certify(case.scene, _instants(case, times))
+
+
+def _instants(case: Case, times: ArrayLike | None) -> Array:
+    return case.instants if times is None else np.asarray(times, dtype=float)
+
+
+def as_json(case: Case, truth: Truth) -> dict[str, Any]:
+    """A truth as `bodycheck truth --json` prints it: arrays by name, and what made them."""
+    trajectory = truth.trajectory
+    return {
+        "case": case.name,
+        "model": truth.model,
+        "reason": truth.reason,
+        "backend": truth.backend,
+        "witnesses": list(truth.witnesses),
+        "t": trajectory.t.tolist(),
+        "position": trajectory.position.tolist(),
+        "quaternion": trajectory.quaternion.tolist(),
+        "velocity": trajectory.velocity.tolist(),
+        "angular_velocity": trajectory.angular_velocity.tolist(),
+        "truth_error": truth.error.tolist(),
+        "truth_position_error": truth.position_error.tolist(),
+    }
+
+
+def certificate_as_json(found: Certificate) -> dict[str, Any]:
+    """What `bodycheck truth --certify --json` adds: differences (rad) by pairs of ways, the bound, the growth of an error."""
+    return {
+        "differences": [
+            {"one": one, "other": other, "attitude": apart.tolist()} for (one, other), apart in found.differences.items()
+        ],
+        "certified_error": found.bound.tolist(),
+        "growth": None if found.growth is None else found.growth.tolist(),
+    }

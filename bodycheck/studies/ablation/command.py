@@ -1,0 +1,51 @@
+"""The command `bodycheck ablate`.
+
+It imports what it needs when it runs, so that `--help` answers at once.
+"""
+
+import sys
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from bodycheck.console.options import CaseName, Engines, Figures, Integrators, Jobs, Json, Out, Timesteps
+from bodycheck.errors import OK
+
+
+def ablate(
+    *cases: CaseName,
+    engine: Engines = (),
+    integrator: Annotated[
+        Integrators,
+        Parameter(help="An integrator to use; may be given several times. By default the first of each that has models."),
+    ] = (),
+    timestep: Timesteps = (),
+    out: Out = None,
+    figures: Figures = (),
+    jobs: Jobs = None,
+    json: Json = False,
+) -> int:
+    """Measure what a scene does not require: the same case on models that grow step by step, their costs and their errors.
+
+    The time step is 2 ms by default; half of it is run too. Costs are measured with one process. The table is ablation.csv.
+    """
+    from bodycheck import reports
+    from bodycheck.console import terminal
+    from bodycheck.console.arguments import check_has_folder
+    from bodycheck.console.ran import Selection, ran
+    from bodycheck.studies.ablation import printing, study
+    from bodycheck.studies.ablation.page import present
+
+    check_has_folder(figures, out)
+    with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out) as made:
+        results = made.results
+        rows = study.evaluate(results, timestep, made.adapters)
+        if out is not None:
+            study.write(rows, out)
+            reports.write_study(present(results.header, results.cases, rows), out, figures)
+            print(f"report: {out / 'report.html'}", file=sys.stderr)
+    if json:
+        terminal.print_json(study.records(rows))
+    else:
+        printing.print_ablation(rows)
+    return OK

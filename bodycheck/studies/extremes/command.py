@@ -1,0 +1,56 @@
+"""The command `bodycheck extremes`.
+
+It imports what it needs when it runs, so that `--help` answers at once.
+"""
+
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from bodycheck.console.options import CaseName, Engines, Figures, Integrators, Jobs, Json, Out
+from bodycheck.errors import OK
+
+
+def extremes(
+    *cases: CaseName,
+    engine: Engines = (),
+    integrator: Integrators = (),
+    out: Out = None,
+    figures: Figures = (),
+    jobs: Jobs = None,
+    json: Json = False,
+) -> int:
+    """Push cases and methods until they break, and say how they break.
+
+    Cases are those that have a table [extremes]. The tables are extremes.csv and limits.csv. A study that was killed is gone on
+    with when it is started again with the same --out.
+    """
+    from dataclasses import asdict
+
+    from bodycheck import reports
+    from bodycheck.console import terminal
+    from bodycheck.console.arguments import check_has_folder, load_cases, load_engines, processes
+    from bodycheck.running import campaign
+    from bodycheck.studies.extremes import printing, study
+    from bodycheck.studies.extremes.page import present
+
+    check_has_folder(figures, out)
+    loaded = [case for case in load_cases(cases) if cases or case.extremes]
+    adapters, missing = load_engines(engine)
+    planned = study.prepare(loaded, adapters, integrator)
+    head = campaign.header(sys.argv, {name: adapter.version() for name, adapter in adapters.items()}, missing)
+    with ExitStack() as stack:
+        folder = out or Path(stack.enter_context(TemporaryDirectory(prefix="bodycheck-")))
+        progress = stack.enter_context(terminal.progress("pushing", planned.size))
+        rows, limits = stack.enter_context(study.results(planned, folder, head, processes(jobs), progress))
+        if out is not None:
+            study.write(rows, limits, out)
+            reports.write_study(present(head, rows, limits), out, figures)
+    if json:
+        terminal.print_json({"rows": [asdict(row) for row in rows], "limits": [asdict(limit) for limit in limits]})
+    else:
+        printing.print_extremes(rows, limits)
+    if out is not None:
+        print(f"report: {out / 'report.html'}", file=sys.stderr)
+    return OK

@@ -1,0 +1,84 @@
+"""What became of a run: a status, what the engine itself said of it, and what was seen.
+
+The states of the run and the signals of its engine are both looked at, and neither decides alone: a reset is one where the
+engine says so and the motion is seen to begin again. Where mechanics has a truth, the motion is held against it; where it has
+none, the run is judged by what it should conserve.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.trajectory import Trajectory
+from bodycheck.reference.truth import Truth
+from bodycheck.running.outcome import Completed, Crashed, Diverged, Outcome, TimedOut, Unsupported
+from bodycheck.studies.extremes.rows import HEALTHY, NOTHING, STATUSES
+from bodycheck.studies.extremes.symptoms import errors, of_itself, of_truth, restart
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """One of `STATUSES`, the engine's own words, and what was seen, in words."""
+
+    status: str
+    engine_said: str
+    detail: str
+
+
+def diagnose(scene: Scene, outcome: Outcome, truth: Truth | Unsupported) -> Diagnosis:
+    """The diagnosis of a run of a scene; truth: at the run's own instants, or why there is none."""
+    with np.errstate(all="ignore"):  # what overflows is a symptom
+        match outcome:
+            case Completed(trajectory):
+                return _completed(scene, trajectory, truth)
+            case Diverged():
+                return _diverged(scene, outcome)
+            case Crashed(reason):
+                return Diagnosis("crashed", reason, "the engine raised an error")
+            case TimedOut(_) | Unsupported(_):
+                return Diagnosis(outcome.status, NOTHING, outcome.reason)
+
+
+def _completed(scene: Scene, trajectory: Trajectory, truth: Truth | Unsupported) -> Diagnosis:
+    symptoms = list(of_itself(scene, trajectory))
+    if isinstance(truth, Truth):
+        symptoms += of_truth(scene, trajectory, truth)
+        position, attitude = errors(scene, trajectory, truth)
+        nothing = f"attitude off by {attitude.max():.3g} rad, centre of mass by {position.max():.3g} m"
+    else:
+        nothing = f"judged by what is conserved alone: {truth.reason}"
+    status = max((symptom.status for symptom in symptoms), key=STATUSES.index, default="ok")
+    texts = [symptom.text for symptom in symptoms]
+    if not symptoms or isinstance(truth, Unsupported):
+        texts.append(nothing)
+    return Diagnosis(status, HEALTHY, "; ".join(texts))
+
+
+def _diverged(scene: Scene, outcome: Diverged) -> Diagnosis:
+    """A run that its states or its engine ended, with what was to be seen before."""
+    before = states(outcome)
+    symptoms = list(of_itself(scene, before)) if before is not None else []
+    earlier = [f"before, {symptom.text}" for symptom in symptoms]
+    if outcome.signal == "none":
+        frozen = any(symptom.status == "frozen" for symptom in symptoms)
+        return Diagnosis("frozen" if frozen else "diverged", HEALTHY, "; ".join([outcome.reason, *earlier]))
+    if outcome.trajectory is None or before is None:
+        return Diagnosis("diverged", outcome.reason, "there are no states to look at")
+    again = restart(scene, outcome.trajectory.part(slice(-2, None)))
+    status = "silent-reset" if outcome.signal == "reset" and again is not None else "diverged"
+    return Diagnosis(status, outcome.reason, "; ".join([again or "its states show no break", *earlier]))
+
+
+def states(outcome: Outcome) -> Trajectory | None:
+    """The states of a run that its engine stands by: all of one that completed, those before the end of one that diverged."""
+    match outcome:
+        case Completed(trajectory):
+            return trajectory
+        case Diverged(trajectory=Trajectory() as trajectory):
+            numbers = np.isfinite(np.hstack([trajectory.position, trajectory.velocity, trajectory.angular_velocity]))
+            sound = numbers.all(axis=1)
+            before = trajectory.part(slice(0, int(np.argmin(sound)) if not sound.all() else len(trajectory) - 1))
+            return before if len(before) else None
+        case _:
+            return None

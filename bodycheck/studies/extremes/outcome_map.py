@@ -1,0 +1,84 @@
+"""How runs end over spin and time step, as a heat map."""
+
+from collections.abc import Sequence
+
+from bodycheck.reports.charts import INK, Spec
+from bodycheck.studies.extremes.rows import STATUSES, Row
+
+COLOURS = {
+    "ok": "#009e73",
+    "inaccurate": "#f0e442",
+    "energy-loss": "#56b4e9",
+    "energy-gain": "#e69f00",
+    "frozen": "#c9b79c",
+    "diverged": "#d55e00",
+    "silent-reset": "#cc79a7",
+    "crashed": "#d96a6a",
+    "timeout": "#a9a9a9",
+    "unsupported": "#dedede",
+}
+"""Okabe and Ito's colours, which colour-blind readers tell apart, and others as light: black letters are readable on all."""
+
+LETTERS = {
+    "ok": "",
+    "inaccurate": "I",
+    "energy-loss": "−",
+    "energy-gain": "+",
+    "frozen": "F",
+    "diverged": "D",
+    "silent-reset": "R",
+    "crashed": "C",
+    "timeout": "T",
+    "unsupported": "U",
+}
+
+CELL = 26
+"""Height of a cell (pixels)."""
+
+
+def outcome_map(rows: Sequence[Row]) -> Spec:
+    """A cell a spin and time step, coloured and lettered by the status of the run there; complete with its data."""
+    seen = [status for status in STATUSES if any(row.status == status for row in rows)]
+    values = [{"spin": row.value, "step": row.timestep, "status": row.status, "detail": row.detail} for row in rows]
+    text = {"labelColor": INK, "titleColor": INK, "labelFontSize": 11, "titleFontSize": 11, "titleFontWeight": "normal"}
+    quiet = {"domain": False, "ticks": False, "grid": False}
+    powers = {"labelExpr": "replace(format(datum.value, '~e'), '+', '')", "labelAngle": 0}
+    legend = {f"datum.label == '{status}'": f"{LETTERS[status]} {status}".strip() for status in seen}
+    label = " : ".join(f"{test} ? '{shown}'" for test, shown in legend.items()) + " : datum.label"
+    colour = {"type": "nominal", "scale": {"domain": seen, "range": [COLOURS[status] for status in seen]}}
+    return {
+        "data": {"values": values},
+        "width": 560,
+        "height": CELL * len({row.timestep for row in rows}),
+        "encoding": {
+            "x": {"field": "spin", "type": "ordinal", "title": "Spin, rad/s", "axis": powers},
+            "y": {"field": "step", "type": "ordinal", "sort": "descending", "title": "Time step, s", "axis": powers},
+        },
+        "layer": [
+            {
+                "mark": {"type": "rect", "aria": False, "stroke": None},
+                "encoding": {
+                    "color": {**colour, "field": "status", "legend": {"labelExpr": label}},
+                    "tooltip": [
+                        {"field": "spin", "title": "spin, rad/s", "type": "quantitative"},
+                        {"field": "step", "title": "time step, s", "type": "quantitative"},
+                        {"field": "status", "type": "nominal"},
+                        {"field": "detail", "title": "seen", "type": "nominal"},
+                    ],
+                },
+            },
+            {
+                "transform": [{"calculate": f"{LETTERS!r}[datum.status]", "as": "letter"}],
+                "mark": {"type": "text", "color": "black", "fontSize": 12, "aria": False, "tooltip": None},
+                "encoding": {"text": {"field": "letter", "type": "nominal"}},
+            },
+        ],
+        "config": {
+            "background": None,
+            "font": "system-ui, sans-serif",
+            "view": {"stroke": None},
+            "axis": {**text, **quiet},
+            "scale": {"bandPaddingInner": 0.06},
+            "legend": {"labelColor": INK, "orient": "top", "title": None, "symbolType": "square", "labelLimit": 300},
+        },
+    }

@@ -1,0 +1,136 @@
+"""Answers of releases to questions: from the cache where they are known, else measured in the environments of the releases.
+
+An answer is known where everything that decides on it is the same: the release and its environment, the case, the methods,
+bodycheck's own source, the packages that it computes with, and the machine.
+"""
+
+from collections.abc import Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import cache
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, entry_points, version
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import bodycheck
+from bodycheck import adapters, reference
+from bodycheck.adapters import registry
+from bodycheck.casefile import case
+from bodycheck.environments import environments
+from bodycheck.environments.environments import Environment
+from bodycheck.running import machine, pool
+from bodycheck.running.outcome import Crashed, TimedOut
+from bodycheck.studies.releases.questions import TIME_LIMIT, Answer, Errand, Question, failed, put, stored
+
+if TYPE_CHECKING:
+    from bodycheck.running.campaign import Advance
+
+PACKAGES = ("numpy", "scipy", "heyoka", "pandas")
+"""With which a truth and a discrepancy are computed."""
+
+OWN = (bodycheck, adapters, reference)
+"""Packages whose source decides on an answer; from a checkout, the last two are linked folders, which `rglob` passes over."""
+
+Asked = tuple[Environment, Question]
+
+
+@dataclass(frozen=True)
+class Answers:
+    """by_question: what each release gives. measured: how many of the answers were made now; the others were known."""
+
+    by_question: Mapping[Asked, Answer]
+    measured: int
+
+    @property
+    def known(self) -> int:
+        return len(self.by_question) - self.measured
+
+
+def known(asked: Sequence[Asked]) -> bool:
+    """Whether all answers are there."""
+    return all(stored(_path(*pair)) is not None for pair in asked)
+
+
+def ask(asked: Sequence[Asked], jobs: int, progress: "Advance") -> Answers:
+    """The answers to all questions, in the order in which they were asked, measured in `jobs` processes where not known.
+
+    A release whose process dies, or that does not come to an end, has answers that say so.
+    """
+    paths = {pair: _path(*pair) for pair in dict.fromkeys(asked)}
+    found = {pair: answer for pair, path in paths.items() if (answer := stored(path)) is not None}
+    if found:
+        progress("", len(found))
+    errands = _errands({pair: path for pair, path in paths.items() if pair not in found}, jobs)
+    limit = TIME_LIMIT * max((len(errand.questions) for errand in errands), default=1)
+    with closing(pool.call_all(put, errands, jobs, limit + pool.FAREWELL)) as calls:
+        for errand, result in calls:
+            failure = failed(result) if isinstance(result, Crashed | TimedOut) else result
+            for question, path in errand.questions:
+                pair = errand.environment, question
+                found[pair] = stored(path) or failure
+                progress(f"{errand.environment.engine} {errand.environment.version} · {question.name}")
+    measured = sum(len(errand.questions) for errand in errands)
+    return Answers({pair: found[pair] for pair in paths}, measured)
+
+
+def _errands(left: Mapping[Asked, Path], jobs: int) -> list[Errand]:
+    """One a release; where there are fewer releases than processes, each has several."""
+    releases = dict.fromkeys(environment for environment, _ in left)
+    share = max(1, jobs // max(1, len(releases)))
+    return [
+        Errand(release, tuple((question, path) for (own, question), path in left.items() if own == release), share)
+        for release in releases
+    ]
+
+
+def _path(environment: Environment, question: Question) -> Path:
+    """The file of an answer, named after everything that decides on it."""
+    decides = _context(environment.engine), _contents(environment), question, _tolerated(question)
+    return environments.cache_folder() / "measurements" / f"{sha256(repr(decides).encode()).hexdigest()}.json"
+
+
+@cache
+def _contents(environment: Environment) -> tuple[object, ...]:
+    """What an environment is: its place, which tells the interpreter, and the packages that it has of its own."""
+    packages = ("lib/*/site-packages/*.dist-info", "Lib/site-packages/*.dist-info")
+    return environment, sorted({path.name for pattern in packages for path in environment.python.parents[1].glob(pattern)})
+
+
+def _tolerated(question: Question) -> tuple[bool, ...]:
+    """Which of the known discrepancies of a case count as held on this day."""
+    today = datetime.now(UTC).date()
+    expectations = case.parse(question.text, question.name).expectations
+    return tuple(expectation.until >= today for expectation in expectations if expectation.until is not None)
+
+
+@cache
+def _context(engine: str) -> tuple[object, ...]:
+    """What decides on all answers alike: bodycheck's own source and the adapter's, the packages, and the machine."""
+    return _digest(engine), [(name, _version(name)) for name in PACKAGES], machine.fingerprint()
+
+
+def _digest(engine: str) -> str:
+    found = {path.resolve() for package in OWN for folder in package.__path__ for path in Path(folder).rglob("*.py")}
+    files = sorted(found)
+    for point in entry_points(group=registry.GROUP, name=engine):
+        files += _sources(point.module.partition(".")[0])
+    return sha256(b"".join(sha256(path.read_bytes()).digest() for path in files)).hexdigest()
+
+
+def _sources(module: str) -> list[Path]:
+    """The files of a module at the top, or of a package, which is not imported for it."""
+    spec = find_spec(module)
+    if spec is None or spec.origin is None:
+        return []
+    folders = [path for folder in spec.submodule_search_locations or () for path in sorted(Path(folder).rglob("*.py"))]
+    return folders or [Path(spec.origin)]
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return ""

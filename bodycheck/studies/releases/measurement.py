@@ -1,0 +1,71 @@
+"""What one release of an engine gives: the program that the study of releases runs in the environment of each.
+
+`python -m bodycheck.studies.releases.measurement` reads questions from its input and writes the answer to each into a file,
+whole or not at all, as soon as it is known, so that what an interrupted study has measured is there for the next.
+"""
+
+import json
+import os
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Adapter
+from bodycheck.casefile import case
+from bodycheck.casefile.case import Case
+from bodycheck.judging import baseline, judgement
+from bodycheck.running import campaign
+from bodycheck.running.outcome import crash
+from bodycheck.running.plan import Task, plan
+from bodycheck.running.simulation import base
+from bodycheck.studies.releases.questions import Answer, Question, question_of, store
+from bodycheck.studies.tradeoff import study as tradeoff
+
+
+def main() -> None:
+    """Answer what is asked: one JSON object with `engine`, `jobs` and pairs of a question and a path."""
+    request = json.load(sys.stdin)
+    os.dup2(2, 1)  # what an engine prints is no answer
+    for asked, path in request["questions"]:
+        store(_answer(request["engine"], question_of(asked), request["jobs"]), Path(path))
+
+
+def _answer(engine: str, question: Question, jobs: int) -> Answer:
+    try:
+        adapter = registry.load(engine)
+        loaded = case.parse(question.text, question.name)
+        offered = tuple(adapter.integrators(loaded.scene))
+        version = adapter.version()
+    except Exception as error:  # whatever an engine raises is what there is to say of it
+        failed = crash(error)
+        return Answer(status=failed.status, failure=failed.reason)
+    tasks = _tasks(question, loaded, engine, adapter, offered)
+    if not tasks:
+        return Answer(offered)
+    head = campaign.header(sys.argv, {engine: version}, {})
+    with TemporaryDirectory(prefix="bodycheck-") as folder, campaign.results(tasks, Path(folder), head, jobs) as results:
+        verdicts = judgement.judge(results)
+        if question.kind == "figures":
+            return Answer(offered, rows=tuple(map(_plain, baseline.rows(results, verdicts, jobs))))
+        return Answer(offered, orders=tuple(tradeoff.orders(results, verdicts, {engine: adapter})))
+
+
+def _tasks(question: Question, loaded: Case, engine: str, adapter: Adapter, offered: Sequence[str]) -> Sequence[Task]:
+    """What the release can be asked to run of a question."""
+    there = tuple(name for name in question.integrators if base(name) in map(base, offered))
+    if question.integrators and not there:
+        return ()
+    make = plan if question.kind == "figures" else tradeoff.plan
+    return make([loaded], {engine: adapter}, there, question.timesteps)
+
+
+def _plain(row: dict[str, Any]) -> dict[str, Any]:
+    """Without what the run has no figure of."""
+    return {name: value for name, value in row.items() if value is not None}
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,245 @@
+"""What an upgrade of an engine changed: the same cases and methods in each of its releases, and where these differ."""
+
+import math
+import sys
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+from packaging.version import InvalidVersion, Version
+
+from bodycheck.casefile.case import Case
+from bodycheck.casefile.identity import identity
+from bodycheck.environments import environments
+from bodycheck.environments.environments import Environment, Unobtainable
+from bodycheck.errors import BadInput
+from bodycheck.judging import baseline
+from bodycheck.running import campaign, plan
+from bodycheck.running.outcome import Unsupported
+from bodycheck.running.simulation import base
+from bodycheck.studies.orders import Order
+from bodycheck.studies.releases import answers as release_answers
+from bodycheck.studies.releases.questions import Answer, Question
+from bodycheck.studies.releases.rows import STATUS, UNOBTAINABLE, Change, Found, Row
+from bodycheck.studies.tradeoff.recommendation import COLUMNS
+
+if TYPE_CHECKING:
+    from bodycheck.running.campaign import Advance
+
+Bar = Callable[[str, int], "AbstractContextManager[Advance]"]
+"""From a title and a number of things to do to what is told of each; see `bodycheck.console.terminal.progress`."""
+
+QUANTITIES = {column: quantity for quantity, columns in COLUMNS.items() for column in columns}
+"""Of which quantity a figure is, of those whose order is observed."""
+
+Method = tuple[str, float | None]
+"""Integrator and time step (s); None where no release could tell its methods."""
+
+Releases = Mapping[str, Environment | Unobtainable]
+
+
+@dataclass(frozen=True)
+class Tally:
+    """What it took: environments that were made, answers of releases that were measured, and those that were known."""
+
+    made: int
+    measured: int
+    known: int
+
+    @property
+    def text(self) -> str:
+        return f"environments made: {self.made}; measured: {self.measured}; from the cache: {self.known}"
+
+
+def version(text: str) -> str:
+    """A version as it is written everywhere. Raises `BadInput` for what is none."""
+    try:
+        return str(Version(text))
+    except InvalidVersion as error:
+        raise BadInput(f"{text!r} is no version; one looks like 3.2.0") from error
+
+
+def chosen(engine: str, versions: Sequence[str], last: int | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """The versions that are named and the newest `last` ones, ascending, and what a reader must know of the choice.
+
+    Where there is no index to ask, the newest ones are those of the environments that are there. Raises `BadInput`.
+    """
+    names, notices = {Version(version(text)): version(text) for text in versions}, []
+    if last is not None:
+        if last < 1:
+            raise BadInput(f"--last {last}: must be at least 1")
+        try:
+            newest = environments.releases(engine)[-last:]
+        except Unobtainable as error:
+            newest = tuple(kept(engine))[-last:]
+            notices.append(f"{error}; the newest ones are those whose environments are there")
+        names |= {Version(name): name for name in newest}
+    if not names:
+        raise BadInput("; ".join(notices) or "give versions, or how many of the newest: --last N")
+    return tuple(names[one] for one in sorted(names)), tuple(notices)
+
+
+def study(
+    engine: str,
+    versions: Sequence[str],
+    cases: Sequence[Case],
+    integrators: Sequence[str],
+    timesteps: Sequence[float],
+    jobs: int,
+    bar: Bar,
+    notices: Sequence[str] = (),
+) -> tuple[Found, Tally]:
+    """The rows and changes of releases, ascending. notices: what a reader must know of the choice.
+
+    Raises `BadInput` for an integrator that no release has, and for a time step that cannot be run.
+    """
+    plan.check(cases, {}, (), timesteps)
+    questions = [Question("figures", case.name, case.text, tuple(integrators), tuple(timesteps)) for case in cases]
+    there = kept(engine)
+    obtained = _obtained(engine, versions, questions, jobs, bar)
+    with bar("measuring", len(questions) * sum(isinstance(one, Environment) for one in obtained.values())) as progress:
+        asked = [(one, question) for one in obtained.values() if isinstance(one, Environment) for question in questions]
+        figures = release_answers.ask(asked, jobs, progress)
+    answers = {(one.version, question.name): answer for (one, question), answer in figures.by_question.items()}
+    _refuse_unknown(engine, integrators, answers.values())
+    rows = [row for case in cases for row in rows_of(engine, case, obtained, answers)]
+    bare = list(changes(rows))
+    dear = list(dict.fromkeys(_convergences(bare, {case.name: case for case in cases}, obtained)))
+    with bar("observing orders", len(dear)) as progress:
+        observed = release_answers.ask(dear, jobs, progress)
+    orders = {
+        (one.version, question.name, *question.integrators): answer for (one, question), answer in observed.by_question.items()
+    }
+    head = campaign.header(sys.argv, {engine: " to ".join(dict.fromkeys((versions[0], versions[-1])))}, {})
+    unmeasured = {version: str(one) for version, one in obtained.items() if isinstance(one, Unobtainable)}
+    unmeasured |= {version: answer.failure for (version, _), answer in answers.items() if answer.failure}
+    head |= {"versions": list(versions), "unmeasured": unmeasured, "notices": list(notices)}
+    head["cases"] = {case.name: identity(case) for case in cases}
+    tally = Tally(
+        sum(isinstance(one, Environment) and one.version not in there for one in obtained.values()),
+        figures.measured + observed.measured,
+        figures.known + observed.known,
+    )
+    return Found(head, tuple(rows), tuple(_with_orders(change, orders) for change in bare)), tally
+
+
+def kept(engine: str) -> Mapping[str, Environment]:
+    """The environments that are there, by version. Raises `BadInput` for an engine that says not what it is installed from."""
+    try:
+        return environments.kept(engine)
+    except Unobtainable as error:
+        raise BadInput(str(error)) from error
+
+
+def _obtained(engine: str, versions: Sequence[str], questions: Sequence[Question], jobs: int, bar: Bar) -> Releases:
+    """Environments, sound ones where anything is still to be run; where all is known it is enough that they are there."""
+    there = kept(engine)
+    left = [
+        version
+        for version in versions
+        if version not in there or not release_answers.known([(there[version], question) for question in questions])
+    ]
+    with bar("obtaining", len(left)) as progress:
+        made = environments.obtain_all(engine, left, jobs, progress)
+    return {version: made.get(version) or there[version] for version in versions}
+
+
+def changes(rows: Sequence[Row]) -> Iterator[Change]:
+    """What a method gives in one version and not in the next of which there is a row, orders and schemes aside.
+
+    rows: the versions of a method on a case in their order.
+    """
+    methods: dict[tuple[str, str, str, float], list[Row]] = defaultdict(list)
+    for row in rows:
+        if row["status"] != UNOBTAINABLE and row["timestep"] is not None:
+            methods[row["case"], row["engine"], row["integrator"], row["timestep"]].append(row)
+    for key, own in methods.items():
+        for before, after in pairwise(own):
+            for change in baseline.changes(key, dict(before), dict(after)):
+                yield _bare(change, before["version"], after["version"])
+
+
+def _bare(change: baseline.Change, before: str, after: str) -> Change:
+    assert change.base is not None  # both are there
+    assert change.now is not None
+    return Change(
+        engine=change.engine,
+        case=change.case,
+        integrator=change.integrator,
+        quantity=change.what,
+        from_version=before,
+        to_version=after,
+        before=change.base,
+        after=change.now,
+        factor=change.factor if math.isfinite(change.factor) else None,
+        order_before=None,
+        order_after=None,
+        scheme_before="",
+        scheme_after="",
+        timestep=change.timestep,
+        allowance=change.allowance,
+    )
+
+
+def _refuse_unknown(engine: str, integrators: Sequence[str], answers: Iterable[Answer]) -> None:
+    offered = dict.fromkeys(name for answer in answers for name in answer.offered)
+    for integrator in integrators:
+        if offered and base(integrator) not in map(base, offered):
+            raise BadInput(
+                f"none of these releases of {engine} has an integrator {integrator!r}; there are: {', '.join(offered)}"
+            )
+
+
+def rows_of(engine: str, case: Case, obtained: Releases, answers: Mapping[tuple[str, str], Answer]) -> Iterator[Row]:
+    """A row a method and version, in the order of the newest release's methods: what was measured, or why nothing was.
+
+    obtained: by version, ascending. answers: by version and case.
+    """
+    measured = {
+        (row["integrator"], row["timestep"], version): row | {"version": version}
+        for version in reversed(list(obtained))
+        if (version, case.name) in answers
+        for row in answers[version, case.name].rows
+    }
+    methods: list[Method] = list(dict.fromkeys((integrator, timestep) for integrator, timestep, _ in measured)) or [("", None)]
+    for integrator, timestep in methods:
+        for version, one in obtained.items():
+            row = {"case": case.name, "engine": engine, "version": version, "integrator": integrator, "timestep": timestep}
+            if isinstance(one, Unobtainable):
+                yield row | {"status": UNOBTAINABLE, "reason": str(one)}
+            elif (integrator, timestep, version) in measured:
+                yield measured[integrator, timestep, version]
+            elif (answer := answers[version, case.name]).failure:
+                yield row | {"status": answer.status, "passed": False, "reason": answer.failure}
+            else:
+                lacks = f"{engine} {version} has no integrator {integrator!r} for this scene"
+                yield row | {"status": Unsupported.status, "reason": lacks}
+
+
+def _convergences(
+    found: Sequence[Change], cases: Mapping[str, Case], obtained: Releases
+) -> Iterator[tuple[Environment, Question]]:
+    """What is to be asked of both releases where a figure changed: how the method converges."""
+    for change in found:
+        for version in (change.from_version, change.to_version):
+            one = obtained[version]
+            if change.quantity != STATUS and isinstance(one, Environment):
+                yield one, Question("orders", change.case, cases[change.case].text, (change.integrator,))
+
+
+def _with_orders(change: Change, answers: Mapping[tuple[str, ...], Answer]) -> Change:
+    before, after = (
+        _order(change, answers.get((version, change.case, change.integrator)))
+        for version in (change.from_version, change.to_version)
+    )
+    return replace(change, order_before=before[0], order_after=after[0], scheme_before=before[1], scheme_after=after[1])
+
+
+def _order(change: Change, answer: Answer | None) -> tuple[float | None, str]:
+    """The order in the quantity of a change, and the scheme of its method."""
+    orders: dict[str, Order] = {} if answer is None else {order.quantity: order for order in answer.orders}
+    own = orders.get(QUANTITIES.get(change.quantity, ""))
+    return (own.order if own else None), next((order.scheme for order in orders.values()), "")

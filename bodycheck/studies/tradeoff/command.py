@@ -1,0 +1,104 @@
+"""The commands `bodycheck tradeoff` and `bodycheck recommend`.
+
+Each imports what it needs when it runs, so that `--help` answers at once.
+"""
+
+import sys
+from typing import Literal
+
+from bodycheck.console.options import CaseName, Engines, Figures, Integrators, Jobs, Json, Out, Timesteps
+from bodycheck.errors import FAILED, OK, BadInput
+
+
+def tradeoff(
+    *cases: CaseName,
+    engine: Engines = (),
+    integrator: Integrators = (),
+    timestep: Timesteps = (),
+    out: Out = None,
+    figures: Figures = (),
+    jobs: Jobs = None,
+    json: Json = False,
+) -> int:
+    """Measure the trade of speed for accuracy: error and cost over a ladder of time steps, orders, and which scheme it is.
+
+    Time steps are by default a ladder that suits the case; orders need five or more. Costs are measured with one process. The
+    tables are tradeoff.csv and orders.csv.
+    """
+    from dataclasses import asdict
+
+    from bodycheck import reports
+    from bodycheck.console import terminal
+    from bodycheck.console.arguments import check_has_folder
+    from bodycheck.console.ran import Selection, ran
+    from bodycheck.judging import judgement
+    from bodycheck.studies.tradeoff import printing, study
+    from bodycheck.studies.tradeoff.page import present
+
+    check_has_folder(figures, out)
+    with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out) as made:
+        results, adapters = made.results, made.adapters
+        verdicts = judgement.judge(results)
+        with terminal.progress("measuring", 2 * len(results.cases)) as progress:
+            rows = study.price(results, verdicts, adapters, progress)
+            orders = study.orders(results, verdicts, adapters, progress)
+        if out is not None:
+            study.write(rows, orders, out)
+            reports.write_study(present(results.header, rows, orders), out, figures)
+            print(f"report: {out / 'report.html'}", file=sys.stderr)
+    if json:
+        terminal.print_json({"rows": rows, "orders": [asdict(order) for order in orders]})
+    else:
+        printing.print_tradeoff(rows, orders)
+    return OK
+
+
+def recommend(
+    case: str,
+    /,
+    *,
+    error: float,
+    quantity: Literal["attitude", "position", "energy", "angular_momentum"] = "attitude",
+    engine: Engines = (),
+    integrator: Integrators = (),
+    timestep: Timesteps = (),
+    jobs: Jobs = None,
+    json: Json = False,
+) -> int:
+    """Find the cheapest methods that keep an error below a limit, all measured, none extrapolated.
+
+    Time steps are by default a ladder that suits the case. Costs are measured with one process.
+
+    Parameters
+    ----------
+    case
+        The name of a shipped case, or the path of a case file.
+    error
+        The most that the error may be: in rad, m, or relative.
+    quantity
+        What the error is of.
+    """
+    from dataclasses import asdict
+
+    from bodycheck.console import terminal
+    from bodycheck.console.ran import Selection, ran
+    from bodycheck.judging import judgement
+    from bodycheck.studies.tradeoff import printing, recommendation, study
+
+    if not error > 0:
+        raise BadInput(f"--error {error:g}: must be positive")
+    with ran(Selection((case,), engine, integrator, timestep, jobs), study.plan, None) as made:
+        results, adapters = made.results, made.adapters
+        with terminal.progress("measuring", 1) as progress:
+            rows = study.price(results, judgement.judge(results), adapters, progress)
+        (name,) = results.cases
+    found = recommendation.recommend(rows, quantity, error)
+    front = recommendation.pareto(rows, quantity)
+    if json:
+        document = {"case": name, "quantity": quantity, "error": error}
+        terminal.print_json(
+            document | {"recommended": [asdict(entry) for entry in found], "pareto": [asdict(method) for method in front]}
+        )
+    else:
+        printing.print_recommendations(found, front, quantity, error)
+    return OK if found else FAILED

@@ -1,0 +1,263 @@
+"""What the tradeoff study found, as sentences made of measurements."""
+
+from collections import Counter, defaultdict
+from collections.abc import Collection, Mapping, Sequence
+
+from bodycheck.judging.convergence import UNITS
+from bodycheck.reports.lines import Line
+from bodycheck.reports.quantities import bound, count, listing, milliseconds, number
+from bodycheck.reports.runs.summary import MOST_NAMES, TELLING, TELLING_POSITION, Finding
+from bodycheck.studies.orders import Order
+from bodycheck.studies.tradeoff.measurements import CaseMeasurements
+from bodycheck.studies.tradeoff.recommendation import Measured
+
+SHORT = 0.25
+"""An observed order falls short when even its most is so much below what is claimed."""
+
+CLAIMED = ("attitude", "position")
+"""Quantities in which a claimed order is held against a method."""
+
+EXPLAINED = 0.01
+"""A scheme explains a discrepancy of which it leaves no larger part."""
+
+TELLING_FLOOR = 1e-6
+"""Floors (rad, m) above this are no rounding, and told."""
+
+ROUND_ERRORS = (1e-3, 1e-6)
+"""Errors (rad, m) for which the cheapest method is named."""
+
+Method = tuple[str, str]
+"""engine, integrator"""
+
+Lines = Mapping[Method, Line]
+Place = tuple[CaseMeasurements, Order]
+Identified = tuple[str, float, float]
+"""A case, by how much a method's attitude differs from a scheme's there (rad), and from the truth's (rad)."""
+
+Floor = tuple[Method, float, float]
+"""A method, the least of its errors (rad, m), and the smallest of its time steps (s)."""
+
+
+def findings(cases: Sequence[CaseMeasurements], lines: Lines) -> tuple[Finding, ...]:
+    """What a reader must know first; lines: by engine and integrator."""
+    return (*_orders(cases, lines), *_schemes(cases, lines), *_floors(cases, lines), *_cheapest(cases, lines))
+
+
+def falls_short(case: CaseMeasurements, order: Order) -> bool:
+    """Whether the order observed in attitude or position is less than claimed, where one as claimed would have been seen.
+
+    It would have been where the part of the error that the time step makes is far above what the truth is known to.
+    """
+    if order.quantity not in CLAIMED or order.order_high is None or order.claimed is None or case.contact:
+        return False
+    return order.order_high < order.claimed - SHORT and _telling(case, order)
+
+
+def _telling(case: CaseMeasurements, order: Order) -> bool:
+    limit = {"attitude": TELLING * case.truth_error("attitude"), "position": TELLING_POSITION}[order.quantity]
+    errors = [point.error for point in _own_points(case, order)]
+    return bool(errors) and max(errors) - min(errors) > limit
+
+
+def _own_points(case: CaseMeasurements, order: Order) -> list[Measured]:
+    """What was measured of a method, a time step each."""
+    return [point for point in case.points(order.quantity) if _method(point) == _method(order)]
+
+
+def _orders(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
+    """Claimed orders that fall short, a sentence for methods that do alike; or that none does."""
+    claims = [
+        (case, order)
+        for case in cases
+        for order in case.orders
+        if order.quantity in CLAIMED and order.order is not None and order.claimed is not None and not case.contact
+    ]
+    short: dict[Method, list[Place]] = defaultdict(list)
+    for case, order in claims:
+        if falls_short(case, order):
+            short[_method(order)].append((case, order))
+    if claims and not short:
+        observed = count(len(claims), "observed order")
+        return [Finding("Order", f"Nothing falls short of its claim: {observed} in attitude or position, {SHORT:g} allowed.")]
+    groups: dict[object, list[Method]] = defaultdict(list)
+    for method, own in short.items():
+        groups[_likeness(own)].append(method)
+    return [_short([lines[method] for method in methods], short[methods[0]]) for methods in groups.values()]
+
+
+def _likeness(places: Sequence[Place]) -> object:
+    """Equal for methods of which one sentence can be said: the claims, cases and orders, to the digits that are printed."""
+    return tuple((case.name, order.quantity, order.claimed, f"{order.order:.2f}") for case, order in places)
+
+
+def _short(methods: Sequence[Line], places: Sequence[Place]) -> Finding:
+    """places: of one of the methods, which the others share."""
+    quantities: dict[str, list[str]] = defaultdict(list)
+    for quantity in CLAIMED:
+        own = sorted(order.order or 0.0 for _, order in places if order.quantity == quantity)
+        if own:
+            quantities[_range([f"{order:.2f}" for order in own])].append(quantity)
+    observed = listing([f"{orders} in {listing(names)}" for orders, names in quantities.items()])
+    worst, order = max(places, key=lambda place: (place[1].claimed or 0) - (place[1].order or 0.0))
+    return Finding(
+        "Order",
+        f"{_names(methods)}: order {observed} is observed where {order.claimed} is claimed, on ",
+        worst.name,
+        f"{_others({case.name for case, _ in places})}.",
+    )
+
+
+def _schemes(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
+    """Which textbook schemes the methods are, and what that explains: a sentence a scheme and set of cases."""
+    named: dict[tuple[str, Method], list[Identified]] = defaultdict(list)
+    for case in cases:
+        for order in {_method(order): order for order in case.orders if order.scheme}.values():
+            row = case.coarsest(*_method(order))
+            if row is not None and "attitude_error" in row and order.scheme_residual is not None:
+                named[order.scheme, _method(order)].append((case.name, order.scheme_residual, row["attitude_error"]))
+    groups: dict[tuple[str, tuple[str, ...]], list[Method]] = defaultdict(list)
+    for (scheme, method), runs in named.items():
+        groups[scheme, tuple(name for name, _, _ in runs)].append(method)
+    return [
+        _scheme(scheme, [lines[method] for method in methods], [run for method in methods for run in named[scheme, method]])
+        for (scheme, _), methods in groups.items()
+    ]
+
+
+def _scheme(scheme: str, methods: Sequence[Line], runs: Sequence[Identified]) -> Finding:
+    residual = max(left for _, left, _ in runs)
+    where, _, most = max(runs, key=lambda run: run[2])
+    discrepancy = f"{'up to ' if len(runs) > 1 else ''}{number(most, 2)} rad"
+    explained = all(left <= EXPLAINED * error for _, left, error in runs)
+    meaning = f"that explains a discrepancy of {discrepancy}" if explained else f"the discrepancy is {discrepancy}"
+    return Finding(
+        "Scheme",
+        f"{_names(methods)} {_be(methods)} {scheme} to {bound(residual, 2)} rad over the whole run, on ",
+        where,
+        f"{_others({name for name, _, _ in runs})}: {meaning}.",
+    )
+
+
+def _floors(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
+    """Errors that no time step mended, far above rounding: of each engine and quantity where they are largest."""
+    floors: dict[tuple[str, str], dict[str, list[Floor]]] = defaultdict(lambda: defaultdict(list))
+    for case in cases:
+        for order in case.orders:
+            own = _own_points(case, order) if order.quantity in CLAIMED and order.floor is not None else []
+            if own and (least := min(point.error for point in own)) > TELLING_FLOOR:
+                finest = min(point.timestep for point in own)
+                floors[order.engine, order.quantity][case.name].append((_method(order), least, finest))
+    return [_floor(quantity, by_case, lines) for (_, quantity), by_case in floors.items()]
+
+
+def _floor(quantity: str, by_case: Mapping[str, Sequence[Floor]], lines: Lines) -> Finding:
+    where = max(by_case, key=lambda name: max(error for _, error, _ in by_case[name]))
+    methods, errors, finest = zip(*by_case[where], strict=True)
+    return Finding(
+        "Floor",
+        f"{_names([lines[method] for method in methods])} {'does' if len(methods) == 1 else 'do'} not get below "
+        f"{_range([number(error, 2) for error in sorted(errors)])} {UNITS[quantity]} in {quantity} "
+        f"with any time step down to {milliseconds(max(finest), 4)}, on ",
+        where,
+        f"{_likewise(len(by_case) - 1)}.",
+    )
+
+
+def _likewise(cases: int) -> str:
+    return f"; {count(cases, 'other case')} {'has' if cases == 1 else 'have'} floors, too" if cases else ""
+
+
+def _cheapest(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
+    found: list[Finding] = []
+    for quantity in CLAIMED:
+        own = [case for case in cases if case.primary == quantity]
+        # Of limits that the same runs keep at the least cost the lowest is told, of those that none keeps the highest.
+        by_winners: dict[object, Finding] = {}
+        for error in ROUND_ERRORS if own else ():
+            ranked = {case.name: _ranking(case.points(quantity), error) for case in own}
+            kept = {name: ranking for name, ranking in ranked.items() if ranking}
+            winners = tuple((name, ranking[0]) for name, ranking in kept.items())
+            if not kept:
+                by_winners.setdefault(winners, _none_keeps(quantity, error, len(own)))
+            elif len(own) == 1:
+                by_winners[winners] = _cheapest_of_one(quantity, error, own[0].name, kept[own[0].name], lines)
+            else:
+                by_winners[winners] = _cheapest_of_many(quantity, error, len(own), kept, lines)
+        found += by_winners.values()
+    return found
+
+
+def _ranking(points: Sequence[Measured], error: float) -> list[Measured]:
+    """Of each method that keeps an error its cheapest run that does, the cheapest first."""
+    best: dict[Method, Measured] = {}
+    for point in sorted(points, key=lambda point: point.cost):
+        if point.error <= error:
+            best.setdefault(_method(point), point)
+    return list(best.values())
+
+
+def _none_keeps(quantity: str, error: float, cases: int) -> Finding:
+    anywhere = f" in any of {cases} cases" if cases > 1 else ""
+    return Finding("Cheapest", f"No method keeps {number(error)} {UNITS[quantity]} in {quantity}{anywhere}.")
+
+
+def _cheapest_of_one(quantity: str, error: float, where: str, ranking: Sequence[Measured], lines: Lines) -> Finding:
+    first, unit = ranking[0], UNITS[quantity]
+    spread = f"{number(first.cost_low, 2)} to {number(first.cost_high, 2)}"
+    after = (
+        f", with {number(first.error, 2)} {unit} for {number(first.cost, 2)} s of computing a simulated second "
+        f"({spread} in repeats)"
+    )
+    if len(ranking) > 1:
+        second = ranking[1]
+        after += f"; next is {_at(second, lines)}, at {number(second.cost / first.cost, 2)} times the cost"
+        if second.cost_low <= first.cost_high:
+            after += ", though their timings overlap"
+    return Finding(
+        "Cheapest",
+        f"The cheapest that keeps {number(error)} {unit} in {quantity} is {_at(first, lines)} on ",
+        where,
+        f"{after}.",
+    )
+
+
+def _cheapest_of_many(quantity: str, error: float, cases: int, kept: Mapping[str, Sequence[Measured]], lines: Lines) -> Finding:
+    unit = UNITS[quantity]
+    wins = Counter(_method(ranking[0]) for ranking in kept.values())
+    steps = {method: [r[0].timestep for r in kept.values() if _method(r[0]) == method] for method in wins}
+    told = [
+        f"{lines[method].label} in {amount} (at {_range([milliseconds(step, 4) for step in sorted(set(steps[method]))])})"
+        for method, amount in wins.most_common()
+    ]
+    rest = f"; in {cases - len(kept)} no method keeps it" if len(kept) < cases else ""
+    return Finding(
+        "Cheapest",
+        f"Of {count(cases, 'case')}, the cheapest that keeps {number(error)} {unit} in {quantity} is "
+        f"{listing(told, MOST_NAMES, 'method')}{rest}.",
+    )
+
+
+def _at(point: Measured, lines: Lines) -> str:
+    return f"{lines[_method(point)].label} at {milliseconds(point.timestep, 4)}"
+
+
+def _method(owner: Measured | Order) -> Method:
+    return owner.engine, owner.integrator
+
+
+def _be(methods: Sequence[Line]) -> str:
+    return "is" if len(methods) == 1 else "are"
+
+
+def _others(cases: Collection[str]) -> str:
+    """What follows the name of one of so many cases."""
+    return f" and {count(len(cases) - 1, 'other case')}" if len(cases) > 1 else ""
+
+
+def _names(lines: Sequence[Line]) -> str:
+    return listing([line.label for line in lines], MOST_NAMES, "method")
+
+
+def _range(texts: Sequence[str]) -> str:
+    """Of texts of numbers in order: the first and the last, or the one that all are."""
+    return texts[0] if texts[0] == texts[-1] else f"{texts[0]} to {texts[-1]}"

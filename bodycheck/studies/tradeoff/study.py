@@ -1,0 +1,177 @@
+"""The trade of speed for accuracy: error and cost of every method over a ladder of time steps, and how it converges."""
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from bodycheck.adapters.contract import Adapter, Method
+from bodycheck.casefile.case import Case
+from bodycheck.judging import judgement
+from bodycheck.judging.convergence import observe_convergence
+from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.truth import Truth
+from bodycheck.running import campaign, pool
+from bodycheck.running.outcome import Completed
+from bodycheck.running.plan import Task, check, chosen, refuse_nothing
+from bodycheck.running.store import Results
+from bodycheck.studies import cost
+from bodycheck.studies.cost import Cost, Stretch
+from bodycheck.studies.orders import Order
+from bodycheck.studies.tradeoff.identification import identify
+from bodycheck.studies.tradeoff.ladder import ladder
+from bodycheck.studies.tradeoff.recommendation import COLUMNS
+
+COST_COLUMNS = ("time_per_step_low", "time_per_step_high", "evaluations", "cost")
+"""What follows the results' columns: the interval of the time per step (s), evaluations of the accelerations a step, and
+seconds of computing for a simulated second."""
+
+
+def plan(
+    cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
+) -> tuple[Task, ...]:
+    """Every case x engine x integrator x time step (s); without time steps those of the case's ladder.
+
+    Raises `BadInput` as `bodycheck.running.plan.plan` does.
+    """
+    check(cases, engines, integrators, timesteps)
+    tasks = tuple(
+        Task(case, engine, Method(integrator, timestep))
+        for case in cases
+        for engine, adapter in engines.items()
+        for integrator in chosen(adapter.integrators(case.scene), integrators)
+        for timestep in sorted(set(timesteps), reverse=True) or ladder(case)
+    )
+    refuse_nothing(tasks, engines, integrators)
+    return tasks
+
+
+def price(
+    results: Results,
+    verdicts: Sequence[Verdict],
+    engines: Mapping[str, Adapter],
+    progress: Callable[[str], None] = lambda done: None,
+) -> list[dict[str, Any]]:
+    """A row a run: the results' columns and `COST_COLUMNS`, None where a run has no figure.
+
+    Costs are measured now, with nothing else running, the runs of a case in turn; a run that is not ok has none. Where the
+    timing of a case fails, its rows have none either, and the reason why.
+    progress is called with a word on each case.
+    """
+    costs: dict[Task, Cost] = {}
+    untimed: dict[str, str] = {}
+    for name, own in _by_case(verdicts).items():
+        tasks = {_task(results.cases[name], verdict): verdict for verdict in own if verdict.discrepancy is not None}
+        stretches = tuple(_stretch(task, verdict) for task, verdict in tasks.items())
+        ((_, measured),) = pool.call_all(time_in_turn, [stretches], jobs=1, limit=campaign.TIME_LIMIT)
+        if isinstance(measured, list):
+            costs |= dict(zip(tasks, measured, strict=True))
+        else:
+            untimed[name] = f"its cost could not be measured: {measured.reason}"
+        progress(f"{name} · costs")
+    rows = judgement.records(verdicts)
+    for row, verdict in zip(rows, verdicts, strict=True):
+        found = costs.get(_task(results.cases[verdict.run.case], verdict))
+        row |= _costs(row, found, engines[verdict.run.engine].claim(verdict.run.method.integrator).evaluations)
+        row["reason"] = row["reason"] or untimed.get(row["case"], "")
+    return rows
+
+
+def time_in_turn(stretches: Sequence[Stretch]) -> list[Cost]:
+    """The cost of each stretch."""
+    return cost.summarise(cost.measure(stretches))
+
+
+def write(rows: Sequence[Mapping[str, Any]], orders: Iterable[Order], folder: Path) -> None:
+    """tradeoff.csv and orders.csv in a folder."""
+    pd.DataFrame(rows).astype({"steps": "Int64", "evaluations": "Int64"}).to_csv(folder / "tradeoff.csv", index=False)
+    table(orders).to_csv(folder / "orders.csv", index=False)
+
+
+def table(orders: Iterable[Order]) -> pd.DataFrame:
+    """A row a method and quantity."""
+    frame = pd.DataFrame([asdict(order) for order in orders], columns=[field.name for field in fields(Order)])
+    return frame.astype({"claimed": "Int64"})
+
+
+def _task(case: Case, verdict: Verdict) -> Task:
+    return Task(case, verdict.run.engine, verdict.run.method)
+
+
+def _stretch(task: Task, verdict: Verdict) -> Stretch:
+    assert isinstance(verdict.outcome, Completed)  # it has a discrepancy
+    return Stretch(task.case.scene, task.engine, task.method, verdict.outcome.steps)
+
+
+def _costs(row: Mapping[str, Any], found: Cost | None, evaluations: int | None) -> dict[str, Any]:
+    """The columns of a row that tell its cost; that of the run itself, which others ran beside, is not told."""
+    empty = dict.fromkeys(("wall_time", "time_per_step", "realtime_factor", *COST_COLUMNS))
+    if found is None:
+        return empty
+    return {
+        "wall_time": found.median * row["steps"],
+        "time_per_step": found.median,
+        "realtime_factor": row["timestep"] / found.median,
+        "time_per_step_low": found.low,
+        "time_per_step_high": found.high,
+        "evaluations": evaluations,
+        "cost": found.median / row["timestep"],
+    }
+
+
+def _by_case(verdicts: Iterable[Verdict]) -> dict[str, list[Verdict]]:
+    found: dict[str, list[Verdict]] = defaultdict(list)
+    for verdict in verdicts:
+        found[verdict.run.case].append(verdict)
+    return found
+
+
+def orders(
+    results: Results,
+    verdicts: Iterable[Verdict],
+    engines: Mapping[str, Adapter],
+    progress: Callable[[str], None] = lambda done: None,
+) -> list[Order]:
+    """The orders of every method in every quantity, and the schemes that the methods are, from their coarsest steps.
+
+    progress is called with a word on each case.
+    """
+    found: list[Order] = []
+    for name, own in _by_case(verdicts).items():
+        methods: dict[tuple[str, str], list[Verdict]] = defaultdict(list)
+        for verdict in own:
+            if verdict.discrepancy is not None:
+                methods[verdict.run.engine, verdict.run.method.integrator].append(verdict)
+        for (engine, integrator), runs in methods.items():
+            runs.sort(key=lambda verdict: -verdict.run.method.timestep)
+            found += _orders_of(results, results.cases[name], runs, engines[engine].claim(integrator).order)
+        progress(f"{name} · orders")
+    return found
+
+
+def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], claimed: int | None) -> Iterator[Order]:
+    """The orders of one method from the verdicts on its completed runs, those with the largest steps first."""
+    coarsest = verdicts[0].run
+    truth = results.truth(case.name, coarsest.method.timestep)
+    assert isinstance(truth, Truth)  # its run has a discrepancy
+    named = identify(case, coarsest, truth)
+    runs = [(v.run.method.timestep, v.outcome.trajectory) for v in verdicts if isinstance(v.outcome, Completed)]
+    maxima = [verdict.discrepancy.maxima() for verdict in verdicts if verdict.discrepancy is not None]
+    errors = {
+        quantity: [figures[column] for figures in maxima for column in columns if column in figures]
+        for quantity, columns in COLUMNS.items()
+    }
+    for quantity, convergence in observe_convergence(runs, truth, errors).items():
+        yield Order(
+            *(case.name, coarsest.engine, coarsest.version, coarsest.method.integrator, quantity),
+            order=convergence.order,
+            order_low=convergence.low,
+            order_high=convergence.high,
+            floor=convergence.floor,
+            claimed=claimed,
+            scheme=named.scheme if named is not None else "",
+            scheme_residual=named.residual if named is not None else None,
+        )

@@ -1,0 +1,103 @@
+"""Three particles at fixed distances: the six degrees of freedom of a rigid body [G 2.1-2.8].
+
+Positions (..., 3, 3) are rows r1, r2, r3 (m). Coordinates (..., 6) are x1, y1, z1 (m), the longitude alpha and colatitude beta
+of r2 - r1, and the angle gamma of r3 about it (rad). Distances (..., 3) are d12, d13, d23 (m).
+
+[G 2.8] is used in a corrected form: a is a length along the unit vector r12/d12, and the second vector of [G 2.7], which is
+not perpendicular to the first, is replaced by v2 = r12/d12 x v1.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.reference.chapter.placing import direction, longitude_and_colatitude
+from bodycheck.reference.trajectory import Array
+
+TRIANGLE_TOLERANCE = 1e-12
+"""Relative amount by which two distances may fall short of the third: what rounding does to three particles in a row."""
+
+ALONG_I = 4 * float(np.finfo(float).eps)
+"""Sine of the angle between r12 and i up to which i x r12 is rounding."""
+
+
+class NoTriangle(ValueError):
+    """No three particles have these distances from one another, or two of them are in one place."""
+
+
+def positions(coordinates: Array, distances: Array) -> Array:
+    """Positions (..., 3, 3) of the three particles [G 2.2, 2.8].
+
+    Raises `NoTriangle` where the distances make none.
+    """
+    r1, (alpha, beta, gamma) = coordinates[..., :3], np.moveaxis(coordinates[..., 3:], -1, 0)
+    a, _, r = (length[..., None] for length in circle(distances))
+    along = direction(alpha, beta)
+    v1, v2 = normals(along)
+    across = np.cos(gamma)[..., None] * v1 + np.sin(gamma)[..., None] * v2
+    r1, r2, r3 = np.broadcast_arrays(r1, r1 + distances[..., :1] * along, r1 + a * along + r * across)
+    return np.stack([r1, r2, r3], axis=-2)
+
+
+def coordinates(positions: Array) -> Array:
+    """The six coordinates (..., 6) of three particles: alpha and gamma in [-pi, pi], beta in [0, pi].
+
+    alpha = 0 where r2 - r1 is vertical; gamma = 0 where the three are in a row, as nothing turns there.
+
+    Raises `NoTriangle` where particles are in one place.
+    """
+    circle(separations(positions))
+    r1, r2, r3 = np.moveaxis(positions, -2, 0)
+    alpha, beta = longitude_and_colatitude(r2 - r1)
+    v1, v2 = normals(direction(alpha, beta))
+    gamma = np.arctan2(((r3 - r1) * v2).sum(axis=-1), ((r3 - r1) * v1).sum(axis=-1))
+    return np.concatenate([r1, np.stack([alpha, beta, gamma], axis=-1)], axis=-1)
+
+
+def separations(positions: Array) -> Array:
+    """The distances (..., 3) d12, d13, d23 between three particles."""
+    r1, r2, r3 = np.moveaxis(positions, -2, 0)
+    return np.asarray(np.linalg.norm(np.stack([r2 - r1, r3 - r1, r3 - r2], axis=-2), axis=-1))
+
+
+def residuals(positions: Array, distances: Array) -> Array:
+    """What is left (..., 3) of the constraints (ri - rj).(ri - rj) = dij^2 [G 2.1], m^2: 0 where they hold."""
+    return np.asarray(separations(positions) ** 2 - distances**2)
+
+
+def circle(distances: Array) -> tuple[Array, Array, Array]:
+    """The circle on which r3 lies: its centre's distance a from r1 and b from r2 along r12, and its radius r [G 2.4, 2.5].
+
+    The radicand of [G 2.5], 16 times the square of the triangle's area, is taken in Kahan's form, as it cancels for thin
+    triangles.
+
+    Raises `NoTriangle` where a distance is not positive and finite, or exceeds the sum of the other two.
+    """
+    smallest, middle, largest = np.moveaxis(np.sort(distances, axis=-1), -1, 0)
+    _require((smallest > 0) & np.isfinite(largest), distances)
+    slack = smallest - (largest - middle)
+    _require(slack >= -TRIANGLE_TOLERANCE * largest, distances)
+    d12, d13, d23 = np.moveaxis(distances, -1, 0)
+    a = (d12 + (d13 - d23) * ((d13 + d23) / d12)) / 2
+    squared = (largest + (middle + smallest)) * np.maximum(slack, 0) * (smallest + (largest - middle))
+    r = np.sqrt(squared * (largest + (middle - smallest))) / (2 * d12)
+    return a, d12 - a, r
+
+
+def normals(along: Array) -> tuple[Array, Array]:
+    """Unit vectors v1, v2 (..., 3) that make a right-handed triad with the unit vectors r12/d12 given, (..., 3).
+
+    v1 is that of [G 2.7], along i x r12. Where r12 is parallel to i, to rounding, it is along j x r12; no choice of v1 is
+    continuous for every direction.
+    """
+    x, y, z = np.moveaxis(along, -1, 0)
+    zero = np.zeros_like(x)
+    parallel = (np.hypot(y, z) <= ALONG_I)[..., None]
+    v1 = np.where(parallel, np.stack([z, zero, -x], axis=-1), np.stack([zero, -z, y], axis=-1))
+    v1 /= np.linalg.norm(v1, axis=-1, keepdims=True)
+    return v1, np.cross(along, v1)
+
+
+def _require(triangle: NDArray[np.bool_], distances: Array) -> None:
+    if not triangle.all():
+        d12, d13, d23 = np.reshape(distances, (-1, 3))[~np.reshape(triangle, -1)][0].tolist()
+        raise NoTriangle(f"distances d12 = {d12}, d13 = {d13}, d23 = {d23} m make no triangle")

@@ -1,0 +1,236 @@
+"""What Coulomb friction needs of a footprint: moments of the direction of sliding over it.
+
+A point r of a face that moves with velocity v and spin w slides with u = v + w k x r, in the direction e = u/|u|. Over each
+of the functions 1, x, y of the load are summed the force and the moment of e: `DirectionMoments` gives the matrix (3, 3) of
+the sums of (1, x, y) times (e_x, e_y, r x e), in m^2 and higher powers for an area and in powers of m for points.
+"""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from scipy.special import ellipe, ellipkm1
+
+from bodycheck.reference.sliding.footprint import Disk, Footprint, Points, Polygon, load_moments, reach
+from bodycheck.reference.trajectory import Array
+
+DirectionMoments = Callable[[float, float, float], Array]
+
+FAR = 4.0
+"""Distance of the instantaneous centre, in radii of the footprint, beyond which quadrature is exact to rounding.
+
+Close to it the boundary integral is exact, but its sums cancel as the centre goes away: a digit every factor of 10.
+"""
+
+DISK_INNER = 0.5
+"""The same, in radii, within which the trapezoidal rule on the rim is exact to rounding: 0.5^64 is 5e-20."""
+
+EDGE_NODES = 12
+"""Gauss nodes a direction of each triangle of a polygon: the error at `FAR` is (3 + sqrt 8)^-24, 5e-19."""
+
+SLOWEST = 2.0**-400
+"""Sizes of velocity and spin below which both are scaled up."""
+
+RIM_NODES, RADIAL_NODES = 64, 10
+"""Nodes of a disk about its rim and along a radius: at `FAR` the errors are 4^-64 and (7 + sqrt 48)^-20, 1e-23."""
+
+
+def direction_moments(footprint: Footprint) -> DirectionMoments:
+    """The function of v (two components, m/s) and w (rad/s) that gives the moments (3, 3) of the direction of sliding.
+
+    A point that does not slide, and a body at rest, contribute nothing.
+    """
+    match footprint:
+        case Polygon():
+            nodes, weights = polygon_rule(footprint)
+            near = polygon_boundary(footprint)
+        case Disk():
+            nodes, weights = disk_rule(footprint)
+            near = disk_boundary(footprint)
+        case Points(points):
+            nodes, weights = points, np.ones(len(points))
+            near = point_sums(footprint)
+    far = far_sums(nodes, weights, load_moments(footprint))
+    farthest = FAR * reach(footprint)
+
+    def moments(v1: float, v2: float, w: float) -> Array:
+        if max(abs(v1), abs(v2), abs(w)) < SLOWEST:
+            # The direction alone counts; of so slow a motion, quotients and squares would not.
+            v1, v2, w = (value / SLOWEST for value in (v1, v2, w))
+        speed = math.hypot(v1, v2)
+        if speed > farthest * abs(w):
+            return far(v1 / speed, v2 / speed, w / speed)
+        return near(v1, v2, w) if w else np.zeros((3, 3))
+
+    return moments
+
+
+def far_sums(nodes: Array, weights: Array, loads: Array) -> DirectionMoments:
+    """The moments by a quadrature rule of nodes (n, 2) and weights (n,), as a function of a unit velocity and a spin (1/m).
+
+    Pure translation is taken out of the integrand and added exactly, so that the torque keeps its relative accuracy as the
+    spin vanishes.
+    """
+    x, y = np.ascontiguousarray(nodes.T)
+    squares = x * x + y * y
+    basis = weights * np.stack([np.ones_like(x), x, y])
+
+    def sums(e1: float, e2: float, w: float) -> Array:
+        # |u|^2 = 1 + h, and u/|u| - e = (w k x r - e (|u| - 1)) / |u| with |u| - 1 = h/(1 + |u|).
+        h = 2 * w * (e2 * x - e1 * y) + w * w * squares
+        speed = np.sqrt(1 + h)
+        excess = h / (1 + speed)
+        d1, d2 = (-w * y - e1 * excess) / speed, (w * x - e2 * excess) / speed
+        turned = basis @ np.stack([d1, d2, x * d2 - y * d1]).T
+        translation = np.column_stack([e1 * loads[0], e2 * loads[0], e2 * loads[1] - e1 * loads[2]])
+        return np.asarray(turned + translation)
+
+    return sums
+
+
+def polygon_rule(polygon: Polygon) -> tuple[Array, Array]:
+    """Nodes (m, 2) and weights (m,) of Gauss's rule on the triangles from the origin to each edge."""
+    t, weights = np.polynomial.legendre.leggauss(EDGE_NODES)
+    t, weights = (1 + t) / 2, weights / 2
+    vertices, following = polygon.vertices, np.roll(polygon.vertices, -1, axis=0)
+    edge = vertices[:, None] + t[:, None] * (following - vertices)[:, None]
+    doubled = vertices[:, 0] * following[:, 1] - vertices[:, 1] * following[:, 0]
+    nodes = t[:, None, None, None] * edge
+    return nodes.reshape(-1, 2), np.einsum("t,n,s->tns", t * weights, doubled, weights).ravel()
+
+
+def disk_rule(disk: Disk) -> tuple[Array, Array]:
+    """Nodes (m, 2) and weights (m,): Gauss's rule along the radius, the trapezoidal rule around."""
+    t, weights = np.polynomial.legendre.leggauss(RADIAL_NODES)
+    radii, weights = disk.radius * (1 + t) / 2, disk.radius * weights / 2
+    angles = 2 * np.pi * np.arange(RIM_NODES) / RIM_NODES
+    nodes = radii[:, None, None] * np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    return nodes.reshape(-1, 2), np.repeat(radii * weights * 2 * np.pi / RIM_NODES, RIM_NODES)
+
+
+def point_sums(points: Points) -> DirectionMoments:
+    """The moments of single points."""
+    x, y = np.ascontiguousarray(points.points.T)
+    basis = np.stack([np.ones_like(x), x, y])
+
+    def sums(v1: float, v2: float, w: float) -> Array:
+        u1, u2 = v1 - w * y, v2 + w * x
+        speed = np.hypot(u1, u2)
+        speed[speed == 0] = np.inf
+        e1, e2 = u1 / speed, u2 / speed
+        return np.asarray(basis @ np.stack([e1, e2, x * e2 - y * e1]).T)
+
+    return sums
+
+
+def polygon_boundary(polygon: Polygon) -> DirectionMoments:
+    """The moments of a polygon by exact integrals along its edges; the spin must not be zero.
+
+    With rho = r - r_c from the instantaneous centre r_c = k x v/w, all are integrals over the area of gradients or
+    divergences: of |rho|, |rho| rho and rho |rho|^2/4 |rho|^-1, that is, integrals of |rho| and s |rho| along the edges.
+    """
+    vertices = polygon.vertices
+    edges = np.roll(vertices, -1, axis=0) - vertices
+    lengths = np.hypot(*edges.T)
+    corners = np.column_stack([vertices, edges / lengths[:, None], lengths]).tolist()
+
+    def moments(v1: float, v2: float, w: float) -> Array:
+        c1, c2 = -v2 / w, v1 / w
+        g1 = g2 = b11 = b12 = b21 = b22 = q1 = q2 = 0.0
+        for x, y, t1, t2, length in corners:
+            n1, n2 = t2, -t1
+            d = (x - c1) * n1 + (y - c2) * n2
+            s = (x - c1) * t1 + (y - c2) * t2
+            start, end = math.hypot(d, s), math.hypot(d, s + length)
+            whole = ((s + length) * end - s * start) / 2
+            if abs(d) > 1e-150:  # below, d^2 underflows
+                whole += d * d * (math.asinh((s + length) / abs(d)) - math.asinh(s / abs(d))) / 2
+            along = (end**3 - start**3) / 3
+            e1, e2 = d * whole * n1 + along * t1, d * whole * n2 + along * t2
+            g1, g2 = g1 + n1 * whole, g2 + n2 * whole
+            b11, b12, b21, b22 = b11 + e1 * n1, b12 + e1 * n2, b21 + e2 * n1, b22 + e2 * n2
+            q1, q2 = q1 + d * e1, q2 + d * e2
+        return assembled(c1, c2, math.copysign(1, w), (g1, g2), (b11, b12, b21, b22), (q1, q2))
+
+    return moments
+
+
+def disk_boundary(disk: Disk) -> DirectionMoments:
+    """The moments of a disk by exact integrals along its rim; the spin must not be zero."""
+    radius = disk.radius
+
+    def moments(v1: float, v2: float, w: float) -> Array:
+        c1, c2 = -v2 / w, v1 / w
+        distance = math.hypot(c1, c2)
+        a1, a2 = (c1 / distance, c2 / distance) if distance else (1.0, 0.0)
+        k = distance / radius
+        i0, i1, i2 = (radius**2 * integral for integral in rim_integrals(k))
+        outward, across = radius * (i2 - k * i1), radius * (i0 - i2)
+        q = radius**2 * ((1 + k * k) * i1 - k * (i0 + i2))
+        return assembled(
+            c1,
+            c2,
+            math.copysign(1, w),
+            (i1 * a1, i1 * a2),
+            (
+                outward * a1 * a1 + across * a2 * a2,
+                (outward - across) * a1 * a2,
+                (outward - across) * a1 * a2,
+                outward * a2 * a2 + across * a1 * a1,
+            ),
+            (q * a1, q * a2),
+        )
+
+    return moments
+
+
+RIM_COSINES = np.cos(2 * np.pi * np.arange(RIM_NODES) / RIM_NODES)
+RIM_POWERS = 2 * np.pi / RIM_NODES * np.stack([np.ones(RIM_NODES), RIM_COSINES, RIM_COSINES**2])
+
+
+def rim_integrals(k: float) -> tuple[float, float, float]:
+    """Integrals of |rho| cos^j over the unit circle, j = 0, 1, 2, with |rho|^2 = 1 + k^2 - 2 k cos.
+
+    By complete elliptic integrals of the parameter m = 4 k/(1 + k)^2 [DLMF 19.2.8]; where m is small, and they would
+    cancel, by the trapezoidal rule, from which |rho| = 1 is taken out so that the second keeps its relative accuracy.
+    """
+    if k < DISK_INNER:
+        excess = k * (k - 2 * RIM_COSINES) / (1 + np.sqrt(1 + k * (k - 2 * RIM_COSINES)))
+        i0, i1, i2 = (RIM_POWERS @ excess).tolist()
+        return 2 * math.pi + i0, i1, math.pi + i2
+    rest = ((1 - k) / (1 + k)) ** 2
+    m = 1 - rest
+    e = float(ellipe(m))
+    restk = rest * float(ellipkm1(rest)) if rest else 0.0
+    # Of sqrt(1 - m sin^2) times 1, sin^2, sin^4 over a quarter, with cos = 2 sin^2 - 1.
+    second = ((2 * m - 1) * e + restk) / (3 * m)
+    fourth = (((8 * m - 3) * m - 2) * e + (4 * m + 2) * restk) / (15 * m * m)
+    scale = 4 * (1 + k)
+    return scale * e, scale * (2 * second - e), scale * (4 * fourth - 4 * second + e)
+
+
+def assembled(
+    c1: float,
+    c2: float,
+    sign: float,
+    gradient: tuple[float, float],
+    outer: tuple[float, float, float, float],
+    radial: tuple[float, float],
+) -> Array:
+    """The moments (3, 3) from integrals along the boundary about the instantaneous centre (c1, c2).
+
+    gradient: of |rho| n. outer: of |rho| rho_i n_j. radial: of |rho| rho_i (rho . n). sign: of the spin; the direction of
+    sliding is sign k x rho/|rho|.
+    """
+    g1, g2 = gradient
+    b11, b12, b21, b22 = outer
+    whole = (b11 + b22) / 3  # |rho| over the area
+    b11, b22 = b11 - whole, b22 - whole  # rho_i rho_j/|rho| over the area
+    moment = c1 * g1 + c2 * g2 + whole
+    return sign * np.array(
+        [
+            [-g2, g1, moment],
+            [-c1 * g2 - b12, c1 * g1 + b11, c1 * moment + c1 * b11 + c2 * b12 + radial[0] / 4],
+            [-c2 * g2 - b22, c2 * g1 + b21, c2 * moment + c1 * b21 + c2 * b22 + radial[1] / 4],
+        ]
+    )

@@ -1,0 +1,184 @@
+"""What a report says, before it is laid out: the same for every writer."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from bodycheck.judging.judgement import Verdict
+from bodycheck.judging.result_set import ResultSet
+from bodycheck.reference.truth import Truth
+from bodycheck.reports.lines import Key, Line, assign
+from bodycheck.reports.quantities import PLOTTED, QUANTITIES, TABLED, Quantity, bound, milliseconds, number
+from bodycheck.reports.runs import comparison, curves
+from bodycheck.reports.runs.comparison import Shown
+from bodycheck.reports.runs.curves import Curves
+from bodycheck.reports.runs.differences import compare
+from bodycheck.reports.runs.matrix import Matrix, matrices
+from bodycheck.reports.runs.origins import Origins, origins
+from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback, playback
+from bodycheck.reports.runs.scenes import Fact, describe
+from bodycheck.reports.runs.summary import (
+    Finding,
+    broken,
+    findings,
+    headline,
+    key_of,
+    measured,
+    notices,
+    result,
+    tally,
+    told_as,
+    within_truth,
+)
+from bodycheck.reports.tables import Entry, Table
+
+MOST_NUMBERS = 300_000
+"""Numbers of all curves of a report together, so that a large one still opens: some 4 MB."""
+
+MOST_POINTS = 256
+"""Points of one curve."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """One case. origins: where its discrepancies of contact come from; None where there is no contact.
+
+    playback: None where no run has a truth to be held against.
+    """
+
+    name: str
+    title: str
+    source: str
+    tags: tuple[str, ...]
+    facts: tuple[Fact, ...]
+    table: Table | None
+    origins: Origins | None
+    curves: Curves
+    playback: Playback | None
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A run that failed, and why."""
+
+    case: str
+    method: str
+    status: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Contents:
+    """A whole report. broken: what failed, in one sentence, where anything did. plotted: what any section draws."""
+
+    header: Mapping[str, Any]
+    complete: bool
+    headline: str
+    tally: tuple[tuple[str, int], ...]
+    notices: tuple[str, ...]
+    broken: Finding | None
+    findings: tuple[Finding, ...]
+    failures: tuple[Failure, ...]
+    lines: tuple[Line, ...]
+    matrices: tuple[Matrix, ...]
+    sections: tuple[Section, ...]
+    plotted: tuple[Quantity, ...]
+
+
+def gather(sets: Sequence[ResultSet]) -> Contents:
+    """What is to be said of results, or of several sets of them, which have labels then."""
+    shown = comparison.shown(sets)
+    verdicts = [verdict for case in shown for verdict in case.verdicts]
+    lines = assign(map(key_of, verdicts))
+    points = max(2, min(MOST_POINTS, MOST_NUMBERS // max(1, 4 * len(verdicts))))
+    room = MOST_CHARACTERS // max(1, len(shown))
+    sections = tuple(_section(case, lines, points, room) for case in shown)
+    first, *others = sets
+    told = compare(sets, shown) if others else None
+    return Contents(
+        header=comparison.header(sets),
+        complete=all(one.results.complete for one in sets),
+        headline=told.headline if told else headline(first.results, verdicts),
+        tally=tally(verdicts),
+        notices=(*(told.notices if told else ()), *(text for one in sets for text in notices(one))),
+        broken=broken(verdicts, lines),
+        findings=(*(told.findings if told else ()), *findings(measured(verdicts, lines), () if told else first.parts, lines)),
+        failures=tuple(_failure(verdict, lines) for verdict in verdicts if verdict.passed is False),
+        lines=tuple(lines.values()),
+        matrices=matrices({case.name: case.case for case in shown}, verdicts, lines),
+        sections=sections,
+        plotted=tuple(QUANTITIES[name] for name in PLOTTED if any(name in section.curves.drawn for section in sections)),
+    )
+
+
+def _failure(verdict: Verdict, lines: Mapping[Key, Line]) -> Failure:
+    return Failure(verdict.run.case, lines[key_of(verdict)].label, result(verdict), verdict.reason)
+
+
+def _section(shown: Shown, lines: Mapping[Key, Line], points: int, room: int) -> Section:
+    case, verdicts, labels = shown.case, shown.verdicts, [one.label for one in shown.sets]
+    timesteps = dict.fromkeys(verdict.run.method.timestep for verdict in verdicts)
+    truths = [(timestep, one.results.truth(case.name, timestep)) for one in shown.sets for timestep in timesteps]
+    known = {timestep: truth for timestep, truth in truths if isinstance(truth, Truth)}
+    parts = {one.label: [part for part in one.parts if part.case == case.name] for one in shown.sets}
+    drawn = sorted((v for v in verdicts if v.discrepancy is not None), key=lambda verdict: labels.index(verdict.label))
+    return Section(
+        name=shown.name,
+        title=shown.title,
+        source=case.source,
+        tags=case.tags,
+        facts=describe(case, [truth for _, truth in truths]),
+        table=_table(verdicts) if verdicts else None,
+        origins=origins(parts),
+        curves=curves.draw({lines[key_of(verdict)].label: verdict for verdict in drawn}, known, points),
+        playback=playback(case.scene, {lines[key_of(verdict)]: verdict for verdict in verdicts}, known, room),
+    )
+
+
+def _table(verdicts: Sequence[Verdict]) -> Table:
+    rows = [verdict.row() for verdict in verdicts]
+    quantities = [QUANTITIES[name] for name in TABLED if any(name in row for row in rows)]
+    reasons = any(row["reason"] for row in rows)
+    words = ("Engine", "Integrator", *_labelled(verdicts, "Set"), "Time step", "Status", "Expectation")
+    figures = (*(quantity.label for quantity in quantities), "Time per step, µs")
+    bounded = any("attitude_error" in row and within_truth(row) for row in rows)
+    return Table(
+        columns=words + figures + (("Reason",) if reasons else ()),
+        numeric=(False,) * len(words) + (True,) * len(figures) + (False,) * reasons,
+        rows=tuple(_entries(verdict, row, quantities, reasons) for verdict, row in zip(verdicts, rows, strict=True)),
+        failed=tuple(verdict.passed is False for verdict in verdicts),
+        notes=("≤: within the truth's own error, which is the figure given.",) if bounded else (),
+    )
+
+
+def _labelled(verdicts: Sequence[Verdict], told: str) -> tuple[str, ...]:
+    """What is told only where there are several sets of results."""
+    return (told,) if any(verdict.label for verdict in verdicts) else ()
+
+
+def _entries(verdict: Verdict, row: Mapping[str, Any], quantities: Sequence[Quantity], reasons: bool) -> tuple[Entry, ...]:
+    words = (
+        Entry(f"{row['engine']} {row['version']}".rstrip()),
+        Entry(row["integrator"]),
+        *(Entry(label) for label in _labelled((verdict,), verdict.label)),
+        Entry(milliseconds(row["timestep"])),
+        Entry(row["status"]),
+        Entry(told_as(verdict)),
+    )
+    figures = tuple(_figure(row, quantity) for quantity in quantities)
+    time_per_step = row.get("time_per_step")
+    cost = Entry("–") if time_per_step is None else Entry(number(1e6 * time_per_step, 3), 1e6 * time_per_step)
+    return (*words, *figures, cost, *((Entry(row["reason"]),) if reasons else ()))
+
+
+def _figure(row: Mapping[str, Any], quantity: Quantity) -> Entry:
+    value = row.get(quantity.name)
+    if value is None:
+        return Entry("–")
+    if quantity.name == "attitude_error" and within_truth(row):
+        return Entry(f"≤ {bound(row['truth_error'])}", row["truth_error"], _within(row["truth_error"]))
+    return Entry(number(value), value)
+
+
+def _within(truth_error: float) -> str:
+    return f"within the truth's own error ({bound(truth_error)} rad)"

@@ -1,0 +1,109 @@
+"""The curves of one case, thin enough to be stored in a page: the datasets that `charts` reads."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.observables import Observables, observe
+from bodycheck.reference.truth import Truth
+from bodycheck.reports.charts import FRAMES
+from bodycheck.reports.quantities import PLOTTED, QUANTITIES, bound, count, listing, number
+from bodycheck.reports.runs.series import corners, ends, envelope, rounded
+
+MOST_CORNERS = 800
+"""Instants of the curves of the angular momentum."""
+
+MOST_FOUND = 600
+"""Points of one chart, about, that the pointer finds: each is an element of the page, and takes time to draw."""
+
+INSTANT_DIGITS = 7
+
+SMALLEST = 1e-20
+"""What is less, far below the rounding of any scene, is drawn as zero, lest it stretch a log scale."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """One chart of errors over time in words. alt: for readers who do not see it. notes: what is not in it."""
+
+    alt: str
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Charts of one case. datasets: by the names that `charts` reads. drawn: by the quantity's name, those with any curve.
+
+    blank: quantities that are zero throughout in every run. momentum: what its figure shows; empty where there is none.
+    """
+
+    datasets: dict[str, list[dict[str, Any]]]
+    drawn: Mapping[str, Drawn]
+    blank: tuple[str, ...]
+    momentum: str
+
+
+def draw(verdicts: Mapping[str, Verdict], truths: Mapping[float, Truth], points: int) -> Curves:
+    """The curves of completed runs, by the label of their method, and of the truths, by time step (s)."""
+    datasets: dict[str, list[dict[str, Any]]] = {"times": [], "series": [], "floor": [], "momentum": []}
+    peaks: dict[str, dict[str, float]] = {}
+    for timestep, truth in truths.items():
+        t = truth.trajectory.t
+        datasets["times"].append({"timestep": timestep, "t": rounded(t[ends(len(t), points)], INSTANT_DIGITS)})
+    every = max(1, points * len(verdicts) // MOST_FOUND)
+    for label, verdict in verdicts.items():
+        row: dict[str, Any] = {"method": label, "timestep": verdict.run.method.timestep, "every": every}
+        for name in PLOTTED:
+            if verdict.discrepancy is not None and (values := verdict.discrepancy.series.get(name)) is not None:
+                told = np.where(values < SMALLEST, 0.0, values)
+                row[name] = rounded(envelope(told, points))
+                peaks.setdefault(name, {})[label] = float(told.max())
+        datasets["series"].append(row)
+    momentum = ""
+    if truths:
+        largest = max(truths.values(), key=lambda truth: float(truth.error.max()))
+        datasets["floor"] = [_floor(largest, points)]
+        seen = observe(largest.scene, largest.trajectory)
+        if seen.angular_momentum.any():
+            datasets["momentum"] = [_momentum(largest, seen)]
+            momentum = _constancy(seen)
+    drawn = {name: _words(name, own) for name, own in peaks.items() if any(own.values())}
+    blank = tuple(name for name, own in peaks.items() if not any(own.values()))
+    return Curves(datasets, drawn, blank, momentum)
+
+
+def _floor(truth: Truth, points: int) -> dict[str, Any]:
+    t = truth.trajectory.t
+    return {"t": rounded(t[ends(len(t), points)], INSTANT_DIGITS), "truth_error": rounded(envelope(truth.error, points))}
+
+
+def _momentum(truth: Truth, seen: Observables) -> dict[str, Any]:
+    values = np.hstack([seen.body_angular_momentum, seen.angular_momentum])
+    kept = corners(truth.trajectory.t, values, MOST_CORNERS)
+    t, thinned = truth.trajectory.t[kept], values[kept]
+    names = [component for those in FRAMES.values() for component in those]
+    return {"t": rounded(t, INSTANT_DIGITS), **{name: rounded(column) for name, column in zip(names, thinned.T, strict=True)}}
+
+
+def _constancy(seen: Observables) -> str:
+    """By how much the components vary in either frame."""
+    body, inertial = (float(np.ptp(momentum, axis=0).max()) for momentum in (seen.body_angular_momentum, seen.angular_momentum))
+    size = float(np.linalg.norm(seen.angular_momentum[0]))
+    return (
+        f"The same vector twice, of size {number(size)} kg m²/s: by its components along the body's axes, which vary by up to "
+        f"{bound(body, 2)}, and along the axes of the inertial frame, where they vary by up to {bound(inertial, 2)} kg m²/s."
+    )
+
+
+def _words(name: str, peaks: Mapping[str, float]) -> Drawn:
+    quantity = QUANTITIES[name]
+    worst, best = max(peaks, key=lambda label: peaks[label]), min(peaks, key=lambda label: peaks[label])
+    zero = [label for label, peak in peaks.items() if peak == 0]
+    alt = (
+        f"{quantity.title} over time on a log scale, {count(len(peaks), 'method')}. "
+        f"Largest: {quantity.with_unit(peaks[worst])}, {worst}. Smallest maximum: {quantity.with_unit(peaks[best])}, {best}."
+    )
+    return Drawn(alt, (f"Zero throughout and not drawn: {listing(zero)}.",) if zero else ())

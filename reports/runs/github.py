@@ -1,0 +1,79 @@
+"""What GitHub shows of a run in one of its workflows: annotations at lines of case files, and the summary of a step."""
+
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Literal
+
+from bodycheck.casefile.case import Case
+from bodycheck.casefile.toml_positions import positions
+from bodycheck.judging.judgement import Verdict
+
+LARGEST_SUMMARY = 1 << 20
+"""Bytes that the summary of one step may have."""
+
+CUT = "\n*Cut here: a summary may have no more.*\n"
+
+
+def is_running(environment: Mapping[str, str]) -> bool:
+    """Whether this is a step of a workflow."""
+    return environment.get("GITHUB_ACTIONS") == "true"
+
+
+def annotations(
+    verdicts: Iterable[Verdict], cases: Mapping[str, Case], files: Mapping[str, Path], environment: Mapping[str, str]
+) -> Iterator[str]:
+    """A line for each expectation that is broken or known to be, and for each run that failed unasked.
+
+    cases, and files that they were read from: by the case's name.
+    """
+    root = Path(environment.get("GITHUB_WORKSPACE", "."))
+    for verdict in verdicts:
+        case, method = cases[verdict.run.case], verdict.run.method
+        title = f"{verdict.run.engine} {method.integrator}, {method.timestep:g} s, on {case.name}"
+        file = _seen_from(root, files[case.name]) if case.name in files else None
+        if not verdict.judged and verdict.passed is False:
+            yield annotation("error", verdict.reason, title, file)
+        for judged in verdict.judged:
+            if judged.text:
+                path = ("expect", case.expectations.index(judged.expectation))
+                line = positions(case.text, [path])[path].line
+                yield annotation("notice" if judged.held else "error", judged.text, title, file, line)
+
+
+def annotation(
+    kind: Literal["error", "notice"], message: str, title: str, file: str | None = None, line: int | None = None
+) -> str:
+    """The command that makes an annotation; without a file it stands in the summary of the workflow alone."""
+    place = {} if file is None else {"file": file} | ({} if line is None else {"line": str(line)})
+    properties = ",".join(f"{name}={_property(value)}" for name, value in {**place, "title": title}.items())
+    return f"::{kind} {properties}::{_data(message)}"
+
+
+def add_summary(environment: Mapping[str, str], text: str) -> None:
+    """Append Markdown to the summary of this step: as many of its lines as there is room for. Raises `OSError`."""
+    if not (name := environment.get("GITHUB_STEP_SUMMARY")):
+        return
+    path = Path(name)
+    room = LARGEST_SUMMARY - (path.stat().st_size if path.exists() else 0)
+    content = text.encode("utf-8", "replace")
+    if len(content) > room:
+        whole = content[: max(0, room - len(CUT))].rpartition(b"\n")[0]
+        content = whole + CUT.encode() if whole else b""
+    with path.open("ab") as stream:
+        stream.write(content)
+
+
+def _seen_from(root: Path, file: Path) -> str:
+    try:
+        return file.resolve().relative_to(root.resolve()).as_posix()
+    except ValueError:  # outside of the repository
+        return file.as_posix()
+
+
+def _data(text: str) -> str:
+    """Text that ends no command and begins none."""
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def _property(text: str) -> str:
+    return _data(text).replace(":", "%3A").replace(",", "%2C")

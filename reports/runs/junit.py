@@ -1,0 +1,65 @@
+"""Verdicts as JUnit XML, the form in which CI systems read results of tests."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
+
+from bodycheck.judging.judgement import Verdict
+
+NOT_XML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""Characters that no XML 1.0 document may hold, and controls that it should not."""
+
+NOT_PROPERTIES = {"case", "passed", "reason"}
+
+
+def render(verdicts: Iterable[Verdict], header: Mapping[str, Any]) -> str:
+    """The XML document: a test for each run of which something was expected, or that failed.
+
+    A discrepancy that is known and tolerated is a test that passed, and what is to be said of it stands in its output.
+    """
+    asked = [verdict for verdict in verdicts if verdict.passed is not None]
+    rows = [verdict.row() for verdict in asked]
+    failures = sum(not verdict.passed for verdict in asked)
+    counts = {"tests": len(asked), "failures": failures, "errors": 0, "skipped": 0, "time": _seconds(rows)}
+    root = _element("testsuites", name="bodycheck", **counts)
+    suite = _sub(root, "testsuite", name="bodycheck", timestamp=header["started"], **counts)
+    versions = {"bodycheck": header["bodycheck"], **header["engines"]}
+    _properties(suite, {f"version of {name}": version for name, version in versions.items()})
+    for verdict, row in zip(asked, rows, strict=True):
+        method = f"{row['engine']} {row['integrator']} {row['timestep']!r} s" + (f" ({verdict.label})" if verdict.label else "")
+        test = _sub(suite, "testcase", classname=row["case"], name=method, time=_seconds([row]))
+        _properties(test, {name: value for name, value in row.items() if name not in NOT_PROPERTIES})
+        if not verdict.passed:
+            _sub(test, "failure", type=row["status"], message=verdict.reason).text = _clean(verdict.reason)
+        elif verdict.reason:
+            _sub(test, "system-out").text = _clean(verdict.reason)
+    ElementTree.indent(root)
+    return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def _properties(parent: Element, values: Mapping[str, Any]) -> None:
+    properties = _sub(parent, "properties")
+    for name, value in values.items():
+        _sub(properties, "property", name=name, value=value)
+
+
+def _seconds(rows: Sequence[Mapping[str, Any]]) -> str:
+    """What stepping took in all."""
+    return f"{sum(row.get('wall_time', 0.0) for row in rows):.6f}"
+
+
+def _element(tag: str, **attributes: Any) -> Element:
+    return Element(tag, {name: _clean(str(value)) for name, value in attributes.items()})
+
+
+def _sub(parent: Element, tag: str, **attributes: Any) -> Element:
+    element = _element(tag, **attributes)
+    parent.append(element)
+    return element
+
+
+def _clean(text: str) -> str:
+    """Text that XML can hold: what it cannot is written as an escape."""
+    return NOT_XML.sub(lambda found: found.group().encode("unicode_escape").decode("ascii"), text)

@@ -1,0 +1,258 @@
+"""A case in motion: the truth and the runs of one time step as `templates/player.js` plays them side by side."""
+
+import json
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.inertia import angular_momentum
+from bodycheck.reference.kinematics import normalise
+from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Scene, Sphere, Vector
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import Truth
+from bodycheck.reports.lines import Line
+from bodycheck.reports.quantities import listing, milliseconds, number
+from bodycheck.reports.runs import tracks
+from bodycheck.running.outcome import Completed
+
+MOST_CHARACTERS = 1_500_000
+"""Of all playback data of a report together, shared evenly by its cases."""
+
+MOST_SHOWN = 3
+"""Runs that are shown beside the truth at once."""
+
+MOST_NAMES = 6
+"""Methods that one note names."""
+
+RATE_TOLERANCE = 0.01
+"""A body rate that is played may be so far from a sample, relative to the largest: a line's width on the polhode."""
+
+PLACE_TOLERANCE = 0.01
+"""Likewise a place, relative to the body's reach."""
+
+SHIFT_TOLERANCE = 0.003
+"""Where a flying body is farther than its reach from the truth, relative to that distance."""
+
+FARTHEST = 1e9
+"""Places beyond so many reaches are not drawn: 16 bits tell nothing of a body there."""
+
+THINNEST = 0.02
+"""Least semi-axis that is drawn, relative to the longest: a needle is to be seen."""
+
+TOO_FAST = f"more than {tracks.COARSEST:g} rad between samples, or too much for {tracks.MOST_INSTANTS} instants"
+
+
+@dataclass(frozen=True)
+class Playback:
+    """What the player of one case reads and says. data: None where there is nothing to play, and a note says why.
+
+    alt: for readers who do not see it.
+    """
+
+    data: Mapping[str, Any] | None
+    alt: str
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """A completed run: how its method is drawn, its trajectory, and the truth at the same instants."""
+
+    line: Line
+    trajectory: Trajectory
+    truth: Trajectory
+    maxima: Mapping[str, float]
+
+
+def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, Truth], most: int) -> Playback | None:
+    """The playback of one case in at most so many characters; None where no run has a truth to be held against.
+
+    runs: the verdicts on a case by their methods. truths: of the case, by time step (s). The time step that most runs have is
+    played. Its runs are kept in the order of need: those shown at first, then the others.
+    """
+    timestep = _common([line for line, verdict in runs.items() if verdict.discrepancy is not None and line.timestep in truths])
+    if timestep is None:
+        return None
+    truth, reach = truths[timestep], _reach(scene.body)
+    trajectory = truth.trajectory
+    fastest = float(np.linalg.norm(trajectory.angular_velocity, axis=1).max())
+    own = [_shown(line, verdict, truth) for line, verdict in runs.items() if line.timestep == timestep]
+    played = [one for one in own if one is not None]
+    if scene.plane is None and not fastest and not any(one.trajectory.angular_velocity.any() for one in played):
+        return Playback(None, "", ("Nothing turns here, so that there is nothing to play.",))
+    rates = RATE_TOLERANCE * fastest if scene.plane is None and fastest else math.inf
+    record = _turning(trajectory, rates)
+    if record is None:
+        return Playback(None, "", (f"The body turns {TOO_FAST}, so that it is not played.",))
+    if scene.plane is not None:
+        if _too_far(trajectory, reach):
+            return Playback(None, "", ("The body goes too far to be drawn, so that it is not played.",))
+        record |= _course(trajectory.t, trajectory.position / reach, PLACE_TOLERANCE)
+    first = choose(played, reach if scene.plane is not None else math.inf)
+    kept: dict[Shown, dict[str, Any]] = {}
+    undrawn, left_out = [], []
+    room = most - len(_json(record))
+    if room < 0:
+        return Playback(None, "", ("Not played, to keep this file small.",))
+    for one in (*first, *(other for other in played if other not in first)):
+        entry = _run(one, scene, reach, rates)
+        if entry is None:
+            undrawn.append(name_of(one.line))
+        elif (room := room - len(_json(entry))) < 0:
+            left_out.append(name_of(one.line))
+        else:
+            kept[one] = entry
+    order = [one for one in played if one in kept]
+    relative = replace(scene.body, moments=_relative(scene.body))  # of the momentum only the direction and ratios are drawn
+    size = float(np.linalg.norm(angular_momentum(relative, trajectory.angular_velocity), axis=1).max())
+    data = {
+        "body": _drawn(scene.body, reach),
+        "momentum": size,
+        "plane": scene.plane is not None,
+        "within": tracks.TOLERANCE,
+        "end": float(trajectory.t[-1]),
+        "truth": record,
+        "runs": [kept[one] for one in order],
+        "shown": [order.index(one) for one in first if one in kept],
+    }
+    return Playback(data, _alt(scene, played), tuple(_notes(scene, timestep, runs, undrawn, left_out)))
+
+
+def choose(runs: Sequence[Shown], reach: float) -> list[Shown]:
+    """The runs to be shown at first: the worst of each engine, then the best of all, MOST_SHOWN together.
+
+    reach: the length (m) by which a position error counts as much as a radian; infinite where only attitudes count.
+    """
+
+    def badness(run: Shown) -> float:
+        return run.maxima["attitude_error"] + run.maxima["position_error"] / reach
+
+    engines = dict.fromkeys(run.line.engine for run in runs)
+    worst = [max((run for run in runs if run.line.engine == engine), key=badness) for engine in engines]
+    telling = sorted(worst, key=badness, reverse=True)[:MOST_SHOWN]
+    others = sorted((run for run in runs if run not in worst), key=badness)
+    return [*(run for run in worst if run in telling), *others[:1]][:MOST_SHOWN]
+
+
+def _common(lines: Sequence[Line]) -> float | None:
+    """The time step (s) that most of the lines have, the first of equals; None where there are no lines."""
+    return max(steps, key=steps.__getitem__) if (steps := Counter(line.timestep for line in lines)) else None
+
+
+def _shown(line: Line, verdict: Verdict, truth: Truth) -> Shown | None:
+    if not isinstance(verdict.outcome, Completed) or verdict.discrepancy is None:
+        return None
+    trajectory, maxima = verdict.outcome.trajectory, verdict.discrepancy.maxima()
+    told = all(math.isfinite(maxima[name]) for name in ("attitude_error", "angular_velocity_error", "position_error"))
+    return Shown(line, trajectory, truth.at(trajectory.t).trajectory, maxima) if told else None
+
+
+def _run(run: Shown, scene: Scene, reach: float, rates: float) -> dict[str, Any] | None:
+    """A run as the player reads it; without a turning where it turns as the truth does. None where it cannot be drawn."""
+    entry: dict[str, Any] = {"label": name_of(run.line), "colour": run.line.colour}
+    entry |= {f"{name}_error": float(f"{run.maxima[f'{name}_error']:.4g}") for name in ("attitude", "position")}
+    if run.maxima["attitude_error"] > tracks.TOLERANCE or run.maxima["angular_velocity_error"] > rates:
+        turning = _turning(run.trajectory, rates)
+        if turning is None:
+            return None
+        entry |= turning
+    if scene.plane is not None:
+        far = _too_far(run.trajectory, reach)
+        return None if far else entry | _course(run.trajectory.t, run.trajectory.position / reach, PLACE_TOLERANCE)
+    offset = (run.trajectory.position - run.truth.position) / reach
+    farthest = float(np.abs(offset).max())
+    if PLACE_TOLERANCE < farthest < FARTHEST:
+        entry |= _course(run.trajectory.t, offset, max(PLACE_TOLERANCE, SHIFT_TOLERANCE * farthest))
+    return entry
+
+
+def name_of(line: Line) -> str:
+    """What a method is called in a playback, where all have one time step."""
+    return f"{line.engine} {line.integrator}" + (f" ({line.results})" if line.results else "")
+
+
+def _turning(trajectory: Trajectory, rates: float) -> dict[str, Any] | None:
+    track = tracks.turning(trajectory.t, normalise(trajectory.quaternion), trajectory.angular_velocity, rates)
+    return None if track is None else {"turning": track.encoded()}
+
+
+def _course(t: Array, place: Array, tolerance: float) -> dict[str, Any]:
+    return {"course": tracks.course(t, place, tolerance).encoded()}
+
+
+def _drawn(body: Body, reach: float) -> dict[str, Any]:
+    """A body as it is drawn. Lengths in units of its reach (m), moments along `axes`, which take them to the body."""
+    kind, semi_axes = _solid(body)
+    turned = body.axes if body.shape is None else (1.0, 0.0, 0.0, 0.0)
+    longest = max(semi_axes)
+    lengths = [max(axis, THINNEST * longest) / reach for axis in semi_axes]
+    return {"kind": kind, "semi_axes": lengths, "turned": turned, "reach": reach, "moments": _relative(body), "axes": body.axes}
+
+
+def _relative(body: Body) -> Vector:
+    """The moments in units of the largest, of which no product is too large for a double."""
+    a, b, c = (moment / max(body.moments) for moment in body.moments)
+    return a, b, c
+
+
+def _too_far(trajectory: Trajectory, reach: float) -> bool:
+    return not float(np.abs(trajectory.position).max()) < FARTHEST * reach
+
+
+def _solid(body: Body) -> tuple[str, tuple[float, float, float]]:
+    """What a body is drawn as, and its half-lengths along its axes (m)."""
+    match body.shape:
+        case Brick(semi_axes):
+            return "brick", semi_axes
+        case Cylinder(radius, half_length):
+            return "cylinder", (radius, radius, half_length)
+        case Sphere(radius):
+            return "ellipsoid", (radius, radius, radius)
+        case Ellipsoid(semi_axes):
+            return "ellipsoid", semi_axes
+        case None:
+            a, b, c = body.moments
+            squares = (b + c - a, a + c - b, a + b - c)
+            x, y, z = (math.sqrt(max(square, 0.0) * 5 / 2 / body.mass) for square in squares)
+            return "ellipsoid", (x, y, z)
+
+
+def _reach(body: Body) -> float:
+    """The distance (m) of a body's farthest point from its centre of mass, as it is drawn."""
+    kind, (a, b, c) = _solid(body)
+    return {"brick": math.hypot(a, b, c), "cylinder": math.hypot(a, c), "ellipsoid": max(a, b, c)}[kind]
+
+
+def _alt(scene: Scene, runs: Sequence[Shown]) -> str:
+    worst = max(runs, key=lambda run: run.maxima["attitude_error"])
+    far = f"by up to {number(worst.maxima['attitude_error'], 3)} rad"
+    return (
+        f"The bodies of the truth and of up to {MOST_SHOWN} runs, played in time side by side"
+        + (" on the plane. " if scene.plane is not None else " about their centres of mass. ")
+        + f"The farthest from the truth's attitude, {far}: {name_of(worst.line)}."
+    )
+
+
+def _notes(
+    scene: Scene, timestep: float, runs: Mapping[Line, Verdict], undrawn: Sequence[str], left_out: Sequence[str]
+) -> list[str]:
+    """What is not played, and what is drawn otherwise than it is."""
+    notes = []
+    if scene.body.shape is None:
+        notes.append("The body has no shape of its own: what is drawn is the solid ellipsoid that has its mass and moments.")
+    if len({line.timestep for line in runs}) > 1:
+        notes.append(f"Played are the runs with a time step of {milliseconds(timestep)}.")
+    if undrawn:
+        notes.append(f"Not played, because they turn {TOO_FAST}, or go too far: {listing(undrawn, MOST_NAMES, 'method')}.")
+    if left_out:
+        notes.append(f"Not played, to keep this file small: {listing(left_out, MOST_NAMES, 'method')}.")
+    return notes
+
+
+def _json(value: Any) -> str:
+    return json.dumps(value, separators=(",", ":"))

@@ -1,0 +1,79 @@
+"""A case in words: its body, its start, its surroundings, and the truth it is held against."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from bodycheck.casefile.case import Case
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
+from bodycheck.reference.truth import Truth
+from bodycheck.reports.quantities import bound, number
+from bodycheck.running.outcome import Unsupported
+
+
+@dataclass(frozen=True)
+class Fact:
+    """Something said about a case: what it is of, and what is."""
+
+    term: str
+    text: str
+
+
+def describe(case: Case, truths: Sequence[Truth | Unsupported]) -> tuple[Fact, ...]:
+    """The facts of a case; truths: those its runs are held against, one a time step."""
+    scene, body, start = case.scene, case.scene.body, case.scene.initial
+    spin, speed = math.hypot(*start.angular_velocity), math.hypot(*start.velocity)
+    motion = f"spinning at {number(spin)} rad/s, {_vector(start.angular_velocity)} about I, J, K" if spin else "not spinning"
+    travel = f"moving at {number(speed)} m/s, {_vector(start.velocity)} along x, y, z" if speed else "its centre at rest"
+    surroundings = [f"gravity {number(scene.gravity)} m/s²" if scene.gravity else "no gravity"]
+    if scene.plane is not None:
+        surroundings.append(f"on a plane with friction coefficient {number(scene.plane.friction)} ({scene.plane.law} law)")
+    if scene.drag:
+        surroundings.append(f"drag {number(scene.drag)} kg/m times speed squared")
+    return (
+        Fact("Body", f"{_shape(body.shape)}, {number(body.mass)} kg, principal moments {_vector(body.moments)} kg m²"),
+        Fact("Start", f"{motion}; {travel}"),
+        Fact("Surroundings", ", ".join(surroundings)),
+        Fact("Watched for", f"{number(case.duration)} s at {case.samples} instants"),
+        *((Fact("Truth", _truth(truths)),) if truths else ()),
+        *_stop(truths),
+    )
+
+
+def _stop(truths: Sequence[Truth | Unsupported]) -> tuple[Fact, ...]:
+    """Where and when the body comes to rest; the same for every time step."""
+    for truth in truths:
+        if isinstance(truth, Truth) and truth.stop is not None:
+            stop = truth.stop
+            where = f"at {_vector(stop.position)} m, its yaw {number(stop.yaw)} rad"
+            return (Fact("Rest", f"after {number(stop.time)} s {where}"),)
+    return ()
+
+
+def _shape(shape: Shape | None) -> str:
+    match shape:
+        case Brick((a, b, c)):
+            return f"brick of {' × '.join(number(2 * half) for half in (a, b, c))} m along I, J, K"
+        case Ellipsoid(semi_axes):
+            return f"ellipsoid of semi-axes {' × '.join(map(number, semi_axes))} m along I, J, K"
+        case Cylinder(radius, half_length):
+            return f"cylinder about K of radius {number(radius)} m and length {number(2 * half_length)} m"
+        case Sphere(radius):
+            return f"sphere of radius {number(radius)} m"
+        case None:
+            return "body without a shape"
+
+
+def _vector(components: Sequence[float]) -> str:
+    return f"({', '.join(map(number, components))})"
+
+
+def _truth(truths: Sequence[Truth | Unsupported]) -> str:
+    known = [truth for truth in truths if isinstance(truth, Truth)]
+    if known:
+        sources = " and ".join(dict.fromkeys(f"{truth.model} ({truth.reason}) by {truth.backend}" for truth in known))
+        witnesses = "; ".join(dict.fromkeys(witness for truth in known for witness in truth.witnesses))
+        held = f", held against {witnesses}" if witnesses else ""
+        return f"{sources}{held}, its own attitude error at most {bound(max(float(truth.error.max()) for truth in known))} rad"
+    reasons = dict.fromkeys(truth.reason for truth in truths if isinstance(truth, Unsupported))
+    return f"none: {'; '.join(reasons)}"

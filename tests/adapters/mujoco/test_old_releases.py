@@ -1,0 +1,86 @@
+"""Old releases of the engines: stepped otherwise where they must be, and each as what it is."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bodycheck import load
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import EngineReset, Method
+from bodycheck.adapters.mujoco import stepping as mujoco_stepping
+from bodycheck.environments import environments
+from bodycheck.environments import filling as making
+from bodycheck.environments.environments import Unobtainable
+from bodycheck.reference.scene import State
+
+STRIDES = np.array([0, 3, 0, 500, 9000, 1])
+"""More steps than a rollout has."""
+
+CASES = ("osrf-boxes-complex", "football-wobble", "sliding-brick")
+MUJOCO = registry.load("mujoco")
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("integrator", ["Euler", "RK4"])
+def test_steps_are_those_of_rollouts(name: str, integrator: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, method = load(name).scene, Method(integrator, 1e-3)
+    rollouts = MUJOCO.prepare(scene, method)
+    monkeypatch.setattr(mujoco_stepping, "Pool", None)
+    steps = MUJOCO.prepare(scene, method)
+    assert (type(rollouts), type(steps)) == (mujoco_stepping.Rollouts, mujoco_stepping.Steps)
+    whole = rollouts.advance(STRIDES)
+    np.testing.assert_array_equal(np.vstack([steps.advance(STRIDES[:2]), steps.advance(STRIDES[2:])]), whole)
+
+
+def test_steps_stop_at_the_reset_at_which_rollouts_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = replace(load("intermediate-axis-flip").scene, initial=State(angular_velocity=(0.0, 0.1, 300.0)))
+    strides = np.full(200, 50)
+    signals = []
+    for pool in (mujoco_stepping.Pool, None):
+        monkeypatch.setattr(mujoco_stepping, "Pool", pool)
+        with pytest.raises(EngineReset) as signal:
+            MUJOCO.prepare(scene, Method("Euler", 2e-3)).advance(strides)
+        signals.append(signal.value)
+    assert str(signals[0]) == str(signals[1])
+    np.testing.assert_array_equal(signals[0].rows, signals[1].rows)
+    assert 1 < len(signals[0].rows) < len(strides)
+
+
+FIGURES = """
+import json, sys
+from dataclasses import replace
+from bodycheck import load, simulate
+from bodycheck.adapters import registry
+adapter, found = registry.load(sys.argv[1]), {}
+for name in sys.argv[2:]:
+    case = load(name)
+    case = replace(case, duration=1.0, samples=11, expectations=())
+    for integrator in adapter.integrators(case.scene):
+        for method in (integrator, *(f"{integrator}:model={model}" for model in adapter.models(case.scene, integrator))):
+            outcome = simulate(case, sys.argv[1], method, 1e-3).outcome
+            found[f"{name} {method}"] = getattr(outcome, "reason", "") or type(outcome).__name__
+print(json.dumps([adapter.version(), found]))
+"""
+RELEASES = {
+    "mujoco": ("2.3.2", "2.3.7", "3.0.0", "3.1.6", "3.2.0", "3.2.7", "3.3.7", "3.17.0"),
+    "pinocchio": ("2.6.18", "2.6.20", "2.7.0", "3.4.0", "3.9.0", "4.0.0"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("engine", "version"), [(engine, version) for engine in RELEASES for version in RELEASES[engine]])
+def test_a_release_does_what_it_can_and_says_what_it_cannot(engine: str, version: str) -> None:
+    """Each of its methods runs, or is not supported for a reason that names the version."""
+    try:
+        environment = environments.obtain(engine, version)
+    except Unobtainable as error:
+        pytest.skip(str(error))
+    cases = ("osrf-boxes-complex", "free-brick", "sliding-brick")
+    done = making.call(environment.python, ["-c", FIGURES, engine, *cases], None, 600.0)
+    assert done.returncode == 0, done.stderr
+    said, found = json.loads(done.stdout)
+    assert said == version
+    assert [name for name, end in found.items() if end != "Completed" and version not in end] == []
+    assert "Completed" in {end for name, end in found.items() if name.startswith("sliding-brick")}

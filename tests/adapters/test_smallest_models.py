@@ -1,0 +1,370 @@
+"""The smallest models: each agrees with the full one, in the reference and in the engines."""
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bodycheck import compare, load, simulate, truth
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import MODEL_OPTION, Method, SceneUnsupported
+from bodycheck.reference.flight import closed_form, drag, symmetric_top, torque_free
+from bodycheck.reference.flight.closed_form import STORED, smallest_rotation
+from bodycheck.reference.inertia import principal_moments
+from bodycheck.reference.integration.dop853 import OutOfReach
+from bodycheck.reference.kinematics import geodesic_angle, normalise
+from bodycheck.reference.lying import planar_state
+from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Scene, State, Vector
+from bodycheck.reference.sliding.friction import friction
+from bodycheck.reference.sliding.motion import coupled, slide, smallest_friction
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truth import Backend, attitude_difference, backend, distance, dop853
+from bodycheck.reference.truth import truth as truth_of_scene
+from tests.conftest import shortened
+
+try:
+    from bodycheck.reference.integration import taylor
+except ImportError:
+    taylor = None  # where heyoka is not installed
+
+TIMES = np.linspace(0, 5, 51)
+EPS = float(np.finfo(float).eps)
+MUJOCO, PINOCCHIO = registry.load("mujoco"), registry.load("pinocchio")
+
+
+def thrown(moments: Vector, rates: Vector) -> Scene:
+    start = State((1.0, 2.0, 3.0), (0.5, 0.5, -0.5, 0.5), (3.0, -4.0, 5.0), rates)
+    return Scene(Body(1.5, moments), start, gravity=9.81)
+
+
+# The reference.
+
+FORMS = {
+    "constant attitude": thrown((0.1, 0.2, 0.25), (0.0, 0.0, 0.0)),
+    "steady turn, sphere": thrown((0.2, 0.2, 0.2), (1.0, -2.0, 3.0)),
+    "steady turn, principal axis": thrown((0.1, 0.2, 0.25), (0.0, -3.0, 0.0)),
+    "steady turn, across the axis": thrown((0.2, 0.2, 0.25), (1.0, 2.0, 0.0)),
+    "symmetric top": thrown((0.2, 0.2, 0.25), (1.0, -2.0, 3.0)),
+    "symmetric top about I": thrown((0.1, 0.2, 0.2), (3.0, 1.0, 0.5)),
+    "symmetric top about J": thrown((0.2, 0.3, 0.2), (1.0, 2.0, -1.0)),
+    "elliptic functions": thrown((0.1, 0.2, 0.25), (1.0, -2.0, 3.0)),
+}
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_each_scene_gets_its_smallest_closed_form_and_says_why(name: str) -> None:
+    found = truth_of_scene(FORMS[name], TIMES)
+    assert found.model == f"closed form: {name.partition(',')[0].partition(' about')[0]}"
+    assert found.backend == "numpy"
+    assert found.reason
+    assert bool(found.witnesses) is (name != "constant attitude")
+
+
+@pytest.mark.parametrize("solver", [dop853(), backend()], ids=lambda solver: solver.name)
+@pytest.mark.parametrize("name", FORMS)
+def test_every_form_agrees_with_the_full_integration(name: str, solver: Backend) -> None:
+    """In all coordinates, by both forms of the equations; nothing that is not needed changes the truth beyond its bound."""
+    found = truth_of_scene(FORMS[name], TIMES, solver)
+    for way in (solver.euler_lagrange, solver.quasi_coordinates):
+        assert (attitude_difference(way(FORMS[name], TIMES), found.trajectory.quaternion) <= found.error).all()
+    # DOP853 at 2.3e-14 a step is good to some 1e-13 after 20 rad; Taylor's method in 80 bits to the rounding of a quaternion.
+    assert found.error.max() < (1e-12 if solver.name == dop853().name else 1e-14)
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_every_form_is_within_its_bound_of_128_bits(name: str) -> None:
+    if taylor is None:
+        pytest.skip("needs heyoka")
+    exact = taylor.euler_lagrange(FORMS[name], TIMES, "quadruple").quaternion
+    found = closed_form.motion(FORMS[name], TIMES).quaternion
+    assert (taylor.attitude_difference(found, exact) <= closed_form.bound(FORMS[name], TIMES)).all()
+
+
+MOMENT = st.one_of(st.floats(0.05, 1.0), st.floats(-9, 0).map(lambda power: 10.0**power))
+RATE = st.one_of(st.floats(-10, 10), st.floats(-1e-8, 1e-8), st.just(0.0))
+
+
+@settings(max_examples=200)
+@given(equal=MOMENT, part=st.floats(1e-9, 2.0), axis=st.integers(0, 2), rates=st.tuples(RATE, RATE, RATE))
+def test_the_symmetric_top_is_the_elliptic_motion_of_a_symmetric_body(
+    equal: float, part: float, axis: int, rates: Vector
+) -> None:
+    moments = [equal] * 3
+    moments[axis] = part * equal
+    i, j, k = moments
+    if part == 1 or smallest_rotation((i, j, k), rates).motion is not symmetric_top.rotation:
+        return
+    quaternion, (t, *later) = (0.5, -0.5, 0.5, 0.5), (0.0, 0.7, 5.0, 1000.0)
+    times = np.array([t, *later])
+    small = symmetric_top.rotation((i, j, k), rates, quaternion, times)
+    general = torque_free.rotation((i, j, k), rates, quaternion, times)
+    # Each errs by some ten roundings and by those of its angles, a part in 1e19 of at most 3e4 rad.
+    assert geodesic_angle(small[0], general[0]).max() <= 2 * STORED + 1e-14
+    assert np.abs(small[1] - general[1]).max() <= (2 * STORED + 1e-14) * math.hypot(*rates)
+
+
+def test_a_nearly_symmetric_body_gets_the_general_form_and_moves_alike() -> None:
+    symmetric = FORMS["symmetric top"]
+    nearly = replace(symmetric, body=replace(symmetric.body, moments=(0.2, math.nextafter(0.2, 1.0), 0.25)))
+    one, other = truth_of_scene(symmetric, TIMES), truth_of_scene(nearly, TIMES)
+    assert other.model == "closed form: elliptic functions"
+    # A relative change of one rounding in a moment turns the body by as much a radian, of which there are 20.
+    assert geodesic_angle(one.trajectory.quaternion, other.trajectory.quaternion).max() < 100 * EPS
+
+
+def test_what_does_not_act_changes_no_digit() -> None:
+    still, turning = FORMS["constant attitude"], FORMS["elliptic functions"]
+    sphere = replace(still, body=Body(1.5, (0.3, 0.3, 0.3)))
+    flight = truth_of_scene(still, TIMES).trajectory
+    np.testing.assert_array_equal(truth_of_scene(sphere, TIMES).trajectory.quaternion, flight.quaternion)
+    np.testing.assert_array_equal(truth_of_scene(turning, TIMES).trajectory.position, flight.position)
+    in_place = replace(turning, gravity=0.0, initial=State(quaternion=(0.5, 0.5, -0.5, 0.5), angular_velocity=(1.0, -2.0, 3.0)))
+    np.testing.assert_array_equal(
+        truth_of_scene(in_place, TIMES).trajectory.quaternion, truth_of_scene(turning, TIMES).trajectory.quaternion
+    )
+
+
+@pytest.mark.parametrize("name", FORMS)
+def test_drag_that_is_nothing_changes_the_truth_by_less_than_the_bounds(name: str) -> None:
+    """1e-300 kg/m is below every rounding, but the translation is integrated, twice."""
+    without, dragged = (truth_of_scene(scene, TIMES) for scene in (FORMS[name], replace(FORMS[name], drag=1e-300)))
+    assert dragged.backend != without.backend
+    apart = distance(without.trajectory.position, dragged.trajectory.position)
+    assert (apart <= without.position_error + dragged.position_error).all()
+    np.testing.assert_array_equal(without.trajectory.quaternion, dragged.trajectory.quaternion)
+
+
+@pytest.mark.parametrize("case", ["sliding-brick", "sliding-brick-slippery"])
+def test_a_slide_solved_as_if_it_span_is_the_straight_one(case: str) -> None:
+    scene, times = load(case).scene, load(case).instants
+    assert scene.plane is not None
+    found = slide(scene, times)
+    one, other = (motion.rows[:, :2] for motion in coupled(scene, scene.plane, planar_state(scene), times))
+    own_bound = 2 * np.maximum.accumulate(np.hypot(*(one - other).T)) + found.position_error
+    assert (np.hypot(*(one - found.trajectory.position[:, :2]).T) <= own_bound + found.position_error).all()
+
+
+def test_where_no_witness_can_follow_the_closed_form_stands_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(*_: Any) -> Any:
+        raise OutOfReach("too many steps")
+
+    scene = FORMS["symmetric top"]
+    found = truth_of_scene(scene, TIMES, Backend("none", refuse, refuse))
+    assert found.witnesses == ()
+    np.testing.assert_array_equal(found.error, closed_form.bound(scene, TIMES))
+
+
+def test_drag_is_integrated_only_where_something_moves() -> None:
+    spinning = replace(FORMS["symmetric top"], gravity=0.0, initial=State(angular_velocity=(1.0, 2.0, 3.0)), drag=0.1)
+    assert truth_of_scene(spinning, TIMES).model == "closed form: symmetric top"
+    still, _ = drag.cartesian(spinning, TIMES)
+    assert not still.any()
+
+
+# The smallest law of friction.
+
+BRICK, DISK = Brick((0.1, 0.2, 0.05)), Cylinder(0.15, 0.05)
+PLANES = [Plane(0.5, "area"), Plane(0.5, "area", "balanced"), Plane(0.5, "corners"), Plane(0.5, "decoupled")]
+
+
+def flat(velocity: tuple[float, float], spin: float, plane: Plane, shape: Brick | Cylinder = BRICK) -> Scene:
+    start = State((0.3, -0.2, 0.05), (math.cos(0.2), 0.0, 0.0, math.sin(0.2)), (*velocity, 0.0), (0.0, 0.0, spin))
+    return Scene(Body(1.2, principal_moments(shape, 1.2), shape), start, 9.81, plane)
+
+
+@pytest.mark.parametrize("shape", [BRICK, DISK])
+@pytest.mark.parametrize("plane", PLANES)
+@pytest.mark.parametrize(("velocity", "spin"), [((2.0, 1.0), 0.0), ((0.0, 0.0), -7.0), ((0.0, 0.0), 0.0)])
+def test_the_smallest_friction_is_the_whole_one(
+    plane: Plane, shape: Brick | Cylinder, velocity: tuple[float, float], spin: float
+) -> None:
+    if plane.law == "corners" and shape is DISK:
+        return
+    scene = flat(velocity, spin, plane, shape)
+    (small, apart), whole = smallest_friction(scene, plane), friction(scene.body, plane, scene.gravity)
+    assert apart
+    for part in (1.0, 0.3, 1e-6):
+        motion = velocity[0] * part, velocity[1] * part, spin * part
+        # Sums over the face and a linear system of three equations, in units of the weight times the reach.
+        np.testing.assert_allclose(small(*motion), whole(*motion), rtol=0, atol=1e-13)
+
+
+def test_a_body_that_slides_and_spins_has_the_whole_friction() -> None:
+    motion = (2.0, 1.0, 3.0)
+    for plane in PLANES:
+        scene = flat(motion[:2], motion[2], plane)
+        law, apart = smallest_friction(scene, plane)
+        assert law(*motion) == friction(scene.body, plane, 9.81)(*motion)
+        assert apart is (plane.law == "decoupled")
+
+
+# The engines.
+
+
+def last(adapter: Any, scene: Scene, method: str, timestep: float = 1e-3, steps: int = 300) -> Array:
+    """The states (3, 13) at the start, after a step and at the end."""
+    return np.asarray(adapter.prepare(scene, Method(method, timestep)).advance(np.array([0, 1, steps - 1])))
+
+
+def sizes(adapter: Any, scene: Scene, method: str) -> tuple[int, int]:
+    """Coordinates and velocities of an engine's model."""
+    simulation = adapter.prepare(scene, Method(method, 1e-3))
+    model = simulation.model if adapter is MUJOCO else simulation.joints.model
+    return model.nq, model.nv
+
+
+@pytest.mark.parametrize(
+    ("case", "mujoco", "pinocchio"),
+    [
+        ("projectile", (3, 3), (3, 3)),
+        ("free-brick", (7, 6), (7, 6)),
+        ("mujoco-free-body", (7, 6), (4, 3)),
+    ],
+)
+def test_engines_build_the_smallest_model(case: str, mujoco: tuple[int, int], pinocchio: tuple[int, int]) -> None:
+    scene = load(case).scene
+    for integrator in MUJOCO.integrators(scene):
+        assert sizes(MUJOCO, scene, integrator) == mujoco
+        model = MUJOCO.prepare(scene, Method(integrator, 1e-3)).model
+        assert (model.ngeom, model.nsensor) == (0, 0)
+    for integrator in PINOCCHIO.integrators(scene):
+        assert sizes(PINOCCHIO, scene, integrator) == pinocchio
+
+
+def test_on_a_plane_three_coordinates_are_a_method_of_their_own() -> None:
+    scene = load("sliding-brick").scene
+    assert sizes(MUJOCO, scene, "Euler-planar") == (3, 3)
+    assert sizes(MUJOCO, scene, "Euler") == (7, 6)
+    assert sizes(PINOCCHIO, scene, "law-force") == (3, 3)
+    assert sizes(PINOCCHIO, scene, "law-force-planar") == (4, 3)
+    for adapter, method in ((MUJOCO, "Euler-planar"), (PINOCCHIO, "law-force"), (PINOCCHIO, "law-force-planar")):
+        assert method in adapter.integrators(scene)
+        assert adapter.contact_law(scene, method) == scene.plane
+        assert adapter.contact_load(scene, Method(method, 1e-3), 10) is None
+        assert adapter.claim(method).order == 1
+
+
+def test_everything_as_shipped_is_in_the_largest_model_of_mujoco() -> None:
+    scene = load("free-brick").scene
+    model = MUJOCO.prepare(scene, Method("Euler:model=everything", 1e-3)).model
+    assert (model.ngeom, model.nsensor, model.opt.disableflags) == (2, 6, 0)
+    assert model.opt.enableflags
+
+
+FLIGHTS = ["projectile", "free-brick", "mujoco-free-body", "football-wobble", "football-drag", "osrf-boxes-complex"]
+
+OTHER_SCHEMES = {
+    ("pinocchio", "semi-implicit-euler"): {"six-coordinates", "far-geometry", "everything"},
+    ("mujoco", "implicitfast"): {"rotation", "translation-and-rotation"},
+    ("mujoco", "discrete"): {"rotation", "translation-and-rotation"},
+}
+"""Models on which an integrator is another scheme: on the body twist, and on MuJoCo's ball joint."""
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "pinocchio"])
+@pytest.mark.parametrize("case", FLIGHTS)
+def test_the_models_of_a_flight_are_one_physics(engine: str, case: str) -> None:
+    adapter, scene = registry.load(engine), load(case).scene
+    for integrator in adapter.integrators(scene):
+        usual = last(adapter, scene, integrator)
+        turns, moves = any(scene.initial.angular_velocity), any(scene.initial.velocity)
+        for model in adapter.models(scene, integrator):
+            seen = last(adapter, scene, f"{integrator}{MODEL_OPTION}{model}")
+            others = OTHER_SCHEMES.get((engine, integrator.removesuffix("-fluid")), set())
+            differs = turns and model in others and (engine == "mujoco" or moves)
+            # 300 steps round a state of up to 20 m and rad/s.
+            assert bool(np.abs(seen - usual).max() > 1e-9) is differs, (integrator, model)
+            np.testing.assert_allclose(seen[0], usual[0], rtol=0, atol=1e-14)
+
+
+def test_on_a_ball_joint_implicitfast_of_mujoco_is_semi_implicit_euler() -> None:
+    """Which is why a body that turns in its place has a free joint all the same."""
+    scene = load("mujoco-free-body").scene
+    euler = last(MUJOCO, scene, "Euler")
+    for integrator in ("implicitfast", "discrete"):
+        np.testing.assert_allclose(last(MUJOCO, scene, f"{integrator}:model=rotation"), euler, rtol=0, atol=1e-13)
+        assert np.abs(last(MUJOCO, scene, integrator) - euler).max() > 1e-4
+
+
+@pytest.mark.parametrize("plane", PLANES)
+@pytest.mark.parametrize(("velocity", "spin"), [((2.0, 1.0), 0.0), ((0.0, 0.0), -7.0), ((2.0, 1.0), 7.0)])
+def test_planar_and_free_joints_agree_to_rounding_in_both_engines(
+    plane: Plane, velocity: tuple[float, float], spin: float
+) -> None:
+    scene = flat(velocity, spin, plane)
+    planar = last(MUJOCO, scene, "Euler-planar", steps=600)
+    for adapter, method in (
+        (MUJOCO, "Euler:model=planar"),
+        (MUJOCO, "Euler:model=six-coordinates"),
+        (MUJOCO, "Euler:model=far-geometry"),
+        (PINOCCHIO, "law-force"),
+        (PINOCCHIO, "law-force:model=translation-and-rotation"),
+    ):
+        seen = last(adapter, scene, method, steps=600)
+        assert geodesic_angle(seen[:, 3:7], planar[:, 3:7]).max() < 1e-12
+        # 600 steps of rounding; the law of friction near the stop multiplies it some ten times.
+        np.testing.assert_allclose(np.delete(seen, slice(3, 7), axis=1), np.delete(planar, slice(3, 7), axis=1), atol=1e-11)
+
+
+@pytest.mark.parametrize(("engine", "integrator"), [("mujoco", "Euler-planar"), ("pinocchio", "law-force-planar")])
+@pytest.mark.parametrize(
+    "name", ["sliding-brick", "spinning-brick", "curling-brick", "curling-disk", "curling-brick-decoupled"]
+)
+def test_planar_methods_converge_to_the_truth_with_order_1(engine: str, integrator: str, name: str) -> None:
+    case = load(name)
+    exact = truth(case)
+    errors = [
+        max(seen["position_error"], 0.1 * seen["attitude_error"])
+        for seen in (compare(exact, simulate(case, engine, integrator, h)).maxima() for h in (2e-3, 1e-3, 5e-4))
+    ]
+    # The next term of the error is of relative size h times a rate of 20 rad/s, and the stop is found to a step.
+    np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 1, atol=0.15)
+
+
+def test_at_rest_and_without_friction_nothing_is_braked() -> None:
+    resting = last(MUJOCO, flat((0.0, 0.0), 0.0, PLANES[0]), "Euler-planar")
+    np.testing.assert_array_equal(resting[-1, 7:], 0)
+    sliding = last(MUJOCO, flat((2.0, 1.0), 3.0, Plane(0.0)), "Euler-planar")
+    # 300 roundings of 3 rad/s.
+    np.testing.assert_allclose(sliding[-1, [7, 8, 12]], [2.0, 1.0, 3.0], rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("engine", "case", "method", "words"),
+    [
+        ("mujoco", "free-brick", "Euler:model=planar", "no model 'planar' .* there are: six-coordinates, far-geometry"),
+        ("mujoco", "free-brick", "Euler-planar", "has no integrator 'Euler-planar'"),
+        ("mujoco", "sliding-brick", "Euler-planar:cone=elliptic", "without contact"),
+        ("mujoco", "sliding-brick", "Euler:cone=elliptic:model=contact", "no model 'contact' .* there are: none"),
+        ("mujoco", "sliding-brick", "Euler-planar:model=contact", "there are: none"),
+        ("pinocchio", "projectile", "rk4:model=translation-and-rotation", "no model"),
+        ("pinocchio", "sliding-brick", "admm:model=planar", "there are: none"),
+        ("pinocchio", "curling-disk", "law-force:model=contact", "corners"),
+    ],
+)
+def test_models_that_there_are_not_are_refused(engine: str, case: str, method: str, words: str) -> None:
+    with pytest.raises(SceneUnsupported, match=words):
+        registry.load(engine).prepare(load(case).scene, Method(method, 1e-3))
+
+
+def test_a_body_without_a_shape_has_no_far_geometry() -> None:
+    for adapter in (MUJOCO, PINOCCHIO):
+        for integrator in adapter.integrators(FORMS["symmetric top"]):
+            assert "far-geometry" not in adapter.models(FORMS["symmetric top"], integrator)
+            last(adapter, FORMS["symmetric top"], f"{integrator}:model=everything")
+
+
+def test_a_turned_body_in_its_own_frame_moves_the_same_on_every_model() -> None:
+    """Slides leave the frame of the body to its inertia: MuJoCo's fluid tells whether it is turned the right way."""
+    case = shortened(load("football-drag"), 1.0, 11)
+    axes = tuple(normalise(np.array([0.9, 0.1, -0.3, 0.2])).tolist())
+    start = replace(case.scene.initial, angular_velocity=(0.0, 0.0, 0.0))
+    body = replace(case.scene.body, axes=axes, moments=(0.001, 0.002, 0.0025))
+    scene = replace(case.scene, body=body, initial=start)
+    whole: Callable[[str], Array] = lambda model: last(MUJOCO, scene, f"Euler-fluid:model={model}")  # noqa: E731
+    np.testing.assert_allclose(whole("translation")[:, 7:10], whole("six-coordinates")[:, 7:10], rtol=0, atol=1e-12)

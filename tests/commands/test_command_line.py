@@ -1,0 +1,203 @@
+"""The command line, as a user calls it."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from bodycheck import load, truth
+from bodycheck.adapters import registry
+from bodycheck.casefile.case import shipped
+
+SHORT = """\
+format = 1
+name = "short"
+title = "A short one"
+[body]
+shape = "sphere"
+radius = 0.1
+mass = 1.0
+[initial]
+angular_velocity = [0.0, 0.0, 5.0]
+[scene]
+gravity = 9.81
+[run]
+duration = 0.5
+samples = 6
+[[expect]]
+engine = "mujoco"
+integrator = "RK4"
+timestep = 0.002
+position_error = 1e-9
+"""
+
+
+def bodycheck(*arguments: object, prelude: str = "") -> subprocess.CompletedProcess[str]:
+    """The command in a process of its own; prelude is run before it."""
+    start = "import sys\nsys.argv = ['bodycheck', *sys.argv[1:]]\nfrom bodycheck.commands.command_line import main\nmain()"
+    code = f"{prelude}\n{start}"
+    command = [sys.executable, "-c", code, *map(str, arguments)]
+    # As wide as a file, whatever the terminal that runs the tests.
+    return subprocess.run(command, capture_output=True, text=True, env=os.environ | {"COLUMNS": "200"})
+
+
+@pytest.fixture
+def short(tmp_path: Path) -> Path:
+    path = tmp_path / "short.case.toml"
+    path.write_text(SHORT)
+    return path
+
+
+def test_run_writes_everything_it_promises(short: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    done = bodycheck("run", short, "projectile", "--out", out, "--jobs", 2)
+    assert done.returncode == 0, done.stderr
+    names = {"results.csv", "results.parquet", "results.json", "trajectories", "report.html", "report.md", "run.jsonl"}
+    assert {path.name for path in out.iterdir()} == names
+    results = pd.read_csv(out / "results.csv")
+    assert set(results.case) == {"short", "projectile"}
+    assert set(results.engine) == {"mujoco", "pinocchio"}
+    assert set(results.timestep) == {0.002}
+    offered = [len(registry.load(engine).integrators(load("projectile").scene)) for engine in ("mujoco", "pinocchio")]
+    assert len(results) == 2 * sum(offered)
+    assert str(out / "report.html") in done.stderr
+    assert "runs: " in done.stdout
+
+
+def test_without_out_nothing_is_written(short: Path, tmp_path: Path) -> None:
+    done = bodycheck("run", short, "--engine", "mujoco", prelude=f"import os; os.chdir({str(tmp_path)!r})")
+    assert done.returncode == 0, done.stderr
+    assert [path.name for path in tmp_path.iterdir()] == [short.name]
+
+
+def test_run_prints_json(short: Path) -> None:
+    options = ("--engine", "mujoco", "--integrator", "RK4", "--timestep", "0.002", "--timestep", "0.001", "--json")
+    done = bodycheck("run", short, *options)
+    rows = json.loads(done.stdout)
+    assert [(row["integrator"], row["timestep"]) for row in rows] == [("RK4", 0.002), ("RK4", 0.001)]
+    assert [row["passed"] for row in rows] == [True, None]
+
+
+def test_a_broken_expectation_exits_1(short: Path) -> None:
+    short.write_text(SHORT.replace("1e-9", "1e-30"))
+    done = bodycheck("run", short, "--engine", "mujoco")
+    assert done.returncode == 1
+    assert "position_error is" in done.stdout
+    assert "1 failed" in done.stdout
+
+
+def test_a_broken_case_among_good_ones_exits_2_before_simulating(short: Path, tmp_path: Path) -> None:
+    bad, worse = tmp_path / "bad.case.toml", tmp_path / "worse.case.toml"
+    bad.write_text(SHORT.replace("mass = 1.0", "mass = -1.0").replace("samples = 6", "samples = 0"))
+    worse.write_text("= 3")
+    out = tmp_path / "out"
+    done = bodycheck("run", short, bad, "projectile", worse, "--out", out)
+    assert done.returncode == 2
+    assert not out.exists()
+    assert done.stdout == ""
+    for words in (f"{bad}:7:1: body.mass: read -1.0", f"{bad}:14:1: run.samples: read 0", f"{worse}:1:1: not TOML"):
+        assert words in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(("package", "engine"), [("mujoco", "mujoco"), ("pinocchio", "pinocchio")])
+def test_with_one_engine_absent_the_other_runs(short: Path, tmp_path: Path, package: str, engine: str) -> None:
+    absent = f"import sys; sys.modules[{package!r}] = None"
+    done = bodycheck("run", short, "--out", tmp_path / "out", prelude=absent)
+    assert done.returncode == 0, done.stderr
+    assert f"{engine} is not installed" in done.stderr
+    results = pd.read_csv(tmp_path / "out" / "results.csv")
+    assert set(results.engine) == {"mujoco", "pinocchio"} - {engine}
+    assert f"{engine} is not installed" in (tmp_path / "out" / "report.md").read_text()
+    asked_for = bodycheck("run", short, "--engine", engine, prelude=absent)
+    assert asked_for.returncode == 2
+    assert f"{engine} is not installed" in asked_for.stderr
+
+
+def test_what_is_not_modelled_yet_is_unsupported(short: Path) -> None:
+    short.write_text(SHORT.replace("[run]", "[scene.plane]\nfriction = 0.5\n[run]").split("[[expect]]")[0])
+    done = bodycheck("run", short, "--json")
+    assert done.returncode == 0
+    rows = json.loads(done.stdout)
+    assert {row["status"] for row in rows} == {"unsupported"}
+    assert all(row["reason"] and row["attitude_error"] is None for row in rows)
+    assert bodycheck("truth", short).returncode == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("run", "nobody"), "no such file, and no shipped case of this name"),
+        (("run", "--engine", "nobody"), "there is no engine 'nobody'; there are: mujoco, pinocchio"),
+        (("run", "--integrator", "rk5"), "no engine has an integrator 'rk5'"),
+        (("run", "free-brick", "--integrator", "RK4-fluid"), "nothing to run"),
+        (("run", "--timestep", "-1"), "must be positive"),
+        (("run", "--timestep", "soon"), "soon"),
+        (("run", "--jobs", "0"), "--jobs 0: must be at least 1"),
+        (("run", "--frob"), "frob"),
+        (("frob",), "frob"),
+        (("truth",), "CASE"),
+        (("truth", "projectile", "--at", "-1"), "--at"),
+        (("validate",), "give at least one"),
+    ],
+)
+def test_bad_usage_exits_2_with_a_word(arguments: tuple[str, ...], words: str) -> None:
+    done = bodycheck(*arguments)
+    assert done.returncode == 2
+    assert words in done.stderr
+    assert "Traceback" not in done.stderr
+    assert done.stdout == ""
+
+
+def test_truth_prints_its_arrays() -> None:
+    done = bodycheck("truth", "gimbal-start", "--at", "1.5", "0", "0.25", "--json")
+    found = json.loads(done.stdout)
+    arrays = ["t", "position", "quaternion", "velocity", "angular_velocity", "truth_error"]
+    assert list(found) == ["case", "model", "reason", "backend", "witnesses", *arrays, "truth_position_error"]
+    assert found["t"] == [0, 0.25, 1.5]
+    expected = truth(load("gimbal-start"), [0, 0.25, 1.5])
+    np.testing.assert_array_equal(found["position"], expected.trajectory.position)
+    np.testing.assert_array_equal(found["quaternion"], expected.trajectory.quaternion)
+    np.testing.assert_array_equal(found["truth_error"], expected.error)
+    assert len(json.loads(bodycheck("truth", "projectile", "--json").stdout)["t"]) == 201
+    assert "model" in bodycheck("truth", "projectile", "--at", "1").stdout
+
+
+def test_lists() -> None:
+    assert {case["name"] for case in json.loads(bodycheck("cases", "--json").stdout)} == set(shipped())
+    assert "free-brick" in bodycheck("cases").stdout
+    engines = {engine["name"]: engine for engine in json.loads(bodycheck("engines", "--check", "--json").stdout)}
+    assert engines["mujoco"]["faults"] == engines["pinocchio"]["faults"] == []
+    assert "RK4" in engines["mujoco"]["integrators"]
+
+
+def test_validate(short: Path, tmp_path: Path) -> None:
+    assert bodycheck("validate", short).returncode == 0
+    short.write_text(SHORT.replace("mass", "mas"))
+    done = bodycheck("validate", short)
+    assert done.returncode == 2
+    assert f"{short}:7:1: body.mas: read 1.0; unknown key; allowed: mass, inertia, shape, radius" in done.stderr
+
+
+def test_help_imports_nothing_heavy() -> None:
+    heavy = ("numpy", "scipy", "pandas", "pydantic", "mujoco", "pinocchio", "rich.progress", "heyoka")
+    code = (
+        "import sys\nsys.argv = ['bodycheck', '--help']\nfrom bodycheck.commands.command_line import main\n"
+        f"try:\n    main()\nexcept SystemExit:\n    print([m for m in {heavy} if m in sys.modules], file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.stderr.strip() == "[]"
+    assert "Exit codes" in done.stdout
+
+
+def test_results_of_workers_that_print_stay_readable(short: Path, miniatures: Path) -> None:
+    prelude = f"import sys; sys.path.insert(0, {str(miniatures)!r})"
+    done = bodycheck("run", short, "--engine", "printing", "--json", prelude=prelude)
+    assert [row["engine"] for row in json.loads(done.stdout)] == ["printing"]
+    assert "an engine that talks" in done.stderr
+    assert "one that talks from C" in done.stderr

@@ -1,0 +1,95 @@
+"""Rooms depend on one another in one direction, and nothing heavy is imported before it is needed."""
+
+import ast
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.support import ROOT
+
+FLOORS = (
+    {"reference"},
+    {"adapters", "errors", "columns"},
+    {"casefile"},
+    {"running"},
+    {"judging", "environments"},
+    {"reports", "console"},
+    {"studies"},
+    {"commands", "pytest_plugin"},
+    {"__main__", "__init__"},
+)
+"""Rooms and modules of `bodycheck`, from the lowest floor up. A room imports from itself and from floors below its own."""
+
+
+ENGINES = {"mujoco": "mujoco", "pinocchio": "pinocchio"}
+"""The package of each engine, by the folder of its adapter: imported there and nowhere else."""
+
+
+def rooms(root: Path) -> dict[str, Path]:
+    """Every room of a checkout by its name: the folders and modules of `bodycheck`, links followed."""
+    return {path.stem: path.resolve() for path in (root / "bodycheck").iterdir() if path.suffix == ".py" or path.is_dir()}
+
+
+def modules(room: Path) -> list[Path]:
+    """All modules of a room, at any depth."""
+    return [room] if room.is_file() else sorted(room.rglob("*.py"))
+
+
+def imports(path: Path) -> Iterator[str]:
+    """The dotted names that a module imports, wherever in it."""
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def floor(room: str) -> int:
+    return next(number for number, those in enumerate(FLOORS) if room in those)
+
+
+def faults(root: Path) -> list[str]:
+    """Every import of a checkout that goes up, or sideways into another room, and every room without a floor."""
+    found = []
+    for room, place in rooms(root).items():
+        if room in ("cases", "__pycache__"):  # data
+            continue
+        if not any(room in those for those in FLOORS):
+            found.append(f"{place}: has no floor")
+            continue
+        for path in modules(place):
+            for module in imports(path):
+                package, _, rest = module.partition(".")
+                other = rest.partition(".")[0]
+                if package == "bodycheck" and other != room and other in rooms(root) and floor(other) >= floor(room):
+                    found.append(f"{path}: imports {module}")
+                if package in ENGINES.values() and path.parent.name != package:
+                    found.append(f"{path}: imports the engine {package}")
+    return found
+
+
+def test_every_import_goes_down() -> None:
+    assert faults(ROOT) == []
+
+
+@pytest.mark.parametrize(
+    ("file", "line"),
+    [
+        ("reference/sliding/planted/deep/upward.py", "from bodycheck.running import pool"),
+        ("bodycheck/studies/tradeoff/planted/upward.py", "from bodycheck.commands.command_line import app"),
+        ("bodycheck/judging/planted/a/b/engine.py", "import mujoco"),
+        ("bodycheck/newroom/module.py", "import math"),
+    ],
+)
+def test_a_planted_import_is_found(file: str, line: str, tmp_path: Path) -> None:
+    for folder in ("bodycheck", "reference", "adapters", "reports", "cases"):
+        shutil.copytree(ROOT / folder, tmp_path / folder, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
+    assert faults(tmp_path) == []
+    planted = tmp_path / file
+    planted.parent.mkdir(parents=True)
+    planted.write_text(line + "\n")
+    (fault,) = faults(tmp_path)
+    assert "planted" in fault or "newroom" in fault

@@ -1,0 +1,312 @@
+"""Baselines: what has changed is told, and what rounding does is not."""
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+import pytest
+
+from bodycheck import Case, compare, load, simulate, truth
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Method
+from bodycheck.casefile.case import parse
+from bodycheck.errors import BadInput
+from bodycheck.judging import baseline, judgement, rounding
+from bodycheck.judging.baseline import ALLOWANCE, FASTEST, FIGURES, SLOWEST, Baseline, Difference
+from bodycheck.reference.integration.sensitivity import growth
+from bodycheck.reference.scene import State
+from bodycheck.reference.trajectory import Trajectory
+from bodycheck.running import campaign
+from bodycheck.running.outcome import Completed, Run
+from bodycheck.running.plan import plan
+
+WHOLE = load("intermediate-axis-flip").text.partition("[[expect]]")[0]
+FLIP = parse(WHOLE.replace("duration = 10.0", "duration = 5.0").replace("samples = 1001", "samples = 101"), "flip")
+"""Half of it, with nothing expected."""
+
+STEP = 0.005
+U = 2.0**-53
+
+
+def saved(path: Path, cases: list[Case], engines: tuple[str, ...] = ("mujoco",), integrators: tuple[str, ...] = ()) -> Path:
+    adapters = {name: registry.load(name) for name in engines}
+    tasks = plan(cases, adapters, integrators, (STEP,))
+    head = campaign.header([], {name: adapter.version() for name, adapter in adapters.items()}, {})
+    with campaign.results(tasks, path.with_suffix(""), head, jobs=2) as results:
+        baseline.save(path, results, judgement.judge(results), jobs=2)
+    return path
+
+
+@pytest.fixture(scope="module")
+def flips(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The flip with MuJoCo's Euler and RK4."""
+    return saved(tmp_path_factory.mktemp("flips") / "base.parquet", [FLIP], integrators=("Euler", "RK4"))
+
+
+@pytest.fixture(scope="module")
+def base(flips: Path) -> Baseline:
+    return baseline.read(flips)
+
+
+def diff(*arguments: object, **environment: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "bodycheck", "diff", *map(str, arguments)]
+    outside = {name: value for name, value in os.environ.items() if not name.startswith("GITHUB_")}
+    return subprocess.run(command, capture_output=True, text=True, env=outside | environment)
+
+
+def edited(path: Path, to: Path, change: Callable[[pa.Table], pa.Table]) -> Path:
+    table = pq.read_table(path)
+    pq.write_table(change(table).replace_schema_metadata(table.schema.metadata), to)
+    return to
+
+
+def times(column: str, factor: float) -> Callable[[pa.Table], pa.Table]:
+    def change(table: pa.Table) -> pa.Table:
+        return table.set_column(table.column_names.index(column), column, pc.multiply(table[column], factor))
+
+    return change
+
+
+def only(found: Baseline, integrator: str, called: str) -> Baseline:
+    """The rows of one integrator, as if they were those of a method of another name."""
+    rows = {(case, engine, called, step): row for (case, engine, name, step), row in found.rows.items() if name == integrator}
+    return replace(found, rows=rows)
+
+
+def with_row(found: Baseline, **entries: Any) -> Baseline:
+    """With some entries of the row of RK4 replaced."""
+    return replace(found, rows={key: row | entries if key[2] == "RK4" else row for key, row in found.rows.items()})
+
+
+def test_a_run_against_itself_is_silent(flips: Path) -> None:
+    done = diff(flips, flips)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+    assert json.loads(diff(flips, flips, "--json").stdout) == {"worse": 0, "changes": [], "times": [], "versions": {}}
+
+
+def test_a_run_made_again_has_not_changed(base: Baseline, tmp_path: Path) -> None:
+    again = baseline.read(saved(tmp_path / "again.parquet", [FLIP], integrators=("Euler", "RK4")))
+    assert baseline.diff(base, again).changes == ()
+    assert set(again.rows) == set(base.rows)
+
+
+def another_machine(case: Case, run: Run, seed: int) -> Run:
+    """The run on a machine that rounds every number otherwise in every step, by up to one unit each."""
+    assert isinstance(run.outcome, Completed)
+    adapter, random = registry.load(run.engine), np.random.default_rng(seed)
+    initial, rows = case.scene.initial, []
+    row = np.array([*initial.position, *initial.quaternion, *initial.velocity, *initial.angular_velocity])
+    for _ in range(run.outcome.steps + 1):
+        rows.append(row)
+        row = row * (1 + U * random.uniform(-1, 1, 13))
+        state = State(tuple(row[:3]), tuple(row[3:7]), tuple(row[7:10]), tuple(row[10:]))
+        (row,) = adapter.prepare(replace(case.scene, initial=state), run.method).advance(np.array([1]))
+    t = run.outcome.trajectory.t
+    states = np.array(rows)[np.rint(t / run.method.timestep).astype(int)]
+    trajectory = Trajectory(t, states[:, :3], states[:, 3:7], states[:, 7:10], states[:, 10:])
+    return replace(run, outcome=replace(run.outcome, trajectory=trajectory))
+
+
+@pytest.mark.parametrize(
+    ("engine", "integrator"),
+    [("mujoco", "Euler"), ("mujoco", "RK4"), ("mujoco", "implicit"), ("pinocchio", "body-twist-euler"), ("pinocchio", "rk4")],
+)
+def test_another_machine_has_not_changed_anything(engine: str, integrator: str) -> None:
+    """Each step's rounding errors are carried by the flip, which makes of them what it would on a real machine."""
+    run, reference = simulate(FLIP, engine, integrator, STEP), truth(FLIP)
+    nudged = [simulate(rounding.nudged(FLIP, run, seed), engine, integrator, STEP) for seed in range(rounding.NUDGES)]
+    allowed = rounding.allowances(reference, run, nudged)
+    figures = compare(reference, run).maxima()
+    for seed in range(2):
+        other = compare(reference, another_machine(FLIP, run, seed)).maxima()
+        moved = [name for name in FIGURES if name in figures and other[name] != figures[name]]
+        assert len(moved) > 4, "else nothing was tried"
+        # Two machines add their allowances; this one alone is to be enough for either.
+        assert [name for name in moved if abs(other[name] - figures[name]) > allowed[name]] == []
+
+
+def test_an_allowance_is_what_the_motion_makes_of_rounding(base: Baseline) -> None:
+    """No more than the variational equations make of it, so that an error of 1e-8 rad is still seen to grow."""
+    (row,) = [row for key, row in base.rows.items() if key[2] == "RK4"]
+    carried = growth(FLIP.scene, FLIP.instants).of_any.max()
+    rounded = U * np.sqrt(row["steps"]) * carried
+    linear = U * row["steps"] * 10.0 * FLIP.duration  # of the angle that is turned, at 10 rad/s
+    allowed = row["attitude_error" + ALLOWANCE]
+    # The nudges are of position, velocity, attitude and rates at once; both terms are allowed `MARGIN` times.
+    assert rounding.MARGIN * linear < allowed < rounding.MARGIN * (2 * rounded + 1.1 * linear) + row["truth_error"]
+    assert allowed < row["attitude_error"]
+
+
+def test_single_precision_is_allowed_its_own_rounding() -> None:
+    run, reference = simulate(FLIP, "mujoco", "RK4", STEP), truth(FLIP)
+    assert isinstance(run.outcome, Completed)
+    parts = ("position", "quaternion", "velocity", "angular_velocity")
+    single = {part: getattr(run.outcome.trajectory, part).astype(np.float32).astype(float) for part in parts}
+    coarse = replace(run, outcome=replace(run.outcome, trajectory=replace(run.outcome.trajectory, **single)))
+    moves = [
+        np.linalg.norm(np.subtract(rounding.nudged(FLIP, of, 0).scene.initial.velocity, FLIP.scene.initial.velocity))
+        for of in (run, coarse)
+    ]
+    # Both are relative to the largest speed; that of 1e-14 m/s is itself rounded where it is added to 2 m/s, by a few per cent.
+    assert moves[1] / moves[0] == pytest.approx(2.0**29, rel=0.1)
+    assert rounding.allowances(reference, coarse, [coarse])["velocity_error"] > 1e-3
+
+
+def test_on_a_plane_a_nudged_body_stays_flat(shipped_case: Case) -> None:
+    case = replace(shipped_case, samples=3)
+    adapter = registry.load("mujoco")
+    run = simulate(case, "mujoco", adapter.integrators(case.scene)[0], 0.01)
+    for seed in range(rounding.NUDGES):
+        nudged = rounding.nudged(case, run, seed)
+        assert nudged.scene != case.scene
+        assert isinstance(simulate(nudged, run.engine, run.method.integrator, 0.01).outcome, Completed)
+
+
+def test_what_got_worse_is_told_in_one_sentence_and_fails(base: Baseline) -> None:
+    worse = baseline.diff(only(base, "RK4", "RK4"), only(base, "Euler", "RK4"))
+    (attitude,) = [change for change in worse.changes if change.what == "attitude_error"]
+    assert (attitude.direction, attitude.base, attitude.now) == (
+        "worse",
+        *(row["attitude_error"] for name in ("RK4", "Euler") for key, row in base.rows.items() if key[2] == name),
+    )
+    figures = f"attitude_error {attitude.base:.3g} → {attitude.now:.3g} rad, {attitude.now / attitude.base:.3g} times worse"
+    assert attitude.text == f"mujoco RK4 on intermediate-axis-flip, 0.005 s: {figures}"
+    assert worse.text.startswith("runs: 1 worse; mujoco RK4 on intermediate-axis-flip, 0.005 s: ")
+    better = baseline.diff(only(base, "Euler", "RK4"), only(base, "RK4", "RK4"))
+    assert {change.direction for change in better.changes} == {"better"}
+    assert better.worse == ()
+
+
+def test_exit_codes(flips: Path, tmp_path: Path) -> None:
+    larger = edited(flips, tmp_path / "larger.parquet", times("attitude_error", 1.5))
+    worse = diff(flips, larger)
+    assert worse.returncode == 1
+    assert "1.5 times worse" in worse.stdout.splitlines()[-1]
+    assert [line.split()[1:3] for line in worse.stdout.splitlines()[1:3]] == [["mujoco", "Euler"], ["mujoco", "RK4"]]
+    better = diff(larger, flips)
+    assert better.returncode == 0
+    assert "1.5 times better" in better.stdout
+    told = json.loads(diff(flips, larger, "--json").stdout)
+    assert (told["worse"], {change["what"] for change in told["changes"]}) == (2, {"attitude_error"})
+    in_workflow = diff(flips, larger, GITHUB_ACTIONS="true")
+    assert in_workflow.stderr.startswith("::error title=bodycheck diff::runs: 2 worse; mujoco ")
+
+
+def statuses(found: Difference) -> list[tuple[str, Any, Any, str]]:
+    return [(change.what, change.base, change.now, change.direction) for change in found.changes]
+
+
+def test_statuses_and_runs_that_come_and_go(base: Baseline) -> None:
+    diverged, unsupported = (with_row(base, status=status) for status in ("diverged", "unsupported"))
+    assert statuses(baseline.diff(base, diverged)) == [("status", "ok", "diverged", "worse")]
+    assert statuses(baseline.diff(diverged, base)) == [("status", "diverged", "ok", "better")]
+    assert statuses(baseline.diff(base, unsupported)) == [("status", "ok", "unsupported", "worse")]
+    assert statuses(baseline.diff(diverged, unsupported)) == [("status", "diverged", "unsupported", "better")]
+    fewer = only(base, "Euler", "Euler")
+    gone, new = baseline.diff(base, fewer), baseline.diff(fewer, base)
+    assert statuses(gone) == [("run", "ok", None, "worse")]
+    assert gone.changes[0].text == "mujoco RK4 on intermediate-axis-flip, 0.005 s, is not run any more"
+    assert statuses(new) == [("run", None, "ok", "new")]
+    assert new.worse == ()
+
+
+def test_a_load_is_right_where_it_is_one_weight(base: Baseline) -> None:
+    loads = [with_row(base, mean_load=load, mean_load_allowance=1e-9) for load in (0.5, 0.9, 1.1)]
+    assert statuses(baseline.diff(loads[0], loads[1])) == [("mean_load", 0.5, 0.9, "better")]
+    assert statuses(baseline.diff(loads[1], loads[0])) == [("mean_load", 0.9, 0.5, "worse")]
+
+
+def test_a_small_change_is_told_with_the_digits_it_takes(base: Baseline) -> None:
+    one, other = (with_row(base, energy_drift=value, energy_drift_allowance=1e-15) for value in (0.25, 0.25 + 1e-10))
+    (change,) = baseline.diff(one, other).changes
+    assert change.text.endswith("energy_drift 0.25 → 0.2500000001, worse by 4e-10 of it")
+    (change,) = baseline.diff(with_row(base, energy_drift=0.0, energy_drift_allowance=1e-15), one).changes
+    assert change.text.endswith("energy_drift 0 → 0.25, worse")
+
+
+def test_versions_are_named(base: Baseline) -> None:
+    older = replace(base, header={**base.header, "engines": {"mujoco": "3.2.0"}})
+    now = base.header["engines"]["mujoco"]
+    assert baseline.diff(older, with_row(base, status="crashed")).text.endswith(f"; mujoco 3.2.0 → {now}")
+    assert baseline.diff(older, base).changes == ()
+
+
+def test_times_are_told_on_the_same_machine_beyond_their_spread_and_never_fail(base: Baseline) -> None:
+    even = with_row(base, **{FASTEST: 1.0, SLOWEST: 1.1})
+    slower = with_row(base, **{FASTEST: 2.0, SLOWEST: 2.2})
+    hardly = with_row(base, **{FASTEST: 1.2, SLOWEST: 1.21})
+    unsteady = with_row(base, **{FASTEST: 1.2, SLOWEST: 3.6})
+    (pace,) = baseline.diff(even, slower).paces
+    assert pace.text == "mujoco RK4: a step takes 2 times as long (median of 1 run, same machine)"
+    (pace,) = baseline.diff(slower, even).paces
+    assert pace.factor == pytest.approx(0.5)
+    assert baseline.diff(even, hardly).paces == baseline.diff(even, unsteady).paces == ()
+    elsewhere = replace(slower, header={**slower.header, "machine": {"processor": "another"}})
+    assert baseline.diff(even, elsewhere).paces == ()
+    assert baseline.diff(even, slower).changes == ()
+
+
+def test_another_case_of_the_same_name_is_refused(base: Baseline, flips: Path, tmp_path: Path) -> None:
+    text = FLIP.text
+    assert baseline.identity(FLIP) == base.cases[FLIP.name]
+    told_otherwise = text.replace("title = ", "# to be read\ntitle = ").partition("[[expect]]")[0]
+    assert baseline.identity(parse(told_otherwise, "flip")) == baseline.identity(FLIP)
+    heavier = parse(text.replace("mass = 1.0", "mass = 2.0"), "flip")
+    assert baseline.identity(heavier) != baseline.identity(FLIP)
+    with pytest.raises(BadInput, match="the case itself has changed, save a new baseline: intermediate-axis-flip"):
+        baseline.diff(base, replace(base, cases={FLIP.name: baseline.identity(heavier)}))
+
+
+def not_baselines(folder: Path) -> Iterator[Path]:
+    yield folder / "missing.parquet"
+    (folder / "text.parquet").write_text("no table")
+    yield folder / "text.parquet"
+    pq.write_table(pa.table({"case": ["a"]}), folder / "table.parquet")
+    yield folder / "table.parquet"
+    told = {baseline.METADATA: b'{"format": 99, "header": {}, "cases": {}}'}
+    pq.write_table(pa.table({"case": ["a"]}).replace_schema_metadata(told), folder / "later.parquet")
+    yield folder / "later.parquet"
+    yield folder
+
+
+def test_what_is_no_baseline_is_refused(flips: Path, tmp_path: Path) -> None:
+    for path in not_baselines(tmp_path):
+        with pytest.raises(BadInput, match="no baseline that `bodycheck run --save` has written"):
+            baseline.read(path)
+    done = diff(flips, tmp_path / "missing.parquet")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "Traceback" not in done.stderr
+
+
+def test_run_saves(tmp_path: Path) -> None:
+    def run(*arguments: object) -> subprocess.CompletedProcess[str]:
+        chosen = ("projectile", "--engine", "mujoco", "--integrator", "RK4")
+        return subprocess.run(
+            [sys.executable, "-m", "bodycheck", "run", *chosen, *map(str, arguments)], capture_output=True, text=True
+        )
+
+    done = run("--save", tmp_path / "base.parquet")
+    assert done.returncode == 0, done.stderr
+    found = baseline.read(tmp_path / "base.parquet")
+    assert set(found.rows) == {("projectile", "mujoco", "RK4", 0.002)}
+    assert found.header["engines"] == {"mujoco": registry.load("mujoco").version()}
+    assert found.header["machine"]["processor"]
+    nowhere = run("--save", tmp_path / "nowhere" / "base.parquet")
+    assert (nowhere.returncode, nowhere.stdout) == (2, "")
+    assert "--save" in nowhere.stderr
+
+
+def test_what_rounding_decides_is_not_held_against_anyone() -> None:
+    """Where nudged runs do not all end, nothing can be said of the figures."""
+    run, reference = simulate(FLIP, "mujoco", "RK4", STEP), truth(FLIP)
+    other = replace(run, method=Method("RK4", STEP), outcome=campaign.Crashed("it died"))
+    assert set(rounding.allowances(reference, run, [run, other]).values()) == {np.inf}

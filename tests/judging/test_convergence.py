@@ -1,0 +1,94 @@
+"""Orders and floors are read off runs as they are, from what is known of an error that is G h^p above a limit."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bodycheck import load, simulate, truth
+from bodycheck.judging.convergence import asymptotic, attitude_order, common, converge, local_orders, observe_convergence
+from bodycheck.reference.trajectory import Trajectory
+from bodycheck.running.outcome import Completed
+
+LADDER = (0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002)
+ORDERS = st.floats(0.5, 6)
+SIZES = st.floats(1e-3, 1e3)
+
+
+def changes(errors: list[float]) -> list[float]:
+    """What an error of one sign changes by from step to step."""
+    return [abs(coarse - fine) for coarse, fine in pairwise(errors)]
+
+
+@given(ORDERS, SIZES, st.floats(-1e3, 1e3))
+def test_a_power_law_above_any_limit_shows_its_order(order: float, size: float, limit: float) -> None:
+    powers = [size * h**order for h in LADDER]
+    # Formed without the limit: as small differences of large numbers they would be rounding.
+    found = local_orders(LADDER, changes(powers))
+    assert found == pytest.approx([order] * 5, rel=1e-6)  # brentq's tolerance, and the rounding of the differences
+    converged = converge(LADDER, [abs(power + limit) for power in powers], changes(powers))
+    assert converged.order == pytest.approx(order, rel=1e-6)
+    if abs(limit) > 10 * powers[-1]:
+        assert converged.floor == pytest.approx(abs(powers[-1] + limit))
+
+
+@given(ORDERS.filter(lambda order: order > 1), SIZES)
+def test_an_error_that_is_still_falling_has_no_floor(order: float, size: float) -> None:
+    powers = [size * h**order for h in LADDER]
+    assert converge(LADDER, powers, changes(powers)).floor is None
+
+
+def test_rounding_is_a_floor_and_ends_the_asymptotic_range() -> None:
+    noise = np.random.default_rng(1).uniform(0.5, 1, len(LADDER)) * 1e-9
+    errors = [*(1e3 * h**4 for h in LADDER[:5]), *noise[5:].tolist()]
+    found = converge(LADDER, errors, [max(pair) for pair in pairwise(errors)])
+    assert found.order is not None
+    assert found.order == pytest.approx(4, abs=0.1)  # of changes that are taken as large as the larger error
+    assert found.floor == min(errors)
+
+
+def test_orders_that_do_not_agree_are_none() -> None:
+    assert asymptotic([1.0, 2.0, 1.0, 2.0, 1.0]) == []
+    assert asymptotic([1.0, 1.01]) == [], "two local orders may agree by chance"
+    assert asymptotic([math.nan, 1.0, 1.01, math.nan, 0.99]) == []
+    assert asymptotic([3.0, 1.1, 1.05, 1.02, math.nan, 0.3]) == [1.1, 1.05, 1.02]
+    assert asymptotic([2.0, 2.0, 2.0, 9.0, 1.0, 1.0, 1.0]) == [1.0, 1.0, 1.0], "of two, the one with the finer steps"
+
+
+def test_nothing_that_moves_has_neither_order_nor_floor() -> None:
+    found = converge(LADDER, [0.0] * 7, [0.0] * 6)
+    assert (found.order, found.floor) == (None, None)
+
+
+def trajectory(t: np.ndarray) -> Trajectory:
+    position = np.column_stack([t, 0 * t, 0 * t])
+    return Trajectory(t, position, np.tile([1.0, 0, 0, 0], (len(t), 1)), 0 * position, 0 * position)
+
+
+@given(st.integers(1, 40), st.integers(1, 40), st.floats(1e-5, 1e-1))
+def test_runs_are_compared_at_instants_that_all_of_them_have(m: int, n: int, h: float) -> None:
+    coarse, fine = trajectory(np.arange(60) * (h * m * n)), trajectory(np.arange(200) * (h * n))
+    shared = common([coarse, fine])
+    # Multiples of one step that meet those of the other to rounding; positions here are the times themselves.
+    assert shared[0].t == pytest.approx(shared[1].t, rel=1e-12)
+    assert len(shared[0]) == min(60, 199 // m + 1)
+    assert shared[1].position[:, 0] == pytest.approx(shared[0].t, rel=1e-12)
+
+
+def test_runs_with_nothing_in_common_tell_nothing() -> None:
+    case = load("projectile")
+    runs = [(h, simulate(case, "mujoco", "Euler", h).outcome) for h in (0.02, 0.0133, 0.0077)]
+    trajectories = [(h, outcome.trajectory) for h, outcome in runs if isinstance(outcome, Completed)]
+    assert observe_convergence(trajectories, truth(case), {}) == {}
+
+
+@pytest.mark.parametrize(("integrator", "order"), [("Euler", 1), ("RK4", 4)])
+def test_three_steps_of_an_engine_show_its_order(integrator: str, order: int) -> None:
+    case = load("osrf-boxes-complex")
+    runs = [(h, simulate(case, "mujoco", integrator, h).outcome) for h in (0.004, 0.002, 0.001)]
+    trajectories = [(h, outcome.trajectory) for h, outcome in runs if isinstance(outcome, Completed)]
+    # Local orders of three steps are off by terms of the next order: 4 % at 4 ms (and rounding, of RK4).
+    assert attitude_order(trajectories, truth(case, trajectories[0][1].t)) == pytest.approx(order, abs=0.25)

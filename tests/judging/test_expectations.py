@@ -1,0 +1,102 @@
+"""What a case expects: limits, ranges, orders, statuses, and discrepancies that are known for a while."""
+
+from datetime import date
+
+import pytest
+
+from bodycheck import Case, CaseFaults, load, simulate, truth
+from bodycheck.casefile.case import parse
+from bodycheck.casefile.expectation import Limit
+from bodycheck.judging import judgement
+from bodycheck.judging.judgement import Verdict
+
+DAY = date(2027, 1, 1)
+BEGINNING = load("free-brick").text.partition("[[expect]]")[0]
+
+
+def expecting(*lines: str, integrator: str = "Euler") -> Case:
+    head = f'[[expect]]\nengine = "mujoco"\nintegrator = "{integrator}"\ntimestep = 0.01\n'
+    return parse(BEGINNING + head + "\n".join(lines), "free-brick")
+
+
+def judged(case: Case, integrator: str = "Euler", today: date = DAY) -> Verdict:
+    return judgement.verdict(case, truth(case), simulate(case, "mujoco", integrator, 0.01), today=today)
+
+
+@pytest.fixture(scope="module")
+def measured() -> float:
+    """The attitude error of MuJoCo's Euler on the free brick at 10 ms."""
+    discrepancy = judged(expecting('status = "ok"')).discrepancy
+    assert discrepancy is not None
+    return discrepancy.maxima()["attitude_error"]
+
+
+@pytest.mark.parametrize(("least", "most", "passed"), [(0.9, 1.1, True), (1.1, 2.0, False), (0.5, 0.9, False)])
+def test_a_figure_must_be_in_its_range(measured: float, least: float, most: float, passed: bool) -> None:
+    """A known defect that vanishes is news too."""
+    case = expecting(f"attitude_error = {{at_least = {least * measured}, at_most = {most * measured}}}")
+    verdict = judged(case)
+    assert verdict.passed is passed
+    if not passed:
+        assert f"attitude_error is {measured:.4g} rad, expected at least" in verdict.reason
+        assert "worst at t = " in verdict.reason
+        assert "the truth's own error is" in verdict.reason
+
+
+def test_a_range_may_be_open(measured: float) -> None:
+    assert judged(expecting(f"attitude_error = {{at_least = {measured * 0.9}}}")).passed is True
+    assert judged(expecting(f"attitude_error = {{at_most = {measured * 0.9}}}")).passed is False
+    (expectation,) = expecting("order = 4").expectations
+    assert expectation.limits == (Limit("order", 3.75, 4.25),)
+
+
+def test_a_status_may_be_expected() -> None:
+    assert judged(expecting('status = "ok"')).passed is True
+    wrong = judged(expecting('status = "diverged"'))
+    assert (wrong.passed, wrong.reason) == (False, "status is ok, expected diverged")
+    # At some turns a step.
+    fast = BEGINNING.replace("10.0]", "1000.0]")
+    assert fast != BEGINNING
+    text = '[[expect]]\nengine = "mujoco"\nintegrator = "Euler"\ntimestep = 0.01\nstatus = "diverged"\n'
+    verdict = judged(parse(fast + text, "fast"))
+    assert (verdict.outcome.status, verdict.passed) == ("diverged", True)
+    assert verdict.reason, "why it diverged is told all the same"
+
+
+def test_a_known_discrepancy_is_green_until_its_day_and_told_either_way(measured: float) -> None:
+    broken, held = (
+        expecting(f"attitude_error = {limit}", 'known = "https://example.org/7"', 'until = "2027-06-01"')
+        for limit in (measured / 2, measured * 2)
+    )
+    tolerated = judged(broken, today=date(2027, 6, 1))
+    assert (tolerated.passed, tolerated.known) == (True, True)
+    assert tolerated.reason.startswith("known until 2027-06-01 (https://example.org/7): attitude_error is")
+    over = judged(broken, today=date(2027, 6, 2))
+    assert over.passed is False
+    assert over.reason.startswith("no longer tolerated since 2027-06-01 (https://example.org/7): attitude_error is")
+    mended = judged(held, today=date(2030, 1, 1))
+    assert (mended.passed, mended.reason) == (True, "what is known to fail (https://example.org/7) holds now")
+
+
+@pytest.mark.parametrize(
+    ("lines", "fault"),
+    [
+        (["attitude_error = {at_least = 2.0, at_most = 1.0}"], "expect[1].attitude_error: at_least is more than at_most"),
+        (["attitude_error = {}"], "gives no range; allowed: at_least, at_most"),
+        (["attitude_error = {at_last = 1.0}"], "unknown key; allowed: at_least, at_most"),
+        (["attitude_error = {at_least = -1.0}"], "expect[1].attitude_error.at_least: read -1.0"),
+        (["attitude_error = -1.0"], "expect[1].attitude_error: read -1.0"),
+        (['attitude_error = "small"'], "expect[1].attitude_error: read 'small'"),
+        (['status = "diverged"', "attitude_error = 1.0"], "a run that is diverged has no figures; give status alone"),
+        (['status = "broken"'], "expect[1].status: read 'broken'"),
+        (["attitude_error = 1.0", 'known = "x"'], "expect[1].until: is missing: known needs it"),
+        (["attitude_error = 1.0", 'until = "2027-06-01"'], "expect[1].known: is missing: until needs it"),
+        (["attitude_error = 1.0", 'known = "x"', 'until = "June"'], 'should be a date such as "2027-06-01"'),
+        ([], "expects nothing; give at least one of status, position_error"),
+    ],
+)
+def test_what_cannot_be_expected_is_refused(lines: list[str], fault: str) -> None:
+    with pytest.raises(CaseFaults) as caught:
+        expecting(*lines)
+    assert fault in str(caught.value)
+    assert len(caught.value.faults) == 1

@@ -1,0 +1,173 @@
+"""The matrix of a report and the verdict above it: each run once, by the figure that its kind of scene is told by."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bodycheck import load
+from bodycheck.adapters.contract import Method
+from bodycheck.casefile.case import shipped
+from bodycheck.casefile.expectation import Expectation
+from bodycheck.judging.discrepancy import Discrepancy
+from bodycheck.judging.judgement import Breach, Judged, Verdict
+from bodycheck.reference.requirements import requirements
+from bodycheck.reports import markdown
+from bodycheck.reports.lines import assign
+from bodycheck.reports.runs.matrix import KINDS, Matrix, decade, kind_of, matrices
+from bodycheck.reports.runs.summary import broken, findings, headline, key_of, measured, tally, told_as
+from bodycheck.running.outcome import Completed, Diverged, Run
+
+FLIP, FLIGHT, DRAG, SLIDE = "intermediate-axis-flip", "projectile", "football-drag", "sliding-brick"
+ERRORS = {"attitude_error": 3e-4, "position_error": 2e-2, "truth_error": 1e-14}
+
+
+def ran(case: str, engine: str = "mujoco", integrator: str = "Euler", timestep: float = 0.002, **figures: float) -> Verdict:
+    """A completed run, its errors growing to these figures."""
+    series = {name: np.array([0.0, value]) for name, value in (ERRORS | figures).items()}
+    outcome = Completed(None, 10, 1e-4)  # type: ignore[arg-type]  # nobody asks for the trajectory
+    run = Run(case, engine, "1", Method(integrator, timestep), outcome)
+    return Verdict(run, outcome, Discrepancy(np.array([0.0, 1.0]), series, {}), None, "")
+
+
+def ended(verdict: Verdict, passed: bool | None, reason: str = "", **values: Any) -> Verdict:
+    return replace(verdict, passed=passed, reason=reason, **values)
+
+
+def matrices_of(*verdicts: Verdict) -> tuple[Matrix, ...]:
+    cases = {name: load(name) for name in dict.fromkeys(verdict.run.case for verdict in verdicts)}
+    return matrices(cases, verdicts, assign(map(key_of, verdicts)))
+
+
+@pytest.mark.parametrize("name", shipped())
+def test_a_kind_follows_from_what_a_scene_requires(name: str) -> None:
+    scene = load(name).scene
+    needs, kind = requirements(scene), kind_of(scene)
+    assert (kind.name == "contact") == needs.contact
+    assert (kind.name == "drag") == (needs.drag and not needs.contact)
+    assert (kind.quantity == "attitude_error") == (kind.name == "turning")
+    assert (kind.name != "translation") or needs.rotation == "none"
+
+
+def test_every_kind_has_its_figure_and_only_its_methods() -> None:
+    found = matrices_of(
+        ran(SLIDE, "pinocchio", "admm"), ran(FLIP), ran(FLIGHT, integrator="RK4"), ran(DRAG, integrator="Euler-fluid")
+    )
+    assert [matrix.kind for matrix in found] == list(KINDS)
+    assert [[column.integrator for column in matrix.columns] for matrix in found] == [
+        ["Euler"],
+        ["RK4"],
+        ["Euler-fluid"],
+        ["admm"],
+    ]
+    texts = [cell.common.text for matrix in found for row in matrix.rows for cell in row.cells if cell and cell.common]
+    assert texts == [number_of("attitude_error"), *[number_of("position_error")] * 3]
+
+
+def number_of(name: str) -> str:
+    return {"attitude_error": "0.0003", "position_error": "0.02"}[name]
+
+
+def test_other_time_steps_stand_in_the_same_cell() -> None:
+    steps = (0.001, 0.002, 0.01)
+    runs = [ran(FLIP, timestep=step, attitude_error=step) for step in steps]
+    (matrix,) = matrices_of(*runs, ran("free-brick"), ran(FLIP, "pinocchio", "rk4", 0.005, attitude_error=1e-8))
+    assert matrix.timestep == 0.002
+    assert [(column.engine, column.integrator) for column in matrix.columns] == [("mujoco", "Euler"), ("pinocchio", "rk4")]
+    euler, rk4 = matrix.rows[0].cells
+    assert euler is not None
+    assert rk4 is not None
+    assert [(figure.timestep, figure.text) for figure in euler.figures] == [(0.002, "0.002"), (0.01, "0.01"), (0.001, "0.001")]
+    assert rk4.common is None
+    assert [(figure.timestep, figure.decade) for figure in rk4.others] == [(0.005, -8)]
+    assert matrix.rows[1].cells[1] is None
+    text = markdown._matrix(matrix)
+    assert "| 0.002, 0.01 (10 ms), 0.001 (1 ms) | 1e-8 (5 ms) |" in text
+
+
+def test_every_run_is_in_one_cell() -> None:
+    runs = [ran(name, integrator=f"i{place % 3}", timestep=0.001 * (1 + place % 2)) for name in shipped() for place in range(6)]
+    found = matrices_of(*runs)
+    cells = [cell for matrix in found for row in matrix.rows for cell in row.cells if cell is not None]
+    assert sum(len(cell.figures) for cell in cells) == len(runs)
+    assert sorted(row.case for matrix in found for row in matrix.rows) == sorted(shipped())
+
+
+def test_what_failed_and_what_is_within_the_truths_own_error_is_marked() -> None:
+    gone = Diverged("not a number")
+    (matrix,) = matrices_of(
+        ended(ran(FLIP, integrator="a"), False, "no"),
+        ended(ran(FLIP, integrator="b"), False, "not a number", outcome=gone, discrepancy=None),
+        ran(FLIP, integrator="c", attitude_error=1e-15),
+        ran(FLIP, integrator="d"),
+    )
+    figures = [figure for cell in matrix.rows[0].cells if cell for figure in cell.figures]
+    assert [figure.failed for figure in figures] == [True, True, False, False]
+    assert [figure.text for figure in figures] == ["0.0003", "diverged", "≤ 1e-14", "0.0003"]
+    assert [figure.decade for figure in figures] == [-4, None, None, -4]
+    assert figures[1].meaning == "at 2 ms: not a number"
+
+
+def test_an_engine_spans_its_columns_in_its_colour() -> None:
+    (matrix,) = matrices_of(ran(FLIP, "pinocchio", "x"), ran(FLIP, integrator="a"), ran(FLIP, integrator="b"))
+    assert [(engine, amount) for engine, amount, _ in matrix.engines] == [("pinocchio", 1), ("mujoco", 2)]
+    assert {engine: colour for engine, _, colour in matrix.engines} == {"pinocchio": "#d55e00", "mujoco": "#0072b2"}
+
+
+@pytest.mark.parametrize(
+    ("error", "expected"), [(0.0, -12), (1e-300, -12), (1e-12, -12), (9.99e-6, -6), (0.5, -1), (1.0, 0), (217.0, 0)]
+)
+def test_decades(error: float, expected: int) -> None:
+    assert decade(error) == expected
+
+
+def test_a_known_discrepancy_is_not_said_to_hold() -> None:
+    expectation = Expectation("mujoco", "Euler", 0.002)
+    known = Judged(expectation, (Breach("attitude_error", "1 rad", "at most 0.1 rad"),), True, "known until then")
+    held = Judged(expectation, (), True, "")
+    verdicts = [ended(ran(FLIP), True, judged=(held,)), ended(ran(FLIGHT), True, "known until then", judged=(known,))]
+    assert [told_as(verdict) for verdict in verdicts] == ["held", "known"]
+    complete: Any = SimpleNamespace(complete=True)
+    told = "None of 2 runs failed; 1 held what was expected of them, 1 broke it in a way that is known"
+    assert headline(complete, verdicts) == told
+    assert dict(tally(verdicts))["known to be broken"] == 1
+    assert headline(complete, verdicts[:1]) == "None of 1 run failed; 1 held what was expected of them"
+
+
+def test_what_failed_is_told_with_the_first_of_it() -> None:
+    runs = [ended(ran(name), False, "attitude_error is 1 rad") for name in (FLIP, FLIGHT)]
+    lines = assign(map(key_of, runs))
+    assert broken([ran(FLIP)], lines) is None
+    alone, both = broken(runs[:1], lines), broken(runs, lines)
+    assert alone is not None
+    assert both is not None
+    assert alone.text == f"mujoco Euler in {FLIP}, expectation broken: attitude_error is 1 rad."
+    assert both.text == f"2 runs in 2 cases. The first: {alone.text}"
+
+
+def test_what_is_said_of_flights_is_not_said_of_every_case() -> None:
+    flights = [
+        ran(name, integrator=way, attitude_error=size)
+        for name in (FLIP, "free-brick")
+        for way, size in (("a", 1e-3), ("b", 1e-6))
+    ]
+    slide = [ran(SLIDE, penetration=1e-4)]
+    for verdicts, words in ((flights, "in every case"), (flights + slide, "in each of 2 flights")):
+        lines = assign(map(key_of, verdicts))
+        told = {finding.subject: finding.text for finding in findings(measured(verdicts, lines), (), lines)}
+        assert "With mujoco b the body is at most 1e-6 rad" in told["Closest"]
+        assert f"m off {words}." in told["Closest"]
+
+
+def test_rounding_is_not_compared_between_engines() -> None:
+    """Errors of rounding alone differ between engines whose schemes are one."""
+    verdicts = [
+        ran(name, engine, attitude_error=error)
+        for engine, rounding in (("mujoco", 7e-13), ("pinocchio", 2e-13))
+        for name, error in ((FLIP, 2.1), ("free-brick", rounding))
+    ]
+    lines = assign(map(key_of, verdicts))
+    told = {finding.subject: finding.text for finding in findings(measured(verdicts, lines), (), lines)}
+    assert "mujoco Euler and pinocchio Euler are the same" in told["Alike"]

@@ -1,0 +1,371 @@
+"""Reports say what was measured, show foreign strings as text, load nothing and stay small."""
+
+import json
+import math
+import re
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import vl_convert
+
+from bodycheck import reports
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Method
+from bodycheck.casefile.case import Case, load, parse
+from bodycheck.judging import judgement
+from bodycheck.judging.judgement import Verdict
+from bodycheck.judging.result_set import ResultSet
+from bodycheck.reports import charts, html, markdown
+from bodycheck.reports.lines import assign
+from bodycheck.reports.quantities import bound, count, listing, number
+from bodycheck.reports.runs.contents import Contents, gather
+from bodycheck.reports.runs.series import corners, ends, envelope, rounded
+from bodycheck.running import campaign, plan, store
+from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
+from bodycheck.running.store import Results
+from tests.support import pages
+from tests.support.pages import HOSTILE, Page, attributes_of, markdown_tables
+
+FLIP, FLIGHT = "intermediate-axis-flip", "projectile"
+BROKEN = """
+[[expect]]
+engine = "mujoco"
+integrator = "Euler"
+timestep = 0.002
+attitude_error = 1e-12
+"""
+
+
+def shortened(name: str, **strings: str) -> Case:
+    """A shipped case over two seconds and without its expectations, some of its strings replaced."""
+    text = re.sub(r"duration = .*", "duration = 2.0", load(name).text.partition("[[expect]]")[0])
+    text = re.sub(r"samples = .*", "samples = 1001", text)
+    for key, value in strings.items():
+        quoted = json.dumps(value, ensure_ascii=False)
+        text = re.sub(rf"^{key} = .*", lambda _, line=f"{key} = {quoted}": line, text, count=1, flags=re.MULTILINE)
+    return parse(text, name)
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two cases through both engines: a flip that Euler's method gets wrong, and a flight in which nothing turns."""
+    place = tmp_path_factory.mktemp("results")
+    engines = {name: registry.load(name) for name in ("mujoco", "pinocchio")}
+    flip = shortened(FLIP)
+    cases = (parse(flip.text + BROKEN, FLIP), shortened(FLIGHT))
+    tasks = plan.plan(cases, engines, ("Euler", "RK4", "semi-implicit-euler", "body-twist-euler", "rk4"), ())
+    head = campaign.header(("bodycheck", "run", "<b>"), {name: engine.version() for name, engine in engines.items()}, {})
+    with campaign.results(tasks, place, head, jobs=2):
+        pass
+    return place
+
+
+@pytest.fixture(scope="session")
+def results(folder: Path) -> Results:
+    return store.read(folder)
+
+
+@pytest.fixture(scope="session")
+def verdicts(results: Results) -> list[Verdict]:
+    return judgement.judge(results)
+
+
+@pytest.fixture(scope="session")
+def contents(results: Results, verdicts: list[Verdict]) -> Contents:
+    return gather([ResultSet(results, verdicts)])
+
+
+@pytest.fixture(scope="session")
+def page(contents: Contents) -> str:
+    return html.render(contents)
+
+
+def altered(results: Results, verdicts: list[Verdict], **strings: str) -> list[ResultSet]:
+    """The same results, the strings of the flip's case replaced."""
+    case = results.cases[FLIP]
+    other = replace(results)
+    other.__dict__["cases"] = results.cases | {FLIP: replace(case, **strings)}
+    return [ResultSet(other, verdicts)]
+
+
+def test_written_side_by_side_and_small(results: Results, verdicts: list[Verdict], tmp_path: Path) -> None:
+    paths = reports.write([ResultSet(results, verdicts)], tmp_path)
+    assert [path.name for path in paths][:2] == ["report.html", "report.md"]
+    assert 0.5e6 < paths[0].stat().st_size < 2e6
+    assert paths[1].stat().st_size < 60_000
+
+
+def test_a_page_stands_alone(page: str) -> None:
+    pages.check(page)
+
+
+def test_tables_have_the_measured_numbers(page: str, verdicts: list[Verdict]) -> None:
+    seen = Page(page)
+    for verdict in verdicts:
+        row = verdict.row()
+        names = ["position_error", "velocity_error", "attitude_error", "energy_drift", "rotational_energy_drift"]
+        figures = [row[name] for name in (*names, "angular_momentum_drift")]
+        if row["attitude_error"] <= row["truth_error"]:
+            figures.remove(row["attitude_error"])
+        expected = [*figures, 1e6 * row["time_per_step"]]
+        place = next(i for i, values in enumerate(seen.values) if values == expected)
+        assert seen.rows[place][:3] == [f"{row['engine']} {row['version']}", row["integrator"], "2 ms"]
+        assert number(row["position_error"]) in seen.rows[place]
+
+
+def test_an_error_below_the_truths_own_is_called_so(page: str, contents: Contents, verdicts: list[Verdict]) -> None:
+    flight = [verdict for verdict in verdicts if verdict.run.case == FLIGHT]
+    for verdict in flight:
+        row = verdict.row()
+        assert row["attitude_error"] <= row["truth_error"]
+        assert f"within the truth&#39;s own error ({bound(row['truth_error'])} rad)" in page
+
+
+def test_all_within_the_truths_own_error(results: Results, verdicts: list[Verdict]) -> None:
+    flight = [verdict for verdict in verdicts if verdict.run.case == FLIGHT]
+    told = {finding.subject: finding.text for finding in gather([ResultSet(results, flight)]).findings}
+    assert told["Attitude"].startswith("Every completed run is within the truth's own error")
+
+
+def test_findings_are_the_extremes_of_the_table(contents: Contents, verdicts: list[Verdict]) -> None:
+    frame = judgement.table(verdicts)
+    told = {finding.subject: finding for finding in contents.findings}
+    for subject, column in (("Position", "position_error"), ("Attitude", "attitude_error")):
+        worst = frame.loc[frame[column].idxmax()]
+        assert told[subject].where == worst["case"]
+        assert f"{worst['engine']} {worst['integrator']}" in told[subject].text
+        assert number(worst[column]) in told[subject].text
+    others = frame[frame["integrator"] != "body-twist-euler"]["position_error"].max()
+    assert f"No completed run of another method is more than {bound(others)} m off" in told["Position"].text
+    assert "mujoco RK4 and pinocchio rk4" in told["Closest"].text
+    assert "mujoco Euler and pinocchio semi-implicit-euler are the same" in told["Alike"].text
+
+
+def test_a_broken_expectation_is_said_first(page: str, contents: Contents) -> None:
+    assert contents.headline == "1 of 10 runs failed"
+    (failure,) = contents.failures
+    assert (failure.case, failure.method, failure.status) == (FLIP, "mujoco Euler", "expectation broken")
+    text = Page(page).text
+    assert text.index(contents.headline) < text.index("attitude_error is") < text.index("largest attitude error")
+
+
+def test_an_interrupted_run_is_called_that(folder: Path, tmp_path: Path) -> None:
+    place = tmp_path / "cut"
+    shutil.copytree(folder, place)
+    lines = (place / store.RECORDS).read_text("utf-8").splitlines(keepends=True)
+    runs = [line for line in lines if '"record": "run"' in line and FLIP in line]
+    (place / store.RECORDS).write_text("".join(line for line in lines[:-1] if line not in runs[2:]), "utf-8")
+    cut = store.read(place)
+    contents = gather([ResultSet(cut, judgement.judge(cut))])
+    for text in (Page(html.render(contents)).text, markdown.render(contents)):
+        assert "Interrupted. " in text
+        assert "The run was interrupted after 7 runs" in text
+
+
+def test_nothing_finished(results: Results) -> None:
+    contents = gather([ResultSet(replace(results, records=(), complete=False), [])])
+    assert contents.headline == "Interrupted. No run finished"
+    for text in (Page(html.render(contents)).text, markdown.render(contents)):
+        assert text.count("No run of this case finished.") == 2
+
+
+def test_ways_to_fail(results: Results, verdicts: list[Verdict]) -> None:
+    ends_of_runs = (
+        Crashed("RuntimeError: <img src=x>\n| second line"),
+        Diverged("not a number at t = 1 s"),
+        TimedOut(300.0),
+        Unsupported("it does not model drag"),
+    )
+    more = [
+        Verdict(
+            replace(verdicts[0].run, method=Method(f"way-{place}", 0.002)), end, None, False if end.failed else None, end.reason
+        )
+        for place, end in enumerate(ends_of_runs)
+    ]
+    header = results.header | {"missing": {"drake": "drake is not installed"}}
+    contents = gather([ResultSet(replace(results, header=header), [*verdicts, *more])])
+    assert contents.headline == "4 of 14 runs failed"
+    assert dict(contents.tally) == {
+        "runs": 14,
+        "completed": 10,
+        "passed": 0,
+        "failed": 4,
+        "crashed": 1,
+        "diverged": 1,
+        "timeout": 1,
+        "unsupported": 1,
+        "without expectation": 9,
+    }
+    seen = Page(html.render(contents))
+    assert "img" not in seen.tags
+    for text in (seen.text, markdown.render(contents)):
+        assert "drake is not installed" in text
+        assert "1 run unsupported: it does not model drag" in text
+        assert "stopped after 300 s" in text
+
+
+def test_hostile_strings_show_as_text(results: Results, verdicts: list[Verdict], page: str) -> None:
+    contents = gather(altered(results, verdicts, title=HOSTILE, source="</script><script>alert(2)</script>", tags=("</dl>",)))
+    text = html.render(contents)
+    seen = Page(text)
+    assert HOSTILE in seen.text
+    assert "</script><script>alert(2)</script>" in seen.text
+    scripts = attributes_of(text, "script")
+    assert len(scripts) == len(attributes_of(page, "script"))
+    assert text.lower().count("</script") == len(scripts)
+
+
+def test_hostile_strings_in_markdown(results: Results, verdicts: list[Verdict]) -> None:
+    text = markdown.render(gather(altered(results, verdicts, title=f"{HOSTILE}\n\n# @someone #1 https://example.org")))
+    assert "<script" not in text
+    assert "\u202e" not in text
+    assert "@someone" not in text
+    assert "://" not in text
+    assert "\n# @" not in text
+    for table in markdown_tables(text):
+        assert len({len(re.findall(r"(?<!\\)\|", line)) for line in table}) == 1
+
+
+def test_a_title_of_ten_thousand_letters(results: Results, verdicts: list[Verdict]) -> None:
+    contents = gather(altered(results, verdicts, title="x" * 10_000))
+    assert "x" * 10_000 in Page(html.render(contents)).text
+    assert len(markdown.render(contents)) < 60_000
+
+
+def test_markdown_leaves_out_what_does_not_fit(contents: Contents) -> None:
+    many = replace(contents, sections=contents.sections * 60)
+    text = markdown.render(many)
+    assert len(text) < 65_536
+    left_out = int(re.findall(r"Left out here for their size: (\d+) tables", text)[0])
+    assert text.count("<details>") + left_out == 120
+
+
+def test_a_large_report_stays_small(results: Results, verdicts: list[Verdict]) -> None:
+    flips = [verdict for verdict in verdicts if verdict.run.case == FLIP]
+    many = [
+        replace(verdict, run=replace(verdict.run, method=Method(f"{verdict.run.method.integrator}-{copy}", 0.002)))
+        for copy in range(200)
+        for verdict in flips
+    ]
+    contents = gather([ResultSet(results, many)])
+    stored = sum(len(json.dumps(section.curves.datasets, separators=(",", ":"))) for section in contents.sections)
+    assert stored < 9e6
+
+
+def test_charts_hold_no_data_and_each_is_stored_once(page: str, contents: Contents) -> None:
+    specifications = html.specifications(contents)
+    assert set(specifications) == {
+        *("attitude_error", "position_error", "energy_drift", "angular_momentum_drift"),
+        *("momentum_body", "momentum_inertial"),
+    }
+    assert "values" not in json.dumps(specifications)
+    assert page.count('id="charts"') == 1
+
+
+@pytest.mark.parametrize("case", [FLIP, FLIGHT])
+def test_charts_draw(contents: Contents, case: str) -> None:
+    section = next(section for section in contents.sections if section.name == case)
+    drawn = {*section.curves.drawn, *(("momentum_body", "momentum_inertial") if section.curves.momentum else ())}
+    assert ("momentum_body" in drawn) == (case == FLIP)
+    for name, specification in html.specifications(contents).items():
+        if name not in drawn:
+            continue
+        svg = vl_convert.vegalite_to_svg(specification | {"datasets": section.curves.datasets})
+        lines = re.findall(r'class="mark-line role-mark [^"]*"[^>]*>(.*?)</g>', svg)
+        paths = sum(group.count("<path") for group in lines)
+        floor = name == "attitude_error"
+        assert paths == (3 if name.startswith("momentum") else 5 + floor), name
+        assert "NaN" not in svg
+        assert "undefined" not in svg
+
+
+def test_the_floor_is_drawn_under_attitude_errors_alone(contents: Contents) -> None:
+    specifications = html.specifications(contents)
+    assert [name for name, value in specifications.items() if "truth_error" in json.dumps(value)] == ["attitude_error"]
+
+
+def test_curves_keep_the_largest_error(contents: Contents, verdicts: list[Verdict]) -> None:
+    for verdict in verdicts:
+        section = next(section for section in contents.sections if section.name == verdict.run.case)
+        label = f"{verdict.run.engine} {verdict.run.method.integrator}"
+        row = next(row for row in section.curves.datasets["series"] if row["method"] == label)
+        (times,) = section.curves.datasets["times"]
+        assert len(times["t"]) == len(row["attitude_error"]) <= 256
+        for name in ("attitude_error", "position_error", "angular_momentum_drift"):
+            assert max(row[name]) == float(f"{verdict.row()[name]:.4g}")
+
+
+@pytest.mark.parametrize("samples", [1, 2, 7, 255, 256, 257, 1001, 99_999])
+def test_an_envelope_covers_every_sample(samples: int) -> None:
+    values = np.random.default_rng(samples).random(samples)
+    last = ends(samples, 256)
+    thin = envelope(values, 256)
+    assert len(thin) == len(last) == min(samples, 256)
+    assert last[-1] == samples - 1
+    interval = np.searchsorted(last, np.arange(samples))
+    assert (values <= thin[interval]).all()
+    assert set(thin) <= set(values)
+    assert (np.array([thin[i] == values[interval == i].max() for i in range(len(thin))])).all()
+
+
+def test_corners_follow_curves() -> None:
+    t = np.linspace(0, 10, 2001)
+    curves = np.column_stack([np.sin(3 * t), 0.2 * np.cos(7 * t), np.full_like(t, 0.5)])
+    kept = corners(t, curves, 800)
+    assert kept[0] == 0
+    assert kept[-1] == 2000
+    assert len(kept) < 400
+    drawn = np.column_stack([np.interp(t, t[kept], column) for column in curves[kept].T])
+    assert np.abs(drawn - curves).max() <= 2e-3
+    assert corners(t, np.ones((2001, 3)), 800) == [0, 2000]
+    assert len(corners(t, np.random.default_rng(0).random((2001, 3)), 100)) == 100
+    assert corners(t[:1], curves[:1], 800) == [0]
+
+
+def test_rounding_leaves_no_number_that_json_lacks() -> None:
+    assert rounded([0.0, 123456.0, 1.23456e-7, math.nan, math.inf]) == [0.0, 123500.0, 1.235e-7, None, None]
+
+
+def test_bounds_are_rounded_up() -> None:
+    assert bound(2.034e-9, 2) == "2.1e-9"
+    assert bound(1.384685e-15) == "1.385e-15"
+    assert bound(0.0981) == "0.0981"
+    assert bound(0.0) == "0"
+    for value in np.random.default_rng(1).lognormal(0, 20, 500):
+        assert float(bound(float(value), 3)) >= value * (1 - 1e-6)
+
+
+def test_words() -> None:
+    assert number(None) == number(math.nan) == "–"
+    assert number(1.5e-7) == "1.5e-7"
+    assert count(1, "run") == "1 run"
+    assert listing(["a"]) == "a"
+    assert listing(["a", "b", "c"]) == "a, b and c"
+    assert listing(list("abcdef"), 3, "method") == "a, b, c and 3 more methods"
+
+
+def test_lines_tell_methods_apart() -> None:
+    keys = [(engine, f"i{k}", step) for engine in ("zeta", "pinocchio", "mujoco") for k in range(5) for step in (0.002, 0.001)]
+    lines = assign((*key, "") for key in keys)
+    assert len({(line.colour, line.dash, line.width) for line in lines.values()}) == len(keys)
+    assert lines["mujoco", "i0", 0.002, ""].label == "mujoco i0 2 ms"
+    alone = assign([("mujoco", "i0", 0.002, "")])
+    assert alone["mujoco", "i0", 0.002, ""].colour == lines["mujoco", "i0", 0.002, ""].colour
+    assert alone["mujoco", "i0", 0.002, ""].label == "mujoco i0"
+
+
+def test_a_legend_only_where_asked(contents: Contents) -> None:
+    specification = charts.over_time(contents.plotted[0], contents.lines)
+    datasets = contents.sections[0].curves.datasets
+    with_legend = vl_convert.vegalite_to_svg(specification | {"datasets": datasets})
+    without = vl_convert.vegalite_to_svg(charts.without_legend(specification) | {"datasets": datasets})
+    assert "role-legend" in with_legend
+    assert "role-legend" not in without
+
+
+def test_completed_runs_only_have_curves(contents: Contents, verdicts: list[Verdict]) -> None:
+    completed = sum(isinstance(verdict.outcome, Completed) for verdict in verdicts)
+    assert sum(len(section.curves.datasets["series"]) for section in contents.sections) == completed

@@ -1,0 +1,364 @@
+"""Reports as a person sees and uses them: in a real browser, from disk."""
+
+import importlib.util
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bodycheck import load, reports
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Method
+from bodycheck.casefile.case import parse
+from bodycheck.judging import attribution, judgement
+from bodycheck.judging.result_set import ResultSet
+from bodycheck.running import campaign, plan, store
+from bodycheck.running.outcome import Crashed
+from tests.reports.runs.test_reports import BROKEN, FLIGHT, FLIP, shortened
+from tests.studies.test_study_report import hostile_report
+from tests.support import ROOT
+from tests.support.browser import Visit, visiting
+from tests.support.pages import HOSTILE
+
+SLIDE = "sliding-brick"
+SCREENS = {1280: 800, 390: 844}
+LONG = "x" * 10_000
+
+TABLE = "#case-intermediate-axis-flip table.sortable >> nth=0"
+CHART = "#case-intermediate-axis-flip .chart >> nth=0"
+
+CONTRASTS = """() => {
+  const linear = (share) => share <= 0.04045 ? share / 12.92 : ((share + 0.055) / 1.055) ** 2.4;
+  const parts = (colour) => colour.match(/[\\d.]+/g).map(Number);
+  const luminance = ([r, g, b]) => 0.2126 * linear(r / 255) + 0.7152 * linear(g / 255) + 0.0722 * linear(b / 255);
+  const ground = (element) => {
+    for (let at = element; at; at = at.parentElement) {
+      const [r, g, b, alpha = 1] = parts(getComputedStyle(at).backgroundColor);
+      if (alpha > 0) return [r, g, b];
+    }
+    return [255, 255, 255];
+  };
+  const low = [];
+  let seen = 0;
+  for (const element of document.querySelectorAll("body *")) {
+    if (![...element.childNodes].some((node) => node.nodeType === 3 && node.data.trim())) continue;
+    if (!element.checkVisibility() || element.closest(".unseen, select")) continue;
+    const style = getComputedStyle(element);
+    const svg = element instanceof SVGElement;
+    if (svg && Number(style.opacity) === 0) continue;
+    const [a, b] = [luminance(parts(svg ? style.fill : style.color)), luminance(ground(element))];
+    const contrast = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+    seen += 1;
+    if (contrast < 4.5) low.push(`${contrast.toFixed(2)} ${element.tagName}: ${element.textContent}`);
+  }
+  return { seen, low };
+}"""
+
+
+@pytest.fixture(scope="session")
+def sets(tmp_path_factory: pytest.TempPathFactory) -> list[ResultSet]:
+    """A flip with a broken expectation and a run that crashed, a flight, and a slide at two time steps, by both engines."""
+    engines = {name: registry.load(name) for name in ("mujoco", "pinocchio")}
+    flip = parse(shortened(FLIP).text + BROKEN, FLIP)
+    slide = replace(load(SLIDE), expectations=())
+    tasks = plan.plan((flip,), engines, ("Euler", "RK4", "implicit", "discrete", "semi-implicit-euler", "rk4", "rk4-naive"), ())
+    tasks += plan.plan((shortened(FLIGHT),), engines, ("RK4", "rk4"), ())
+    tasks += plan.plan((slide,), engines, ("Euler", "law-force"), (0.002, 0.001))
+    head = campaign.header(("bodycheck", "run"), {name: engine.version() for name, engine in engines.items()}, {})
+    place = tmp_path_factory.mktemp("results")
+    with campaign.results(tasks, place, head, jobs=2):
+        pass
+    results = store.read(place)
+    verdicts = judgement.judge(results)
+    crashed = replace(verdicts[0].run, method=Method("gone", 0.002))
+    reason = f"RuntimeError: {LONG}\n{HOSTILE}"
+    verdicts.insert(
+        1, replace(verdicts[0], run=crashed, outcome=Crashed(reason), discrepancy=None, passed=False, reason=reason)
+    )
+    case = replace(results.cases[FLIP], title=f"{HOSTILE} {LONG}", source=HOSTILE, tags=(HOSTILE, LONG, "tumbling"))
+    results.__dict__["cases"] = results.cases | {FLIP: case}
+    return [ResultSet(results, verdicts, attribution.attribute(results, verdicts))]
+
+
+@pytest.fixture(scope="session")
+def report(sets: list[ResultSet], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The report of runs."""
+    return reports.write(sets, tmp_path_factory.mktemp("report"))[0]
+
+
+@pytest.fixture(scope="session")
+def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The report of a study, with hostile names."""
+    return reports.write_study(hostile_report(), tmp_path_factory.mktemp("study"))[0]
+
+
+@pytest.fixture
+def visit(browser: Any, report: Path) -> Iterator[Visit]:
+    """The report of runs in a wide window."""
+    with visiting(browser, report) as visit:
+        yield visit
+
+
+def drawn(visit: Visit) -> Any:
+    """A locator of the first chart's SVG, once it is drawn."""
+    visit.page.locator(CHART).scroll_into_view_if_needed()
+    svg = visit.page.locator(CHART).locator("svg.marks")
+    svg.wait_for()
+    return svg
+
+
+def rows(page: Any, table: str, column: str) -> list[list[str]]:
+    """Of each row that is shown, the cell under a heading: its data-value, empty where it has none, and its text."""
+    found: list[list[str]] = page.locator(table).evaluate(
+        """(table, column) => {
+          const place = [...table.tHead.rows[0].cells].findIndex((cell) => cell.textContent.startsWith(column));
+          const cells = [...table.tBodies[0].rows].filter((row) => row.checkVisibility()).map((row) => row.cells[place]);
+          return cells.map((cell) => [cell.dataset.value ?? "", cell.textContent.trim()]);
+        }""",
+        column,
+    )
+    return found
+
+
+def head(page: Any, table: str, column: str) -> Any:
+    """The button in a heading."""
+    return page.locator(table).locator("thead button", has_text=re.compile(f"^{re.escape(column)}")).first
+
+
+@pytest.mark.parametrize("which", ["report", "study"])
+def test_every_part_shows_quietly_and_can_be_read(browser: Any, request: pytest.FixtureRequest, which: str) -> None:
+    """No complaint on the console and no request (`visiting`), no chart undrawn, no text of too little contrast."""
+    with visiting(browser, request.getfixturevalue(which)) as visit:
+        assert visit.page.locator(".chart").count() >= 2
+        for chart in visit.page.locator(".chart").all():
+            chart.scroll_into_view_if_needed()
+            chart.locator("svg.marks").wait_for()
+        for scheme in ("light", "dark"):
+            visit.page.emulate_media(color_scheme=scheme)
+            contrasts = visit.page.evaluate(CONTRASTS)
+            assert contrasts["seen"] > 100
+            assert contrasts["low"] == []
+
+
+@pytest.mark.parametrize("width", SCREENS)
+def test_the_verdict_is_on_the_first_screen(browser: Any, report: Path, width: int) -> None:
+    height = SCREENS[width]
+    with visiting(browser, report, width, height) as visit:
+        page = visit.page
+        assert page.inner_text("h1") == "2 of 14 runs failed"
+        needed = ["h1", ".tally div >> nth=-1", ".findings div >> nth=0"]
+        needed += [f".findings div >> nth={place}" for place in (1, 2, 3)] if width == 1280 else []
+        for part in needed:
+            box = page.locator(part).bounding_box()
+            assert box["y"] + box["height"] <= height, part
+        assert page.evaluate("document.documentElement.scrollWidth") == width
+        page.locator(".tally a", has_text="failed").click()
+        page.wait_for_function("document.getElementById('failures').getBoundingClientRect().top < 100")
+
+
+@pytest.mark.parametrize("width", SCREENS)
+def test_nothing_is_wider_than_the_window(browser: Any, request: pytest.FixtureRequest, width: int) -> None:
+    for which in ("report", "study"):
+        with visiting(browser, request.getfixturevalue(which), width, SCREENS[width]) as visit:
+            visit.page.add_style_tag(content=".case { content-visibility: visible !important }")
+            assert visit.page.evaluate("document.documentElement.scrollWidth") == width
+
+
+def test_a_table_sorts_by_its_numbers(visit: Visit) -> None:
+    page, button = visit.page, head(visit.page, TABLE, "Attitude error")
+    before = [float(value) for value, _ in rows(page, TABLE, "Attitude error") if value]
+    assert before != sorted(before)
+    for direction in ("ascending", "descending"):
+        button.click()
+        assert page.locator(TABLE).locator("[aria-sort]").count() == 1
+        assert button.locator("..").get_attribute("aria-sort") == direction
+        cells = rows(page, TABLE, "Attitude error")
+        assert [float(value) for value, _ in cells[:-1]] == sorted(before, reverse=direction == "descending")
+        assert cells[-1] == ["", "–"]  # of the run that crashed
+
+
+def test_sorting_keeps_the_order_of_what_is_alike(visit: Visit) -> None:
+    page = visit.page
+    head(page, TABLE, "Attitude error").click()
+    by_error = [text for _, text in rows(page, TABLE, "Integrator")]
+    head(page, TABLE, "Engine").click()
+    engines = [text for _, text in rows(page, TABLE, "Engine")]
+    assert engines == sorted(engines)
+    own = [text for engine in dict.fromkeys(engines) for text in by_error if text in integrators(page, engine)]
+    assert [text for _, text in rows(page, TABLE, "Integrator")] == own
+
+
+def integrators(page: Any, engine: str) -> set[str]:
+    pairs = zip(rows(page, TABLE, "Engine"), rows(page, TABLE, "Integrator"), strict=True)
+    return {integrator for (_, own), (_, integrator) in pairs if own == engine}
+
+
+def test_time_steps_sort_as_numbers(visit: Visit) -> None:
+    table = f"#case-{SLIDE} table.sortable >> nth=0"
+    head(visit.page, table, "Time step").click()
+    assert [text for _, text in rows(visit.page, table, "Time step")] == ["1 ms"] * 2 + ["2 ms"] * 2
+
+
+def test_a_table_sorts_by_the_keyboard(visit: Visit) -> None:
+    page, button = visit.page, head(visit.page, TABLE, "Integrator")
+    head(page, TABLE, "Engine").focus()
+    page.keyboard.press("Tab")
+    assert button.evaluate("button => button === document.activeElement")
+    assert button.evaluate("button => getComputedStyle(button).outlineStyle") == "solid"
+    before = [text for _, text in rows(page, TABLE, "Integrator")]
+    page.keyboard.press("Enter")
+    after = [text for _, text in rows(page, TABLE, "Integrator")]
+    assert after != before
+    assert after == sorted(after, key=str.lower)
+
+
+def test_rows_are_filtered(visit: Visit) -> None:
+    page = visit.page
+    field = page.locator("#case-intermediate-axis-flip").get_by_label("Filter rows").first
+    total = len(rows(page, TABLE, "Integrator"))
+    field.fill("PINOCCHIO rk4")
+    assert [text for _, text in rows(page, TABLE, "Integrator")] == ["rk4", "rk4-naive"]
+    assert page.locator("output", has_text=f"2 of {total}").count() == 1
+    field.fill("")
+    assert len(rows(page, TABLE, "Integrator")) == total
+
+
+def test_cases_of_the_matrix_are_filtered_by_name_and_tag(visit: Visit) -> None:
+    page = visit.page
+    shown = page.locator("#matrix tbody tr:visible th")
+    field = page.get_by_label("Filter cases by name or tag")
+    assert shown.all_inner_texts() == [FLIP, FLIGHT, SLIDE]
+    field.fill("tumbl")
+    assert shown.all_inner_texts() == [FLIP]
+    assert page.locator("#matrix h3:visible").count() == 1
+    field.fill("slid")
+    assert shown.all_inner_texts() == [SLIDE]
+    field.fill("nothing of that kind")
+    assert shown.all_inner_texts() == []
+    assert page.locator("output", has_text="0 of 3").count() == 1
+
+
+def test_a_cell_leads_to_its_case(visit: Visit) -> None:
+    visit.page.locator("#matrix td a", has_text="1 ms").first.click()
+    visit.page.wait_for_function(f"Math.abs(document.getElementById('case-{SLIDE}').getBoundingClientRect().top) < 100")
+
+
+def test_a_study_sorts_and_filters(browser: Any, study: Path) -> None:
+    with visiting(browser, study) as visit:
+        table = "table.sortable:has(tbody tr + tr) >> nth=0"
+        texts = [text for _, text in rows(visit.page, table, "Time step")]
+        assert len(set(texts)) > 1
+        button = head(visit.page, table, "Time step")
+        button.click()
+        ascending = [text for _, text in rows(visit.page, table, "Time step")]
+        button.click()
+        assert [text for _, text in rows(visit.page, table, "Time step")] == ascending[::-1]
+
+
+def test_the_legend_takes_a_line_away_and_brings_it_back(visit: Visit) -> None:
+    chart = drawn(visit)
+    lines = chart.locator(".mark-line.role-mark path")
+    everything = lines.count()
+    button = visit.page.locator("#case-intermediate-axis-flip .legend button", has_text=re.compile("^mujoco RK4"))
+    colour = button.locator("line").get_attribute("stroke")
+    assert button.get_attribute("aria-pressed") == "true"
+    button.click()
+    assert button.get_attribute("aria-pressed") == "false"
+    visit.page.wait_for_function(
+        "([chart, amount]) => chart.querySelectorAll('.mark-line.role-mark path').length === amount",
+        arg=[chart.element_handle(), everything - 1],
+    )
+    button.press("Enter")
+    visit.page.wait_for_function(
+        "([chart, amount]) => chart.querySelectorAll('.mark-line.role-mark path').length === amount",
+        arg=[chart.element_handle(), everything],
+    )
+    assert colour in [line.get_attribute("stroke") for line in lines.all()]
+
+
+def test_zooming(visit: Visit) -> None:
+    """With Ctrl the wheel zooms; alone it scrolls the page."""
+    chart = drawn(visit)
+    ticks = "chart => chart.querySelector('.role-axis-label').textContent"
+    box, page = chart.bounding_box(), visit.page
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    before, top = chart.evaluate(ticks), page.evaluate("scrollY")
+    page.keyboard.down("Control")
+    page.mouse.wheel(0, -400)
+    page.keyboard.up("Control")
+    page.wait_for_function(f"([chart, before]) => ({ticks})(chart) !== before", arg=[chart.element_handle(), before])
+    assert page.evaluate("scrollY") == top
+    zoomed = chart.evaluate(ticks)
+    page.mouse.wheel(0, 200)
+    page.wait_for_function("top => scrollY > top", arg=top)
+    assert chart.evaluate(ticks) == zoomed
+
+
+def test_the_pointer_finds_values(visit: Visit) -> None:
+    chart = drawn(visit)
+    box, tooltip = chart.bounding_box(), visit.page.locator("#vg-tooltip-element.visible")
+    for share in (0.4, 0.5, 0.6):
+        visit.page.mouse.move(box["x"] + share * box["width"], box["y"] + 0.5 * box["height"])
+    tooltip.wait_for()
+    text = tooltip.inner_text()
+    assert re.search(r"method\s+(mujoco|pinocchio) ", text)
+    assert re.search(r"time\s+[\d.]+ s", text)
+    assert re.search(r"attitude error\s+[\d.e-]+ rad", text)
+
+
+def test_foreign_strings_are_text(visit: Visit) -> None:
+    page = visit.page
+    assert page.inner_text("#case-intermediate-axis-flip h2").startswith(HOSTILE.replace("\u202e", "").split("שלום")[0])
+    assert page.locator("#case-intermediate-axis-flip h2").evaluate("title => title.textContent") == f"{HOSTILE} {LONG}"
+    assert page.locator("h2 b, h2 script, .note b, td b").count() == 0
+    assert page.locator("#case-intermediate-axis-flip h2").bounding_box()["height"] < 300
+    assert page.locator("tr.failed .reason").first.bounding_box()["height"] < 300
+
+
+def test_dark_differs(browser: Any, report: Path) -> None:
+    grounds = {}
+    for scheme in ("light", "dark"):
+        with visiting(browser, report, scheme=scheme) as visit:  # type: ignore[arg-type]
+            cell = visit.page.locator("#matrix td a.d0, #matrix td a.d1, #matrix td a.d2").first
+            colour = "part => getComputedStyle(part).backgroundColor"
+            grounds[scheme] = visit.page.locator("body").evaluate(colour), cell.evaluate(colour)
+    assert all(light != dark for light, dark in zip(grounds["light"], grounds["dark"], strict=True))
+
+
+def test_without_scripts_everything_but_the_charts_is_there(browser: Any, report: Path) -> None:
+    context = browser.new_context(java_script_enabled=False)
+    try:
+        page = context.new_page()
+        page.goto(report.as_uri())
+        assert page.locator("noscript").count() == 1
+        assert page.locator("main button").count() == 0
+        assert page.locator(TABLE).locator("tbody tr").count() == 8
+        assert page.locator("#matrix tbody th").all_inner_texts() == [FLIP, FLIGHT, SLIDE]
+    finally:
+        context.close()
+
+
+def test_paper_has_every_chart(visit: Visit) -> None:
+    """Also those that were far from the window, which are drawn when the page is printed."""
+    undrawn = visit.page.locator(".chart:not(:has(svg.marks))")
+    assert undrawn.count() > 0
+    visit.page.pdf()
+    assert undrawn.count() == 0
+    assert visit.page.locator(".legend:empty").count() == 0
+
+
+@pytest.mark.slow
+def test_a_large_report_opens_at_once(browser: Any, tmp_path: Path) -> None:
+    """A hundred cases by twenty methods: under 15 MB, and in use within 3 s, of which a third is expected to be enough."""
+    script = ROOT / "benchmarks" / "report_opening.py"
+    spec = importlib.util.spec_from_file_location("report_opening", script)
+    assert spec is not None
+    assert spec.loader is not None
+    benchmark = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(benchmark)
+    path = benchmark.large_report(tmp_path)
+    assert path.stat().st_size < 15e6
+    assert min(max(benchmark.opening(browser, path).values()) for _ in range(3)) < 3.0

@@ -1,0 +1,365 @@
+"""Studies that were killed go on where they stopped: nothing is lost, and nothing done twice."""
+
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from bodycheck import load
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Method
+from bodycheck.errors import BadInput
+from bodycheck.judging import judgement
+from bodycheck.running import campaign, journal, store
+from bodycheck.running.plan import Task
+from tests.commands.test_command_line import SHORT, bodycheck
+from tests.conftest import shortened
+from tests.support import MINIATURES
+
+HEADER = {"identity": "the same", "text": "Größe"}
+
+SPIN = shortened(load("osrf-boxes-simple"), 1.0, 11)
+ENGINES = ("exact", "drifting", "not-a-number", "raising")
+TASKS = [Task(SPIN, engine, Method("closed-form", step)) for step in (0.1, 0.05) for engine in ENGINES]
+TIMINGS = ["wall_time", "time_per_step", "realtime_factor"]
+
+
+def written(path: Path, header: dict[str, Any], *records: dict[str, Any]) -> bytes:
+    with journal.begin(path, header) as opened:
+        for record in records:
+            opened.add(record)
+    return path.read_bytes()
+
+
+def test_a_journal_is_read_as_it_was_written(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "folder" / "journal.jsonl"
+    written(path, HEADER, {"one": 1}, {"two": [2.0, None, "zwölf"]})
+    expected = journal.Contents({"record": "header", **HEADER}, ({"one": 1}, {"two": [2.0, None, "zwölf"]}), complete=True)
+    assert journal.read(path) == expected
+
+
+def test_a_journal_cut_anywhere_is_gone_on_with(tmp_path: Path) -> None:
+    """At every byte, those within a letter of two bytes too."""
+    path = tmp_path / "journal.jsonl"
+    records = [{"number": number, "letter": "ü"} for number in range(3)]
+    whole = written(path, HEADER, *records)
+    ends = [place + 1 for place, byte in enumerate(whole) if byte == ord("\n")]
+    for cut in range(len(whole)):
+        path.write_bytes(whole[:cut])
+        lines = sum(end <= cut for end in ends)
+        if lines:
+            contents = journal.read(path)
+            assert (list(contents.records), contents.complete) == (records[: lines - 1], False)
+        with journal.resume(path, HEADER) as resumed:
+            assert list(resumed.records) == records[: max(0, lines - 1)]
+            for record in records[len(resumed.records) :]:
+                resumed.add(record)
+        assert path.read_bytes() == whole
+
+
+@pytest.mark.parametrize("header", [HEADER, HEADER | {"identity": "another"}])
+def test_what_is_complete_or_other_work_is_begun_anew(tmp_path: Path, header: dict[str, Any]) -> None:
+    path = tmp_path / "journal.jsonl"
+    whole = written(path, HEADER, {"number": 1})
+    if header != HEADER:
+        path.write_bytes(whole[: whole.rindex(b'{"record": "footer"')])
+    with journal.resume(path, header | {"text": "new"}) as resumed:
+        assert resumed.records == ()
+    assert journal.read(path) == journal.Contents({"record": "header", **header, "text": "new"}, (), complete=True)
+
+
+def test_a_journal_whose_writer_fails_is_interrupted(tmp_path: Path) -> None:
+    path = tmp_path / "journal.jsonl"
+    with pytest.raises(TypeError), journal.begin(path, HEADER) as opened:
+        list(map(opened.add, ({"number": 1}, {"number": 2j})))
+    assert not journal.read(path).complete
+    with journal.resume(path, HEADER) as resumed:
+        assert resumed.records == ({"number": 1},)
+
+
+def test_nobody_else_writes_a_journal_that_is_being_written(tmp_path: Path) -> None:
+    path = tmp_path / "journal.jsonl"
+    with journal.begin(path, HEADER) as opened:
+        opened.add({"number": 1})
+        for other in (journal.begin, journal.resume):
+            with pytest.raises(journal.BadJournal, match="another process is writing it"):
+                other(path, HEADER)
+    assert journal.read(path).records == ({"number": 1},)
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"half a line",
+        b'{"no": "header"}\n',
+        b"[]\n",
+        b'{"record": "header"}\nnonsense\n',
+        b'{"record": "header"}\n3\n',
+        b'{"record": "header"}\n' + b"[" * 100_000 + b"\n",
+        b"\xff\n",
+    ],
+)
+def test_what_is_no_journal_is_bad_input(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "journal.jsonl"
+    path.write_bytes(content)
+    with pytest.raises(BadInput, match="no journal"):
+        journal.read(path)
+    with journal.resume(path, HEADER) as begun:
+        assert begun.records == ()
+    with pytest.raises(BadInput, match="no journal"):
+        journal.read(tmp_path / "absent.jsonl")
+
+
+@dataclass
+class Study:
+    """A study in a folder, and what its progress told."""
+
+    folder: Path
+
+    def run(self, tasks: list[Task] = TASKS, **options: Any) -> pd.DataFrame:
+        self.done: list[str] = []
+        self.already = 0
+        head = campaign.header([], {name: registry.load(name).version() for name in ENGINES}, {})
+        with campaign.results(tasks, self.folder, head, progress=self._advance, **options) as results:
+            assert results.complete
+            table = judgement.table(judgement.judge(results))
+        return table.drop(columns=TIMINGS)
+
+    def _advance(self, done: str, count: int = 1, /) -> None:
+        if count == 1 and done:
+            self.done.append(done)
+        else:
+            self.already += count
+
+    @property
+    def records(self) -> Path:
+        return self.folder / store.RECORDS
+
+    def lines(self) -> list[bytes]:
+        return self.records.read_bytes().splitlines(keepends=True)
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, pd.DataFrame]]:
+    """A study that nothing disturbed, and its table."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(MINIATURES)
+        study = Study(tmp_path_factory.mktemp("whole") / "out")
+        table = study.run()
+        assert len(table) == len(TASKS)
+        yield study.folder, table
+
+
+@pytest.fixture
+def interrupted(whole: tuple[Path, pd.DataFrame], miniatures: Path, tmp_path: Path) -> Callable[[int], Study]:
+    """A copy of that study as it was after so many records and half a further one."""
+    import shutil
+
+    def interrupt(count: int) -> Study:
+        study = Study(tmp_path / str(count))
+        shutil.copytree(whole[0], study.folder)
+        lines = study.lines()
+        study.records.write_bytes(b"".join(lines[: 1 + count]) + lines[1 + count][:-9])
+        return study
+
+    return interrupt
+
+
+@pytest.mark.parametrize("count", [0, 1, 5, campaign.size(TASKS)])
+def test_an_interrupted_study_goes_on(
+    whole: tuple[Path, pd.DataFrame], interrupted: Callable[[int], Study], capfd: pytest.CaptureFixture[str], count: int
+) -> None:
+    study = interrupted(count)
+    before = study.lines()[: 1 + count]
+    pd.testing.assert_frame_equal(study.run(), whole[1], check_exact=True)
+    assert (study.already, len(study.done)) == (count, campaign.size(TASKS) - count)
+    after = study.lines()
+    assert after[: 1 + count] == before
+    assert len(after) == 1 + campaign.size(TASKS) + 1
+    told = f"bodycheck: going on with the interrupted run in {study.folder}: {count} of {campaign.size(TASKS)} are there\n"
+    assert capfd.readouterr().err.count(told) == (count > 0)
+
+
+def test_a_complete_study_is_done_anew(interrupted: Callable[[int], Study], whole: tuple[Path, pd.DataFrame]) -> None:
+    study = interrupted(3)
+    study.run()
+    pd.testing.assert_frame_equal(study.run(), whole[1], check_exact=True)
+    assert (study.already, len(study.done)) == (0, campaign.size(TASKS))
+
+
+@pytest.mark.parametrize("difference", ["a task less", "another order", "another case", "another limit"])
+def test_other_work_is_begun_anew(interrupted: Callable[[int], Study], difference: str) -> None:
+    study = interrupted(5)
+    case = shortened(SPIN, 0.5, 6)
+    tasks: dict[str, list[Task]] = {
+        "a task less": TASKS[1:],
+        "another order": TASKS[::-1],
+        "another case": [Task(case, task.engine, task.method) for task in TASKS],
+    }
+    chosen = tasks.get(difference, TASKS)
+    study.run(chosen, **({"limit": 100.0} if difference == "another limit" else {}))
+    assert (study.already, len(study.done)) == (0, campaign.size(chosen))
+    assert len(list(study.folder.rglob("*.parquet"))) == sum('"reason"' not in str(line) for line in study.lines()[1:-1])
+
+
+@pytest.mark.parametrize("damage", ["removed", "cut", "emptied"])
+def test_what_has_lost_its_trajectory_is_done_again(
+    whole: tuple[Path, pd.DataFrame], interrupted: Callable[[int], Study], damage: str
+) -> None:
+    study = interrupted(campaign.size(TASKS))
+    lost = sorted((study.folder / store.TRAJECTORIES).rglob("*.parquet"))[::2]
+    for path in lost:
+        content = path.read_bytes()
+        path.unlink() if damage == "removed" else path.write_bytes(content[: len(content) // 2] if damage == "cut" else b"")
+    pd.testing.assert_frame_equal(study.run(), whole[1], check_exact=True)
+    assert len(study.done) == len(lost) > 2
+
+
+def test_what_was_written_and_never_told_of_is_removed(interrupted: Callable[[int], Study]) -> None:
+    study = interrupted(2)
+    half, untold = (study.folder / store.TRAJECTORIES / SPIN.name / name for name in ("exact.part", "exact.parquet"))
+    half.write_bytes(b"PAR1")
+    untold.write_bytes(b"PAR1")
+    study.run()
+    assert not half.exists()
+    assert not untold.exists()
+
+
+def test_what_is_made_of_results_belongs_to_the_run(miniatures: Path, tmp_path: Path) -> None:
+    """Whoever was killed while the report was being written goes on with the report."""
+    head = campaign.header([], dict.fromkeys(ENGINES, "1.0"), {})
+    with pytest.raises(ZeroDivisionError), campaign.results(TASKS, tmp_path / "out", head):
+        raise ZeroDivisionError
+    assert not store.read(tmp_path / "out").complete
+    study = Study(tmp_path / "out")
+    study.run()
+    assert (study.already, study.done) == (campaign.size(TASKS), [])
+    assert store.read(tmp_path / "out").complete
+
+
+def test_the_command_goes_on_too(tmp_path: Path) -> None:
+    case, out = tmp_path / "short.case.toml", tmp_path / "out"
+    case.write_text(SHORT)
+    command = ("run", case, "--engine", "mujoco", "--out", out)
+    assert bodycheck(*command).returncode == 0
+    undisturbed = pd.read_csv(out / "results.csv")
+    records = out / store.RECORDS
+    lines = records.read_bytes().splitlines(keepends=True)
+    records.write_bytes(b"".join(lines[:4]))
+    # How many processes there are, and in what words it is asked for, changes nothing.
+    done = bodycheck(*command, "--jobs", 1)
+    assert done.returncode == 0
+    assert f"bodycheck: going on with the interrupted run in {out}: 3 of {len(lines) - 2} are there\n" in done.stderr
+    assert done.stderr.count("short · ") == len(lines) - 2 - 3
+    assert "nterrupted" not in (out / "report.md").read_text()
+    resumed = pd.read_csv(out / "results.csv")
+    pd.testing.assert_frame_equal(resumed.drop(columns=TIMINGS), undisturbed.drop(columns=TIMINGS), check_exact=True)
+
+
+STUDY = """
+import random
+import sys
+from pathlib import Path
+from bodycheck.running import campaign
+from bodycheck.judging import judgement
+from bodycheck import load
+from bodycheck.adapters import registry
+from bodycheck.running.plan import plan
+names = ("dawdling", "exact", "mujoco", "segfaulting", "pinocchio", "not-a-number")
+adapters = {name: registry.load(name) for name in names}
+steps = (0.1, 0.05, 0.04, 0.02)
+tasks = plan([load("osrf-boxes-simple")], adapters, (), steps)
+tasks = [task for task in tasks if task.engine != "segfaulting" or task.method.timestep == steps[0]]
+random.Random(1).shuffle(tasks)
+head = campaign.header([], {name: adapter.version() for name, adapter in adapters.items()}, {})
+with campaign.results(tasks, Path(sys.argv[1]), head, jobs=2) as results:
+    judgement.write(judgement.judge(results), Path(sys.argv[1]))
+"""
+
+
+def rows(folder: Path) -> pd.DataFrame:
+    return pd.read_csv(folder / "results.csv").drop(columns=TIMINGS)
+
+
+def check_records(folder: Path, undisturbed: Path) -> None:
+    """That everything was done, and nothing twice."""
+    done, expected = (
+        sorted(
+            (record["record"], record.get("engine", ""), record.get("integrator", ""), record["timestep"])
+            for record in journal.read(path / store.RECORDS).records
+        )
+        for path in (folder, undisturbed)
+    )
+    assert done == expected
+    files, whole_files = (sorted(path.name for path in it.rglob("*") if path.is_file()) for it in (folder, undisturbed))
+    assert files == whole_files
+
+
+def kill_studies(kills: int, seed: int, tmp_path: Path) -> None:
+    """Kill studies at random moments, go on with them and kill them again; hold those that end against an undisturbed one."""
+    print(f"seed {seed}")
+    chance = random.Random(seed)
+    undisturbed = tmp_path / "undisturbed"
+    duration = end(undisturbed)
+    expected = rows(undisturbed)
+    finished, after = 0, []
+    folder, there = tmp_path / "0", list[bytes]()
+    while len(after) < kills or there:
+        took = end(folder, chance.uniform(0, duration) if len(after) < kills else None)
+        lines = (folder / store.RECORDS).read_bytes().splitlines(keepends=True)
+        # What had been written is still there, in its place.
+        assert lines[: len(there)] == there
+        if not journal.read(folder / store.RECORDS).complete:
+            there = [line for line in lines if line.endswith(b"\n")]
+            after.append(len(there) - 1)
+        else:  # one that was killed all the same was on its way out
+            pd.testing.assert_frame_equal(rows(folder), expected, check_exact=True)
+            check_records(folder, undisturbed)
+            if took is not None and not there:
+                duration = min(duration, took)  # the first study may have found the machine cold
+            finished += 1
+            folder, there = tmp_path / str(finished), []
+    print(f"killed after so many records: {after}; {finished} studies came to their end")
+
+
+def end(folder: Path, limit: float | None = None) -> float | None:
+    """Begin a study, or go on with one. How long (s) it took from its first record to its end; None where it was killed, so
+    long (s) after that record.
+    """
+    environment = os.environ | {"PYTHONPATH": str(MINIATURES)}
+    there = max(1, count_lines(folder))
+    with subprocess.Popen([sys.executable, "-c", STUDY, folder], env=environment) as process:
+        while count_lines(folder) <= there and process.poll() is None:
+            time.sleep(0.001)
+        start = time.monotonic()
+        try:
+            assert process.wait(limit) == 0
+        except subprocess.TimeoutExpired:
+            process.send_signal(signal.SIGKILL)
+            return None
+        return time.monotonic() - start
+
+
+def count_lines(folder: Path) -> int:
+    records = folder / store.RECORDS
+    return records.read_bytes().count(b"\n") if records.exists() else 0
+
+
+def test_studies_that_are_killed_come_to_the_same(tmp_path: Path) -> None:
+    kill_studies(2, seed=1, tmp_path=tmp_path)
+
+
+@pytest.mark.slow
+def test_studies_that_are_killed_twenty_times_come_to_the_same(tmp_path: Path) -> None:
+    """Two minutes: `pytest -m slow tests/test_resume.py`."""
+    kill_studies(20, seed=2, tmp_path=tmp_path)
