@@ -38,8 +38,8 @@ class Claim:
     evaluations: int | None
 
 
+#: Between the name of an integrator and that of one of its `models`, in the name of a method.
 MODEL_OPTION = ":model="
-"""Between the name of an integrator and that of one of its `models`, in the name of a method."""
 
 
 class SceneUnsupported(Exception):

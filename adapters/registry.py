@@ -16,8 +16,8 @@ from bodycheck.adapters.contract import Adapter
 
 GROUP = "bodycheck.engines"
 DISTRIBUTIONS = "bodycheck.distributions"
+#: What the engines with adapters here are installed from.
 OWN_DISTRIBUTIONS = {"mujoco": "mujoco", "pinocchio": "pin"}
-"""What the engines with adapters here are installed from."""
 
 
 class EngineMissing(Exception):

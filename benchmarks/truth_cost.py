@@ -23,8 +23,8 @@ from bodycheck.reference.integration import lagrangian, taylor
 from bodycheck.reference.scene import Body, Scene, State
 
 TURNS = 11
+#: Seconds of a turn that each way gets.
 SHARE = 0.1
-"""Seconds of a turn that each way gets."""
 
 MANY = 10_000
 

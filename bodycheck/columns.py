@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Literal
 
+#: As JSON Schema calls them.
 Kind = Literal["string", "boolean", "integer", "number"]
-"""As JSON Schema calls them."""
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,7 @@ def _largest(name: str, title: str, meaning: str, unit: str = "") -> Column:
     return Column(name, "number", title, meaning, unit, largest=True)
 
 
+#: By name, in the order of tables. A number that has no unit and counts nothing is relative.
 COLUMNS = {
     column.name: column
     for column in (
@@ -131,17 +132,16 @@ COLUMNS = {
         ),
     )
 }
-"""By name, in the order of tables. A number that has no unit and counts nothing is relative."""
 
+#: What may be expected of a run besides the columns.
 ORDER = _figure(
     "order",
     "Order",
     "power of the time step with which the attitude error falls, seen at this step, its half and its quarter",
 )
-"""What may be expected of a run besides the columns."""
 
+#: What may be expected of a run, and more.
 EXPECTED = COLUMNS | {ORDER.name: ORDER}
-"""What may be expected of a run, and more."""
 
+#: Of the columns that have one.
 UNITS = {column.name: column.unit for column in COLUMNS.values() if column.unit}
-"""Of the columns that have one."""

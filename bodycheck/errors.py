@@ -1,7 +1,7 @@
 """What a user can get wrong, and what a command ends in."""
 
+#: Exit codes. FAILED: an expectation or a run.
 OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
-"""Exit codes. FAILED: an expectation or a run."""
 
 
 class BadInput(Exception):

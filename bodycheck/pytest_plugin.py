@@ -31,11 +31,11 @@ if TYPE_CHECKING:
 SUFFIX = ".case.toml"
 OPTION = "--bodycheck-engine"
 MARKER = "bodycheck"
+#: Name of the property that tells of a known discrepancy.
 KNOWN = "known"
-"""Name of the property that tells of a known discrepancy."""
 
+#: Runs and truths that are kept, so that the items of a case share them.
 KEPT = 32
-"""Runs and truths that are kept, so that the items of a case share them."""
 
 OWN_MARKERS = pytest.StashKey[set[str]]()
 TAKEN_MARKERS = pytest.StashKey[set[str]]()

@@ -33,8 +33,8 @@ COLOURS = ("#009e73", "#b35c8d", "#8c8500")
 DASHES = ([1, 0], [7, 3], [2, 2])
 CELLS = 40
 CONFIG = {"background": "white", "font": "sans-serif", "view": {"stroke": None}, "axis": {"gridOpacity": 0.3}}
+#: Where Fig. 2.17 is seen from, longitude from i and height over the plane of i and j.
 AZIMUTH, ELEVATION = math.radians(10), math.radians(20)
-"""Where Fig. 2.17 is seen from, longitude from i and height over the plane of i and j."""
 
 
 def spin(case: str) -> Rows:
@@ -195,6 +195,7 @@ def single_rotation() -> Spec:
     )
 
 
+#: Each figure's number in the chapter and its Vega-Lite specification, which holds its data.
 FIGURES: dict[str, Callable[[], Spec]] = {
     "2.17": single_rotation,
     "2.18": lambda: curves(spin(STABLE), "Fig. 2.18: spin of the stable brick", "rad/s"),
@@ -209,7 +210,6 @@ FIGURES: dict[str, Callable[[], Spec]] = {
     ),
     "2.24": lambda: heat_map(torque_integral(), "Fig. 2.24: ∫∫ √(X² + Y²) dX dY over 0 < X < a, 0 < Y < b"),
 }
-"""Each figure's number in the chapter and its Vega-Lite specification, which holds its data."""
 
 
 def main(arguments: list[str] | None = None) -> None:

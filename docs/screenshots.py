@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 SIZES = ((1280, 800), (390, 844))
 SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
+#: Marks the parts of a page, of cases those that come first in a matrix, and tells their names.
 MARK = """() => {
   const links = [...document.querySelectorAll("[data-part] tbody tr:first-child th a")];
   const first = new Set(links.map((link) => link.hash.slice(1)));
@@ -21,7 +22,6 @@ MARK = """() => {
       part.dataset.picture = part.id || part.getAttribute("aria-labelledby") || part.localName;
   return [...document.querySelectorAll("[data-picture]")].map((part) => part.dataset.picture);
 }"""
-"""Marks the parts of a page, of cases those that come first in a matrix, and tells their names."""
 
 
 def pictures(page: Any, place: Path, prefix: str) -> None:

@@ -12,8 +12,8 @@ from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Quaternion, Shape, Sphere, Vector
 from bodycheck.reference.trajectory import Array
 
+#: Relative amount by which A + B may fall short of C: what rounding does to the moments of a disc or a needle.
 TRIANGLE_TOLERANCE = 1e-12
-"""Relative amount by which A + B may fall short of C: what rounding does to the moments of a disc or a needle."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,8 @@ import numpy as np
 from bodycheck.reference.scene import Brick, Cylinder, Scene, Shape, Vector
 from bodycheck.reference.trajectory import Array
 
+#: How far a body may be from lying flat (rad, and relative to its height and speeds): the rounding of a case file.
 LYING = 1e-12
-"""How far a body may be from lying flat (rad, and relative to its height and speeds): the rounding of a case file."""
 
 
 @dataclass(frozen=True)

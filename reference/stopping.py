@@ -7,8 +7,8 @@ from bodycheck.reference.lying import Stop, yaw
 from bodycheck.reference.scene import Brick, Cylinder, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 
+#: A body whose speed is below this part of the initial one has stopped; soft contacts creep on below it.
 AT_REST = 1e-3
-"""A body whose speed is below this part of the initial one has stopped; soft contacts creep on below it."""
 
 
 def tilt(trajectory: Trajectory) -> Array:

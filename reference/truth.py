@@ -25,8 +25,8 @@ from bodycheck.reference.sliding.motion import slide
 from bodycheck.reference.sliding.pressure import WouldTip
 from bodycheck.reference.trajectory import Array, Trajectory
 
+#: What evaluates closed forms, and what integrates drag and slides.
 CLOSED_FORMS, INTEGRATED = "numpy", "scipy-dop853"
-"""What evaluates closed forms, and what integrates drag and slides."""
 
 
 class NotModelled(Exception):

@@ -22,8 +22,8 @@ COMPONENT_COLOURS = ("#009e73", "#b35c8d", "#8c8500")
 COMPONENT_DASHES = ((1, 0), (7, 3), (2, 2))
 INK = "currentColor"
 
+#: What the reader of a `zoomable` chart can do.
 ZOOMING = "Drag to pan, zoom with Ctrl and the wheel or a pinch, double-click to reset."
-"""What the reader of a `zoomable` chart can do."""
 
 
 def over_time(quantity: Quantity, lines: Sequence[Line]) -> Spec:

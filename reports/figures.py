@@ -16,19 +16,19 @@ Format = Literal["png", "svg"]
 
 FOLDER = "figures"
 
+#: In the place of the colour of the text around a chart, which a file has not.
 BLACK = "#1a1a1a"
-"""In the place of the colour of the text around a chart, which a file has not."""
 
+#: Pixels of a PNG for each of a chart's, so that it fills a slide.
 SCALE = 3
-"""Pixels of a PNG for each of a chart's, so that it fills a slide."""
 
 CLIP = re.compile(r"\bclip\d+\b")
 
+#: Characters.
 LONGEST_NAME = 100
-"""Characters."""
 
+#: Height of a row of a legend, in the chart's pixels, and how many a column has.
 ROW, MOST_ROWS = 17, 32
-"""Height of a row of a legend, in the chart's pixels, and how many a column has."""
 
 
 def of_runs(contents: Contents) -> Iterator[tuple[str, Spec]]:

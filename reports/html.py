@@ -17,10 +17,10 @@ from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.runs.contents import Contents, Section
 from bodycheck.reports.study import StudyReport
 
+#: A number and its unit in escaped text; not the numbers inside names and character references.
 MEASURE = re.compile(
     r"(?<![\w.&#-])-?\d[\d.]*(?:e-?\d+)?(?: (?:rad/s|rad|m/s²|m/s|ms|m|µs|s|kg m²/s|kg m²|kg|%)(?!\w))?(?![\w;-])"
 )
-"""A number and its unit in escaped text; not the numbers inside names and character references."""
 
 
 def render(contents: Contents) -> str:

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 from bodycheck.reports.quantities import milliseconds
 
+#: engine, integrator, time step (s), label of the set of results; the last is empty where there is one set only
 Key = tuple[str, str, float, str]
-"""engine, integrator, time step (s), label of the set of results; the last is empty where there is one set only"""
 
+#: Okabe and Ito's colours, which colour-blind readers tell apart, the palest deepened: all readable on white and on black.
 HUES = (
     ("#0072b2", "#3d8fc6"),
     ("#d55e00", "#a84a00"),
@@ -17,19 +18,17 @@ HUES = (
     ("#6f5bb5", "#8a78cc"),
     ("#777777", "#929292"),
 )
-"""Okabe and Ito's colours, which colour-blind readers tell apart, the palest deepened: all readable on white and on black."""
 
+#: Engines whose hue is the same in every report, whatever other engines it has.
 FIRST = ("mujoco", "pinocchio")
-"""Engines whose hue is the same in every report, whatever other engines it has."""
 
 DASHES: tuple[tuple[int, ...], ...] = ((1, 0), (7, 3), (2, 2), (9, 3, 2, 3), (4, 4), (12, 4), (6, 2, 2, 2, 2, 2), (1, 4))
 WIDTHS = (2.0, 1.3, 0.8)
 
+#: Of several sets of results the last is drawn as one alone would be, each before it paler and as a broader band beneath.
+#:
+#: BAND: by so many of its widths a line is broader. PALE: the grey that is mixed in, of 255.
 BAND, PALE = 1.5, 200
-"""Of several sets of results the last is drawn as one alone would be, each before it paler and as a broader band beneath.
-
-BAND: by so many of its widths a line is broader. PALE: the grey that is mixed in, of 255.
-"""
 
 
 @dataclass(frozen=True)

@@ -11,21 +11,21 @@ from bodycheck.reports.runs.summary import Finding
 from bodycheck.reports.study import StudyReport
 from bodycheck.reports.tables import Table
 
+#: Characters; a comment on GitHub may have 65 536.
 ROOM = 60_000
-"""Characters; a comment on GitHub may have 65 536."""
 
+#: Characters of one string from outside.
 LONGEST = 240
-"""Characters of one string from outside."""
 
+#: Characters of one that the report makes of such strings.
 LONGEST_SENTENCE = 1200
-"""Characters of one that the report makes of such strings."""
 
 MOST_FAILURES = 30
 
 MATRICES = "## Cases and methods\n\n✗: failed. ≤: within the truth's own error, which is the figure given."
 
+#: Controls, line ends and marks of direction: they break tables, or reorder what stands beside them.
 INVISIBLE = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff]+")
-"""Controls, line ends and marks of direction: they break tables, or reorder what stands beside them."""
 
 MARKUP = re.compile(r"([\\`*_\[\]!|~$])")
 

@@ -35,9 +35,10 @@ QUANTITIES = {
     if name in (*DISCREPANCIES, *FURTHER_COLUMNS) and name != "truth_error"
 }
 
+#: The columns of a case's table; the results file has the rest.
 TABLED = tuple(name for name in QUANTITIES if name != "angular_velocity_error")
-"""The columns of a case's table; the results file has the rest."""
 
+#: What is drawn over time, where it was measured.
 PLOTTED = (
     "attitude_error",
     "position_error",
@@ -45,7 +46,6 @@ PLOTTED = (
     *("angular_momentum_drift", "angular_momentum_error"),
     *("penetration", "tilt"),
 )
-"""What is drawn over time, where it was measured."""
 
 
 def number(value: float | None, digits: int = 4) -> str:

@@ -23,26 +23,26 @@ from bodycheck.adapters.contract import SceneUnsupported
 from bodycheck.reference.lying import NotFlat, height_of, named, planar_state
 from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
 
+#: The methods with options that are run where none is asked for.
 DEFAULTS = ("Euler:cone=elliptic", "Euler:cone=elliptic,pads=4")
-"""The methods with options that are run where none is asked for."""
 
+#: MuJoCo's mjMINMU: it raises smaller coefficients to this one without a word.
 LEAST_FRICTION = 1e-5
-"""MuJoCo's mjMINMU: it raises smaller coefficients to this one without a word."""
 
+#: A direction: a thousand contacts, which with noslip are already more than MuJoCo's buffer holds.
 MOST_PADS = 32
-"""A direction: a thousand contacts, which with noslip are already more than MuJoCo's buffer holds."""
 
+#: Radius of a pad in half-heights of the body: so small that a tilt hardly moves its contact point.
 PAD_SIZE = 0.01
-"""Radius of a pad in half-heights of the body: so small that a tilt hardly moves its contact point."""
 
+#: MuJoCo's default coefficients (m).
 TORSION_AND_ROLLING = (0.005, 0.0001)
-"""MuJoCo's default coefficients (m)."""
 
+#: The keys that are attributes of the XML's `option`.
 OPTION_ATTRIBUTES = {"cone": "cone", "impratio": "impratio", "noslip": "noslip_iterations"}
-"""The keys that are attributes of the XML's `option`."""
 
+#: From what was written to what goes into the XML; raises `ValueError` for what is not allowed.
 Reader = Callable[[str], str]
-"""From what was written to what goes into the XML; raises `ValueError` for what is not allowed."""
 
 
 @dataclass(frozen=True)
@@ -188,6 +188,7 @@ def is_solimp(values: tuple[float, ...]) -> bool:
     return 0 <= least <= 1 and 0 <= most <= 1 and width >= 0 and 0 <= midpoint <= 1 and power >= 1
 
 
+#: How to read each option's value, and what is allowed.
 OPTIONS: dict[str, tuple[Reader, str]] = {
     "cone": (word("elliptic", "pyramidal"), "elliptic or pyramidal"),
     "impratio": (numbers(lambda values: len(values) == 1 and values[0] > 0), "a positive number"),
@@ -203,4 +204,3 @@ OPTIONS: dict[str, tuple[Reader, str]] = {
     "noslip": (whole(lambda number: number >= 0), "a whole number >= 0"),
     "pads": (whole(lambda number: 1 <= number <= MOST_PADS), f"a whole number from 1 to {MOST_PADS}"),
 }
-"""How to read each option's value, and what is allowed."""

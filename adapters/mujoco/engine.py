@@ -49,8 +49,8 @@ FLUID = "-fluid"
 
 PLANAR = "Euler-planar"
 
+#: What MuJoCo can model of what a scene may require.
 MODELLED = frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"})
-"""What MuJoCo can model of what a scene may require."""
 
 
 def version() -> str:

@@ -21,8 +21,8 @@ from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Quatern
 from bodycheck.reference.sliding.motion import smallest_friction
 from bodycheck.reference.trajectory import Array
 
+#: How far below the body a plane is that nothing ever touches (m).
 FAR = 1e6
-"""How far below the body a plane is that nothing ever touches (m)."""
 
 SENSORS = """
   <sensor>
@@ -42,6 +42,7 @@ IN_FLIGHT = {
     "far-geometry": "the body's shape and a plane 1000 km below it, collision detection and the constraint solver",
     "everything": "sensors of pose, velocities, acceleration and angular momentum, and energy",
 }
+#: What each model has that the one before it has not.
 ON_PLANE = {
     "planar": "two slides and a hinge; friction is a force from outside, evaluated in Python",
     "six-coordinates": "one free joint; friction is the same force",
@@ -49,13 +50,12 @@ ON_PLANE = {
     "contact": "the plane under the body, with MuJoCo's own contact, friction and gravity instead of the force",
     "everything": "sensors of pose, velocities, acceleration and angular momentum, and energy",
 }
-"""What each model has that the one before it has not."""
 
+#: The models of a body on a plane that touch it.
 TOUCHING = ("contact", "everything")
-"""The models of a body on a plane that touch it."""
 
+#: MuJoCo's callback for passive forces: of a model and its data.
 Force = Callable[[Any, Any], None]
-"""MuJoCo's callback for passive forces: of a model and its data."""
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,8 @@ from bodycheck.adapters.contract import EngineDiverged, EngineReset, Strides
 from bodycheck.adapters.mujoco.models import Force, Joints
 from bodycheck.reference.trajectory import Array
 
+#: Steps of one rollout. It returns every state, so this bounds the memory; a call costs as much as some 30 steps.
 CHUNK = 8192
-"""Steps of one rollout. It returns every state, so this bounds the memory; a call costs as much as some 30 steps."""
 
 WARNINGS = {
     name.removeprefix("mjWARN_"): kind for name, kind in mujoco.mjtWarning.__members__.items() if name.startswith("mjWARN_")

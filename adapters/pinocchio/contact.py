@@ -12,26 +12,24 @@ from bodycheck.reference.lying import named
 from bodycheck.reference.scene import Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Array
 
+#: Of the impulses and velocities at contacts, in units of the weight's impulse m g h and of g h, the velocity that it stops.
+#:
+#: So tight because a brick that has come to rest creeps with what is left, of the order of 1e-15 m/s.
 TOLERANCE = 1e-13
-"""Of the impulses and velocities at contacts, in units of the weight's impulse m g h and of g h, the velocity that it stops.
 
-So tight because a brick that has come to rest creeps with what is left, of the order of 1e-15 m/s.
-"""
-
+#: Of the initial velocities: what ADMM cannot fall below where that is more than the tolerance.
 ROUNDING = 16 * float(np.finfo(float).eps)
-"""Of the initial velocities: what ADMM cannot fall below where that is more than the tolerance."""
 
+#: ADMM's at the start of a step, in these units; from there it is adapted by factors of two.
+#:
+#: It is some two times the largest eigenvalue of the Delassus matrix, which for a homogeneous brick on its four corners is
+#: between 12 and 16 whatever the lengths.
 PENALTY = 32.0
-"""ADMM's at the start of a step, in these units; from there it is adapted by factors of two.
-
-It is some two times the largest eigenvalue of the Delassus matrix, which for a homogeneous brick on its four corners is
-between 12 and 16 whatever the lengths.
-"""
 
 AVAILABLE = hasattr(pin, "PointContactConstraintModel")
 
+#: Residual, in the same units, above which a step is not what its contact model says; below it, the solver has stalled.
 UNSOLVED = 1e-6
-"""Residual, in the same units, above which a step is not what its contact model says; below it, the solver has stalled."""
 
 
 def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -> Step:

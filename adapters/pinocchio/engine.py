@@ -28,11 +28,11 @@ from bodycheck.reference.sliding.friction import friction
 from bodycheck.reference.sliding.motion import smallest_friction
 from bodycheck.reference.trajectory import Array
 
+#: What Pinocchio can model of what a scene may require.
 MODELLED = frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"})
-"""What Pinocchio can model of what a scene may require."""
 
+#: How far below the start a plane is that nothing ever touches (m).
 FAR = 1e6
-"""How far below the start a plane is that nothing ever touches (m)."""
 
 IN_FLIGHT = {
     "translation": "a translation joint",
@@ -42,6 +42,7 @@ IN_FLIGHT = {
     "far-geometry": "the body's shape and a half-space 1000 km below it, collision detection in every step",
     "everything": "energies, mass matrix, Jacobians and all other terms in every step",
 }
+#: What each model has that the one before it has not.
 ON_PLANE = {
     "planar": "joints along x and y and about z; friction is a force from outside",
     "translation-and-rotation": "a translation joint and a spherical one",
@@ -50,10 +51,9 @@ ON_PLANE = {
     "contact": "the half-space under the body, with rigid contacts solved by ADMM and gravity instead of the force",
     "everything": "energies, mass matrix, Jacobians and all other terms in every step",
 }
-"""What each model has that the one before it has not."""
 
+#: The models of a body on a plane that touch it.
 TOUCHING = ("contact", "everything")
-"""The models of a body on a plane that touch it."""
 
 JOINTS = {
     "translation": pinocchio_joints.translation,
@@ -71,8 +71,8 @@ JOINTS_ON_PLANE = JOINTS | {
 }
 
 
+#: The model of each.
 SCHEMES_ON_PLANE = {"admm": "contact", "law-force": "planar", "law-force-planar": "planar-joint"}
-"""The model of each."""
 
 
 def version() -> str:

@@ -20,11 +20,11 @@ from bodycheck.reference.lying import planar_state
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.trajectory import Array
 
+#: From q and v to q and v one time step later.
 Step = Callable[[Array, Array], tuple[Array, Array]]
-"""From q and v to q and v one time step later."""
 
+#: The joint that does not move, whose frame is the world's.
 UNIVERSE = 0
-"""The joint that does not move, whose frame is the world's."""
 
 
 @dataclass(frozen=True, eq=False)

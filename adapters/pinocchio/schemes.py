@@ -49,10 +49,10 @@ def rk4(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float) -> tu
     return pin.integrate(model, q, h / 6 * (u1 + 2 * u2 + 2 * u3 + u4)), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
 
 
+#: The step of each integrator, and whether it works on the body twist.
 SCHEMES: dict[str, tuple[Scheme, bool]] = {
     "semi-implicit-euler": (euler, False),
     "body-twist-euler": (euler, True),
     "rk4": (rk4, True),
     "rk4-naive": (rk4_naive, True),
 }
-"""The step of each integrator, and whether it works on the body twist."""

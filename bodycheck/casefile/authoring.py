@@ -13,8 +13,8 @@ from bodycheck.casefile import grammar
 from bodycheck.casefile.case import SUFFIX
 from bodycheck.errors import BadInput
 
+#: Beside the shipped cases, whose first line tells editors of it.
 SCHEMA_FILE = "case.schema.json"
-"""Beside the shipped cases, whose first line tells editors of it."""
 
 TEMPLATE_FILE = "template.toml"
 TEMPLATE_NAME = "my-case"

@@ -34,11 +34,11 @@ MOST_FAULTS = 100
 LONGEST_QUOTE = 60
 LONGEST_MESSAGE = 200
 
+#: An order that is expected as one number may differ by so much: it is read off three time steps, not at the limit.
 ORDER_TOLERANCE = 0.25
-"""An order that is expected as one number may differ by so much: it is read off three time steps, not at the limit."""
 
+#: Least ratio of principal moments that particles or parts may have: less is rounding.
 SLENDER = 1e-15
-"""Least ratio of principal moments that particles or parts may have: less is rounding."""
 
 
 @dataclass(frozen=True)
@@ -131,14 +131,14 @@ def parse(text: str, file: str) -> Case:
     raise CaseFaults((*faults, *([Fault(file, f"{untold} more faults")] if untold else [])))
 
 
+#: A part of a dotted key, up to its dot.
 DOTTED = r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)"""
-"""A part of a dotted key, up to its dot."""
 
+#: What takes a parser of TOML long, or more than it can, and what there is to say of it.
 TOO_MUCH = {
     f"{DOTTED}{{{MOST_KEY_PARTS}}}": f"a key of more than {MOST_KEY_PARTS} parts",
     rf"(?<![\w-])(?:0[xob]|[0-9])[0-9A-Fa-f_.]{{{MOST_DIGITS}}}": f"a number of more than {MOST_DIGITS} digits",
 }
-"""What takes a parser of TOML long, or more than it can, and what there is to say of it."""
 
 
 def _document(text: str, file: str) -> dict[str, Any]:
@@ -189,12 +189,12 @@ def _syntax_fault(file: str, text: str, message: str) -> Fault:
     return Fault(file, f"not TOML: {(what or message)[:LONGEST_MESSAGE]}", position)
 
 
+#: What pydantic says in the words of Python, by the kind of its error.
 IN_TOML = {
     **dict.fromkeys(("model_type", "model_attributes_type"), "should be a table"),
     "tuple_type": "should be an array",
     "string_type": "should be a string",
 }
-"""What pydantic says in the words of Python, by the kind of its error."""
 
 
 def _misleads(record: Any) -> bool:

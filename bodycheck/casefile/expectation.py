@@ -6,11 +6,11 @@ from datetime import date
 
 from bodycheck.columns import UNITS
 
+#: Of the attitude error in the time step: expected like a figure of the results, from a step, its half and its quarter.
 ORDER = "order"
-"""Of the attitude error in the time step: expected like a figure of the results, from a step, its half and its quarter."""
 
+#: The status of a run that came to its end, which is expected where no other is.
 OK = "ok"
-"""The status of a run that came to its end, which is expected where no other is."""
 
 
 def unit(name: str) -> str:
@@ -62,5 +62,5 @@ class Expectation:
         return same and math.isclose(self.timestep, timestep, rel_tol=1e-12)
 
 
+#: What a time step is divided by to see the order at it.
 REFINEMENTS = (2, 4)
-"""What a time step is divided by to see the order at it."""

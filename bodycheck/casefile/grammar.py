@@ -21,8 +21,8 @@ MOST_TAGS = 50
 MOST_EXPECTATIONS = 1000
 MOST_VALUES = 50
 MOST_POINTS = 500
+#: No number of a case may exceed this in size, nor, other than zero, fall below its inverse: squares and products exist.
 LARGEST = 1e100
-"""No number of a case may exceed this in size, nor, other than zero, fall below its inverse: squares and products exist."""
 
 
 def _not_vanishing(value: float) -> float:

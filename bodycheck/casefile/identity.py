@@ -8,8 +8,8 @@ from typing import Any
 
 from bodycheck.casefile.case import Case
 
+#: Tables and keys of a case file that do not change what happens in it.
 NOT_PHYSICS = {"format", "name", "title", "source", "tags", "extremes", "expect"}
-"""Tables and keys of a case file that do not change what happens in it."""
 
 
 def physics(case: Case) -> dict[str, Any]:

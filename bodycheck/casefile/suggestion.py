@@ -3,8 +3,8 @@
 from collections.abc import Collection
 from difflib import get_close_matches
 
+#: A word beyond so many characters is like no name.
 LONGEST_WORD = 100
-"""A word beyond so many characters is like no name."""
 
 
 def did_you_mean(word: str, known: Collection[str]) -> str:

@@ -29,8 +29,8 @@ Parse = Callable[[str], Any]
 
 EXTREMES = "extremes.jsonl"
 
+#: Columns of tradeoff.csv beside those of results that are no decimal numbers.
 TRADEOFF = {"evaluations": int}
-"""Columns of tradeoff.csv beside those of results that are no decimal numbers."""
 
 INTERRUPTED = "was interrupted before it had anything to report; start it again with the same --out, and it goes on"
 

@@ -5,8 +5,8 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
+#: Of each of several cases.
 CaseName = Annotated[str, Parameter(help="Names of shipped cases, or paths of case files; all shipped cases if none is given.")]
-"""Of each of several cases."""
 
 Engines = Annotated[
     tuple[str, ...], Parameter(help="An engine to use; may be given several times. All that are installed by default.")

@@ -22,8 +22,8 @@ from bodycheck.running.campaign import Advance
 if TYPE_CHECKING:
     from bodycheck.judging.baseline import Difference
 
+#: Columns of a table that goes into a file or a pipe.
 WIDTH_OF_A_FILE = 200
-"""Columns of a table that goes into a file or a pipe."""
 
 
 def print_json(value: Any) -> None:

@@ -44,14 +44,14 @@ if sys.platform != "win32":
 
 CACHE_VARIABLE = "BODYCHECK_CACHE"
 
+#: The file that only a finished environment has.
 MARKER = "bodycheck.json"
-"""The file that only a finished environment has."""
 
+#: Bytes that an installation may take: more than there are.
 AMPLE = 1 << 40
-"""Bytes that an installation may take: more than there are."""
 
+#: Between the name of an environment and what tells those apart that are being made.
 UNFINISHED = ".unfinished-"
-"""Between the name of an environment and what tells those apart that are being made."""
 
 
 class Unobtainable(Exception):

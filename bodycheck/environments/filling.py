@@ -28,26 +28,27 @@ from bodycheck.environments import installation
 from bodycheck.environments.installation import InstallationFailed
 from bodycheck.running import pool
 
+#: What tells an environment of the folders from which the running interpreter imports besides its packages.
 PATH_VARIABLE = "BODYCHECK_PATH"
-"""What tells an environment of the folders from which the running interpreter imports besides its packages."""
 
+#: Packages of bodycheck's that are compiled against NumPy, and what to import of each to see whether it takes the one there.
 COMPILED = {"scipy": "scipy.integrate", "pandas": "pandas", "pyarrow": "pyarrow.parquet"}
-"""Packages of bodycheck's that are compiled against NumPy, and what to import of each to see whether it takes the one there."""
 
 OLD_NUMPY = "numpy<2"
 
+#: How long after a release the wheels of what it depends on may be uploaded still.
 LATENESS = timedelta(days=14)
-"""How long after a release the wheels of what it depends on may be uploaded still."""
 
+#: Seconds that a look at an environment may take.
 PATIENCE = 120.0
-"""Seconds that a look at an environment may take."""
 
+#: What Python does last at its start in an environment: it adds the running interpreter's packages, with their own hooks.
 HOOK = """\
 import site; list(map(site.addsitedir, {folders!r}))
 import os, sys; sys.path.extend(filter(None, os.environ.get({variable!r}, "").split(os.pathsep)))
 """
-"""What Python does last at its start in an environment: it adds the running interpreter's packages, with their own hooks."""
 
+#: Says which version an environment has, once all files are as they were installed.
 SOUND = """
 import csv, importlib.metadata, os, sys, sysconfig
 root = sysconfig.get_path("purelib")
@@ -58,8 +59,8 @@ for folder in os.listdir(root):
                 sys.exit(f"{name} is not what was installed")
 print(importlib.metadata.version(sys.argv[1]))
 """
-"""Says which version an environment has, once all files are as they were installed."""
 
+#: Says which packages do not take the environment's NumPy.
 REFUSING = """
 import importlib, sys, warnings
 warnings.simplefilter("error", UserWarning)
@@ -69,8 +70,8 @@ for package, module in zip(sys.argv[1::2], sys.argv[2::2]):
     except Exception:
         print(package)
 """
-"""Says which packages do not take the environment's NumPy."""
 
+#: Says how many of its adapter's checks an engine fails; ends otherwise than well where it cannot be imported.
 FAULTS = """
 import sys
 from bodycheck.adapters import registry
@@ -81,7 +82,6 @@ except registry.EngineMissing as error:
 from bodycheck.running import smoke
 print(len(smoke.check(sys.argv[1])))
 """
-"""Says how many of its adapter's checks an engine fails; ends otherwise than well where it cannot be imported."""
 
 
 @dataclass(frozen=True)

@@ -26,12 +26,13 @@ from bodycheck.running.limits import PR_SET_PDEATHSIG
 if sys.platform != "win32":
     import resource
 
+#: Seconds that one installation may take.
 TIME_LIMIT = 900.0
-"""Seconds that one installation may take."""
 
+#: pip's options that say where packages come from, and how they are fetched.
 SOURCES = ("index-url", "extra-index-url", "find-links", "no-index", "trusted-host", "cert", "proxy", "timeout")
-"""pip's options that say where packages come from, and how they are fetched."""
 
+#: What uv calls them.
 UV_NAMES = {
     "index-url": "UV_DEFAULT_INDEX",
     "extra-index-url": "UV_EXTRA_INDEX_URL",
@@ -42,15 +43,14 @@ UV_NAMES = {
     "proxy": "ALL_PROXY",
     "timeout": "UV_HTTP_TIMEOUT",
 }
-"""What uv calls them."""
 
 UNREACHABLE = re.compile(
     r"connection (error|refused|broken)|new connection|name resolution|timed out|dns error|failed to fetch|error sending",
     re.IGNORECASE,
 )
 NOT_THERE = ("there is no version of {}", "No matching distribution found for {}")
+#: What installers say of a requirement.
 NO_WHEEL = ("{} has no usable wheels", "{} has no wheels")
-"""What installers say of a requirement."""
 
 
 class InstallationFailed(Exception):

@@ -26,8 +26,8 @@ from bodycheck.reference.truth import NotModelled, truth
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.store import Results
 
+#: s, m from the start, rad from the start.
 QUANTITIES = ("stop_time", "stop_distance", "stop_yaw")
-"""s, m from the start, rad from the start."""
 
 
 @dataclass(frozen=True)

@@ -27,30 +27,30 @@ from bodycheck.running.plan import Task
 from bodycheck.running.store import Results
 
 FORMAT = 1
+#: The key of what a file's schema says of the run: versions, machine, and the identities of its cases.
 METADATA = b"bodycheck"
-"""The key of what a file's schema says of the run: versions, machine, and the identities of its cases."""
 
+#: What is kept of the header of results.
 HEADER = ("bodycheck", "started", "machine", "packages", "engines")
-"""What is kept of the header of results."""
 
+#: Behind the name of a figure: by how much it may differ where nothing has changed. See `rounding.allowances`.
 ALLOWANCE = "_allowance"
-"""Behind the name of a figure: by how much it may differ where nothing has changed. See `rounding.allowances`."""
 
+#: Of the runs that were made of a row (s).
 FASTEST, SLOWEST = "time_per_step_low", "time_per_step_high"
-"""Of the runs that were made of a row (s)."""
 
 FIGURES = tuple(name for name in (*COLUMNS, *FURTHER_COLUMNS) if name != "truth_error")
 
 NEARLY_SAME = 1.01
 
+#: By this factor the pace of a machine differs from one hour to the next.
 UNREST = 1.25
-"""By this factor the pace of a machine differs from one hour to the next."""
 
 Direction = Literal["worse", "better", "new"]
 DIRECTIONS = get_args(Direction)
 
+#: Case, engine, integrator and time step (s).
 Key = tuple[str, str, str, float]
-"""Case, engine, integrator and time step (s)."""
 
 Row = dict[str, Any]
 

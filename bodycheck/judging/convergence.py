@@ -20,21 +20,21 @@ from bodycheck.reference.observables import observe
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth, distance
 
+#: The quantities that are observed, with their units. Energy and angular momentum are relative, as in the results.
 UNITS = {"attitude": "rad", "position": "m", "energy": "", "angular_momentum": ""}
-"""The quantities that are observed, with their units. Energy and angular momentum are relative, as in the results."""
 
+#: Instants that all runs must have in common, the start aside.
 FEWEST_INSTANTS = 4
-"""Instants that all runs must have in common, the start aside."""
 
+#: Errors are in the asymptotic range where so many successive local orders, or more, differ by at most this part of them.
 FEWEST_ORDERS, ALIKE = 3, 0.1
-"""Errors are in the asymptotic range where so many successive local orders, or more, differ by at most this part of them."""
 
+#: Local orders beyond these are those of rounding, or of a motion that was lost.
 LOWEST, HIGHEST = 0.25, 10.0
-"""Local orders beyond these are those of rounding, or of a motion that was lost."""
 
 
+#: An error so many times larger than what is left of its convergence is that of the limit.
 STANDING = 3.0
-"""An error so many times larger than what is left of its convergence is that of the limit."""
 
 
 @dataclass(frozen=True)

@@ -17,12 +17,12 @@ from bodycheck.running.outcome import Completed, Run
 
 CONSERVED = ("energy", "rotational_energy", "angular_momentum")
 
+#: Of a scene that conserves energy and angular momentum.
 COLUMNS = (
     *("position_error", "velocity_error", "attitude_error", "angular_velocity_error"),
     *(f"{name}_drift" for name in CONSERVED),
     "truth_error",
 )
-"""Of a scene that conserves energy and angular momentum."""
 
 STOP_COLUMNS = ("stop_time_error", "stop_position_error", "stop_yaw_error", "creep")
 
@@ -30,11 +30,11 @@ STOP_COLUMNS = ("stop_time_error", "stop_position_error", "stop_yaw_error", "cre
 LOAD_COLUMNS = ("mean_load", "peak_load", "time_in_contact")
 
 
+#: s, m, rad, m/s of a stop; m and rad, over time; weights of the body and a part of 1, where the engine tells its loads.
 CONTACT_COLUMNS = (*STOP_COLUMNS, "penetration", "tilt", *LOAD_COLUMNS)
-"""s, m, rad, m/s of a stop; m and rad, over time; weights of the body and a part of 1, where the engine tells its loads."""
 
+#: What stands in the place of the drifts where friction or drag act, and what is measured on a plane.
 FURTHER_COLUMNS = (*(f"{name}_error" for name in CONSERVED), *CONTACT_COLUMNS)
-"""What stands in the place of the drifts where friction or drag act, and what is measured on a plane."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,12 +31,12 @@ from bodycheck.running.plan import Task
 from bodycheck.running.simulation import DEFAULT_TIMESTEP
 from bodycheck.running.store import Results
 
+#: A figure below this part of what it is the difference of is nothing but rounding, as one below the truth's own bound is.
 ROUNDING = 1e-12
-"""A figure below this part of what it is the difference of is nothing but rounding, as one below the truth's own bound is."""
 
 DIGITS = 2
+#: Rounding down to two digits takes at most an eleventh.
 SMALLEST_MARGIN = 1.1
-"""Rounding down to two digits takes at most an eleventh."""
 
 COMMENT_COLUMN = 45
 OUR_COMMENT = rb"# \S+ x .*measured with .*"

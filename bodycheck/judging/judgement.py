@@ -21,15 +21,15 @@ from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Outcome, Run, Unsupported
 from bodycheck.running.store import Results
 
+#: Of every table of results. Those of `FURTHER_COLUMNS` that any run has follow.
 COLUMNS = (
     *("case", "engine", "version", "integrator", "timestep", "status", "passed", "reason"),
     *DISCREPANCIES,
     *("steps", "wall_time", "time_per_step", "realtime_factor"),
 )
-"""Of every table of results. Those of `FURTHER_COLUMNS` that any run has follow."""
 
+#: The column before these where results of several sets are in one table.
 LABEL = "set"
-"""The column before these where results of several sets are in one table."""
 
 
 @dataclass(frozen=True)

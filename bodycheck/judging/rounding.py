@@ -26,14 +26,14 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Run
 
+#: Runs from nudged initial states.
 NUDGES = 4
-"""Runs from nudged initial states."""
 
+#: A step rounds a number several times, and four nudges are few.
+#:
+#: With it, what the engines' builds for x86-64 and aarch64 differ by is at most half of what is allowed, over all shipped
+#: cases.
 MARGIN = 8.0
-"""A step rounds a number several times, and four nudges are few.
-
-With it, what the engines' builds for x86-64 and aarch64 differ by is at most half of what is allowed, over all shipped cases.
-"""
 
 
 def nudged(case: Case, run: Run, seed: int) -> Case:

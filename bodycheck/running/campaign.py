@@ -21,8 +21,8 @@ from bodycheck.running.simulation import sampling_steps, simulate
 from bodycheck.running.store import Results, Writer
 from bodycheck.running.truths import truth
 
+#: Seconds that one run, or one truth, may take.
 TIME_LIMIT = 300.0
-"""Seconds that one run, or one truth, may take."""
 
 
 class Advance(Protocol):

@@ -16,8 +16,8 @@ from pathlib import Path
 if sys.platform != "win32":
     import resource
 
+#: From linux/prctl.h.
 PR_SET_PDEATHSIG = 1
-"""From linux/prctl.h."""
 
 _allowance: int | None = None
 _at_first = 0

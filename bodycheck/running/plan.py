@@ -22,8 +22,8 @@ class Task:
     method: Method
 
 
+#: From cases, engines by name, integrators and time steps (s) to what is to be run.
 Plan = Callable[[Sequence[Case], Mapping[str, Adapter], Sequence[str], Sequence[float]], tuple[Task, ...]]
-"""From cases, engines by name, integrators and time steps (s) to what is to be run."""
 
 
 def plan(

@@ -22,14 +22,14 @@ from bodycheck.running.outcome import Crashed, TimedOut, crash
 Argument = TypeVar("Argument")
 Result = TypeVar("Result")
 
+#: Bytes that one call may take.
 MEMORY = 4 << 30
-"""Bytes that one call may take."""
 
+#: Seconds after which it is looked whether processes that say nothing still live.
 SILENCE = 1.0
-"""Seconds after which it is looked whether processes that say nothing still live."""
 
+#: Seconds that the end of a process may take.
 FAREWELL = 10.0
-"""Seconds that the end of a process may take."""
 
 
 def call_all(

@@ -18,17 +18,17 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import missing_model
 from bodycheck.running.outcome import Completed, Diverged, Load, Outcome, Run, Unsupported, crash
 
+#: MuJoCo's default (s).
 DEFAULT_TIMESTEP = 0.002
-"""MuJoCo's default (s)."""
 
+#: Steps over which the load of a contact is watched at most: it takes some ten times as long as stepping alone.
 WATCHED_STEPS = 20_000
-"""Steps over which the load of a contact is watched at most: it takes some ten times as long as stepping alone."""
 
+#: Part of its position by which, and angle (rad) through which, a body must move in a step to be seen in single precision.
 VISIBLE = 1e-6
-"""Part of its position by which, and angle (rad) through which, a body must move in a step to be seen in single precision."""
 
+#: A kinetic energy beyond this multiple of the most that mechanics allows is called diverged, not inaccurate.
 OUT_OF_BOUNDS = 100.0
-"""A kinetic energy beyond this multiple of the most that mechanics allows is called diverged, not inaccurate."""
 
 
 def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT_TIMESTEP) -> Run:

@@ -15,9 +15,9 @@ from bodycheck.reference.trajectory import Array
 TIMESTEP = 1e-3
 STEPS = 100
 
+#: Of lengths, speeds and angles of order one: above what any consistent scheme errs in 100 steps of a millisecond, below what a
+#: swapped axis, frame, sign or quaternion order makes.
 TOLERANCE = 0.02
-"""Of lengths, speeds and angles of order one: above what any consistent scheme errs in 100 steps of a millisecond, below
-what a swapped axis, frame, sign or quaternion order makes."""
 
 BODY = Body(mass=2.0, moments=(0.3, 0.4, 0.5))
 

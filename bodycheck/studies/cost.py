@@ -13,17 +13,17 @@ from bodycheck.adapters.contract import Method
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
+#: Repeats of each timing.
 ROUNDS = 9
-"""Repeats of each timing."""
 
+#: Seconds of stepping in one timing. A longer run is timed from its start for about that long, a shorter one repeatedly.
 LONG_ENOUGH = 0.02
-"""Seconds of stepping in one timing. A longer run is timed from its start for about that long, a shorter one repeatedly."""
 
 MOST_REPEATS = 10
 
 
+#: From a number of steps to the seconds that they take from the start of the scene.
 Timer = Callable[[int], float]
-"""From a number of steps to the seconds that they take from the start of the scene."""
 
 
 @dataclass(frozen=True)

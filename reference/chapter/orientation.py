@@ -10,11 +10,11 @@ from scipy.spatial.transform import Rotation
 from bodycheck.reference.kinematics import Float, Floats
 from bodycheck.reference.trajectory import Array
 
+#: Entries of a rotation matrix up to this size are rounding, and the direction that they give means nothing.
 LEAST_SINE = 4 * float(np.finfo(float).eps)
-"""Entries of a rotation matrix up to this size are rounding, and the direction that they give means nothing."""
 
+#: How far the axes of a matrix may be from orthonormal: what single precision leaves of them, and no reflection or scaling.
 ORTHONORMAL = 1e-6
-"""How far the axes of a matrix may be from orthonormal: what single precision leaves of them, and no reflection or scaling."""
 
 
 def rx(alpha: Floats[Float]) -> Floats[Float]:

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from bodycheck.reference.chapter.placing import direction, longitude_and_colatitude
 from bodycheck.reference.trajectory import Array
 
+#: Relative amount by which two distances may fall short of the third: what rounding does to three particles in a row.
 TRIANGLE_TOLERANCE = 1e-12
-"""Relative amount by which two distances may fall short of the third: what rounding does to three particles in a row."""
 
+#: Sine of the angle between r12 and i up to which i x r12 is rounding.
 ALONG_I = 4 * float(np.finfo(float).eps)
-"""Sine of the angle between r12 and i up to which i x r12 is rounding."""
 
 
 class NoTriangle(ValueError):

@@ -8,9 +8,9 @@ import numpy as np
 
 from bodycheck.reference.kinematics import Float, Floats, body_rates, euler_rates
 
+#: Seen from the body the world turns backwards, by {-psi, -theta, -phi}: exchanging the frames exchanges phi and psi, up to the
+#: sign of the second component.
 MIRROR = np.array([1, -1, 1])
-"""Seen from the body the world turns backwards, by {-psi, -theta, -phi}: exchanging the frames exchanges phi and psi, up to
-the sign of the second component."""
 
 
 class SingularAngles(ValueError):

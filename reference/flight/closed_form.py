@@ -18,11 +18,11 @@ from bodycheck.reference.requirements import symmetry
 from bodycheck.reference.scene import Body, Quaternion, Scene, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
+#: Attitude error (rad) of some ten roundings in double precision, however long the motion; 7 eps is the most yet seen.
 STORED = 16 * float(np.finfo(float).eps)
-"""Attitude error (rad) of some ten roundings in double precision, however long the motion; 7 eps is the most yet seen."""
 
+#: Attitude error per radian of the angles that are found, and reduced to one turn, in the wide type.
 PER_RADIAN = 4 * float(np.finfo(Wide).eps)
-"""Attitude error per radian of the angles that are found, and reduced to one turn, in the wide type."""
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,8 @@ from bodycheck.reference.integration.dop853 import scales, solve
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
+#: A horizontal speed below this part of what gravity makes of the vertical one does not slow the body: its square is lost.
 STEEP = 1e-9
-"""A horizontal speed below this part of what gravity makes of the vertical one does not slow the body: its square is lost."""
 
 
 def cartesian(scene: Scene, times: Array) -> tuple[Array, Array]:

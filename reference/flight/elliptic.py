@@ -13,22 +13,22 @@ from numpy.typing import NDArray
 from bodycheck.reference.trajectory import Array
 
 Wide = np.longdouble
+#: 80 bits on x86; where nothing is wider than double precision, that, with what it costs.
 WideArray = NDArray[np.longdouble]
-"""80 bits on x86; where nothing is wider than double precision, that, with what it costs."""
 
 PI = 4 * np.arctan(Wide(1))
 
+#: The quarter period of modulus 1: finite, so that the separatrix needs no case of its own.
 ENDLESS = np.finfo(Wide).max ** Wide(0.75)
-"""The quarter period of modulus 1: finite, so that the separatrix needs no case of its own."""
 
+#: Argument x beyond which sech(x) is nothing in double precision, and at which cosh(6 x) does not overflow.
 FARTHEST = 100.0
-"""Argument x beyond which sech(x) is nothing in double precision, and at which cosh(6 x) does not overflow."""
 
 SIGNS = np.array([1.0, -1.0, 1.0, -1.0])
+#: sin((2n + 1) v) / sin(v) in terms of 1, cos(2v), cos(4v), cos(6v).
 SINES = np.array([[1.0, 0.0, 0.0, 0.0], [1.0, 2.0, 0.0, 0.0], [1.0, 2.0, 2.0, 0.0], [1.0, 2.0, 2.0, 2.0]])
-"""sin((2n + 1) v) / sin(v) in terms of 1, cos(2v), cos(4v), cos(6v)."""
+#: cos((2n + 1) v) / cos(v) in the same terms.
 COSINES = np.array([[1.0, 0.0, 0.0, 0.0], [-1.0, 2.0, 0.0, 0.0], [1.0, -2.0, 2.0, 0.0], [-1.0, 2.0, -2.0, 2.0]])
-"""cos((2n + 1) v) / cos(v) in the same terms."""
 
 
 def complete(kc: Wide, p: Wide, a: Wide, b: Wide) -> Wide:

@@ -12,14 +12,14 @@ from bodycheck.reference.trajectory import Array
 
 Derivative = Callable[[float, Array], Array]
 
+#: The tightest that DOP853 accepts: 100 rounding units.
 RELATIVE_TOLERANCE = 2.3e-14
-"""The tightest that DOP853 accepts: 100 rounding units."""
 
+#: Relative to the scale of each component, so that components passing through zero do not stop the integration.
 ABSOLUTE_TOLERANCE = 1e-15
-"""Relative to the scale of each component, so that components passing through zero do not stop the integration."""
 
+#: Steps after which an integration is given up: about 1.5e5 turns, some minutes.
 MOST_STEPS = 1_000_000
-"""Steps after which an integration is given up: about 1.5e5 turns, some minutes."""
 
 
 class OutOfReach(Exception):

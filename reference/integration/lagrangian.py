@@ -28,11 +28,11 @@ from bodycheck.reference.kinematics import (
 from bodycheck.reference.scene import Scene, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
+#: A chart is left where sin(theta) falls below this: far from the singularity compared with the turn of one step.
 SMALLEST_SINE = 0.5
-"""A chart is left where sin(theta) falls below this: far from the singularity compared with the turn of one step."""
 
+#: Chart k's axes in the body's own: the identity and the two turns by 120 degrees about (1, 1, 1).
 RELABELLINGS = np.array([[1.0, 0.0, 0.0, 0.0], [0.5, 0.5, 0.5, 0.5], [0.5, -0.5, -0.5, -0.5]])
-"""Chart k's axes in the body's own: the identity and the two turns by 120 degrees about (1, 1, 1)."""
 
 
 def relabel(vector: Floats[Float], chart: int) -> Floats[Float]:

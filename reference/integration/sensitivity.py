@@ -10,11 +10,11 @@ from bodycheck.reference.kinematics import conjugate, multiply, normalise
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
+#: Size of the variations at the start. Being linear, they may have any; small ones leave the steps to the motion itself.
 SEED = 2.0**-40
-"""Size of the variations at the start. Being linear, they may have any; small ones leave the steps to the motion itself."""
 
+#: Instants, evenly spaced from 0 to the last one asked for, at which an error is thought to be made.
 ORIGINS = 200
-"""Instants, evenly spaced from 0 to the last one asked for, at which an error is thought to be made."""
 
 
 @dataclass(frozen=True, eq=False)

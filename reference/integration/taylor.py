@@ -42,32 +42,32 @@ from bodycheck.reference.kinematics import (
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
+#: 80-bit `np.longdouble`, unit roundoff 5e-20, or 128-bit `heyoka.real128`, unit roundoff 1e-34 and some 40 times slower.
 Precision = Literal["extended", "quadruple"]
-"""80-bit `np.longdouble`, unit roundoff 5e-20, or 128-bit `heyoka.real128`, unit roundoff 1e-34 and some 40 times slower."""
 
+#: heyoka has no type of its own where `long double` has 128 bits already (64-bit ARM).
 QUADRUPLE = getattr(hy, "real128", np.longdouble)
-"""heyoka has no type of its own where `long double` has 128 bits already (64-bit ARM)."""
 
 TYPES = {"extended": np.longdouble, "quadruple": QUADRUPLE}
 
 BITS = {63: 80, 112: 128}
+#: By the bits of the significand; what users see.
 NAMES: dict[Precision, str] = {
     "extended": f"heyoka-{BITS[np.finfo(np.longdouble).nmant]}-bit",
     "quadruple": "heyoka-128-bit",
 }
-"""By the bits of the significand; what users see."""
 
+#: Remainder of the series in a step: a few roundings of each type, since less would be lost among them.
 TOLERANCES = {np.float64: 2.0**-50, np.longdouble: 2.0**-60, QUADRUPLE: 2.0**-109}
-"""Remainder of the series in a step: a few roundings of each type, since less would be lost among them."""
 
+#: An array of a wide type; `heyoka.real128` is none of NumPy's own floating types.
 WideArray = NDArray[Any]
-"""An array of a wide type; `heyoka.real128` is none of NumPy's own floating types."""
 
+#: First-order equations as heyoka takes them: pairs of a variable and the expression of its derivative.
 Equations = list[tuple[Any, Any]]
-"""First-order equations as heyoka takes them: pairs of a variable and the expression of its derivative."""
 
+#: A compiled integrator carries its state with it and serves the whole process.
 _in_use = threading.Lock()
-"""A compiled integrator carries its state with it and serves the whole process."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,14 +18,14 @@ import math
 
 from bodycheck.reference.scene import Quaternion, Vector
 
+#: Linear and angular part of a velocity (m/s, rad/s), an acceleration or an increment (m, rad).
 Pair = tuple[Vector, Vector]
-"""Linear and angular part of a velocity (m/s, rad/s), an acceleration or an increment (m, rad)."""
 
+#: Position (m, world) and unit quaternion (w, x, y, z; body to world).
 Pose = tuple[Vector, Quaternion]
-"""Position (m, world) and unit quaternion (w, x, y, z; body to world)."""
 
+#: Below it the first term of a series in its square is exact to rounding.
 SMALL_ANGLE = 1e-4
-"""Below it the first term of a series in its square is exact to rounding."""
 
 
 def cross(a: Vector, b: Vector) -> Vector:

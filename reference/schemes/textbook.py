@@ -32,8 +32,8 @@ from bodycheck.reference.schemes.increments import (
 )
 from bodycheck.reference.trajectory import Array
 
+#: Relative change below which the implicit midpoint's iteration, where it gains no more, has been stopped by rounding.
 SOLVED = 1e-12
-"""Relative change below which the implicit midpoint's iteration, where it gains no more, has been stopped by rounding."""
 
 
 @dataclass(frozen=True)
@@ -53,8 +53,8 @@ class Motion:
     to_world: Callable[[Pose, Vector], Vector]
 
 
+#: From pose and velocity to pose and velocity one time step (s) later.
 Scheme = Callable[[Motion, Pose, Pair, float], tuple[Pose, Pair]]
-"""From pose and velocity to pose and velocity one time step (s) later."""
 
 
 def explicit_euler(motion: Motion, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
@@ -121,6 +121,7 @@ def munthe_kaas_rk4(motion: Motion, pose: Pose, v: Pair, h: float) -> tuple[Pose
     return motion.displace(pose, times(h, _mean(u1, u2, u3, u4))), advanced(v, h, _mean(a1, a2, a3, a4))
 
 
+#: By their textbook names.
 SCHEMES: dict[str, Scheme] = {
     "explicit Euler": explicit_euler,
     "semi-implicit Euler": semi_implicit_euler,
@@ -129,7 +130,6 @@ SCHEMES: dict[str, Scheme] = {
     "averaged Runge-Kutta 4": averaged_rk4,
     "Runge-Kutta-Munthe-Kaas 4": munthe_kaas_rk4,
 }
-"""By their textbook names."""
 
 
 def rotation_apart(scene: Scene) -> Motion:
@@ -180,8 +180,8 @@ def body_twist(scene: Scene) -> Motion:
     )
 
 
+#: The ways to carry the translation, by what they add to a scheme's name.
 CARRIERS: dict[str, Callable[[Scene], Motion]] = {"": rotation_apart, " on the body twist": body_twist}
-"""The ways to carry the translation, by what they add to a scheme's name."""
 
 
 def gyroscopic(body: Body) -> tuple[Callable[[Vector], Vector], Callable[[Vector, float], Vector]]:

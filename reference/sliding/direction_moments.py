@@ -16,23 +16,22 @@ from bodycheck.reference.trajectory import Array
 
 DirectionMoments = Callable[[float, float, float], Array]
 
+#: Distance of the instantaneous centre, in radii of the footprint, beyond which quadrature is exact to rounding.
+#:
+#: Close to it the boundary integral is exact, but its sums cancel as the centre goes away: a digit every factor of 10.
 FAR = 4.0
-"""Distance of the instantaneous centre, in radii of the footprint, beyond which quadrature is exact to rounding.
 
-Close to it the boundary integral is exact, but its sums cancel as the centre goes away: a digit every factor of 10.
-"""
-
+#: The same, in radii, within which the trapezoidal rule on the rim is exact to rounding: 0.5^64 is 5e-20.
 DISK_INNER = 0.5
-"""The same, in radii, within which the trapezoidal rule on the rim is exact to rounding: 0.5^64 is 5e-20."""
 
+#: Gauss nodes a direction of each triangle of a polygon: the error at `FAR` is (3 + sqrt 8)^-24, 5e-19.
 EDGE_NODES = 12
-"""Gauss nodes a direction of each triangle of a polygon: the error at `FAR` is (3 + sqrt 8)^-24, 5e-19."""
 
+#: Sizes of velocity and spin below which both are scaled up.
 SLOWEST = 2.0**-400
-"""Sizes of velocity and spin below which both are scaled up."""
 
+#: Nodes of a disk about its rim and along a radius: at `FAR` the errors are 4^-64 and (7 + sqrt 48)^-20, 1e-23.
 RIM_NODES, RADIAL_NODES = 64, 10
-"""Nodes of a disk about its rim and along a radius: at `FAR` the errors are 4^-64 and (7 + sqrt 48)^-20, 1e-23."""
 
 
 def direction_moments(footprint: Footprint) -> DirectionMoments:

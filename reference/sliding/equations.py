@@ -20,21 +20,21 @@ from bodycheck.reference.sliding.footprint import STUCK
 from bodycheck.reference.sliding.friction import Law
 from bodycheck.reference.trajectory import Array
 
+#: Fraction of its first speed at which a body in log time is taken to its stop with the deceleration that it has reached.
 AT_REST = 1e-15
-"""Fraction of its first speed at which a body in log time is taken to its stop with the deceleration that it has reached."""
 
+#: The same in plain time, where the speed keeps six of its digits; what is left out is of second order.
 NEARLY_AT_REST = 1e-9
-"""The same in plain time, where the speed keeps six of its digits; what is left out is of second order."""
 
+#: Longest steps, where 1 is what the first speed takes to be lost at the deceleration mu g: they keep the interpolant, of order
+#: 7, as good as the steps, and are no multiples of each other, so that the two solutions share no step.
 LOG_STEP, PLAIN_STEP = 0.2, 0.13
-"""Longest steps, where 1 is what the first speed takes to be lost at the deceleration mu g: they keep the interpolant, of
-order 7, as good as the steps, and are no multiples of each other, so that the two solutions share no step."""
 
+#: Relative disagreement of two instants that is one of roundings.
 CLOCK_ROUNDING = 4 * float(np.finfo(float).eps)
-"""Relative disagreement of two instants that is one of roundings."""
 
+#: Nearness at which time goes at half its pace.
 SHARE = 4.0
-"""Nearness at which time goes at half its pace."""
 
 
 @dataclass(frozen=True, eq=False)

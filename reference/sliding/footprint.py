@@ -12,14 +12,13 @@ import numpy as np
 
 from bodycheck.reference.trajectory import Array
 
+#: Distance of the instantaneous centre from the edge of an area, in radii of the footprint, below which no nearer is told.
+#:
+#: Friction has a term d^2 ln|d| there: a step of this length leaves an error of its cube, below rounding.
 ON_THE_EDGE = 1e-5
-"""Distance of the instantaneous centre from the edge of an area, in radii of the footprint, below which no nearer is told.
 
-Friction has a term d^2 ln|d| there: a step of this length leaves an error of its cube, below rounding.
-"""
-
+#: Fraction of a body's speed below which a single point no longer slides.
 STUCK = 1e-10
-"""Fraction of a body's speed below which a single point no longer slides."""
 
 
 @dataclass(frozen=True, eq=False)

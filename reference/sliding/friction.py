@@ -15,12 +15,12 @@ from bodycheck.reference.sliding.footprint import Disk, Footprint, Points, Polyg
 from bodycheck.reference.sliding.pressure import balanced, check, uniform
 from bodycheck.reference.trajectory import Array
 
+#: From velocity v1, v2 (m/s) of the point under the centre of mass and spin w (rad/s) to force (N) and torque (N m) there,
+#: along and about the body's axes I, J and K. A body at rest feels none.
 Law = Callable[[float, float, float], tuple[float, float, float]]
-"""From velocity v1, v2 (m/s) of the point under the centre of mass and spin w (rad/s) to force (N) and torque (N m) there,
-along and about the body's axes I, J and K. A body at rest feels none."""
 
+#: From velocity and spin to the pressure (3,) of the load, as in `pressure`.
 Pressure = Callable[[float, float, float], Array]
-"""From velocity and spin to the pressure (3,) of the load, as in `pressure`."""
 
 
 def footprint_of(shape: Shape | None, law: str) -> Footprint:

@@ -20,8 +20,8 @@ from bodycheck.reference.trajectory import Array, Trajectory
 
 EPS = float(np.finfo(float).eps)
 
+#: Relative error of some ten roundings in double precision: those of a closed form, and of a stored result.
 ROUNDING = 16 * EPS
-"""Relative error of some ten roundings in double precision: those of a closed form, and of a stored result."""
 
 
 @dataclass(frozen=True, eq=False)

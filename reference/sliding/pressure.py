@@ -10,8 +10,8 @@ import numpy as np
 from bodycheck.reference.sliding.footprint import Disk, Footprint, outline
 from bodycheck.reference.trajectory import Array
 
+#: Least pressure, as a fraction of the mean, that still counts as none.
 ROUNDING = 1e-12
-"""Least pressure, as a fraction of the mean, that still counts as none."""
 
 
 class WouldTip(Exception):

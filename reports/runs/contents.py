@@ -32,11 +32,11 @@ from bodycheck.reports.runs.summary import (
 )
 from bodycheck.reports.tables import Entry, Table
 
+#: Numbers of all curves of a report together, so that a large one still opens: some 4 MB.
 MOST_NUMBERS = 300_000
-"""Numbers of all curves of a report together, so that a large one still opens: some 4 MB."""
 
+#: Points of one curve.
 MOST_POINTS = 256
-"""Points of one curve."""
 
 
 @dataclass(frozen=True)

@@ -13,16 +13,16 @@ from bodycheck.reports.charts import FRAMES
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, bound, count, listing, number
 from bodycheck.reports.runs.series import corners, ends, envelope, rounded
 
+#: Instants of the curves of the angular momentum.
 MOST_CORNERS = 800
-"""Instants of the curves of the angular momentum."""
 
+#: Points of one chart, about, that the pointer finds: each is an element of the page, and takes time to draw.
 MOST_FOUND = 600
-"""Points of one chart, about, that the pointer finds: each is an element of the page, and takes time to draw."""
 
 INSTANT_DIGITS = 7
 
+#: What is less, far below the rounding of any scene, is drawn as zero, lest it stretch a log scale.
 SMALLEST = 1e-20
-"""What is less, far below the rounding of any scene, is drawn as zero, lest it stretch a log scale."""
 
 
 @dataclass(frozen=True)

@@ -23,14 +23,14 @@ from bodycheck.reports.runs.comparison import Comparison, Shown, method
 from bodycheck.reports.runs.summary import Finding
 from bodycheck.running.outcome import Unsupported
 
+#: Runs whose change gets a sentence.
 MOST_CHANGES = 5
-"""Runs whose change gets a sentence."""
 
+#: Methods, or keys of a case, that one sentence names.
 MOST_NAMES = 4
-"""Methods, or keys of a case, that one sentence names."""
 
+#: By this factor the pace of a machine differs from one hour to the next.
 UNREST = 1.25
-"""By this factor the pace of a machine differs from one hour to the next."""
 
 NOTHING = 1e-300
 

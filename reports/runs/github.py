@@ -8,8 +8,8 @@ from bodycheck.casefile.case import Case
 from bodycheck.casefile.toml_positions import positions
 from bodycheck.judging.judgement import Verdict
 
+#: Bytes that the summary of one step may have.
 LARGEST_SUMMARY = 1 << 20
-"""Bytes that the summary of one step may have."""
 
 CUT = "\n*Cut here: a summary may have no more.*\n"
 

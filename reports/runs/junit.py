@@ -8,8 +8,8 @@ from xml.etree.ElementTree import Element
 
 from bodycheck.judging.judgement import Verdict
 
+#: Characters that no XML 1.0 document may hold, and controls that it should not.
 NOT_XML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""Characters that no XML 1.0 document may hold, and controls that it should not."""
 
 NOT_PROPERTIES = {"case", "passed", "reason"}
 

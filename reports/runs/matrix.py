@@ -12,8 +12,8 @@ from bodycheck.reports.lines import Key, Line
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound, milliseconds, number
 from bodycheck.reports.runs.summary import key_of, within_truth
 
+#: engine, integrator, label of the set of results: what a column is of
 Method = tuple[str, str, str]
-"""engine, integrator, label of the set of results: what a column is of"""
 
 
 @dataclass(frozen=True)

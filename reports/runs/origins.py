@@ -15,16 +15,16 @@ QUANTITIES = {
     "stop_yaw": ("Turn to the stop", "rad"),
 }
 
+#: A quantity that is off by less in every run of a case is left out.
 NOTHING = 1e-12
-"""A quantity that is off by less in every run of a case is left out."""
 
 PARTS = ("model form", "constraint", "time step")
 
+#: Height of a method in a chart, in pixels.
 BAR = 26
-"""Height of a method in a chart, in pixels."""
 
+#: By the label of the set of results; the only one has none.
 Parts = Mapping[str, Sequence[Attribution]]
-"""By the label of the set of results; the only one has none."""
 
 
 @dataclass(frozen=True)

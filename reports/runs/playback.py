@@ -20,29 +20,29 @@ from bodycheck.reports.quantities import listing, milliseconds, number
 from bodycheck.reports.runs import tracks
 from bodycheck.running.outcome import Completed
 
+#: Of all playback data of a report together, shared evenly by its cases.
 MOST_CHARACTERS = 1_500_000
-"""Of all playback data of a report together, shared evenly by its cases."""
 
+#: Runs that are shown beside the truth at once.
 MOST_SHOWN = 3
-"""Runs that are shown beside the truth at once."""
 
+#: Methods that one note names.
 MOST_NAMES = 6
-"""Methods that one note names."""
 
+#: A body rate that is played may be so far from a sample, relative to the largest: a line's width on the polhode.
 RATE_TOLERANCE = 0.01
-"""A body rate that is played may be so far from a sample, relative to the largest: a line's width on the polhode."""
 
+#: Likewise a place, relative to the body's reach.
 PLACE_TOLERANCE = 0.01
-"""Likewise a place, relative to the body's reach."""
 
+#: Where a flying body is farther than its reach from the truth, relative to that distance.
 SHIFT_TOLERANCE = 0.003
-"""Where a flying body is farther than its reach from the truth, relative to that distance."""
 
+#: Places beyond so many reaches are not drawn: 16 bits tell nothing of a body there.
 FARTHEST = 1e9
-"""Places beyond so many reaches are not drawn: 16 bits tell nothing of a body there."""
 
+#: Least semi-axis that is drawn, relative to the longest: a needle is to be seen.
 THINNEST = 0.02
-"""Least semi-axis that is drawn, relative to the longest: a needle is to be seen."""
 
 TOO_FAST = f"more than {tracks.COARSEST:g} rad between samples, or too much for {tracks.MOST_INSTANTS} instants"
 

@@ -18,6 +18,7 @@ from bodycheck.running.outcome import Completed, Outcome
 
 FORMAT = 1
 
+#: What is told of a set's header, in words.
 HEADER = {
     "bodycheck": "Version of bodycheck.",
     "command": "The command that made the results, word by word.",
@@ -27,10 +28,9 @@ HEADER = {
     "engines": "Versions of the engines.",
     "missing": "Engines that could not be used, and why.",
 }
-"""What is told of a set's header, in words."""
 
+#: Figures that every run that is ok has.
 ALWAYS = tuple(name for name in DISCREPANCIES if not name.endswith("_drift"))
-"""Figures that every run that is ok has."""
 
 Schema = dict[str, Any]
 

@@ -15,29 +15,29 @@ from bodycheck.reports.quantities import bound, count, listing, number
 from bodycheck.running.outcome import Completed, Unsupported
 from bodycheck.running.store import Results
 
+#: Errors this close, relatively, are named together.
 TIE = 1e-3
-"""Errors this close, relatively, are named together."""
 
+#: Two methods whose errors differ by less than this, relatively, err alike.
 ALIKE = 1e-3
-"""Two methods whose errors differ by less than this, relatively, err alike."""
 
+#: Only attitude errors this many times above the truth's own are compared between engines.
 TELLING = 100.0
-"""Only attitude errors this many times above the truth's own are compared between engines."""
 
+#: And only those (rad) that are far above what the rounding of thousands of steps makes.
 TELLING_ATTITUDE = 1e-9
-"""And only those (rad) that are far above what the rounding of thousands of steps makes."""
 
+#: Likewise position errors (m): far above rounding in any scene of human size.
 TELLING_POSITION = 1e-6
-"""Likewise position errors (m): far above rounding in any scene of human size."""
 
+#: Methods whose worst errors are this close, relatively, to the best one's are named with it.
 NEAR = 1e-2
-"""Methods whose worst errors are this close, relatively, to the best one's are named with it."""
 
+#: Methods that one sentence names.
 MOST_NAMES = 3
-"""Methods that one sentence names."""
 
+#: A drift below this is rounding and no finding.
 ROUNDING = 1e-12
-"""A drift below this is rounding and no finding."""
 
 
 @dataclass(frozen=True)

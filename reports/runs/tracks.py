@@ -18,26 +18,26 @@ from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.trajectory import Array
 from bodycheck.reports.runs.series import corners
 
+#: Angle (rad) between a sample and the attitude that is played: less than eyes see of the difference of two bodies.
 TOLERANCE = 2e-3
-"""Angle (rad) between a sample and the attitude that is played: less than eyes see of the difference of two bodies."""
 
+#: Instants of one track: some 10 kB.
 MOST_INSTANTS = 400
-"""Instants of one track: some 10 kB."""
 
+#: Samples that a track is checked at, evenly spread over those that there are.
 MOST_CHECKED = 4001
-"""Samples that a track is checked at, evenly spread over those that there are."""
 
+#: Turn (rad) from one instant to the next: less than half a turn, so that which way it went is never in doubt.
 WIDEST = 2.5
-"""Turn (rad) from one instant to the next: less than half a turn, so that which way it went is never in doubt."""
 
+#: Turn (rad) from one sample to the next: where it is more, the samples do not tell how the body moved between them.
 COARSEST = 1.0
-"""Turn (rad) from one sample to the next: where it is more, the samples do not tell how the body moved between them."""
 
+#: Of 16 bits, from zero to the largest size.
 LEVELS = 32767
-"""Of 16 bits, from zero to the largest size."""
 
+#: Angle (rad) below which the first terms of a series have all digits that count here.
 SMALL = 1e-2
-"""Angle (rad) below which the first terms of a series have all digits that count here."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -57,9 +57,10 @@ def test_mujoco_models_nothing_that_a_free_body_does_not_need() -> None:
     np.testing.assert_array_equal(model.body_iquat[1], [1, 0, 0, 0])
 
 
+#: Uniform gravity alone is integrated without error by a scheme of order 2 in world velocities: only rounding is left.
 EXACT = None
-"""Uniform gravity alone is integrated without error by a scheme of order 2 in world velocities: only rounding is left."""
 
+#: In attitude and in position.
 ORDERS = {
     ("mujoco", "Euler"): (1, 1),
     ("mujoco", "implicit"): (1, 1),
@@ -71,7 +72,6 @@ ORDERS = {
     ("pinocchio", "rk4"): (4, 4),
     ("pinocchio", "rk4-naive"): (2, 2),
 }
-"""In attitude and in position."""
 
 
 @pytest.mark.parametrize(("engine", "integrator"), ORDERS)

@@ -258,12 +258,12 @@ def test_everything_as_shipped_is_in_the_largest_model_of_mujoco() -> None:
 
 FLIGHTS = ["projectile", "free-brick", "mujoco-free-body", "football-wobble", "football-drag", "osrf-boxes-complex"]
 
+#: Models on which an integrator is another scheme: on the body twist, and on MuJoCo's ball joint.
 OTHER_SCHEMES = {
     ("pinocchio", "semi-implicit-euler"): {"six-coordinates", "far-geometry", "everything"},
     ("mujoco", "implicitfast"): {"rotation", "translation-and-rotation"},
     ("mujoco", "discrete"): {"rotation", "translation-and-rotation"},
 }
-"""Models on which an integrator is another scheme: on the body twist, and on MuJoCo's ball joint."""
 
 
 @pytest.mark.parametrize("engine", ["mujoco", "pinocchio"])

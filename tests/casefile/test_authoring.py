@@ -82,6 +82,7 @@ def test_what_new_writes_runs_as_it_is(tmp_path: Path) -> None:
     assert "my-first-case" in done.stdout
 
 
+#: Beginnings of lines that stand commented out in the template, and of those that they stand instead of.
 ALTERNATIVES = {
     "ellipsoid": (['shape = "ellipsoid"'], ['shape = "brick"']),
     "cylinder": (['shape = "cylinder"', "radius = 0.1  ", "half_length"], ['shape = "brick"', "semi_axes"]),
@@ -97,7 +98,6 @@ ALTERNATIVES = {
     "limits": (["[[expect]]", "engine", "integrator", "timestep = 0", "attitude_error", "energy_drift"], []),
     "order": (["[[expect]]", "engine", "integrator", "timestep = 0", "order", "known", "until"], []),
 }
-"""Beginnings of lines that stand commented out in the template, and of those that they stand instead of."""
 
 
 @pytest.mark.parametrize("name", ALTERNATIVES)

@@ -22,8 +22,8 @@ from bodycheck import CaseFaults, load
 from bodycheck.casefile.case import LARGEST_FILE, shipped
 from tests.support import ROOT
 
+#: How a program of its own imports this module.
 IMPORTED = f"import sys; sys.path.insert(0, {str(ROOT)!r}); from tests.casefile import test_fuzz"
-"""How a program of its own imports this module."""
 
 RICH = """\
 format = 1
@@ -79,6 +79,7 @@ timestep = 0.002
 status = "diverged"
 """
 
+#: Values that a stranger may give a key.
 NASTY = (
     *("nan", "inf", "-inf", "-0.0", "0", "-1", "1e308", "1e-308", "1e99", "1e100", "1e-100", "1e400", "1000000000000", "0x7f"),
     *("9" * 400, "9" * 5000, "0x" + "f" * 20000, "1" + "_0" * 3000, "1." + "0" * 3000, "true", "''", '""', '"x"', '"ok"', "[]"),
@@ -88,23 +89,22 @@ NASTY = (
     *("[" * 40 + "]" * 40, "[" * 3000, "[" * 3000 + "]" * 3000, "{a=" * 300 + "1" + "}" * 300, '"' + "x" * 5000 + '"'),
     *('\'__import__("os").system("true")\'', '"{{7*7}}"', '"../../etc/passwd"', '"/dev/zero"', '"$HOME"', '"%n"', "'é\u202e'"),
 )
-"""Values that a stranger may give a key."""
 
+#: Lines that a stranger may write.
 JUNK = (
     *("[", "]]", "= 1", "x", "x =", '"x" = 1', "'' = 1", "[a.b]", "[[expect]]", "[body]", "[[body]]", "[scene.plane]"),
     *(r'"a\nb" = 1', r'"\u001b[31m" = 1', '"\u202e" = 1', "body.mass = 1", "expect = 3", "extremes = 3", "x = [[[]]]", "#\x07"),
     *(".".join("x" * 17) + " = 1", "x." * 9000 + "x = 1", "[" + "a." * 500 + "a]", 'x = """', "x = '''", "include = 'x'"),
 )
-"""Lines that a stranger may write."""
 
 CONTROLS = "\0\a\b\f\r\x1b\x7f\x85\u2028"
 
+#: What a file may be filled with, over and over, and what stands before and behind it.
 FILLINGS = (
     *(("1,", "x = [", "]\n"), ("[],", "x = [", "]\n"), ("{a=1},", "tags = [", "]\n"), ("\\n", 'x = "', '"\n')),
     *(("[", "x = ", "\n"), ("{a=", "x = ", "\n"), ('"', "", "\n"), ("a", "", " = 1\n"), ("a.", "", "a = 1\n")),
     *(("\n", "", ""), ("#\n", "", ""), ("[[expect]]\n", "", ""), ("[[body.parts]]\nmass=1\n", "", ""), ("x", "#", "\n")),
 )
-"""What a file may be filled with, over and over, and what stands before and behind it."""
 
 Mutation = Callable[[random.Random, str], str | bytes]
 
@@ -195,11 +195,11 @@ MUTATIONS: dict[str, Mutation] = {
     "filled": fill,
     "many keys": many_keys,
 }
+#: Mutations that take time.
 RARE = {"filled", "many keys"}
-"""Mutations that take time."""
 
+#: Events of a process that touch nothing outside it.
 SILENT = {"sys._getframe", "object.__getattr__", "object.__setattr__"}
-"""Events of a process that touch nothing outside it."""
 
 
 def mutants(seed: int, count: int) -> Any:

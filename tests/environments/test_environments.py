@@ -21,11 +21,11 @@ from bodycheck.environments.environments import Environment, Unobtainable
 from tests.conftest import MINIATURES
 from tests.support import wheels
 
+#: Seconds for what takes one, on machines that are busy with other things.
 LIMIT = 60.0
-"""Seconds for what takes one, on machines that are busy with other things."""
 
+#: Of an installation, each at another moment.
 KILLINGS = 2
-"""Of an installation, each at another moment."""
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,7 @@ import pytest
 
 from tests.support import ROOT
 
+#: Rooms and modules of `bodycheck`, from the lowest floor up. A room imports from itself and from floors below its own.
 FLOORS = (
     {"reference"},
     {"adapters", "errors", "columns"},
@@ -20,11 +21,10 @@ FLOORS = (
     {"commands", "pytest_plugin"},
     {"__main__", "__init__"},
 )
-"""Rooms and modules of `bodycheck`, from the lowest floor up. A room imports from itself and from floors below its own."""
 
 
+#: The package of each engine, by the folder of its adapter: imported there and nowhere else.
 ENGINES = {"mujoco": "mujoco", "pinocchio": "pinocchio"}
-"""The package of each engine, by the folder of its adapter: imported there and nowhere else."""
 
 
 def rooms(root: Path) -> dict[str, Path]:

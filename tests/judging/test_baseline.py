@@ -30,8 +30,8 @@ from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.plan import plan
 
 WHOLE = load("intermediate-axis-flip").text.partition("[[expect]]")[0]
+#: Half of it, with nothing expected.
 FLIP = parse(WHOLE.replace("duration = 10.0", "duration = 5.0").replace("samples = 1001", "samples = 101"), "flip")
-"""Half of it, with nothing expected."""
 
 STEP = 0.005
 U = 2.0**-53

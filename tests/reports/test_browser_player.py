@@ -32,8 +32,8 @@ FLIP, BOXES, BRICK, SLIDE = "intermediate-axis-flip", "osrf-boxes-complex", "fre
 FAR = "far-slide"
 FLYING = (FLIP, BOXES, BRICK)
 END = 4.0
+#: Pixels: paths are written to a tenth of a pixel.
 ROUNDING = 0.06
-"""Pixels: paths are written to a tenth of a pixel."""
 
 
 @pytest.fixture(scope="module")
@@ -281,6 +281,7 @@ def test_playing_goes_round_at_the_chosen_speed(flip: tuple[Visit, Any]) -> None
     assert times[-1] - times[0] > 0.5
 
 
+#: When pictures were drawn (ms), and the times (s) that they show, for a while.
 PICTURES = """svg => new Promise((resolve) => {
   const seen = [];
   const look = (stamp) => {
@@ -290,7 +291,6 @@ PICTURES = """svg => new Promise((resolve) => {
   };
   requestAnimationFrame(look);
 })"""
-"""When pictures were drawn (ms), and the times (s) that they show, for a while."""
 
 
 def test_what_is_drawn_is_told_when_it_stands_still(flip: tuple[Visit, Any]) -> None:

@@ -10,8 +10,8 @@ from bodycheck.reports.lines import HUES, assign
 
 STYLE = (resources.files("bodycheck.reports") / "templates" / "report.css").read_text("utf-8")
 DARK = "@media screen and (prefers-color-scheme: dark) {"
+#: Contrasts that WCAG 2 asks of text (1.4.3, AA) and of graphics (1.4.11).
 READABLE, VISIBLE = 4.5, 3.0
-"""Contrasts that WCAG 2 asks of text (1.4.3, AA) and of graphics (1.4.11)."""
 
 TEXT = [
     *((ink, ground) for ink in ("ink", "faint", "link") for ground in ("ground", "panel")),

@@ -27,14 +27,14 @@ from bodycheck.running.plan import plan
 from tests.conftest import shortened
 from tests.support import ROOT
 
+#: A spin about one principal axis, which the miniature engines know exactly.
 SPIN = shortened(load("osrf-boxes-simple"), 1.0, 11)
-"""A spin about one principal axis, which the miniature engines know exactly."""
 
+#: Bytes a call, far less than any machine has: the engine that allocates without end soon comes to it.
 MEMORY = 512 << 20
-"""Bytes a call, far less than any machine has: the engine that allocates without end soon comes to it."""
 
+#: Seconds a call; a hundred times what one takes that does not hang, for machines that are busy with other things.
 LIMIT = 15.0
-"""Seconds a call; a hundred times what one takes that does not hang, for machines that are busy with other things."""
 
 STEPS = (0.1, 0.05)
 INNOCENT = ("exact", "drifting", "printing", "mujoco")

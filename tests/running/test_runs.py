@@ -22,8 +22,8 @@ from bodycheck.running.plan import Task, plan
 from bodycheck.running.smoke import check
 from tests.conftest import shortened
 
+#: A spin about one principal axis, which the miniature engines know exactly.
 SPIN = shortened(load("osrf-boxes-simple"), 1.0, 11)
-"""A spin about one principal axis, which the miniature engines know exactly."""
 
 FAILING = {
     "raising": ("crashed", "RuntimeError: the miniature engine gives up"),

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+#: The checkout.
 ROOT = Path(__file__).parents[2]
-"""The checkout."""
 
+#: The folder of the miniature engines, which Python finds once it is on its path.
 MINIATURES = Path(__file__).parent / "miniature"
-"""The folder of the miniature engines, which Python finds once it is on its path."""

@@ -11,8 +11,8 @@ import pytest
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
+#: No sandbox, which root cannot have, and nothing that the browser would ask of the network by itself.
 QUIET = ("--no-sandbox", "--disable-gpu", "--no-first-run", "--disable-background-networking", "--disable-component-update")
-"""No sandbox, which root cannot have, and nothing that the browser would ask of the network by itself."""
 
 
 @contextmanager

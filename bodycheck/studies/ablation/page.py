@@ -15,14 +15,14 @@ from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.studies.ablation.rows import Change, ModelRow
 
+#: Lengths below this (m) are told in mm.
 NEAR = 0.1
-"""Lengths below this (m) are told in mm."""
 
+#: An error that a model changes by less, relatively or in its unit, is the same.
 ALIKE, ROUNDING = 1e-6, 1e-12
-"""An error that a model changes by less, relatively or in its unit, is the same."""
 
+#: Height of a bar in a chart, in pixels.
 BAR = 34
-"""Height of a bar in a chart, in pixels."""
 
 UNITS = {"position": "m", "attitude": "rad"}
 

@@ -26,21 +26,21 @@ from bodycheck.studies import cost
 from bodycheck.studies.ablation.rows import Change, ModelRow
 from bodycheck.studies.cost import Cost, Stretch
 
+#: Of ablation.csv, followed by the errors, the changes against the smallest model with the rounding and the time-step errors
+#: that they may be due to, what became of the run, and what the model adds to the one before it.
 COLUMNS = (
     *("case", "engine", "version", "integrator", "timestep", "model"),
     *("relative_cost", "relative_cost_low", "relative_cost_high"),
 )
-"""Of ablation.csv, followed by the errors, the changes against the smallest model with the rounding and the time-step errors
-that they may be due to, what became of the run, and what the model adds to the one before it."""
 
+#: An error of first order is twice what it changes by when the step is halved; one of higher order is less.
 LEFT = 2.0
-"""An error of first order is twice what it changes by when the step is halved; one of higher order is less."""
 
+#: Seconds a step, and relative to the first.
 Timed = tuple[list[Cost], list[Cost]]
-"""Seconds a step, and relative to the first."""
 
+#: case, engine, integrator, time step (s)
 Group = tuple[str, str, str, float]
-"""case, engine, integrator, time step (s)"""
 
 
 def plan(

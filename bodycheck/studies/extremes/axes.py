@@ -119,10 +119,10 @@ def separatrix(case: Case, value: float) -> Case:
     return _with_state(case, replace(initial, angular_velocity=(x, y, z)))
 
 
+#: All but the time step, which is none of a case but of a method.
 AXES: dict[str, Axis] = {
     axis.__name__: axis for axis in (spin, steps, moment_ratio, mass, size, distance, gravity, friction, speed, separatrix)
 }
-"""All but the time step, which is none of a case but of a method."""
 
 
 def _with_state(case: Case, initial: State) -> Case:

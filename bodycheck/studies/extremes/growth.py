@@ -10,20 +10,20 @@ import numpy as np
 
 from bodycheck.reference.trajectory import Array
 
+#: Samples from which a law is read off.
 FEWEST = 16
-"""Samples from which a law is read off."""
 
+#: A law is read off from this part of the run on: before, the motion's own oscillation is all there is.
 FROM = 1 / 30
-"""A law is read off from this part of the run on: before, the motion's own oscillation is all there is."""
 
+#: Powers of the number of steps, and what a drift is called that is nearest to them.
 POWERS = {0.0: "bounded", 0.5: "growing as the square root of the steps", 1.0: "growing linearly", 2.0: "growing quadratically"}
-"""Powers of the number of steps, and what a drift is called that is nearest to them."""
 
+#: Power from which growth may be exponential instead.
 STEEP = 1.5
-"""Power from which growth may be exponential instead."""
 
+#: Ratio of the growth rates in the second half of a run and in the first, from which it is faster than exponential.
 FASTER = 1.5
-"""Ratio of the growth rates in the second half of a run and in the first, from which it is faster than exponential."""
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from bodycheck.reports.charts import INK, Spec
 from bodycheck.studies.extremes.rows import STATUSES, Row
 
+#: Okabe and Ito's colours, which colour-blind readers tell apart, and others as light: black letters are readable on all.
 COLOURS = {
     "ok": "#009e73",
     "inaccurate": "#f0e442",
@@ -17,7 +18,6 @@ COLOURS = {
     "timeout": "#a9a9a9",
     "unsupported": "#dedede",
 }
-"""Okabe and Ito's colours, which colour-blind readers tell apart, and others as light: black letters are readable on all."""
 
 LETTERS = {
     "ok": "",
@@ -32,8 +32,8 @@ LETTERS = {
     "unsupported": "U",
 }
 
+#: Height of a cell (pixels).
 CELL = 26
-"""Height of a cell (pixels)."""
 
 
 def outcome_map(rows: Sequence[Row]) -> Spec:

@@ -11,6 +11,7 @@ from bodycheck.reports.tables import Entry, Table
 from bodycheck.studies.extremes.outcome_map import outcome_map
 from bodycheck.studies.extremes.rows import HEALTHY, STATUSES, Limit, Row
 
+#: Axes as the report calls them, and their units.
 AXES = {
     "spin": ("Spin", "rad/s"),
     "timestep": ("Time step", "s"),
@@ -24,15 +25,14 @@ AXES = {
     "speed": ("Speed", "m/s"),
     "separatrix": ("Wobble, relative to the spin", ""),
 }
-"""Axes as the report calls them, and their units."""
 
+#: Values that are listed one by one.
 MOST_VALUES = 4
-"""Values that are listed one by one."""
 
 GONE = ("diverged", "silent-reset", "crashed", "frozen")
 
+#: Anchors of the parts that are of no single case.
 BELIEVED, STABILITY = "said-healthy", "stability"
-"""Anchors of the parts that are of no single case."""
 
 READING = (
     "ok: attitude within 1 rad of the truth, centre of mass within 1 % of the way travelled, energy of rotation within 1 % of "

@@ -2,14 +2,14 @@
 
 from dataclasses import dataclass
 
+#: What an engine says that steps to the end, and one that is not heard of.
 HEALTHY, NOTHING = "healthy", "nothing"
-"""What an engine says that steps to the end, and one that is not heard of."""
 
+#: From right to gone. The last says nothing of a method.
 STATUSES = (
     *("ok", "inaccurate", "energy-loss", "energy-gain", "frozen", "diverged"),
     *("silent-reset", "crashed", "timeout", "unsupported"),
 )
-"""From right to gone. The last says nothing of a method."""
 
 
 @dataclass(frozen=True)

@@ -20,23 +20,23 @@ from bodycheck.studies.extremes.symptoms import energy_change
 TURNS = 100
 SAMPLES = 201
 
+#: rad in a step: from a whole turn to 1.5e-3. Where none is stable, the method is called unstable.
 PRODUCTS = tuple(2 * math.pi / 2**halvings for halvings in range(13))
-"""rad in a step: from a whole turn to 1.5e-3. Where none is stable, the method is called unstable."""
 
+#: Halvings that must all be stable before a smaller step is no longer doubted.
 IN_TURN = 3
-"""Halvings that must all be stable before a smaller step is no longer doubted."""
 
+#: Halvings that are tried together.
 AT_ONCE = 8
-"""Halvings that are tried together."""
 
+#: Equal ratios into which a bracket is divided at a time.
 SECTIONS = 8
-"""Equal ratios into which a bracket is divided at a time."""
 
+#: Ratio of the smallest unstable to the largest stable step at which the search ends.
 FINE = 1.02
-"""Ratio of the smallest unstable to the largest stable step at which the search ends."""
 
+#: Relative change of an energy.
 DOUBLED = 1.0
-"""Relative change of an energy."""
 
 
 @dataclass(frozen=True)

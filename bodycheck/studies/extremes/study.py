@@ -35,8 +35,8 @@ from bodycheck.studies.extremes.symptoms import energy_change
 if TYPE_CHECKING:  # the processes of the runs import this module, and need no tables
     from bodycheck.running.campaign import Advance
 
+#: Seconds that one run may take: some three times what a million steps in Python do.
 TIME_LIMIT = 60.0
-"""Seconds that one run may take: some three times what a million steps in Python do."""
 
 RECORDS = "extremes.jsonl"
 

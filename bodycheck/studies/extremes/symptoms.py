@@ -14,32 +14,32 @@ from bodycheck.reference.stopping import penetration
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth, distance
 
+#: rad, of an attitude that is lost.
 ATTITUDE_LOST = 1.0
-"""rad, of an attitude that is lost."""
 
+#: Of the way travelled; of the radius of gyration, into a plane.
 POSITION_LOST = 0.01
-"""Of the way travelled; of the radius of gyration, into a plane."""
 
+#: Of the energy at the start.
 ENERGY_CHANGED = 0.01
-"""Of the energy at the start."""
 
+#: Rank correlation of energy and time from which a change is no oscillation: two whole periods of one have 0.4.
 SECULAR = 0.6
-"""Rank correlation of energy and time from which a change is no oscillation: two whole periods of one have 0.4."""
 
+#: Of the radius of gyration, or rad: a motion, or an error of it, that can be seen.
 VISIBLE = 1e-6
-"""Of the radius of gyration, or rad: a motion, or an error of it, that can be seen."""
 
+#: Of an angular momentum, of which less than this is left from one instant to the next.
 GONE = 1e-3
-"""Of an angular momentum, of which less than this is left from one instant to the next."""
 
+#: How much farther than usual a centre of mass goes beside what its speeds allow when it jumps.
 RARE = 10.0
-"""How much farther than usual a centre of mass goes beside what its speeds allow when it jumps."""
 
+#: Beyond it, energies of states that are numbers may be none.
 LARGEST = 1e300
-"""Beyond it, energies of states that are numbers may be none."""
 
+#: Instants between two flips from which they can be counted.
 LEAST_SAMPLES = 4
-"""Instants between two flips from which they can be counted."""
 
 
 @dataclass(frozen=True)

@@ -28,11 +28,11 @@ from bodycheck.studies.releases.questions import TIME_LIMIT, Answer, Errand, Que
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
 
+#: With which a truth and a discrepancy are computed.
 PACKAGES = ("numpy", "scipy", "heyoka", "pandas")
-"""With which a truth and a discrepancy are computed."""
 
+#: Packages whose source decides on an answer; from a checkout, the last two are linked folders, which `rglob` passes over.
 OWN = (bodycheck, adapters, reference)
-"""Packages whose source decides on an answer; from a checkout, the last two are linked folders, which `rglob` passes over."""
 
 Asked = tuple[Environment, Question]
 

@@ -18,8 +18,8 @@ from bodycheck.studies.releases.questions import Question
 from bodycheck.studies.releases.rows import ALLOWANCE, UNOBTAINABLE
 from bodycheck.studies.releases.study import kept, version
 
+#: Whether a release is still good; None where it cannot be told.
 Probe = Callable[[str], bool | None]
-"""Whether a release is still good; None where it cannot be told."""
 
 
 @dataclass(frozen=True)

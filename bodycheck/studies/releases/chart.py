@@ -8,11 +8,11 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import Quantity, number
 from bodycheck.reports.runs.series import rounded
 
+#: A method, a version, a figure, None where there is none, and from what it changed, empty where it did not.
 Point = tuple[Line, str, float | None, str]
-"""A method, a version, a figure, None where there is none, and from what it changed, empty where it did not."""
 
+#: Area of what marks a change (pixels).
 RING = 150
-"""Area of what marks a change (pixels)."""
 
 
 def release_chart(quantity: Quantity, versions: Sequence[str], points: Sequence[Point]) -> Spec:

@@ -14,14 +14,14 @@ from bodycheck.studies.releases.rows import STATUS, Change, Row
 
 ORDINALS = {1: "first", 2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
 
+#: An observed order so near to a whole number is called by it.
 WHOLE = 0.1
-"""An observed order so near to a whole number is called by it."""
 
+#: Two observed orders that are so far apart are two.
 OTHER = 0.25
-"""Two observed orders that are so far apart are two."""
 
+#: Of the figures of which the same can be said, those that are told, the first best.
 PREFERRED = ("attitude_error", "position_error")
-"""Of the figures of which the same can be said, those that are told, the first best."""
 
 Told = Sequence[tuple[Line, Change]]
 

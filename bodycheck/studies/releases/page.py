@@ -16,8 +16,8 @@ from bodycheck.studies.releases.chart import Point, release_chart
 from bodycheck.studies.releases.findings import findings, named, orders
 from bodycheck.studies.releases.rows import STATUS, Change, Found, Row, made, merged_header
 
+#: The figure that is drawn and tabled whether it changed or not.
 PRIMARY = "attitude_error"
-"""The figure that is drawn and tabled whether it changed or not."""
 
 READING = (
     "Every release runs in an environment of its own, and the same bodycheck runs all of them. A change is named where two "

@@ -17,8 +17,8 @@ from bodycheck.studies.orders import Order
 
 PROGRAM = "bodycheck.studies.releases.measurement"
 
+#: Seconds that one question to one release may take. Every run that it takes has a limit of its own.
 TIME_LIMIT = 3600.0
-"""Seconds that one question to one release may take. Every run that it takes has a limit of its own."""
 
 
 @dataclass(frozen=True)

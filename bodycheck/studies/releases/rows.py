@@ -17,23 +17,23 @@ from bodycheck.running.outcome import Unsupported
 
 RECORDS = "releases.jsonl"
 
+#: Status of a row of a version that cannot be had here: it tells of no method.
 UNOBTAINABLE = "unobtainable"
-"""Status of a row of a version that cannot be had here: it tells of no method."""
 
+#: What a header has.
 HEADER = (
     *("bodycheck", "started", "command", "machine", "packages", "engines", "missing"),
     *("versions", "cases", "unmeasured", "notices"),
 )
-"""What a header has."""
 
+#: Behind the name of a figure: by how much it may differ where nothing has changed; see `bodycheck.judging.baseline`.
 ALLOWANCE = "_allowance"
-"""Behind the name of a figure: by how much it may differ where nothing has changed; see `bodycheck.judging.baseline`."""
 
+#: The quantity of a change that is of the status.
 STATUS = "status"
-"""The quantity of a change that is of the status."""
 
+#: A version x method x case: the columns of results, and the allowance of each figure.
 Row = Mapping[str, Any]
-"""A version x method x case: the columns of results, and the allowance of each figure."""
 
 
 @dataclass(frozen=True)

@@ -29,14 +29,14 @@ from bodycheck.studies.tradeoff.recommendation import COLUMNS
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
 
+#: From a title and a number of things to do to what is told of each; see `bodycheck.console.terminal.progress`.
 Bar = Callable[[str, int], "AbstractContextManager[Advance]"]
-"""From a title and a number of things to do to what is told of each; see `bodycheck.console.terminal.progress`."""
 
+#: Of which quantity a figure is, of those whose order is observed.
 QUANTITIES = {column: quantity for quantity, columns in COLUMNS.items() for column in columns}
-"""Of which quantity a figure is, of those whose order is observed."""
 
+#: Integrator and time step (s); None where no release could tell its methods.
 Method = tuple[str, float | None]
-"""Integrator and time step (s); None where no release could tell its methods."""
 
 Releases = Mapping[str, Environment | Unobtainable]
 

@@ -10,17 +10,17 @@ from bodycheck.reports.quantities import Quantity, bound
 from bodycheck.reports.runs.series import rounded
 from bodycheck.studies.tradeoff.recommendation import Measured
 
+#: Of stored costs: none that were measured apart fall together.
 COST_DIGITS = 6
-"""Of stored costs: none that were measured apart fall together."""
 
+#: How far below the truth's own error a diagram goes.
 BAND = 10.0
-"""How far below the truth's own error a diagram goes."""
 
+#: An error so many times larger than the truth's own is drawn without it, so that the curves have the room.
 FAR = 1e4
-"""An error so many times larger than the truth's own is drawn without it, so that the curves have the room."""
 
+#: Marks that say nothing of their own.
 QUIET = {"clip": True, "tooltip": None, "aria": False}
-"""Marks that say nothing of their own."""
 
 
 def diagram(

@@ -11,31 +11,31 @@ from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements
 from bodycheck.studies.tradeoff.recommendation import Measured
 
+#: An observed order falls short when even its most is so much below what is claimed.
 SHORT = 0.25
-"""An observed order falls short when even its most is so much below what is claimed."""
 
+#: Quantities in which a claimed order is held against a method.
 CLAIMED = ("attitude", "position")
-"""Quantities in which a claimed order is held against a method."""
 
+#: A scheme explains a discrepancy of which it leaves no larger part.
 EXPLAINED = 0.01
-"""A scheme explains a discrepancy of which it leaves no larger part."""
 
+#: Floors (rad, m) above this are no rounding, and told.
 TELLING_FLOOR = 1e-6
-"""Floors (rad, m) above this are no rounding, and told."""
 
+#: Errors (rad, m) for which the cheapest method is named.
 ROUND_ERRORS = (1e-3, 1e-6)
-"""Errors (rad, m) for which the cheapest method is named."""
 
+#: engine, integrator
 Method = tuple[str, str]
-"""engine, integrator"""
 
 Lines = Mapping[Method, Line]
 Place = tuple[CaseMeasurements, Order]
+#: A case, by how much a method's attitude differs from a scheme's there (rad), and from the truth's (rad).
 Identified = tuple[str, float, float]
-"""A case, by how much a method's attitude differs from a scheme's there (rad), and from the truth's (rad)."""
 
+#: A method, the least of its errors (rad, m), and the smallest of its time steps (s).
 Floor = tuple[Method, float, float]
-"""A method, the least of its errors (rad, m), and the smallest of its time steps (s)."""
 
 
 def findings(cases: Sequence[CaseMeasurements], lines: Lines) -> tuple[Finding, ...]:

@@ -20,27 +20,26 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth, distance
 from bodycheck.running.outcome import Completed, Run
 
+#: Seconds from the start in which rounding has hardly grown, so that schemes are told apart best.
 EARLY = 2.0
-"""Seconds from the start in which rounding has hardly grown, so that schemes are told apart best."""
 
+#: Attitude difference (rad) up to which two trajectories are one in that time.
 SAME = 1e-11
-"""Attitude difference (rad) up to which two trajectories are one in that time."""
 
+#: The part of another's difference that an explanation may leave over.
 LEFT_OVER = 0.01
-"""The part of another's difference that an explanation may leave over."""
 
+#: How far a step of two programs is apart by rounding: rad of attitude, and parts of the rates and of what changes them.
+#:
+#: The components of a product of unit quaternions are off by 4 units of roundoff each at worst, all four by 8, the angle by 16.
+#: That two programs are at their worst in opposite senses, and are so step after step, is out of the question.
 ROUNDINGS = 16 * 2.0**-53
-"""How far a step of two programs is apart by rounding: rad of attitude, and parts of the rates and of what changes them.
 
-The components of a product of unit quaternions are off by 4 units of roundoff each at worst, all four by 8, the angle by 16.
-That two programs are at their worst in opposite senses, and are so step after step, is out of the question.
-"""
-
+#: Parts of a run; the rounding of each is thought to happen at its start.
 STRETCHES = 200
-"""Parts of a run; the rounding of each is thought to happen at its start."""
 
+#: Relative change of the body rates by which derivatives are taken: half of the digits is all that a bound needs.
 NUDGE = 1e-7
-"""Relative change of the body rates by which derivatives are taken: half of the digits is all that a bound needs."""
 
 
 @dataclass(frozen=True)

@@ -5,17 +5,17 @@ from itertools import count
 
 from bodycheck.casefile.case import Case
 
+#: s
 LARGEST = 0.02
-"""s"""
 
+#: Angle (rad) by which the body may turn in the largest step: with a larger one there is nothing of an order to be seen.
 LARGEST_TURN = 0.25
-"""Angle (rad) by which the body may turn in the largest step: with a larger one there is nothing of an order to be seen."""
 
+#: Steps of a run with the smallest step, which the Pythonic ones take some seconds for.
 MOST_STEPS = 100_000
-"""Steps of a run with the smallest step, which the Pythonic ones take some seconds for."""
 
+#: Time steps of a ladder, whatever the number of steps that they take.
 FEWEST = 6
-"""Time steps of a ladder, whatever the number of steps that they take."""
 
 MANTISSAS = (5.0, 2.0, 1.0)
 

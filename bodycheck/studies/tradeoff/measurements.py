@@ -11,8 +11,8 @@ from bodycheck.reports.quantities import QUANTITIES, Quantity, bound
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.recommendation import COLUMNS, Measured, measured, pareto
 
+#: A row of the tradeoff study.
 Row = Mapping[str, Any]
-"""A row of the tradeoff study."""
 
 COSTS = {"cost", "time_per_step_low", "time_per_step_high"}
 

@@ -18,11 +18,11 @@ from bodycheck.studies.tradeoff.findings import falls_short
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Row
 from bodycheck.studies.tradeoff.recommendation import Measured
 
+#: By engine and integrator: a curve goes through all time steps.
 Lines = Mapping[tuple[str, str], Line]
-"""By engine and integrator: a curve goes through all time steps."""
 
+#: Time steps of one method without figures that are listed.
 MOST_STEPS_NAMED = 4
-"""Time steps of one method without figures that are listed."""
 
 READING = (
     "In each diagram a curve is a method, from its largest time step at the left to its smallest: errors, the largest over the "

@@ -5,16 +5,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+#: A row of the tradeoff study.
 Row = Mapping[str, Any]
-"""A row of the tradeoff study."""
 
+#: Where the error of a quantity stands: the second is that of scenes with friction or drag.
 COLUMNS = {
     "attitude": ("attitude_error",),
     "position": ("position_error",),
     "energy": ("energy_drift", "energy_error"),
     "angular_momentum": ("angular_momentum_drift", "angular_momentum_error"),
 }
-"""Where the error of a quantity stands: the second is that of scenes with friction or drag."""
 
 
 @dataclass(frozen=True)

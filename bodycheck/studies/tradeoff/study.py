@@ -25,9 +25,9 @@ from bodycheck.studies.tradeoff.identification import identify
 from bodycheck.studies.tradeoff.ladder import ladder
 from bodycheck.studies.tradeoff.recommendation import COLUMNS
 
+#: What follows the results' columns: the interval of the time per step (s), evaluations of the accelerations a step, and
+#: seconds of computing for a simulated second.
 COST_COLUMNS = ("time_per_step_low", "time_per_step_high", "evaluations", "cost")
-"""What follows the results' columns: the interval of the time per step (s), evaluations of the accelerations a step, and
-seconds of computing for a simulated second."""
 
 
 def plan(

@@ -15,8 +15,8 @@ from bodycheck.environments import filling as making
 from bodycheck.environments.environments import Unobtainable
 from bodycheck.reference.scene import State
 
+#: More steps than a rollout has.
 STRIDES = np.array([0, 3, 0, 500, 9000, 1])
-"""More steps than a rollout has."""
 
 CASES = ("osrf-boxes-complex", "football-wobble", "sliding-brick")
 MUJOCO = registry.load("mujoco")

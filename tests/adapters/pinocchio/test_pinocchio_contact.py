@@ -19,11 +19,11 @@ PINOCCHIO = registry.load("pinocchio")
 SCHEMES = ("admm", "law-force")
 BRICK, DISK = Brick((0.1, 0.2, 0.05)), Cylinder(0.15, 0.05)
 GRAVITY, FRICTION, SPEED, SPIN = 9.81, 0.5, 2.0, 10.0
+#: Both the time (s) and the distance (m) of the straight slide: v0/(mu g) and v0^2/(2 mu g) at v0 = 2 m/s.
 SLIDE = SPEED / (FRICTION * GRAVITY)
-"""Both the time (s) and the distance (m) of the straight slide: v0/(mu g) and v0^2/(2 mu g) at v0 = 2 m/s."""
 
+#: m/s and rad/s: far above what ADMM's tolerance leaves, and far below what a step takes away.
 AT_REST = 1e-9
-"""m/s and rad/s: far above what ADMM's tolerance leaves, and far below what a step takes away."""
 
 
 def flat(

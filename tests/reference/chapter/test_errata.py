@@ -157,8 +157,8 @@ def test_the_momentum_equation_needs_the_derivative_of_the_energy() -> None:
 
 ALONG = sp.Matrix([cos(ALPHA) * sin(BETA), sin(ALPHA) * sin(BETA), cos(BETA)])
 V1 = sp.Matrix([0, -ALONG[2], ALONG[1]]) / sp.sqrt(cos(BETA) ** 2 + sin(ALPHA) ** 2 * sin(BETA) ** 2)
+#: The unit vectors of [G 2.6, 2.7] as printed.
 V2 = sp.Matrix([ALONG[2], 0, -ALONG[0]]) / sp.sqrt(cos(BETA) ** 2 + cos(ALPHA) ** 2 * sin(BETA) ** 2)
-"""The unit vectors of [G 2.6, 2.7] as printed."""
 
 TURNED = {ALPHA: sp.Rational(2, 5), BETA: sp.Rational(11, 10)}
 DISTANCES = np.array([2.0, 1.5, 1.2])

@@ -92,6 +92,7 @@ TRIADS = {
     "d": (pi / 3, pi / 100, -pi / 3),
     "e": (sp.Integer(0), pi / 2, pi / 2),
 }
+#: I, J, K in the inertial frame, by hand.
 BODY_AXES = {
     "a": (
         (Rational(1, 2) - sqrt(2) / 4, Rational(1, 2) + sqrt(2) / 4, Rational(1, 2)),
@@ -111,7 +112,6 @@ BODY_AXES = {
     ),
     "e": ((0, 0, 1), (-1, 0, 0), (0, -1, 0)),
 }
-"""I, J, K in the inertial frame, by hand."""
 
 
 @pytest.mark.parametrize("part", TRIADS)
@@ -121,6 +121,7 @@ def test_exercise_5_body_axes(part: str) -> None:
     assert close(zxz(*TRIADS[part]), by_hand)
 
 
+#: K, up to its length, and the angles phi = alpha + pi/2 and theta = beta that bring it there.
 DIRECTIONS = {
     "a": ((0, 1, 0), pi, pi / 2),
     "b": ((1, 1, 1), 3 * pi / 4, sp.acos(sqrt(3) / 3)),
@@ -129,7 +130,6 @@ DIRECTIONS = {
     "e": ((1, 0, 1), pi / 2, pi / 4),
     "f": ((0, 1, 1), pi, pi / 4),
 }
-"""K, up to its length, and the angles phi = alpha + pi/2 and theta = beta that bring it there."""
 
 
 @pytest.mark.parametrize("part", DIRECTIONS)
@@ -147,6 +147,7 @@ def test_exercise_6_angles_that_orient_k(part: str) -> None:
         assert close(placed[:, 2], k)
 
 
+#: cos(Omega/2) = cos(theta/2) cos((phi + psi)/2): where phi + psi = 0 that is theta, where theta = 0 it is phi + psi.
 TOTAL_ANGLES = {
     "a": 2 * sp.acos(cos(pi / 8) * sqrt(2) / 2),
     "b": 2 * pi / 3,
@@ -154,7 +155,6 @@ TOTAL_ANGLES = {
     "d": pi / 100,
     "e": 2 * pi / 3,
 }
-"""cos(Omega/2) = cos(theta/2) cos((phi + psi)/2): where phi + psi = 0 that is theta, where theta = 0 it is phi + psi."""
 
 
 @pytest.mark.parametrize("part", TRIADS)
@@ -168,6 +168,7 @@ def test_exercise_7_total_rotation_angle(part: str) -> None:
 
 
 S2, S3, S6 = sqrt(2), sqrt(3), sqrt(6)
+#: A1 of exercise 10, by hand: I along i + j + k, and a turn xi about it.
 PLACED = sp.Matrix(
     [
         [1 / S3, -sin(XI) / S2 + cos(XI) / S6, -cos(XI) / S2 - sin(XI) / S6],
@@ -175,7 +176,6 @@ PLACED = sp.Matrix(
         [1 / S3, -2 * cos(XI) / S6, 2 * sin(XI) / S6],
     ]
 )
-"""A1 of exercise 10, by hand: I along i + j + k, and a turn xi about it."""
 
 
 def test_exercise_10_i_along_the_diagonal() -> None:

@@ -15,8 +15,8 @@ from bodycheck.reference.kinematics import body_rates, quaternion_from_euler, ro
 FULL_TURN = st.floats(-math.pi, math.pi)
 ANGLE = st.floats(-20, 20)
 RATE = st.floats(-100, 100)
+#: rad from the singularity; nearer to it the angles are worse by 1/sin than the matrix, whatever the method.
 AWAY = 0.3
-"""rad from the singularity; nearer to it the angles are worse by 1/sin than the matrix, whatever the method."""
 
 UNIT = st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: math.hypot(*v) > 0.1).map(lambda v: np.array(v) / math.hypot(*v))
 ZXZ = orientation.zxz, orientation.zxz_angles

@@ -28,8 +28,8 @@ from bodycheck.reference import taylor  # noqa: E402
 from bodycheck.reference.integration.sensitivity import growth  # noqa: E402
 from bodycheck.reference.integration.taylor import Rotation, attitude_difference, euler_lagrange, quasi_coordinates  # noqa: E402
 
+#: Unit roundoff of the 80-bit type.
 ROUNDING = float(np.finfo(np.longdouble).eps) / 2
-"""Unit roundoff of the 80-bit type."""
 
 Way = Callable[..., Rotation]
 

@@ -19,17 +19,16 @@ from bodycheck.reference.truth import truth
 from tests.conftest import shortened
 
 TUMBLE = shortened(load("osrf-boxes-complex"), 1.0, 11).scene
+#: Some 4 m/s^2 at first: without a force that depends on the velocity, half of the schemes make no error in the position.
 DRAGGED = replace(TUMBLE, drag=0.5)
-"""Some 4 m/s^2 at first: without a force that depends on the velocity, half of the schemes make no error in the position."""
 
 EULER = [name for name in SCHEMES if "Euler" in name]
 MIDPOINT, AVERAGED, MUNTHE_KAAS = "implicit midpoint", "averaged Runge-Kutta 4", "Runge-Kutta-Munthe-Kaas 4"
 
+#: In attitude, in position with the rotation apart, and in position on the body twist.
+#:
+#: With the rotation apart the translation is in a vector space, where averages of velocities are what they should be.
 ORDERS = dict.fromkeys(EULER, (1, 1, 1)) | {MIDPOINT: (2, 2, 2), AVERAGED: (2, 4, 2), MUNTHE_KAAS: (4, 4, 4)}
-"""In attitude, in position with the rotation apart, and in position on the body twist.
-
-With the rotation apart the translation is in a vector space, where averages of velocities are what they should be.
-"""
 
 
 def stepped(name: str, carrier: str, scene: Scene, timestep: float, strides: list[int]) -> Trajectory:

@@ -25,9 +25,9 @@ from bodycheck.reference.sliding.friction import (
 from bodycheck.reference.sliding.pressure import WouldTip
 from bodycheck.reference.trajectory import Array
 
+#: What a dozen roundings make of sums that cancel up to (1 + FAR)^2-fold, relative to the size of their terms: 1e-14, and room
+#: for quadrature.
 ROUNDING = 1e-12
-"""What a dozen roundings make of sums that cancel up to (1 + FAR)^2-fold, relative to the size of their terms: 1e-14, and room
-for quadrature."""
 
 RECTANGLE = Polygon(rectangle(0.1, 0.2))
 DISK = Disk(0.1)
@@ -35,8 +35,8 @@ SKEW = Polygon(np.array([[0.3, -0.1], [0.2, 0.25], [-0.15, 0.2], [-0.25, -0.1], 
 CORNERS = Points(rectangle(0.1, 0.2))
 FOOTPRINTS = (RECTANGLE, DISK, SKEW, CORNERS)
 
+#: From a parameter in 0..1 to a point (2,) of the boundary and its derivative (2,).
 Curve = Callable[[float], tuple[Array, Array]]
-"""From a parameter in 0..1 to a point (2,) of the boundary and its derivative (2,)."""
 
 
 def boundary(footprint: Polygon | Disk) -> list[Curve]:

@@ -23,8 +23,8 @@ from bodycheck.reference.trajectory import Array
 BRICK = Brick((0.1, 0.2, 0.05))
 DISK = Cylinder(0.1, 0.02)
 TIMES = np.linspace(0, 1.5, 301)
+#: Relative, of stop time, way and yaw.
 GOAL = 1e-12
-"""Relative, of stop time, way and yaw."""
 
 
 def lying(

@@ -45,8 +45,8 @@ ENGINES = {
 }
 
 FLIP, COMPLEX = load("intermediate-axis-flip"), load("osrf-boxes-complex")
+#: In its place, unturned.
 SPUN = State(angular_velocity=COMPLEX.scene.initial.angular_velocity)
-"""In its place, unturned."""
 
 BRIEF = {case.name: shortened(case, 4.0, 401) for case in (FLIP, COMPLEX)}
 

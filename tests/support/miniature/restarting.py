@@ -7,8 +7,8 @@ from miniature import Flight, Miniature, exact
 
 from bodycheck.adapters.contract import EngineReset
 
+#: s, after which they start over.
 LAST = 0.5
-"""s, after which they start over."""
 
 
 @dataclass
