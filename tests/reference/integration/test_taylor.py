@@ -24,7 +24,7 @@ from bodycheck.reference.trajectory import Array
 
 hy = pytest.importorskip("heyoka")
 
-from bodycheck.reference import taylor  # noqa: E402
+from bodycheck.reference.integration import taylor  # noqa: E402
 from bodycheck.reference.integration.sensitivity import growth  # noqa: E402
 from bodycheck.reference.integration.taylor import Rotation, attitude_difference, euler_lagrange, quasi_coordinates  # noqa: E402
 
