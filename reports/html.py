@@ -22,6 +22,12 @@ MEASURE = re.compile(
     r"(?<![\w.&#-])-?\d[\d.]*(?:e-?\d+)?(?: (?:rad/s|rad|m/s²|m/s|ms|m|µs|s|kg m²/s|kg m²|kg|%)(?!\w))?(?![\w;-])"
 )
 
+#: The files of `templates/player` without `.js`, each after those that it uses.
+PLAYER = (
+    "vectors", "tracks", "solids", "view", "elements", "motion", "body", "polhode",
+    "ground", "controls", "legend", "readings", "panels", "player", "start",
+)  # fmt: skip
+
 
 def render(contents: Contents) -> str:
     """The text of report.html for runs."""
@@ -79,12 +85,20 @@ def _page(
         specifications=_json(specifications),
         style=_verbatim((templates / "report.css").read_text("utf-8"), "style"),
         player_style=_verbatim((templates / "player.css").read_text("utf-8"), "style"),
-        player=_verbatim((templates / "player.js").read_text("utf-8"), "script"),
+        player=_verbatim(player(), "script"),
         library=_verbatim(_library(), "script"),
         sorting=_verbatim((templates / "tables.js").read_text("utf-8"), "script"),
         script=_verbatim((templates / "report.js").read_text("utf-8"), "script"),
         **values,
     )
+
+
+def player() -> str:
+    """Return the script that plays motions: its files in one scope, without indentation, blank lines and lines of comment."""
+    folder = resources.files("bodycheck.reports") / "templates" / "player"
+    lines = [line.strip() for name in PLAYER for line in (folder / f"{name}.js").read_text("utf-8").splitlines()]
+    code = "\n".join(line for line in lines if line and not line.startswith("//"))
+    return f'"use strict";\n(() => {{\n{code}\n}})();'
 
 
 @cache

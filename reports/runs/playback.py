@@ -1,4 +1,4 @@
-"""A case in motion: the truth and the runs of one time step as `templates/player.js` plays them side by side."""
+"""A case in motion: the truth and the runs of one time step as `templates/player/` plays them side by side."""
 
 import json
 import math

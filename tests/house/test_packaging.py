@@ -22,7 +22,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_wheel_has_every_file_of_the_package(wheel: Path) -> None:
-    shipped = {"**/*.py", "*.case.toml", "template.toml", "*.schema.json", "templates/*", "py.typed"}
+    shipped = {"**/*.py", "*.case.toml", "template.toml", "*.schema.json", "templates/*.*", "templates/player/*.js", "py.typed"}
     expected = {
         f"bodycheck/{prefix}{path.relative_to(ROOT / folder).as_posix()}"
         for folder, prefix in FOLDERS.items()

@@ -1,0 +1,25 @@
+// The panels: beside each other the truth's body and those of the runs, each with its name, its picture and its readings.
+// Uses elements.js and body.js.
+
+// shown: the runs that are shown, changed in place when the reader chooses another, after which `chosen` is called.
+const panelsOf = ({ truth, runs }, shown, solid, onPlane, chosen) =>
+  [truth, ...shown].map((body, k) => {
+    const { picture, draw } = bodyPicture(solid, onPlane);
+    const words = html("p", { class: "told" });
+    const swatch = html("i", { class: "swatch" });
+    const head = html("div", { class: "head" }, swatch);
+    if (k) {
+      const select = html("select", { "aria-label": `Body ${k + 1} of ${shown.length + 1}` });
+      runs.forEach((run, place) => select.append(html("option", { value: place }, run.label)));
+      select.value = runs.indexOf(body);
+      select.addEventListener("change", () => {
+        shown[k - 1] = runs[select.value];
+        chosen();
+      });
+      head.append(select);
+    } else head.append(html("span", {}, body.label));
+    return { element: html("div", { class: "panel" }, head, picture, words), picture, draw, words, swatch };
+  });
+
+const polhodePanel = ({ picture }) =>
+  html("div", { class: "panel wide" }, html("div", { class: "head" }, "Polhodes"), picture, html("p", { class: "told" }, "angular momentum\nin the body"));

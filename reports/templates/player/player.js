@@ -1,0 +1,146 @@
+// A player: the pictures of one case in motion, with their controls. It is made in a `figure` from the data that
+// reports/runs/playback.py stores.
+// Uses all other files of this folder.
+
+// The trail of the tip of K: how far (rad) the body turns along it at its fastest, and in how many pieces it is drawn.
+const [TRAIL, PIECES] = [16, 120];
+
+const firstAzimuth = (data, { truth, stateOf }) => {
+  if (data.plane) {
+    const [from, to] = [placeAt(truth.course, 0), placeAt(truth.course, data.end)];
+    return Math.atan2(to[1] - from[1], to[0] - from[0]) - Math.PI / 2 + 0.4;
+  }
+  const { momentum } = stateOf(truth, 0);
+  return Math.hypot(momentum[0], momentum[1]) > 0.35 * length(momentum) ? Math.atan2(momentum[1], momentum[0]) - 1.1 : -1;
+};
+
+// The first time at which the runs shown are farthest from the truth, or 0 if they cannot be told from it.
+const firstTime = (data, { truth, stateOf }, shown) => {
+  const apart = (t) => {
+    const exact = stateOf(truth, t);
+    return Math.max(0, ...shown.map((run) => {
+      const state = stateOf(run, t);
+      return (run.turnsAlike ? 0 : angleBetween(state.attitude, exact.attitude)) + (data.plane ? length(minus(state.place, exact.place)) : 0);
+    }));
+  };
+  const instants = Array.from({ length: 201 }, (_, k) => (data.end * k) / 200);
+  const worst = instants.reduce((best, t) => (apart(t) > apart(best) + 1e-6 ? t : best), 0);
+  return apart(worst) > 4 * indistinct(data.within) ? worst : 0;
+};
+
+// Where the tip of K has been for the last `trail` seconds, and where on the plane the centre of mass has been.
+const trailOf = (body, now, trail, tip) =>
+  Array.from({ length: trail ? PIECES + 1 : 0 }, (_, i) => now - trail * (1 - i / PIECES))
+    .filter((t) => t >= 0)
+    .map((t) => rotate(turningAt(body.turning, t).attitude, tip));
+const pastOf = (body, now) => Array.from({ length: 41 }, (_, i) => placeAt(body.course, (now * i) / 40));
+
+const build = (figure) => {
+  const data = JSON.parse(document.getElementById(figure.dataset.player).textContent);
+  const motion = motionOf(data);
+  const { truth, runs, stateOf, fastest } = motion;
+  const solid = solidOf(data.body);
+  const shown = data.shown.map((k) => runs[k]);
+  const bodies = () => [truth, ...shown];
+  const tip = times(solid.exit(AXES[2]).at + AXIS, AXES[2]);
+  const trail = data.plane || !fastest ? 0 : Math.min(data.end, TRAIL / fastest); // s
+
+  const panels = panelsOf(motion, shown, solid, data.plane, () => choose());
+  const polhode = !data.plane && data.momentum ? polhodePicture(data.body, motion) : null;
+  const controls = controlsOf(data.end, fastest);
+  const squares = html("span", {});
+  const status = html("p", { class: "unseen", role: "status" });
+  const warning = html("p", { class: "note", hidden: "" });
+  const stage = html("div", { class: "stage" }, ...panels.map(({ element }) => element));
+  if (polhode) stage.append(polhodePanel(polhode));
+  figure.prepend(stage, controls.element, warning, legendOf(data, trail, polhode, squares), status);
+
+  let [now, azimuth, elevation] = [firstTime(data, motion, shown), firstAzimuth(data, motion), data.plane ? 0.75 : 0.4];
+  // What all pictures have in common, and how they show the plane.
+  let [common, frame] = [null, null];
+  const look = () => {
+    const view = viewFrom(azimuth, elevation);
+    controls.showSide(azimuth);
+    if (!data.plane) return void (common = { view });
+    frame = groundFrame(view, bodies(), data.body.reach);
+    const how = frame.follows ? "each picture goes with its body" : "all on the same piece of the plane";
+    squares.textContent = `${how}, in squares of ${number(frame.step * data.body.reach)} m`;
+    common = groundPaths(frame.view, bodies(), frame.step);
+  };
+
+  const draw = () => {
+    const states = bodies().map((body) => stateOf(body, now));
+    bodies().forEach((body, k) => {
+      const { picture, words } = panels[k];
+      const difference = k ? differenceOf(body, states[k], states[0], data) : { angle: 0, words: turningWords(states[0]) };
+      const { view, grid, courses } = frame?.follows ? groundPaths({ ...frame.view, focus: flat(states[k].place) }, bodies(), frame.step) : common;
+      panels[k].draw(view, states[k], k ? states[0] : null, {
+        colour: body.colour,
+        isTurned: difference.angle > indistinct(data.within),
+        trail: trailOf(body, now, trail, tip),
+        ...(data.plane && { grid, course: courses[k], truthCourse: k ? courses[0] : "", past: pastOf(body, now) }),
+      });
+      words.textContent = difference.words;
+      Object.assign(picture.dataset, { time: now, view: JSON.stringify(view) });
+    });
+    polhode?.draw(states.map(({ momentumInBody }) => momentumInBody));
+    controls.showTime(now);
+    if (!player.isPlaying()) settle();
+  };
+  // Pictures are described once they have stood still for half a second.
+  let pending = 0;
+  const settle = () => {
+    clearTimeout(pending);
+    pending = setTimeout(() => announce(figure, panels, shown, controls.clock.textContent, status), 500);
+  };
+
+  const choose = () => {
+    bodies().forEach(({ colour, label }, k) => {
+      panels[k].swatch.style.background = colour;
+      panels[k].picture.dataset.body = label;
+    });
+    polhode?.choose(bodies());
+    look();
+    draw();
+  };
+  const move = (t) => {
+    now = Math.min(data.end, Math.max(0, t));
+    draw();
+  };
+  const turn = (about, above) => {
+    [azimuth, elevation] = [about, Math.min(1.4, Math.max(data.plane ? 0.2 : -1.4, above))];
+    look();
+    draw();
+  };
+  const warn = () => {
+    const angle = fastest * controls.speed.value * FRAME;
+    warning.hidden = angle < 1;
+    warning.textContent = `At this speed the body turns by up to ${number(angle, 2)} rad from one picture to the next, more than eyes can follow.`;
+  };
+  const player = playing(
+    (elapsed) => {
+      const next = now + elapsed * controls.speed.value;
+      move(next > data.end ? 0 : next);
+    },
+    (isPlaying) => {
+      controls.showPlaying(isPlaying);
+      if (!isPlaying) draw();
+    },
+  );
+
+  connect(controls, data.end, {
+    toggle: player.toggle,
+    moveTo: move,
+    moveBy: (step) => move(now + step),
+    turnTo: (about) => turn(about, elevation),
+    changeSpeed: warn,
+  });
+  panels.forEach(({ picture }) =>
+    picture.addEventListener("pointermove", (event) => {
+      if (event.buttons & 1) turn(azimuth - event.movementX / 100, elevation + event.movementY / 100);
+    }),
+  );
+  new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || player.stop()).observe(figure);
+  choose();
+  warn();
+};

@@ -1,0 +1,19 @@
+// Makes a player when it comes near the window, so that a page of many cases opens at once, and all of them for paper.
+// Uses player.js.
+const ready = (figure) => {
+  if (!figure.dataset.ready) build(figure);
+  figure.dataset.ready = "yes";
+};
+const figures = [...document.querySelectorAll(".player")];
+const observer = new IntersectionObserver(
+  (entries) => {
+    for (const { isIntersecting, target } of entries) {
+      if (!isIntersecting) continue;
+      observer.unobserve(target);
+      ready(target);
+    }
+  },
+  { rootMargin: "600px 0px" },
+);
+figures.forEach((figure) => observer.observe(figure));
+window.addEventListener("beforeprint", () => figures.forEach(ready));
