@@ -1,11 +1,11 @@
-"""Environments: releases of engines, each installed apart, in which bodycheck runs as it runs here.
+"""The environments in the cache folder: obtain, list, measure, run and remove them.
 
-An environment holds an engine's package and what that depends on. All else, bodycheck itself first of all, it has from the
-running interpreter, so that the same code runs in each and nothing of it goes stale. They are kept in the user's cache folder,
-or in that which the environment variable BODYCHECK_CACHE names, apart for each interpreter and what of it they must fit.
+The cache folder is the user's, or the one that the environment variable BODYCHECK_CACHE names. It has a folder for each release
+and each interpreter with the packages that the environment must fit.
 
-One is made under another name and put in its place whole, as the last act, by one process at a time. What an installation that
-was killed has left, the next one removes; an environment that is not sound is made anew.
+An environment is made under a temporary name, by one process at a time, and renamed as the last act, so that it is there either
+whole or not at all. What an installation that was killed leaves behind is removed by the next one, and an environment that is
+damaged is made anew.
 """
 
 import contextlib
@@ -29,14 +29,13 @@ from packaging.version import InvalidVersion, Version
 from platformdirs import user_cache_path
 
 from bodycheck.adapters import registry
-from bodycheck.environments import filling as making
-from bodycheck.environments import installation
-from bodycheck.environments.filling import Release
+from bodycheck.environments import installation, making
 from bodycheck.environments.installation import InstallationFailed, NotOnOffer
+from bodycheck.environments.making import Release
 from bodycheck.running import pool
 from bodycheck.running.outcome import Crashed, TimedOut
 
-if TYPE_CHECKING:  # what asks releases starts processes, which need no tables
+if TYPE_CHECKING:  # the processes that question releases need not import what a campaign does
     from bodycheck.running.campaign import Advance
 
 if sys.platform != "win32":
@@ -47,20 +46,30 @@ CACHE_VARIABLE = "BODYCHECK_CACHE"
 #: The file that only a finished environment has.
 MARKER = "bodycheck.json"
 
-#: Bytes that an installation may take: more than there are.
-AMPLE = 1 << 40
-
-#: Between the name of an environment and what tells those apart that are being made.
+#: Follows the name of an environment in the name of a folder in which one is being made.
 UNFINISHED = ".unfinished-"
+
+#: Memory in bytes that an installation may use: more than any machine has, as installers need no limit.
+INSTALLATION_MEMORY = 1 << 40
 
 
 class Unobtainable(Exception):
-    """A release cannot be had or run here; the text says which, and what failed."""
+    """A release cannot be installed or run here; the text says which one and what failed."""
 
 
 @dataclass(frozen=True)
 class Environment:
-    """A release of an engine that can be run. python: its interpreter."""
+    """The environment of a release.
+
+    Attributes
+    ----------
+    engine
+        The name of the engine in bodycheck.
+    version
+        The version of the release.
+    python
+        The interpreter of the environment.
+    """
 
     engine: str
     version: str
@@ -68,9 +77,9 @@ class Environment:
 
 
 def releases(engine: str) -> tuple[str, ...]:
-    """All releases of an engine's package that the configured index has for this Python, ascending; no pre-releases.
+    """Return all releases of an engine that the package sources have for this Python, ascending, without pre-releases.
 
-    Raises `Unobtainable`, also where there is no index to ask.
+    Raises `Unobtainable` if they cannot be listed.
     """
     try:
         listed = [Version(text) for text in installation.versions(_distribution(engine))]
@@ -80,23 +89,40 @@ def releases(engine: str) -> tuple[str, ...]:
 
 
 def obtain(engine: str, version: str) -> Environment:
-    """The environment of a release, from the cache or made now. Raises `Unobtainable`."""
+    """Return the environment of a release, which is made if there is none. Raises `Unobtainable`."""
     release = _release(engine, version)
     folder = _folder(release)
     with _alone_with(folder):
-        _clear_leftovers(folder)
-        if not ((folder / MARKER).is_file() and making.is_sound(folder, release)):
+        _remove_unfinished(folder)
+        if not ((folder / MARKER).is_file() and making.is_intact(folder, release)):
             _remove(folder)
             _make(folder, release)
     return Environment(engine, release.version, installation.interpreter(folder))
 
 
 def obtain_all(engine: str, versions: Sequence[str], jobs: int, progress: "Advance") -> dict[str, Environment | Unobtainable]:
-    """The environments of releases, made in `jobs` processes, or why there is none; progress is told of each."""
+    """Obtain the environments of several releases at once.
+
+    Parameters
+    ----------
+    engine
+        The name of the engine.
+    versions
+        The releases; repeated ones count once.
+    jobs
+        The number of processes.
+    progress
+        Called when a release is done.
+
+    Returns
+    -------
+    dict
+        For each version its environment, or the error that says why there is none.
+    """
     tasks = [(engine, version) for version in dict.fromkeys(versions)]
-    limit = len(making.ATTEMPTS) * installation.TIME_LIMIT
+    limit = len(making.ATTEMPTS) * installation.CALL_LIMIT_S
     found: dict[str, Environment | Unobtainable] = {}
-    with closing(pool.call_all(_try_to_obtain, tasks, jobs, limit, memory=AMPLE)) as answers:
+    with closing(pool.call_all(_try_to_obtain, tasks, jobs, limit, INSTALLATION_MEMORY)) as answers:
         for (_, version), result in answers:
             match result:
                 case Crashed() | TimedOut():
@@ -108,32 +134,38 @@ def obtain_all(engine: str, versions: Sequence[str], jobs: int, progress: "Advan
 
 
 def cached(engine: str) -> tuple[str, ...]:
-    """The releases of an engine whose environments are there, ascending. Raises `Unobtainable` for one that there is not."""
+    """Return the versions of an engine that have an environment, ascending. Raises `Unobtainable` for an unknown engine."""
     _distribution(engine)
     there = [marker.parent.parent.name for marker in (_home() / engine).glob(f"*/{_fit()}/{MARKER}")]
     return tuple(map(str, sorted(map(Version, there))))
 
 
 def kept(engine: str) -> dict[str, Environment]:
-    """The same environments by version; whether they are sound, `obtain` sees. Raises as above."""
+    """Return the environments of an engine by version, ascending. Raises `Unobtainable` for an unknown engine.
+
+    Only `obtain` checks whether they are intact.
+    """
     folders = {version: _folder(_release(engine, version)) for version in cached(engine)}
     return {version: Environment(engine, version, installation.interpreter(folder)) for version, folder in folders.items()}
 
 
 def size(environment: Environment) -> int:
-    """Bytes that an environment takes on the disk; files that uv shares with its own cache count here too."""
+    """Return the disk space in bytes of an environment, including the files that it shares with uv's cache."""
     folder = _folder(_release(environment.engine, environment.version))
     return sum(file.lstat().st_blocks * 512 for file in folder.rglob("*"))
 
 
 def remove(engine: str, versions: Sequence[str]) -> tuple[str, ...]:
-    """Delete the environments of releases, those for other interpreters too; the versions of which there was one."""
+    """Delete the environments of releases, for all interpreters, and return the versions that had one.
+
+    Raises `Unobtainable` for an unknown engine and for what is not a version.
+    """
     removed = []
     for version in versions:
-        places = _folder(_release(engine, version)).parent
-        for folder in sorted(path.parent for path in places.glob(f"*/{MARKER}")):
+        folder_of_version = _folder(_release(engine, version)).parent
+        for folder in sorted(path.parent for path in folder_of_version.glob(f"*/{MARKER}")):
             with _alone_with(folder):
-                _clear_leftovers(folder)
+                _remove_unfinished(folder)
                 _remove(folder)
             removed.append(version)
     return tuple(dict.fromkeys(removed))
@@ -142,18 +174,36 @@ def remove(engine: str, versions: Sequence[str]) -> tuple[str, ...]:
 def run(
     environment: Environment, module: str, arguments: Sequence[str], stdin: str | None, timeout: float
 ) -> CompletedProcess[str]:
-    """`python -m module` in an environment, with at most `pool.MEMORY` bytes; it ends with this process or after `timeout` s.
+    """Run `python -m module` in an environment, with at most `pool.MEMORY` bytes of memory. It ends when this process does.
 
-    Raises `subprocess.TimeoutExpired`, and `Unobtainable` where the environment has gone.
+    Parameters
+    ----------
+    environment
+        The environment.
+    module
+        The module to run.
+    arguments
+        The arguments of the module.
+    stdin
+        The text of its standard input; None for an empty one.
+    timeout
+        Seconds after which it is killed.
+
+    Raises
+    ------
+    subprocess.TimeoutExpired
+        It took longer than `timeout`.
+    Unobtainable
+        The environment is no longer there.
     """
     try:
-        return making.call(environment.python, ["-m", module, *arguments], stdin, timeout)
+        return making.run(environment.python, ["-m", module, *arguments], stdin, timeout)
     except OSError as error:
         raise Unobtainable(f"{environment.engine} {environment.version} has gone: {error}") from error
 
 
 def cache_folder() -> Path:
-    """Where bodycheck keeps what it can make again."""
+    """Return the folder in which bodycheck keeps what it can make again."""
     chosen = os.environ.get(CACHE_VARIABLE)
     return Path(chosen).absolute() if chosen else user_cache_path("bodycheck")
 
@@ -166,30 +216,34 @@ def _try_to_obtain(task: tuple[str, str]) -> Environment | Unobtainable:
 
 
 def _make(folder: Path, release: Release) -> None:
-    """Install a release apart and, only when all is well, put it in its place. Raises `Unobtainable`."""
+    """Make the environment of a release and put it in its place. Raises `Unobtainable`."""
     failures: list[str] = []
     usable: Path | None = None
-    with contextlib.ExitStack() as kept:
+    with contextlib.ExitStack() as stack:
         for attempt in making.ATTEMPTS:
-            made = kept.enter_context(_temporary(folder))
+            temporary = tempfile.TemporaryDirectory(
+                prefix=f"{folder.name}{UNFINISHED}", dir=folder.parent, ignore_cleanup_errors=True
+            )
+            made = Path(stack.enter_context(temporary))
             try:
-                faultless = making.fill(made, release, attempt)
+                passes = making.make(made, release, attempt)
             except InstallationFailed as error:
                 failures.append(str(error))
                 if isinstance(error, NotOnOffer):
                     break
                 continue
-            if faultless:
+            if passes:
                 usable = made
                 break
-            usable = usable or made  # if no attempt is without faults, it is the engine that has them, for a study to tell
+            # If the engine fails checks after every attempt, the release itself is at fault, which a study is to find out.
+            usable = usable or made
         if usable is None:
             raise Unobtainable(f"{release.engine} {release.version} cannot be had here: {failures[0]}")
         _finish(usable, folder, release)
 
 
 def _finish(made: Path, folder: Path, release: Release) -> None:
-    """Write an environment to the disk for good, and put it in its place at one stroke."""
+    """Make sure that all files of a new environment are on the disk, and give it its name."""
     if sys.platform != "win32":
         os.sync()
     with (made / MARKER).open("w", encoding="utf-8") as marker:
@@ -200,6 +254,7 @@ def _finish(made: Path, folder: Path, release: Release) -> None:
 
 
 def _distribution(engine: str) -> str:
+    """Return the name of an engine's package in indexes. Raises `Unobtainable` for an unknown engine."""
     try:
         return registry.distribution(engine)
     except registry.EngineMissing as error:
@@ -207,7 +262,7 @@ def _distribution(engine: str) -> str:
 
 
 def _release(engine: str, version: str) -> Release:
-    """Raises `Unobtainable` for what is no version by PEP 440: a version is a stranger's word, and becomes a folder's name."""
+    """Return a release. Raises `Unobtainable` for what is not a version by PEP 440, as the version becomes a folder's name."""
     distribution = _distribution(engine)
     try:
         return Release(engine, distribution, str(Version(version)))
@@ -220,14 +275,14 @@ def _home() -> Path:
 
 
 def _folder(release: Release) -> Path:
-    """Where the environment of a release is, finished or not."""
+    """Return the folder of the environment of a release, whether it is there or not."""
     return _home() / release.engine / release.version / _fit()
 
 
 @cache
 def _fit() -> str:
-    """A name for the running interpreter and the packages of it that an environment must fit."""
-    versions = [f"{package} {metadata.version(package)}" for package in ("numpy", *making.COMPILED)]
+    """Return a name for the running interpreter and those of its packages that an environment must fit."""
+    versions = [f"{package} {metadata.version(package)}" for package in ("numpy", *making.NUMPY_DEPENDENTS)]
     fits = repr((sys.prefix, making.site_folders(), versions))
     abi = sysconfig.get_config_var("SOABI") or f"{sys.implementation.cache_tag}-{sysconfig.get_platform()}"
     return f"{abi}-{sha256(fits.encode()).hexdigest()[:12]}"
@@ -235,7 +290,7 @@ def _fit() -> str:
 
 @contextlib.contextmanager
 def _alone_with(folder: Path) -> Iterator[None]:
-    """Waits until no other process works on an environment and keeps others from it, until this one ends, however it does."""
+    """Wait until no other process works on an environment, and keep others from it in this context."""
     folder.parent.mkdir(parents=True, exist_ok=True)
     with folder.with_name(f"{folder.name}.lock").open("a") as lock:
         if sys.platform != "win32":
@@ -243,24 +298,14 @@ def _alone_with(folder: Path) -> Iterator[None]:
         yield
 
 
-@contextlib.contextmanager
-def _temporary(folder: Path) -> Iterator[Path]:
-    """A folder beside another, that is gone afterwards unless it has been moved."""
-    made = Path(tempfile.mkdtemp(prefix=f"{folder.name}{UNFINISHED}", dir=folder.parent))
-    try:
-        yield made
-    finally:
-        shutil.rmtree(made, ignore_errors=True)
-
-
-def _clear_leftovers(folder: Path) -> None:
-    """Remove what installations that were killed have left. To be called by whoever is alone with the folder."""
+def _remove_unfinished(folder: Path) -> None:
+    """Remove what installations that were killed have left. The caller must be alone with the folder."""
     for left in folder.parent.glob(f"{folder.name}{UNFINISHED}*"):
         shutil.rmtree(left, ignore_errors=True)
 
 
 def _remove(folder: Path) -> None:
-    """The marker first, so that half an environment is never taken for one."""
+    """Remove an environment, its marker first, so that half an environment never counts as one."""
     if folder.exists():
         (folder / MARKER).unlink(missing_ok=True)
         shutil.rmtree(folder)

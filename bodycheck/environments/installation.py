@@ -1,101 +1,106 @@
-"""Installing packages into environments of their own: by uv where it is, else by pip, from where pip is configured to look.
+"""Virtual environments and the packages in them, made by uv from the package sources for which pip is configured.
 
-Only wheels are installed: what an index has only as sources would have to be built, by code of its own.
+Only wheels are installed: a source distribution would have to be built, which runs code of its own.
 """
 
 import ast
-import contextlib
-import ctypes
-import functools
-import importlib.util
 import os
 import platform
 import re
-import shutil
-import signal
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
-from subprocess import DEVNULL, PIPE, CompletedProcess, Popen
 
-from bodycheck.running.limits import PR_SET_PDEATHSIG
+from uv import find_uv_bin
 
-if sys.platform != "win32":
-    import resource
+from bodycheck.environments import subprocesses
 
-#: Seconds that one installation may take.
-TIME_LIMIT = 900.0
+#: Longest time in s that one call of uv or pip may take.
+CALL_LIMIT_S = 900.0
 
-#: pip's options that say where packages come from, and how they are fetched.
-SOURCES = ("index-url", "extra-index-url", "find-links", "no-index", "trusted-host", "cert", "proxy", "timeout")
-
-#: What uv calls them.
-UV_NAMES = {
+#: pip's options for package sources and how these are reached, with the environment variable by which uv is told the same.
+UV_VARIABLES = {
     "index-url": "UV_DEFAULT_INDEX",
     "extra-index-url": "UV_EXTRA_INDEX_URL",
     "find-links": "UV_FIND_LINKS",
-    "no-index": "UV_NO_INDEX",
     "trusted-host": "UV_INSECURE_HOST",
     "cert": "SSL_CERT_FILE",
     "proxy": "ALL_PROXY",
     "timeout": "UV_HTTP_TIMEOUT",
+    "default-timeout": "UV_HTTP_TIMEOUT",
 }
 
+#: Sections of pip's configuration that hold for an installation; a later one overrides those before it.
+PIP_SECTIONS = ("global", "install", ":env:")
+
+#: What uv and pip report when an index does not answer.
 UNREACHABLE = re.compile(
     r"connection (error|refused|broken)|new connection|name resolution|timed out|dns error|failed to fetch|error sending",
     re.IGNORECASE,
 )
-NOT_THERE = ("there is no version of {}", "No matching distribution found for {}")
-#: What installers say of a requirement.
+#: What uv reports of a requirement that the index does not have.
+NOT_THERE = "there is no version of {}"
+#: What uv reports of a requirement that the index has, but not as a wheel that fits.
 NO_WHEEL = ("{} has no usable wheels", "{} has no wheels")
 
 
 class InstallationFailed(Exception):
-    """An installer says no; the text is its own reason, in one line."""
+    """uv or pip failed; the text is the reason that it gives, on one line."""
 
 
 class NotOnOffer(InstallationFailed):
-    """What was asked for cannot be had from the index, in whatever way."""
+    """The package sources do not have what was asked for, or cannot be reached: another attempt would fail as well."""
 
 
 def interpreter(folder: Path) -> Path:
-    """The Python of an environment in a folder."""
+    """Return the Python interpreter of the virtual environment in a folder."""
     return folder / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
 
 
 def make(folder: Path) -> None:
-    """An environment of the running Python without any package. Raises `InstallationFailed`."""
-    _installer([sys.executable, "-m", "venv", "--without-pip", str(folder)])
+    """Make a virtual environment of the running Python, without packages, in an empty folder. Raises `InstallationFailed`."""
+    # Relocatable, as the folder gets its final name only when the environment is finished.
+    command = [find_uv_bin(), "venv", "--quiet", "--no-project", "--relocatable", "--python", sys.executable, str(folder)]
+    _output(command, os.environ)
 
 
 def install(folder: Path, requirements: Sequence[str], constraints: Sequence[str] = (), day: datetime | None = None) -> None:
-    """Install requirements and what they depend on. Raises `InstallationFailed`.
+    """Install packages and what they depend on into the virtual environment in a folder.
 
-    constraints: on any of it. day: until when what is installed was uploaded, which only uv can see to.
+    Parameters
+    ----------
+    folder
+        The folder of the virtual environment.
+    requirements
+        What to install, each as `NAME==VERSION`.
+    constraints
+        Conditions on the versions of all packages that are installed.
+    day
+        Ignore what was uploaded to the index after this time; None to ignore nothing.
+
+    Raises
+    ------
+    NotOnOffer
+        There is no wheel of a requirement, or the index cannot be reached.
+    InstallationFailed
+        uv failed for another reason.
     """
     limits = folder / "constraints.txt"
     limits.write_text("\n".join(constraints), "utf-8")
-    options = ["--only-binary", ":all:", "--constraint", str(limits), *requirements]  # `_failure` looks at the last
-    python = str(interpreter(folder))
-    if (uv := _uv()) is not None:
-        until = ["--exclude-newer", day.isoformat()] if day is not None else []
-        _installer([uv, "pip", "install", "--python", python, "--quiet", *until, *options], _for_uv())
-        return
-    _installer([python, "-m", "ensurepip", "--default-pip"])
-    _installer([python, "-m", "pip", "install", "--quiet", "--no-input", *options], _for_pip())
-    _installer([python, "-m", "pip", "uninstall", "--quiet", "--yes", "pip", "setuptools"], _for_pip())
+    until = ["--exclude-newer", day.isoformat()] if day is not None else []
+    options = ["--quiet", "--only-binary", ":all:", "--constraint", str(limits), *until]
+    _uv_pip(["install", "--python", str(interpreter(folder)), *options, *requirements], requirements)
 
 
 def release_day(distribution: str, version: str) -> datetime | None:
-    """When the last wheel of a release was uploaded; None where that cannot be found out: not by pip, not of local files."""
-    if (uv := _uv()) is None:
-        return None
+    """Return when the last wheel of a release was uploaded; None if the package source does not tell, as a folder of wheels."""
     options = ["--quiet", "--no-deps", "--only-binary", ":all:", "--format", "pylock.toml", "--python", sys.executable]
+    requirement = f"{distribution}=={version}"
     try:
-        lock = tomllib.loads(_installer([uv, "pip", "compile", *options, "-"], _for_uv(), f"{distribution}=={version}"))
+        lock = tomllib.loads(_uv_pip(["compile", *options, "-"], [requirement], stdin=requirement))
     except (InstallationFailed, tomllib.TOMLDecodeError):
         return None
     wheels = [wheel for package in lock.get("packages", []) for wheel in package.get("wheels", [])]
@@ -103,141 +108,71 @@ def release_day(distribution: str, version: str) -> datetime | None:
 
 
 def versions(distribution: str) -> tuple[str, ...]:
-    """The releases of a distribution that the configured index has, in no order. Raises `InstallationFailed`."""
-    said = _installer([*_pip(), "index", "versions", distribution, "--retries", "1"], _for_pip())
-    listed = re.search(r"^Available versions: *(.*)$", said, re.MULTILINE)
+    """Return the releases of a distribution in the package sources, in no order. Raises `InstallationFailed`.
+
+    pip lists them, as uv has no command for that.
+    """
+    listing = _pip("index", "versions", distribution, "--retries", "1")
+    listed = re.search(r"^Available versions: *(.*)$", listing, re.MULTILINE)
     return tuple(re.split(r", *", listed[1].strip())) if listed else ()
 
 
-def call(
-    command: Sequence[str], environment: Mapping[str, str], stdin: str | None, timeout: float, memory: int | None = None
-) -> CompletedProcess[str]:
-    """A command's outcome. It and what it starts end with this process, with an interruption of it, or after `timeout` s.
+def _uv_pip(arguments: Sequence[str], requirements: Sequence[str], stdin: str | None = None) -> str:
+    """Run `uv pip` with the package sources of pip and return its stdout. Raises `InstallationFailed`.
 
-    memory: bytes that it may take, where the system can hold it to that. Raises `subprocess.TimeoutExpired`.
+    requirements: those that uv is asked for.
     """
-    with Popen(
-        command,
-        stdin=DEVNULL if stdin is None else PIPE,
-        stdout=PIPE,
-        stderr=PIPE,
-        env=dict(environment),
-        encoding="utf-8",
-        errors="replace",
-        start_new_session=True,
-        preexec_fn=_bound_to_this_process(memory),
-    ) as process:
-        try:
-            stdout, stderr = process.communicate(stdin, timeout)
-        except BaseException:
-            _kill(process)
-            raise
-    return CompletedProcess(command, process.returncode, stdout, stderr)
+    options = _pip_options()
+    variables = {UV_VARIABLES[option]: value for option, value in options.items() if option in UV_VARIABLES}
+    if "UV_FIND_LINKS" in variables:
+        variables["UV_FIND_LINKS"] = ",".join(variables["UV_FIND_LINKS"].split())
+    # pip chooses the best version among all its indexes; by default uv looks no further than the first that has the package.
+    variables["UV_INDEX_STRATEGY"] = "unsafe-best-match"
+    # There is no environment variable for this option.
+    no_index = ["--no-index"] if options.get("no-index", "").lower() in ("1", "true", "t", "yes", "y", "on") else []
+    command = [find_uv_bin(), "pip", *arguments, *no_index]
+    return _output(command, {**os.environ, **variables}, requirements, stdin)
 
 
-def _bound_to_this_process(memory: int | None) -> Callable[[], None] | None:
-    """What a child does before it becomes another program: it asks to be killed when its parent ends."""
-    if sys.platform != "linux":
-        return None
-    libc, parent = ctypes.CDLL(None), os.getpid()
-
-    def bind() -> None:
-        libc.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent:
-            os._exit(1)
-        if memory is not None:
-            _, hard = resource.getrlimit(resource.RLIMIT_DATA)
-            resource.setrlimit(resource.RLIMIT_DATA, (memory, hard))
-
-    return bind
+def _pip_options() -> dict[str, str]:
+    """Return pip's options as its configuration files and environment variables set them. Raises `InstallationFailed`."""
+    found: dict[str, dict[str, str]] = {section: {} for section in PIP_SECTIONS}
+    for line in _pip("config", "list").splitlines():
+        key, _, quoted = line.partition("=")
+        section, _, option = key.rpartition(".")
+        if section in found and (value := str(ast.literal_eval(quoted))):  # pip ignores options that are empty
+            found[section][option] = value
+    return {option: value for section in PIP_SECTIONS for option, value in found[section].items()}
 
 
-def _kill(process: Popen[str]) -> None:
-    """End a process and those that it started."""
-    if sys.platform == "win32":
-        process.kill()
-        return
-    with contextlib.suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
+def _pip(*arguments: str) -> str:
+    """Run pip and return its stdout. Raises `InstallationFailed`."""
+    return _output([sys.executable, "-m", "pip", "--disable-pip-version-check", *arguments], os.environ)
 
 
-def _installer(command: Sequence[str], environment: Mapping[str, str] | None = None, stdin: str | None = None) -> str:
-    """What an installer prints. Raises `InstallationFailed`."""
+def _output(
+    command: Sequence[str], variables: Mapping[str, str], requirements: Sequence[str] = (), stdin: str | None = None
+) -> str:
+    """Run a command and return its stdout. Raises `InstallationFailed`."""
     try:
-        done = call(command, os.environ if environment is None else environment, stdin, TIME_LIMIT)
+        done = subprocesses.run(command, variables, stdin, CALL_LIMIT_S)
     except subprocess.TimeoutExpired as error:
-        raise InstallationFailed(f"it was not installed within {TIME_LIMIT:g} s") from error
+        raise InstallationFailed(f"it was not installed within {CALL_LIMIT_S:g} s") from error
     except OSError as error:
         raise InstallationFailed(f"{command[0]} cannot be run: {error}") from error
     if done.returncode:
-        raise _failure(done.stderr or done.stdout, command[-1])
+        raise _failure(done.stderr or done.stdout, requirements)
     return done.stdout
 
 
-def _failure(text: str, requirement: str) -> InstallationFailed:
-    """What matters of an installer's complaint, in one line; requirement: what it was asked for."""
+def _failure(text: str, requirements: Sequence[str]) -> InstallationFailed:
+    """Return an error whose message is the reason in what uv or pip printed, on one line."""
     lines = [line.strip(" ×╰─▶│├") for line in text.splitlines()]
-    told = " ".join(line for line in lines if line and not line.startswith(("hint:", "WARNING:", "[notice]")))
+    reason = " ".join(line for line in lines if line and not line.startswith(("hint:", "WARNING:", "[notice]")))
     if UNREACHABLE.search(text):
-        return NotOnOffer(f"the index cannot be reached: {told}")
-    if any(words.format(requirement) in told for words in NO_WHEEL):
+        return NotOnOffer(f"the index cannot be reached: {reason}")
+    if any(words.format(requirement) in reason for words in NO_WHEEL for requirement in requirements):
         return NotOnOffer(f"there is no wheel of it for Python {platform.python_version()} on this platform")
-    if any(words.format(requirement) in told for words in NOT_THERE):
+    if any(NOT_THERE.format(requirement) in reason for requirement in requirements):
         return NotOnOffer("the index has no wheel of this version")
-    return InstallationFailed(told or "the installer gives no reason")
-
-
-def _uv() -> str | None:
-    """Where uv is: beside the running interpreter, or on the path."""
-    beside = shutil.which("uv", path=str(Path(sys.executable).parent))
-    return beside or shutil.which("uv")
-
-
-def _pip() -> list[str]:
-    """How pip is called."""
-    if importlib.util.find_spec("pip") is not None:
-        return [sys.executable, "-m", "pip"]
-    if (uv := _uv()) is not None:
-        return [uv, "tool", "run", "--quiet", "--python", sys.executable, "pip"]
-    raise InstallationFailed("neither pip nor uv is installed")
-
-
-@functools.cache
-def _configured() -> dict[str, str]:
-    """What pip's configuration files say of `SOURCES`."""
-    try:
-        listed = _installer([*_pip(), "config", "list"])
-    except InstallationFailed:  # no pip, and no network to get one
-        return {}
-    found = {}
-    # The sections of single commands come after that for all, and decide.
-    for line in sorted(listed.splitlines(), key=lambda line: not line.startswith("global.")):
-        key, _, value = line.partition("=")
-        option = key.rpartition(".")[2]
-        if option in SOURCES and not key.startswith(":env:"):
-            found[option] = str(ast.literal_eval(value))
-    return found
-
-
-def _sources() -> dict[str, str]:
-    """What pip is configured with of `SOURCES`: its environment variables decide."""
-    variables = {option: os.environ.get(_pip_variable(option), "") for option in SOURCES}
-    return _configured() | {option: value for option, value in variables.items() if value}
-
-
-def _pip_variable(option: str) -> str:
-    return f"PIP_{option.upper().replace('-', '_')}"
-
-
-def _for_pip() -> dict[str, str]:
-    """The environment variables with which a pip of any environment looks where this one's pip does."""
-    names = {_pip_variable(option): value for option, value in _sources().items()}
-    return {**os.environ, **names, "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
-
-
-def _for_uv() -> dict[str, str]:
-    """Those with which uv does. pip takes all its indexes for equal; uv does where it is told to."""
-    names = {UV_NAMES[option]: value for option, value in _sources().items()}
-    if "UV_FIND_LINKS" in names:
-        names["UV_FIND_LINKS"] = ",".join(names["UV_FIND_LINKS"].split())
-    return {**os.environ, "UV_INDEX_STRATEGY": "unsafe-best-match", **names}
+    return InstallationFailed(reason or "the installer gives no reason")

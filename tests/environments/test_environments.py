@@ -16,7 +16,7 @@ import pytest
 
 import bodycheck
 from bodycheck.adapters import registry
-from bodycheck.environments import environments, installation
+from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment, Unobtainable
 from tests.conftest import MINIATURES
 from tests.support import wheels
@@ -109,13 +109,25 @@ def test_what_is_there_is_used_without_an_index(environment: Environment, monkey
     assert made_at(environment) == made
 
 
-@pytest.mark.slow  # it is installed into the environment first
-def test_pip_does_where_there_is_no_uv(wheel: Callable[..., Path], monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(installation, "_uv", lambda: None)
-    wheel("1.1")
-    by_pip = environments.obtain("toy", "1.1")
-    assert there(by_pip)["toy_engine"][0] == "1.1"
-    assert [path.name for path in own_packages(by_pip).glob("*.dist-info")] == ["toy_engine-1.1.dist-info"]
+def test_package_sources_are_those_for_which_pip_is_configured(
+    place: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By a file alone, whose section for installations overrides the one for all commands."""
+    for variable in ("PIP_NO_INDEX", "PIP_FIND_LINKS", "PIP_INDEX_URL", "PIP_EXTRA_INDEX_URL"):
+        monkeypatch.delenv(variable, raising=False)
+    (tmp_path / "empty").mkdir()
+    wheels.wheel(tmp_path / "wheels", "8.0")
+    wheels.index(tmp_path / "index", wheels.wheel(tmp_path / "elsewhere", "8.1"))
+    folders = f"find-links =\n    {tmp_path / 'empty'}\n    {tmp_path / 'wheels'}\n"
+    sources = f"[global]\n{folders}index-url = {(tmp_path / 'index').as_uri()}\nno-index = "
+    monkeypatch.setenv("PIP_CONFIG_FILE", str(tmp_path / "pip.conf"))
+    (tmp_path / "pip.conf").write_text(f"{sources}true\n")
+    assert environments.releases("toy") == ("8.0",)
+    assert environments.obtain("toy", "8.0").version == "8.0"
+    with pytest.raises(Unobtainable, match="the index has no wheel of this version"):
+        environments.obtain("toy", "8.1")
+    (tmp_path / "pip.conf").write_text(f"{sources}true\n[install]\nno-index = false\n")
+    assert environments.obtain("toy", "8.1").version == "8.1"
 
 
 def test_releases_are_listed_in_the_order_of_their_versions(
@@ -230,12 +242,12 @@ def test_what_is_broken_is_made_anew_and_what_is_removed_is_gone(
 OBTAIN = """
 import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts in the background ignores it
-from bodycheck.environments import environments, filling as making
-fill = making.fill
+from bodycheck.environments import environments, making
+make = making.make
 def told(*arguments):
     print("made", flush=True)
-    return fill(*arguments)
-making.fill = told
+    return make(*arguments)
+making.make = told
 environments.obtain("toy", sys.argv[1])
 """
 

@@ -57,6 +57,13 @@ def wheel(folder: Path, version: str, body: str = 'KIND = "exact"', requires: tu
     return path
 
 
+def index(folder: Path, wheel: Path) -> None:
+    """A package index that has one wheel of the engine's package."""
+    page = folder / "toy-engine" / "index.html"
+    page.parent.mkdir(parents=True)
+    page.write_text(f'<!DOCTYPE html><a href="{wheel.as_uri()}">{wheel.name}</a>')
+
+
 def install(folder: Path, version: str) -> None:
     """The package as it is where it was installed."""
     with zipfile.ZipFile(wheel(folder / "wheel", version)) as archive:

@@ -10,8 +10,7 @@ from bodycheck import load
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import EngineReset, Method
 from bodycheck.adapters.mujoco import stepping as mujoco_stepping
-from bodycheck.environments import environments
-from bodycheck.environments import filling as making
+from bodycheck.environments import environments, making
 from bodycheck.environments.environments import Unobtainable
 from bodycheck.reference.scene import State
 
@@ -78,7 +77,7 @@ def test_a_release_does_what_it_can_and_says_what_it_cannot(engine: str, version
     except Unobtainable as error:
         pytest.skip(str(error))
     cases = ("osrf-boxes-complex", "free-brick", "sliding-brick")
-    done = making.call(environment.python, ["-c", FIGURES, engine, *cases], None, 600.0)
+    done = making.run(environment.python, ["-c", FIGURES, engine, *cases], None, 600.0)
     assert done.returncode == 0, done.stderr
     said, found = json.loads(done.stdout)
     assert said == version

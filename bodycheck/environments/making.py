@@ -1,0 +1,240 @@
+"""How an environment is made in an empty folder: a release of an engine that can be imported, beside bodycheck itself.
+
+The environment holds the release and the packages that it depends on, and these come first on `sys.path`. The packages of the
+running interpreter follow, added by a .pth file that Python reads when it starts. Three kinds of conflict are met here:
+
+- A package that was compiled against NumPy 1 may fail with NumPy 2 although its metadata allow it.
+- A dependency may have newer releases by now with which the engine's release cannot be imported.
+- With an old NumPy, the SciPy, pandas and PyArrow of the running interpreter may fail to import. The environment then gets the
+  oldest releases of them that bodycheck supports, which are from the time of NumPy 1.
+"""
+
+import os
+import site
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import timedelta
+from importlib import metadata
+from pathlib import Path
+from subprocess import CompletedProcess
+
+from packaging.requirements import Requirement
+from packaging.version import InvalidVersion, Version
+
+from bodycheck.environments import installation, subprocesses
+from bodycheck.environments.installation import InstallationFailed
+from bodycheck.running import pool
+
+#: The environment variable that names the folders, other than site-packages, from which the running interpreter imports.
+PATH_VARIABLE = "BODYCHECK_PATH"
+
+#: Dependencies of bodycheck that are compiled against NumPy, each with a module whose import shows whether it works with the
+#: NumPy that is installed.
+NUMPY_DEPENDENTS = {"scipy": "scipy.integrate", "pandas": "pandas", "pyarrow": "pyarrow.parquet"}
+
+#: With `Attempt.as_of_release`, packages uploaded up to this long after the release are used: wheels often come later.
+UPLOAD_DELAY = timedelta(days=14)
+
+#: Longest time in s that one inspection of an environment may take.
+INSPECTION_LIMIT_S = 120.0
+
+#: The .pth file that adds the packages of the running interpreter, and what their own .pth files add. Python reads such files
+#: in the order of their names; with a tilde this one is read last, so that all folders of the environment come before.
+PATH_FILE = "~bodycheck.pth"
+PATH_FILE_LINES = """\
+import site; list(map(site.addsitedir, {folders!r}))
+import os, sys; sys.path.extend(filter(None, os.environ.get({variable!r}, "").split(os.pathsep)))
+"""
+
+#: Code that checks that all files have the size that they were installed with, and prints the version of a package.
+VERSION_OF_INTACT_PACKAGE = """
+import csv, importlib.metadata, os, sys, sysconfig
+root = sysconfig.get_path("purelib")
+for folder in os.listdir(root):
+    if folder.endswith(".dist-info"):
+        for name, _, size in csv.reader(open(os.path.join(root, folder, "RECORD"), encoding="utf-8", newline="")):
+            if size and os.stat(os.path.join(root, name)).st_size != int(size):
+                sys.exit(f"{name} is not what was installed")
+print(importlib.metadata.version(sys.argv[1]))
+"""
+
+#: Code that prints which packages do not work with the NumPy of the environment.
+PACKAGES_THAT_FAIL = """
+import importlib, sys, warnings
+warnings.simplefilter("error", UserWarning)
+for package, module in zip(sys.argv[1::2], sys.argv[2::2]):
+    try:
+        importlib.import_module(module)
+    except Exception:
+        print(package)
+"""
+
+#: Code that prints how many checks of its adapter an engine fails; its exit code is not 0 if the engine cannot be imported.
+NUMBER_OF_FAILED_CHECKS = """
+import sys
+from bodycheck.adapters import registry
+try:
+    registry.load(sys.argv[1])
+except registry.EngineMissing as error:
+    sys.exit(str(error))
+from bodycheck.running import smoke
+print(len(smoke.check(sys.argv[1])))
+"""
+
+
+@dataclass(frozen=True)
+class Attempt:
+    """A way to install a release; the next one is tried if the engine cannot be imported or fails a check of its adapter.
+
+    Attributes
+    ----------
+    constraints
+        Conditions on packages, besides that NumPy be no newer than in the running interpreter.
+    as_of_release
+        Whether the dependencies are those that the index had when the release came out.
+    """
+
+    constraints: tuple[str, ...] = ()
+    as_of_release: bool = False
+
+
+ATTEMPTS = (Attempt(), Attempt(constraints=("numpy<2",)), Attempt(as_of_release=True))
+
+
+@dataclass(frozen=True)
+class Release:
+    """A release of an engine.
+
+    Attributes
+    ----------
+    engine
+        The name of the engine in bodycheck.
+    distribution
+        The name of its package in package indexes.
+    version
+        The version, as PEP 440 normalises it.
+    """
+
+    engine: str
+    distribution: str
+    version: str
+
+
+def make(folder: Path, release: Release, attempt: Attempt) -> bool:
+    """Make the environment of a release in an empty folder.
+
+    Parameters
+    ----------
+    folder
+        The empty folder.
+    release
+        What is installed.
+    attempt
+        The way in which it is installed.
+
+    Returns
+    -------
+    bool
+        Whether the engine passes all checks of its adapter.
+
+    Raises
+    ------
+    InstallationFailed
+        The release cannot be installed in this way, or the engine cannot be imported.
+    """
+    latest_upload = None
+    if attempt.as_of_release:
+        if (uploaded := installation.release_day(release.distribution, release.version)) is None:
+            raise InstallationFailed("the day of its release is not known")
+        latest_upload = uploaded + UPLOAD_DELAY
+    numpy_here = metadata.version("numpy")
+    installation.make(folder)
+    constraints = [f"numpy<={numpy_here}", *attempt.constraints]
+    installation.install(folder, [f"{release.distribution}=={release.version}"], constraints, latest_upload)
+    python = installation.interpreter(folder)
+    packages = Path(output(python, "import sysconfig; print(sysconfig.get_path('purelib'))"))
+    lines = PATH_FILE_LINES.format(folders=site_folders(), variable=PATH_VARIABLE)
+    (packages / PATH_FILE).write_text(lines, "utf-8")
+    numpy_there = output(python, "import importlib.metadata; print(importlib.metadata.version('numpy'))")
+    if numpy_there != numpy_here:
+        failing = output(python, PACKAGES_THAT_FAIL, *(word for pair in NUMPY_DEPENDENTS.items() for word in pair)).split()
+        if failing:
+            installation.install(folder, [_oldest(package) for package in failing], [f"numpy=={numpy_there}"])
+    return output(python, NUMBER_OF_FAILED_CHECKS, release.engine).rpartition("\n")[2] == "0"
+
+
+def is_intact(folder: Path, release: Release) -> bool:
+    """Return whether the interpreter of an environment runs and all files have the size that they were installed with."""
+    try:
+        version = output(installation.interpreter(folder), VERSION_OF_INTACT_PACKAGE, release.distribution)
+        return Version(version) == Version(release.version)
+    except (InstallationFailed, InvalidVersion):
+        return False
+
+
+def output(python: Path, code: str, *arguments: str) -> str:
+    """Run code in an environment and return its stdout, stripped.
+
+    Raises `InstallationFailed`, with the last line of stderr, if the code fails or takes longer than `INSPECTION_LIMIT_S`.
+    """
+    try:
+        done = run(python, ["-c", code, *arguments], None, INSPECTION_LIMIT_S)
+    except subprocess.TimeoutExpired as error:
+        raise InstallationFailed(f"it was not imported within {INSPECTION_LIMIT_S:g} s") from error
+    except OSError as error:
+        raise InstallationFailed(f"its interpreter cannot be run: {error}") from error
+    if done.returncode < 0:
+        raise InstallationFailed(f"it died of signal {-done.returncode} when it was imported")
+    if done.returncode:
+        last = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
+        raise InstallationFailed(f"it died when it was imported: {last}")
+    return done.stdout.strip()
+
+
+def run(python: Path, arguments: Sequence[str], stdin: str | None, timeout: float) -> CompletedProcess[str]:
+    """Run the interpreter of an environment, with at most `pool.MEMORY` bytes of memory, until it ends.
+
+    Parameters
+    ----------
+    python
+        The interpreter.
+    arguments
+        Its arguments.
+    stdin
+        The text of its standard input; None for an empty one.
+    timeout
+        Seconds after which it is killed.
+
+    Raises
+    ------
+    subprocess.TimeoutExpired
+        It took longer than `timeout`.
+    OSError
+        There is no such interpreter.
+    """
+    variables = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME")}
+    variables[PATH_VARIABLE] = os.pathsep.join(_other_folders())
+    # With -P nothing is imported from the working directory.
+    return subprocesses.run([str(python), "-P", *arguments], variables, stdin, timeout, pool.MEMORY)
+
+
+def site_folders() -> list[str]:
+    """Return the folders in which the running interpreter has its packages."""
+    return [*site.getsitepackages(), *([site.getusersitepackages()] if site.ENABLE_USER_SITE else [])]
+
+
+def _other_folders() -> list[str]:
+    """Return the other folders from which it imports: neither site-packages nor the standard library."""
+    own = [sysconfig.get_path("stdlib"), sysconfig.get_path("platstdlib"), *site_folders()]
+    others = [Path(folder).absolute() for folder in sys.path if folder]
+    return [str(folder) for folder in others if folder.is_dir() and not any(map(folder.is_relative_to, own))]
+
+
+def _oldest(package: str) -> str:
+    """Return the requirement for the oldest releases of a package that bodycheck supports, as `pandas==2.2.*`."""
+    needs = (need for need in map(Requirement, metadata.requires("bodycheck") or ()) if need.name == package)
+    (least,) = (spec.version for need in needs for spec in need.specifier if spec.operator == ">=")
+    return f"{package}=={least}.*"

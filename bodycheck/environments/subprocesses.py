@@ -1,0 +1,88 @@
+"""Run a program that ends when this process does, even if this process is killed.
+
+Linux sees to the end of the program and limits its memory. On other systems the program is ended by a time limit and by an
+interruption, and its memory is not limited.
+"""
+
+import contextlib
+import ctypes
+import os
+import signal
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from subprocess import DEVNULL, PIPE, CompletedProcess, Popen
+
+from bodycheck.running.limits import PR_SET_PDEATHSIG
+
+if sys.platform != "win32":
+    import resource
+
+
+def run(
+    command: Sequence[str], variables: Mapping[str, str], stdin: str | None, timeout: float, memory: int | None = None
+) -> CompletedProcess[str]:
+    """Run a command to its end and return its exit code, stdout and stderr.
+
+    Parameters
+    ----------
+    command
+        The program and its arguments.
+    variables
+        All environment variables of the program.
+    stdin
+        The text of its standard input; None for an empty one.
+    timeout
+        Seconds after which it and the processes that it started are killed.
+    memory
+        Bytes of private memory that it may use (RLIMIT_DATA, Linux); None for no limit.
+
+    Raises
+    ------
+    subprocess.TimeoutExpired
+        It took longer than `timeout`.
+    OSError
+        It cannot be started.
+    """
+    with Popen(
+        command,
+        stdin=DEVNULL if stdin is None else PIPE,
+        stdout=PIPE,
+        stderr=PIPE,
+        env=dict(variables),
+        encoding="utf-8",
+        errors="replace",
+        start_new_session=True,
+        preexec_fn=_before_exec(memory),
+    ) as process:
+        try:
+            stdout, stderr = process.communicate(stdin, timeout)
+        except BaseException:
+            _kill(process)
+            raise
+    return CompletedProcess(command, process.returncode, stdout, stderr)
+
+
+def _before_exec(memory: int | None) -> Callable[[], None] | None:
+    """Return what a child does before it becomes the program: it has the kernel kill it when its parent ends."""
+    if sys.platform != "linux":
+        return None
+    libc, parent = ctypes.CDLL(None), os.getpid()
+
+    def bind() -> None:
+        libc.prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+        if os.getppid() != parent:  # the parent ended before the child asked for this
+            os._exit(1)
+        if memory is not None:
+            _, hard = resource.getrlimit(resource.RLIMIT_DATA)
+            resource.setrlimit(resource.RLIMIT_DATA, (memory, hard))
+
+    return bind
+
+
+def _kill(process: Popen[str]) -> None:
+    """Kill a process and those that it started."""
+    if sys.platform == "win32":
+        process.kill()
+        return
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
