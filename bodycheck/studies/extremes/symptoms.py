@@ -173,6 +173,10 @@ def _energy(scene: Scene, trajectory: Trajectory) -> Iterator[Symptom]:
 
 
 def _rank_correlation(values: Array) -> float:
-    """Spearman's rank correlation of values (n,) with their order."""
-    ranks = np.argsort(np.argsort(values, kind="stable"), kind="stable")
-    return float(np.corrcoef(np.arange(len(values)), ranks)[0, 1]) if len(values) > 1 else 0.0
+    """Return Spearman's rank correlation of values (n,) with their order; NaN for a single value.
+
+    Equal values rank in their order, so that what reaches a value and keeps it counts as rising.
+    """
+    from scipy.stats import rankdata, spearmanr  # few motions need it, and it takes long to import
+
+    return float(spearmanr(np.arange(len(values)), rankdata(values, method="ordinal")).statistic)
