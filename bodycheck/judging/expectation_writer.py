@@ -13,11 +13,13 @@ from decimal import ROUND_FLOOR, Context
 from pathlib import Path
 
 import numpy as np
+import tomlkit
+from tomlkit.items import Float, Integer
 
 from bodycheck.adapters.contract import Adapter
 from bodycheck.casefile.case import Case, parse, shipped
 from bodycheck.casefile.grammar import LIMITS
-from bodycheck.casefile.toml_positions import entries
+from bodycheck.casefile.toml_positions import entries, positions
 from bodycheck.columns import UNITS
 from bodycheck.errors import BadInput
 from bodycheck.judging.discrepancy import CONSERVED, sizes
@@ -38,8 +40,11 @@ DIGITS = 2
 #: Rounding down to two digits takes at most an eleventh.
 SMALLEST_MARGIN = 1.1
 
+#: Column, counted from 0, of a comment on a line that has none yet.
 COMMENT_COLUMN = 45
-OUR_COMMENT = rb"# \S+ x .*measured with .*"
+
+#: A comment that `_limit` wrote, which is renewed with the number; any other one stays.
+COMMENT_ON_LIMIT = re.compile(r"# \S+ x .*measured with .*")
 
 
 @dataclass(frozen=True)
@@ -58,15 +63,6 @@ class Change:
     verdict: Verdict
     text: str
     done: bool = True
-
-
-@dataclass(frozen=True)
-class Edit:
-    """Of the bytes of a file."""
-
-    start: int
-    end: int
-    text: str
 
 
 def measure(verdict: Verdict, truth: Truth | Unsupported) -> Measurement:
@@ -164,8 +160,7 @@ def rewrite(case: Case, measurements: Sequence[Measurement], margin: float) -> t
     stay. Of others all figures are limited, in tables at the end.
     """
     newline = "\r\n" if "\r\n" in case.text else "\n"
-    content = case.text.encode()
-    edits: list[Edit] = []
+    lines = case.text.split("\n")
     changes: list[Change] = []
     tables: list[str] = []
     for measurement in measurements:
@@ -181,50 +176,53 @@ def rewrite(case: Case, measurements: Sequence[Measurement], margin: float) -> t
         elif not places:
             tables += ["", *_table(measurement, margin)]
             changes.append(Change(verdict, "written"))
-        for place in places:
-            made, change = _renewed(case, place, measurement, margin)
-            edits += made
-            changes.append(change)
-    for edit in sorted(edits, key=lambda edit: edit.start, reverse=True):
-        content = content[: edit.start] + edit.text.encode() + content[edit.end :]
-    if tables and not content.endswith(b"\n"):
-        content += newline.encode()
-    return content.decode() + "".join(line + newline for line in tables), changes
+        changes += [_renew(lines, case, place, measurement, margin) for place in places]
+    text = "\n".join(lines)
+    if tables and not text.endswith("\n"):
+        text += newline
+    return text + "".join(line + newline for line in tables), changes
 
 
-def _renewed(case: Case, place: int, measurement: Measurement, margin: float) -> tuple[list[Edit], Change]:
-    """The edits that renew the numbers of one of a case's expectations."""
+def _renew(lines: list[str], case: Case, place: int, measurement: Measurement, margin: float) -> Change:
+    """Renew the numbers of one of a case's expectations in the lines of its file, and return what was done.
+
+    Lines are edited one by one because tomlkit moves the tables of an array together where others stand between them, as in a
+    file to which `rewrite` has added tables.
+    """
     verdict, expectation = measurement.verdict, case.expectations[place]
     outcome = verdict.outcome
     if expectation.known:
-        return [], Change(verdict, f"left as it is: known to fail ({expectation.known})")
+        return Change(verdict, f"left as it is: known to fail ({expectation.known})")
     if outcome.status != expectation.status:
         found = f"{outcome.status}: {outcome.reason}".removesuffix(": ")
-        return [], Change(verdict, f"left as it is: {expectation.status} is expected, found is {found}", done=False)
-    content = case.text.encode()
-    there = entries(case.text, [("expect", place, name) for name in measurement.figures])
-    edits = []
+        return Change(verdict, f"left as it is: {expectation.status} is expected, found is {found}", done=False)
+    there = positions(case.text, [("expect", place, name) for name in measurement.figures])
+    renewed = False
     for name in measurement.figures:
-        value = there[path].value if (path := ("expect", place, name)) in there else None
-        if value is not None and value.type in ("float", "integer"):
-            edits.append(_renewed_number(content, value.start_byte, value.end_byte, *_limit(measurement, name, margin)))
-    return edits, Change(verdict, "renewed" if edits else "left as it is: it has no numbers")
+        if position := there.get(("expect", place, name)):
+            line = lines[position.line - 1]
+            if (new := _with_number(line, name, *_limit(measurement, name, margin))) is not None:
+                lines[position.line - 1] = new
+                renewed = True
+    return Change(verdict, "renewed" if renewed else "left as it is: it has no numbers")
 
 
-def _renewed_number(content: bytes, start: int, end: int, number: str, comment: str) -> Edit:
-    """The edit that puts a number where another is, and a comment behind it, in the column of the one that is there.
+def _with_number(line: str, name: str, number: str, comment: str) -> str | None:
+    """Return a line of a case file with another number, and a comment on it in the column of the one that is there.
 
-    A comment that is not one of ours stays.
+    A comment that is not from this module stays. Returns None if the line does not set a key to a number.
     """
-    rest = re.split(rb"[\r\n]", content[end:], maxsplit=1)[0]
-    line = content.rfind(b"\n", 0, start) + 1
-    if rest.strip():
-        column = end + rest.index(b"#") - line
-        comment = comment if re.fullmatch(OUR_COMMENT, rest.strip()) else rest.strip().decode()
-    else:
-        column = COMMENT_COLUMN
-    begun = content[line:start].decode() + number
-    return Edit(line, end + len(rest), f"{begun:<{column - 1}} {comment}")
+    document = tomlkit.parse(f"{line}\n")  # a carriage return is valid only before a line feed
+    value = document.get(name)
+    if not isinstance(value, Integer | Float):
+        return None
+    column = line.index("#") if value.trivia.comment else COMMENT_COLUMN
+    if value.trivia.comment and not COMMENT_ON_LIMIT.fullmatch(value.trivia.comment):
+        comment = value.trivia.comment
+    document[name] = renewed = tomlkit.value(number)
+    renewed.trivia.comment = ""
+    end = "\r" if line.endswith("\r") else ""
+    return f"{document.as_string().rstrip():<{column - 1}} {comment}{end}"
 
 
 def _table(measurement: Measurement, margin: float) -> list[str]:

@@ -312,6 +312,19 @@ def test_a_new_table_stands_at_the_end_and_limits_all_figures() -> None:
     assert judgement.verdict(parse(text, "f"), truth(case), measurement.verdict.run).passed is True
 
 
+def test_tables_between_expectations_stay_where_they_are() -> None:
+    """As in a file to which expectations were added: its numbers are renewed, and nothing is moved."""
+    case = parse(TUMBLING, "f")
+    measurements = [measured(case), measured(case, "pinocchio", "rk4", 0.01)]
+    text, _ = rewrite(case, measurements, 3.0)
+    assert text.index("[[expect]]") < text.index("[body]") < text.rindex("[[expect]]")
+    again, changes = rewrite(parse(text, "f"), measurements, 3.0)
+    assert [change.text for change in changes] == ["renewed", "renewed"]
+    assert again == text
+    spread = re.sub(r"(?<=\n)\[body\]", "[ body ]  # stays", text)
+    assert rewrite(parse(spread, "f"), measurements, 3.0)[0] == spread
+
+
 def test_windows_line_ends_stay() -> None:
     case = parse(TUMBLING.replace("\n", "\r\n"), "f")
     text, _ = rewrite(case, [measured(case), measured(case, "pinocchio", "rk4")], 3.0)
