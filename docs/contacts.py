@@ -8,9 +8,9 @@ from bodycheck import load, simulate, truth
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.mujoco.engine import contact_loads
 from bodycheck.casefile.case import Case
+from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.scene import Body, Brick, Plane
-from bodycheck.reference.stopping import measured_stop
 from bodycheck.reference.truth import truth as truth_of_scene
 from bodycheck.running.outcome import Completed
 

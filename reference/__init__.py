@@ -1,1 +1,33 @@
-"""The mechanics that everything else is held against: R. F. Gans, *Engineering Dynamics*, Springer 2013, chapter 2."""
+"""The reference: the rigid-body mechanics that engines are compared with.
+
+It implements R. F. Gans, *Engineering Dynamics: From the Lagrangian to Simulation*, Springer 2013, chapter 2, cited as [G n]
+for equation n, with the corrections listed in docs/errata.md. It knows mechanics, NumPy and SciPy, and nothing of engines,
+case files or reports.
+
+Start here:
+
+- `truth`: the reference trajectory of a scene with the bound of its own error. This is the entry point of the room.
+- `certificate`: every way of computing one truth, compared with every other.
+- `scene`: bodies, initial states, planes. `trajectory`: sampled states. All other modules use these two.
+- `errors`: the exceptions that the room raises for scenes it cannot compute.
+
+Mechanics of any motion:
+
+- `kinematics`: quaternions, Euler angles and angular velocity. `inertia`: mass properties and principal axes.
+- `principal_frame`: conversion between a body's frame and its principal axes.
+- `observables`: energies and angular momentum of a trajectory. `contact_observables`: tilt, penetration and stop.
+- `planar`: the planar state of a body that lies flat. `requirements`: what a model of a scene must contain to be exact.
+
+Folders:
+
+- `flight`: free flight in closed form, and drag.
+- `sliding`: a flat body that slides and spins on a plane with Coulomb friction.
+- `integration`: numerical integration of the equations of motion of a free body, in double, 80-bit and 128-bit arithmetic.
+- `schemes`: textbook one-step schemes, with which the schemes of engines are identified.
+- `chapter`: tools of the chapter that no truth needs: orientation, particles, wobble.
+
+Imports run in one direction: `certificate` imports `truth`, `truth` imports `flight`, `sliding` and `integration`; these, as
+well as `schemes` and `chapter`, import the modules for any motion; those import `scene`, `trajectory` and `errors`, which
+import nothing of the room. `flight` and `sliding` import the DOP853 driver of `integration`; otherwise the folders do not
+import one another.
+"""

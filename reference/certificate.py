@@ -1,4 +1,8 @@
-"""Every applicable way to the truth of one scene, held against every other."""
+"""Certificate of a truth: every applicable computation of one motion, compared with every other.
+
+Here a way is one such computation: the truth itself, a numerical integration of the equations of motion, or another closed
+form.
+"""
 
 from dataclasses import dataclass, replace
 from itertools import combinations
@@ -8,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.reference import truth
+from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.flight import closed_form, torque_free
 from bodycheck.reference.flight.closed_form import smallest_rotation
-from bodycheck.reference.principal import along_principal_axes, in_body_frame
+from bodycheck.reference.principal_frame import along_principal_axes, in_body_frame
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
@@ -18,12 +23,20 @@ from bodycheck.reference.truth import Truth
 
 @dataclass(frozen=True, eq=False)
 class Certificate:
-    """What is known of a truth's error at its n instants.
+    """A truth with the differences between all ways of computing it, at its n instants.
 
-    differences: by the names of two ways, how far apart their attitudes have been so far (n,), rad; the truth is one of them.
-    bound: (n,) rad, of the truth's own error: the closed form's own or, where that is less, the distance from the 128-bit run
-    and twice the distance between its two forms.
-    growth: (n,) attitude error per unit of relative error made at the worst moment before; None without heyoka.
+    Attributes
+    ----------
+    truth
+        The truth.
+    differences
+        (n,) largest angles so far between the attitudes of two ways (rad), by the names of the two ways.
+    bound
+        (n,) bound of the attitude error of the truth (rad): the smaller of the bound of its closed form, and of the distance
+        from the 128-bit Euler-Lagrange solution plus twice the distance between the two 128-bit solutions.
+    growth
+        (n,) attitude error (rad) per unit of relative error made at the worst earlier moment; None where heyoka is not
+        installed. See `integration.sensitivity`.
     """
 
     truth: Truth
@@ -32,29 +45,33 @@ class Certificate:
     growth: Array | None
 
 
-THE_TRUTH = "truth"
-ELLIPTIC = "elliptic functions"
+#: Name of the way that is the truth.
+TRUTH_WAY = "truth"
+
+#: Name of the way by the general closed form, for a body that also has a simpler one.
+ELLIPTIC_WAY = "elliptic functions"
 
 
 def certify(scene: Scene, times: Array) -> Certificate:
-    """The certificate of a scene's truth at ascending times (n,) >= 0 s.
+    """The certificate of the truth of a scene in free flight, at ascending times (n,) >= 0, s.
 
-    Raises as `truth.truth` does, and `NotModelled` for a body on a plane, whose bound comes from the only two ways there are.
+    Raises as `truth.truth` does, and `NotModelled` for a body on a plane: the error bound of its truth already comes from the
+    only two ways that exist.
     """
     if scene.plane is not None:
-        raise truth.NotModelled("a body on a plane in more ways than the two that its printed bound comes from")
+        raise NotModelled("a body on a plane in more ways than the two whose disagreement bounds its error")
     body_frame, scene = scene, along_principal_axes(scene)
     found = truth.truth(scene, times)
     plain = truth.dop853()
     ways: dict[str, NDArray[Any]] = {
-        THE_TRUTH: found.trajectory.quaternion,
+        TRUTH_WAY: found.trajectory.quaternion,
         f"euler-lagrange, {plain.name}": plain.euler_lagrange(scene, times),
         f"quasi-coordinates, {plain.name}": plain.quasi_coordinates(scene, times),
     }
     body, start = scene.body, scene.initial
     if smallest_rotation(body.moments, start.angular_velocity) is closed_form.SYMMETRIC:
-        # The general form holds for it too, by another way.
-        ways[ELLIPTIC], _ = torque_free.rotation(body.moments, start.angular_velocity, start.quaternion, times)
+        # The elliptic functions hold for this body too, and are computed by other formulas.
+        ways[ELLIPTIC_WAY], _ = torque_free.rotation(body.moments, start.angular_velocity, start.quaternion, times)
     try:
         from bodycheck.reference.integration import sensitivity, taylor
     except ImportError:
@@ -62,7 +79,7 @@ def certify(scene: Scene, times: Array) -> Certificate:
         quadruple: tuple[str, ...] = ()
     else:
         difference, growth = taylor.attitude_difference, sensitivity.growth(scene, times).of_any
-        for precision, name in taylor.NAMES.items():
+        for precision, name in taylor.BACKEND_NAMES.items():
             ways[f"euler-lagrange, {name}"] = taylor.euler_lagrange(scene, times, precision).quaternion
             ways[f"quasi-coordinates, {name}"] = taylor.quasi_coordinates(scene, times, precision).quaternion
         quadruple = tuple(ways)[-2:]
@@ -71,6 +88,6 @@ def certify(scene: Scene, times: Array) -> Certificate:
     bound = closed_form.bound(scene, times)
     if quadruple:
         lagrange, euler = quadruple
-        bound = np.minimum(bound, apart[THE_TRUTH, lagrange] + 2 * apart[lagrange, euler])
-    told = replace(found, scene=body_frame, trajectory=in_body_frame(body_frame, found.trajectory))
-    return Certificate(told, apart, bound, growth)
+        bound = np.minimum(bound, apart[TRUTH_WAY, lagrange] + 2 * apart[lagrange, euler])
+    in_frame = replace(found, scene=body_frame, trajectory=in_body_frame(body_frame, found.trajectory))
+    return Certificate(in_frame, apart, bound, growth)

@@ -1,4 +1,7 @@
-"""Mass, centre and inertia of bodies about their centre of mass [G 2.27-2.31], and principal axes."""
+"""Mass, centre of mass and inertia of rigid bodies, and their principal axes [G 2.9, 2.27-2.32].
+
+Inertia is always about the centre of mass.
+"""
 
 import math
 from collections.abc import Sequence
@@ -12,13 +15,27 @@ from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Quaternion, Shape, Sphere, Vector
 from bodycheck.reference.trajectory import Array
 
-#: Relative amount by which A + B may fall short of C: what rounding does to the moments of a disc or a needle.
+#: Relative amount by which A + B may fall short of C, because of rounding in the moments of a disc or a needle.
 TRIANGLE_TOLERANCE = 1e-12
+
+#: Every order of three axes, and every choice of their signs.
+_AXIS_ORDERS = ([0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2])
+_AXIS_SIGNS = [np.array([i, j, k]) for i in (1, -1) for j in (1, -1) for k in (1, -1)]
 
 
 @dataclass(frozen=True, eq=False)
 class MassProperties:
-    """mass (kg), centre of mass (3,) in some frame (m), inertia tensor (3, 3) about it along that frame's axes (kg m^2)."""
+    """Mass, centre of mass and inertia of a body in some frame.
+
+    Attributes
+    ----------
+    mass
+        Mass (kg).
+    centre
+        (3,) centre of mass in that frame (m).
+    inertia
+        (3, 3) inertia tensor about the centre of mass, along the axes of that frame (kg m^2).
+    """
 
     mass: float
     centre: Array
@@ -26,7 +43,7 @@ class MassProperties:
 
 
 def principal_moments(shape: Shape, mass: float) -> Vector:
-    """Moments A, B, C (kg m^2) about I, J, K of a homogeneous solid of the given mass (kg)."""
+    """Moments A, B, C (kg m^2) about I, J, K of a homogeneous solid of the given mass (kg): the integrals of [G 2.29]."""
     match shape:
         case Brick((a, b, c)):
             return mass * (b * b + c * c) / 3, mass * (a * a + c * c) / 3, mass * (a * a + b * b) / 3
@@ -41,14 +58,31 @@ def principal_moments(shape: Shape, mass: float) -> Vector:
 
 
 def solid(shape: Shape, mass: float, position: ArrayLike = (0, 0, 0), quaternion: ArrayLike = (1, 0, 0, 0)) -> MassProperties:
-    """A homogeneous solid with its centre at a position (3,) and its axes turned by a unit quaternion (4,), w x y z."""
+    """Mass properties of a homogeneous solid that is displaced and rotated in some frame.
+
+    Parameters
+    ----------
+    shape
+        Shape of the solid.
+    mass
+        Mass (kg).
+    position
+        (3,) centre of mass in that frame (m).
+    quaternion
+        (4,) quaternion w, x, y, z of any length, which rotates components along the axes of the shape to that frame.
+
+    Returns
+    -------
+    MassProperties
+        The mass properties in that frame.
+    """
     turn = Rotation.from_quat(np.asarray(quaternion, dtype=float), scalar_first=True).as_matrix()
     inertia = turn @ np.diag(principal_moments(shape, mass)) @ turn.T
     return MassProperties(mass, np.asarray(position, dtype=float), inertia)
 
 
 def particles(masses: ArrayLike, positions: ArrayLike) -> MassProperties:
-    """Particles of masses (n,) at positions (n, 3): the sum in [G 2.29]."""
+    """Mass properties of particles with masses (n,), kg, at positions (n, 3), m: the sums in [G 2.9] and [G 2.29]."""
     m, r = np.asarray(masses, dtype=float), np.asarray(positions, dtype=float)
     mass = float(m.sum())
     centre = np.asarray(m @ r / mass)
@@ -56,19 +90,37 @@ def particles(masses: ArrayLike, positions: ArrayLike) -> MassProperties:
 
 
 def mesh(vertices: ArrayLike, triangles: ArrayLike, mass: float) -> MassProperties:
-    """A homogeneous solid of some mass (kg) inside a closed surface of triangles (n, 3), indices of vertices (k, 3).
+    """Mass properties of a homogeneous solid that is enclosed by a surface of triangles.
 
-    Signed tetrahedra from a point near the surface; the second moments of one are (sum r_i sum r_j + sum r_i r_j) V / 20
-    over its corners. Raises `ValueError` where the surface encloses no volume, as one does whose triangles disagree on
-    which side is out.
+    The volume is a sum of signed tetrahedra with one corner at the mean of the vertices. The second moments of a tetrahedron
+    with the volume V are (sum r_i sum r_j + sum r_i r_j) V / 20, where the sums run over its corners.
+
+    Parameters
+    ----------
+    vertices
+        (k, 3) vertices (m).
+    triangles
+        (n, 3) indices of the vertices of each triangle, all ordered outwards or all inwards.
+    mass
+        Mass (kg).
+
+    Returns
+    -------
+    MassProperties
+        The mass properties in the frame of the vertices.
+
+    Raises
+    ------
+    ValueError
+        If the surface encloses no volume, for instance because its triangles are not ordered consistently.
     """
     points = np.asarray(vertices, dtype=float)
-    origin = points.mean(axis=0)  # moments about a point far away would cancel
+    origin = points.mean(axis=0)  # about a point far away, digits of the moments would be lost by cancellation
     corners = (points - origin)[np.asarray(triangles, dtype=int)]
     volumes = np.linalg.det(corners) / 6
     volume = float(volumes.sum())
     if not abs(volume) > 1e-12 * float(np.abs(volumes).sum()):
-        raise ValueError("the surface encloses no volume: is it closed, and are its triangles ordered alike?")
+        raise ValueError("the surface encloses no volume; it must be closed, and its triangles must all be ordered alike")
     sums = corners.sum(axis=1)
     centre = volumes @ sums / (4 * volume)
     second = np.einsum("n,ni,nj->ij", volumes, sums, sums) + np.einsum("n,nki,nkj->ij", volumes, corners, corners)
@@ -77,24 +129,25 @@ def mesh(vertices: ArrayLike, triangles: ArrayLike, mass: float) -> MassProperti
 
 
 def composite(parts: Sequence[MassProperties]) -> MassProperties:
-    """Several bodies as one, their axes parallel: Steiner's theorem."""
+    """Mass properties of several bodies joined into one, all given in the same frame, by the parallel-axis theorem."""
     centres = particles([part.mass for part in parts], [part.centre for part in parts])
     inertia = centres.inertia + sum(part.inertia for part in parts)
     return MassProperties(centres.mass, centres.centre, inertia)
 
 
 def principal_axes(inertia: Array) -> tuple[Vector, Quaternion]:
-    """Principal moments A, B, C of a symmetric tensor (3, 3), and the rotation from principal to the tensor's components.
+    """Principal moments and principal axes of a symmetric inertia tensor (3, 3), kg m^2 [G p. 49].
 
-    The axes are in the order, and with the signs, that turn them least from the tensor's own; a diagonal tensor keeps its
-    own exactly. Where moments are equal their axes are any; those found are returned.
+    Returns the moments A, B, C (kg m^2), and the unit quaternion (w, x, y, z) that rotates components along the principal
+    axes to components in the frame of the tensor. Of the possible orders and signs of the axes, those are chosen that give the
+    smallest rotation; a diagonal tensor gives no rotation at all. Where moments are equal, their axes are arbitrary.
     """
     if not (inertia - np.diag(np.diag(inertia))).any():
         a, b, c = np.diag(inertia).tolist()
         return (a, b, c), (1.0, 0.0, 0.0, 0.0)
     _, axes = np.linalg.eigh(inertia)
     best = max(
-        (axes[:, order] * signs for order in PERMUTATIONS for signs in SIGNS),
+        (axes[:, order] * signs for order in _AXIS_ORDERS for signs in _AXIS_SIGNS),
         key=lambda turn: float(np.trace(turn)) if np.linalg.det(turn) > 0 else -math.inf,
     )
     a, b, c = np.einsum("ij,ik,jk->k", inertia, best, best).tolist()
@@ -102,28 +155,27 @@ def principal_axes(inertia: Array) -> tuple[Vector, Quaternion]:
     return (a, b, c), (w, x, y, z)
 
 
-PERMUTATIONS = ([0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2])
-SIGNS = [np.array([i, j, k]) for i in (1, -1) for j in (1, -1) for k in (1, -1)]
-
-
 def inertia_tensor(body: Body) -> Array:
-    """The inertia tensor (3, 3) of a body along the axes of its own frame (kg m^2)."""
+    """The inertia tensor (3, 3), kg m^2, of a body about its centre of mass, along the axes of the body frame."""
     turn = Rotation.from_quat(body.axes, scalar_first=True).as_matrix()
     return np.asarray(turn @ np.diag(body.moments) @ turn.T)
 
 
 def angular_momentum(body: Body, angular_velocity: NDArray[np.float64]) -> Array:
-    """Angular momenta (..., 3) in the body frame from body rates (..., 3), rad/s [G 2.32]."""
+    """Angular momentum (..., 3), kg m^2/s, about the centre of mass from the angular velocity (..., 3), rad/s [G 2.32].
+
+    Both are in the body frame.
+    """
     to_body = np.array(body.axes)
     return rotate(to_body, np.array(body.moments) * rotate(conjugate(to_body), angular_velocity))
 
 
 def satisfies_triangle_inequality(moments: Vector) -> bool:
-    """Whether a mass distribution with these principal moments exists: none exceeds the sum of the other two."""
+    """Whether a mass distribution with these principal moments (kg m^2) exists: no moment exceeds the sum of the other two."""
     smallest, middle, largest = sorted(moments)
     return largest <= (smallest + middle) * (1 + TRIANGLE_TOLERANCE)
 
 
 def _second_moments_to_inertia(second: Array) -> Array:
-    """I_ij = delta_ij S_kk - S_ij from the second moments S_ij = sum of m r_i r_j."""
+    """The inertia tensor I_ij = delta_ij S_kk - S_ij (3, 3) from the second moments S_ij = sum of m r_i r_j (3, 3), kg m^2."""
     return np.asarray(np.trace(second) * np.eye(3) - second)

@@ -1,7 +1,8 @@
-"""Attitude and angular velocity: unit quaternions (w, x, y, z, body to world) and z-x-z Euler angles [G 2.10-2.21].
+"""Attitude and angular velocity: unit quaternions and z-x-z Euler angles [G 2.10-2.21].
 
-Euler angles phi (about k), theta (about the line of nodes), psi (about K), as in Gans and Goldstein. Every function is
-vectorised over leading axes and keeps the floating type of its input, so that wide types stay wide.
+Quaternions are (w, x, y, z) and rotate body components to world components. The Euler angles are phi (about the vertical k),
+theta (about the line of nodes) and psi (about the body axis K), in rad, as in Gans and in Goldstein. Every function works on
+arrays with any leading axes and keeps the floating-point type of its input, so that extended precision is preserved.
 """
 
 from typing import Any, TypeVar
@@ -10,11 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 Float = TypeVar("Float", bound=np.floating[Any])
+
+#: An array of any floating-point type.
 Floats = NDArray[Float]
 
 
 def multiply(p: Floats[Float], q: Floats[Float]) -> Floats[Float]:
-    """Hamilton product p q of quaternions (..., 4): the rotation q followed, in the world frame, by p."""
+    """Hamilton product p q (..., 4) of quaternions (..., 4): the rotation q followed, in the world frame, by the rotation p."""
     pw, px, py, pz = np.moveaxis(p, -1, 0)
     qw, qx, qy, qz = np.moveaxis(q, -1, 0)
     return np.stack(
@@ -29,26 +32,27 @@ def multiply(p: Floats[Float], q: Floats[Float]) -> Floats[Float]:
 
 
 def conjugate(q: Floats[Float]) -> Floats[Float]:
-    """Inverse rotation of unit quaternions (..., 4)."""
+    """Conjugates (..., 4) of quaternions (..., 4): the inverse rotations, where these have unit length."""
     return np.asarray(q * np.array([1, -1, -1, -1], dtype=q.dtype))
 
 
 def normalise(q: Floats[Float]) -> Floats[Float]:
-    """Quaternions (..., 4) scaled to unit length."""
+    """Quaternions (..., 4) scaled to unit length; NaN where the length is zero."""
     return np.asarray(q / np.sqrt((q * q).sum(axis=-1, keepdims=True)))
 
 
 def rotate(q: Floats[Float], v: Floats[Float]) -> Floats[Float]:
-    """World components (..., 3) of vectors v (..., 3) given in the body frame, for unit quaternions q (..., 4)."""
+    """World components (..., 3) of vectors v (..., 3) in the body frame, for unit quaternions q (..., 4), body to world."""
     w, u = q[..., :1], q[..., 1:]
     t = 2 * np.cross(u, v)
     return np.asarray(v + w * t + np.cross(u, t))
 
 
 def geodesic_angle(p: Floats[Float], q: Floats[Float]) -> Floats[Float]:
-    """Angle (..., rad, in [0, pi]) of the single rotation between attitudes p and q (..., 4); p and -p are one attitude.
+    """Angle (...), rad, in [0, pi], of the single rotation between attitudes p and q (..., 4); p and -p are the same attitude.
 
-    By atan2 of the relative quaternion: accurate near 0 and near pi, where the arccos of [G 2.26] loses half the digits.
+    It is computed with atan2 from the relative quaternion, which is accurate near 0 and near pi, where the arccos of [G 2.26]
+    loses half of the digits.
     """
     relative = multiply(conjugate(p), q)
     vector = relative[..., 1:]
@@ -56,7 +60,18 @@ def geodesic_angle(p: Floats[Float], q: Floats[Float]) -> Floats[Float]:
 
 
 def quaternion_from_euler(phi: Floats[Float], theta: Floats[Float], psi: Floats[Float]) -> Floats[Float]:
-    """Unit quaternions (..., 4) of z-x-z angles (rad): the rotation A1 of [G 2.14]."""
+    """Unit quaternions of z-x-z Euler angles: the rotation A1 of [G 2.14].
+
+    Parameters
+    ----------
+    phi, theta, psi
+        (...) angles (rad), of one shape.
+
+    Returns
+    -------
+    array
+        (..., 4) quaternions w, x, y, z, body to world.
+    """
     half_sum, half_difference, half_theta = (phi + psi) / 2, (phi - psi) / 2, theta / 2
     c, s = np.cos(half_theta), np.sin(half_theta)
     return np.stack(
@@ -65,15 +80,16 @@ def quaternion_from_euler(phi: Floats[Float], theta: Floats[Float], psi: Floats[
 
 
 def euler_from_quaternion(q: Floats[Float]) -> tuple[Floats[Float], Floats[Float], Floats[Float]]:
-    """z-x-z angles (phi, theta, psi), theta in [0, pi], of unit quaternions (..., 4).
+    """The z-x-z Euler angles (phi, theta, psi), each (...), rad, of unit quaternions (..., 4); theta is in [0, pi].
 
-    Where theta = 0 only phi + psi is determined; there phi = 0 and psi turns, the book's convention [G p. 45].
+    Where theta = 0 only phi + psi is determined, and where theta = pi only phi - psi. There phi = 0 and psi is the whole
+    angle, as is the book's convention [G p. 45].
     """
     w, x, y, z = np.moveaxis(q, -1, 0)
     sin_half, cos_half = np.hypot(x, y), np.hypot(w, z)
     half_sum = np.where(cos_half > 0, np.arctan2(z, w), 0)
     half_difference = np.where(sin_half > 0, np.arctan2(y, x), -half_sum)
-    # At theta = pi it is phi - psi that is determined: the same convention puts the whole turn in psi.
+    # Where theta = pi, phi - psi is determined, and the same convention makes psi the whole angle.
     half_sum = np.where(cos_half > 0, half_sum, -half_difference)
     return half_sum + half_difference, 2 * np.arctan2(sin_half, cos_half), half_sum - half_difference
 
@@ -81,7 +97,20 @@ def euler_from_quaternion(q: Floats[Float]) -> tuple[Floats[Float], Floats[Float
 def body_rates(
     theta: Floats[Float], psi: Floats[Float], dphi: Floats[Float], dtheta: Floats[Float], dpsi: Floats[Float]
 ) -> Floats[Float]:
-    """Angular velocity (..., 3) in the body frame (rad/s) from Euler angles and their rates [G 2.21a]."""
+    """Angular velocity in the body frame from Euler angles and their rates [G 2.21a].
+
+    Parameters
+    ----------
+    theta, psi
+        (...) angles (rad); the angle phi has no effect.
+    dphi, dtheta, dpsi
+        (...) rates of the angles (rad/s).
+
+    Returns
+    -------
+    array
+        (..., 3) angular velocity (rad/s) along I, J, K.
+    """
     s, c = np.sin(theta), np.cos(theta)
     return np.stack(
         [
@@ -96,9 +125,21 @@ def body_rates(
 def euler_rates(
     theta: Floats[Float], psi: Floats[Float], angular_velocity: Floats[Float]
 ) -> tuple[Floats[Float], Floats[Float], Floats[Float]]:
-    """Rates (dphi, dtheta, dpsi) from the body-frame angular velocity (..., 3): the inverse of [G 2.21a].
+    """Rates of the Euler angles from the angular velocity in the body frame: the inverse of [G 2.21a].
 
-    Singular where sin(theta) = 0; the caller keeps away from there by a change of chart.
+    The rates are singular where sin(theta) = 0; the caller avoids this, for instance by a change of chart.
+
+    Parameters
+    ----------
+    theta, psi
+        (...) angles (rad).
+    angular_velocity
+        (..., 3) angular velocity (rad/s) along I, J, K.
+
+    Returns
+    -------
+    tuple of arrays
+        dphi, dtheta, dpsi, each (...), rad/s.
     """
     x, y, z = np.moveaxis(angular_velocity, -1, 0)
     dphi = (x * np.sin(psi) + y * np.cos(psi)) / np.sin(theta)

@@ -1,4 +1,4 @@
-"""Energies and angular momentum of a trajectory: one formula for the truth and every engine alike [G 2.32-2.34]."""
+"""Energies and angular momentum of a trajectory, by the same formulas for the truth and for every engine [G 2.32-2.34]."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,15 @@ from bodycheck.reference.trajectory import Array, Trajectory
 
 @dataclass(frozen=True, eq=False)
 class Observables:
-    """Energies (n,) in J; angular momentum (n, 3) about the centre of mass in kg m^2/s, in both frames."""
+    """Energies and angular momenta of a body at n instants.
+
+    Attributes
+    ----------
+    translational_energy, rotational_energy, potential_energy
+        (n,) energies (J); the potential energy is zero where the centre of mass is at z = 0.
+    angular_momentum, body_angular_momentum
+        (n, 3) angular momentum about the centre of mass (kg m^2/s), in the world frame and in the body frame.
+    """
 
     translational_energy: Array
     rotational_energy: Array
@@ -20,15 +28,17 @@ class Observables:
 
     @property
     def kinetic_energy(self) -> Array:
+        """Kinetic energy (n,), J."""
         return self.translational_energy + self.rotational_energy
 
     @property
     def total_energy(self) -> Array:
+        """Kinetic and potential energy together (n,), J."""
         return self.kinetic_energy + self.potential_energy
 
 
 def observe(scene: Scene, trajectory: Trajectory) -> Observables:
-    """The observables of a scene's body at every instant of a trajectory; the potential is zero at z = 0."""
+    """Energies and angular momenta of a scene's body at every instant of a trajectory."""
     body = scene.body
     momentum = angular_momentum(body, trajectory.angular_velocity)
     return Observables(

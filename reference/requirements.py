@@ -1,23 +1,39 @@
-"""What a scene requires of a model of it: derived from the scene, never declared."""
+"""What a model of a scene must contain to be exact, derived from the scene itself."""
 
 from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Literal
 
-from bodycheck.reference.lying import NotFlat, planar_state
+from bodycheck.reference.errors import NotFlat
+from bodycheck.reference.planar import planar_state
 from bodycheck.reference.scene import Scene, Vector
 
+#: How many principal moments of a body are equal: all three, two, or none.
 Symmetry = Literal["sphere", "symmetric", "asymmetric"]
 
 
 @dataclass(frozen=True)
 class Requirements:
-    """What must be in a model for it to be exact; what is not here changes nothing.
+    """The effects that a model must contain to be exact; effects that change nothing in the scene are not required.
 
-    translation: whether the centre of mass leaves where it is. rotation: about the normal of a plane on which the body lies
-    flat, which takes one moment (planar), or in space, which takes all of them unless some are equal. degrees_of_freedom: of
-    the coordinates alone, however the body happens to start: three for a translation, three for a rotation in space, and
-    three together, x, y and yaw, on a plane.
+    Attributes
+    ----------
+    gravity
+        Whether gravity acts.
+    translation
+        Whether the centre of mass moves.
+    rotation
+        "none" for a body that does not rotate; "planar" for one that lies flat and rotates about the normal of the plane only,
+        for which one moment of inertia is enough; otherwise the symmetry of its moments, all of which count.
+    contact
+        Whether there is a plane; it counts as touched.
+    friction
+        Whether friction acts on the plane.
+    drag
+        Whether drag acts on a body that moves.
+    degrees_of_freedom
+        Number of coordinates of the model: three for a translation, three for a rotation in space, even one about a fixed axis,
+        and three in all (x, y and yaw) for a body that lies flat.
     """
 
     gravity: bool
@@ -29,13 +45,13 @@ class Requirements:
     degrees_of_freedom: int
 
     def names(self) -> tuple[str, ...]:
-        """What is required, by the names of the fields."""
+        """The names of the fields that state a required effect."""
         kinds = ("gravity", "translation", "rotation", "contact", "friction", "drag")
         return tuple(kind for kind in kinds if getattr(self, kind) not in (False, "none"))
 
 
 def requirements(scene: Scene) -> Requirements:
-    """What a scene requires; a plane counts as touched."""
+    """The requirements of a scene."""
     if scene.plane is not None:
         flat = lies_flat(scene)
         return Requirements(
@@ -61,13 +77,16 @@ def requirements(scene: Scene) -> Requirements:
 
 
 def symmetry(moments: Vector) -> Symmetry:
-    """How many principal moments are equal, all their digits being compared: nearly symmetric is asymmetric."""
+    """The symmetry of a body with these principal moments (kg m^2).
+
+    All digits are compared, so that a nearly symmetric body is asymmetric.
+    """
     kinds: dict[int, Symmetry] = {1: "sphere", 2: "symmetric", 3: "asymmetric"}
     return kinds[len(set(moments))]
 
 
 def lies_flat(scene: Scene) -> bool:
-    """Whether the body lies on a plane on a face that it has."""
+    """Whether the body lies flat on the plane z = 0; see `planar.planar_state`."""
     try:
         planar_state(scene)
     except NotFlat:
@@ -76,5 +95,8 @@ def lies_flat(scene: Scene) -> bool:
 
 
 def missing(scene: Scene, modelled: Collection[str]) -> str | None:
-    """What a scene requires and is not among what is modelled, by the names of `Requirements`; None where nothing is."""
+    """The required effects that a model lacks, as a list in words, or None where it lacks none.
+
+    modelled: the effects that the model contains, by the names of the fields of `Requirements`.
+    """
     return ", ".join(name for name in requirements(scene).names() if name not in modelled) or None

@@ -1,33 +1,37 @@
-"""The physical content of a case: a body, its initial state and its surroundings, in SI units.
+"""The physical content of a case: one rigid body, its initial state and its surroundings, in SI units.
 
-World frame: z up, gravity along -z. Body frame: axes I, J, K through the centre of mass, principal unless a body says else.
-Plain tuples of floats, so that a scene is immutable, hashable and cheap to send to another process.
+World frame: z points up and gravity acts along -z. Body frame: axes I, J, K through the centre of mass; they are the principal
+axes unless `Body.axes` says otherwise. Scenes are made of plain tuples of floats, so that a scene is immutable, hashable and
+cheap to send to another process.
 """
 
 from dataclasses import dataclass
 from typing import Literal
 
+#: Three components, in the unit and the frame that the context states.
 Vector = tuple[float, float, float]
+
+#: The components w, x, y, z of a quaternion.
 Quaternion = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True)
 class Brick:
-    """Rectangular block of half-lengths a, b, c along I, J, K (m)."""
+    """Homogeneous rectangular block; `semi_axes` are its half-lengths a, b, c along I, J, K (m)."""
 
     semi_axes: Vector
 
 
 @dataclass(frozen=True)
 class Ellipsoid:
-    """Solid ellipsoid of semi-axes a, b, c along I, J, K (m)."""
+    """Homogeneous ellipsoid; `semi_axes` are a, b, c along I, J, K (m)."""
 
     semi_axes: Vector
 
 
 @dataclass(frozen=True)
 class Cylinder:
-    """Solid circular cylinder about K (m)."""
+    """Homogeneous circular cylinder about K, with its radius and half its length along K (m)."""
 
     radius: float
     half_length: float
@@ -35,19 +39,29 @@ class Cylinder:
 
 @dataclass(frozen=True)
 class Sphere:
-    """Solid sphere (m)."""
+    """Homogeneous sphere, with its radius (m)."""
 
     radius: float
 
 
+#: Every shape that a body can have.
 Shape = Brick | Ellipsoid | Cylinder | Sphere
 
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body: mass (kg), principal moments A, B, C (kg m^2), and its shape where it has one.
+    """A rigid body.
 
-    axes: unit quaternion (w, x, y, z) that takes components along the principal axes to the body frame, whose axes are I, J, K.
+    Attributes
+    ----------
+    mass
+        Mass (kg).
+    moments
+        Principal moments of inertia A, B, C (kg m^2).
+    shape
+        Shape, or None where only mass and moments are given; only a body with a shape can touch the plane.
+    axes
+        Unit quaternion (w, x, y, z) that rotates components along the principal axes to components in the body frame.
     """
 
     mass: float
@@ -58,10 +72,18 @@ class Body:
 
 @dataclass(frozen=True)
 class State:
-    """Where a body is and how it moves.
+    """Pose and velocity of a body at one instant.
 
-    position: of the centre of mass, world frame (m). quaternion: unit, (w, x, y, z), takes body to world components.
-    velocity: of the centre of mass, world frame (m/s). angular_velocity: body frame (rad/s).
+    Attributes
+    ----------
+    position
+        Position of the centre of mass, world frame (m).
+    quaternion
+        Unit quaternion (w, x, y, z) that rotates body components to world components.
+    velocity
+        Velocity of the centre of mass, world frame (m/s).
+    angular_velocity
+        Angular velocity, body frame (rad/s).
     """
 
     position: Vector = (0.0, 0.0, 0.0)
@@ -72,7 +94,19 @@ class State:
 
 @dataclass(frozen=True)
 class Plane:
-    """The plane z = 0 with Coulomb friction; `law` and `pressure` say what the truth models."""
+    """The plane z = 0 with Coulomb friction.
+
+    Attributes
+    ----------
+    friction
+        Coefficient of friction mu.
+    law
+        The law of friction of the truth: over the whole face of the body ("area"), at its corners alone ("corners"), or the
+        book's law, in which translation and spin are braked independently of each other ("decoupled").
+    pressure
+        The distribution of the load over the face: the same everywhere ("uniform"), or shifted so that it balances the moment
+        of friction about the centre of mass ("balanced").
+    """
 
     friction: float = 0.0
     law: Literal["area", "corners", "decoupled"] = "area"
@@ -81,7 +115,21 @@ class Plane:
 
 @dataclass(frozen=True)
 class Scene:
-    """One body in its surroundings: gravity (m/s^2), a plane to lie on, quadratic drag (kg/m, F = -k |v| v)."""
+    """One body in its surroundings.
+
+    Attributes
+    ----------
+    body
+        The body.
+    initial
+        Its state at t = 0.
+    gravity
+        Magnitude of the gravitational acceleration, along -z (m/s^2).
+    plane
+        The plane that the body lies on, or None for free flight.
+    drag
+        Coefficient c (kg/m) of the quadratic drag F = -c |v| v at the centre of mass.
+    """
 
     body: Body
     initial: State
@@ -91,5 +139,5 @@ class Scene:
 
     @property
     def conserves(self) -> bool:
-        """Whether energy and angular momentum stay what they are: neither friction nor drag acts."""
+        """Whether energy and angular momentum about the centre of mass are conserved: there is neither a plane nor drag."""
         return self.plane is None and not self.drag

@@ -1,4 +1,4 @@
-"""Sampled states of one rigid body."""
+"""A trajectory: sampled states of one rigid body, as arrays."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,15 +6,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+#: An array in double precision.
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """States of a body at n instants, in the conventions of `State`.
+    """States of a body at n instants, in the conventions of `scene.State`.
 
-    t: (n,) s. position: (n, 3) world, m. quaternion: (n, 4) unit, w x y z, body to world.
-    velocity: (n, 3) world, m/s. angular_velocity: (n, 3) body, rad/s.
+    Attributes
+    ----------
+    t
+        (n,) instants (s).
+    position
+        (n, 3) positions of the centre of mass, world frame (m).
+    quaternion
+        (n, 4) unit quaternions w, x, y, z that rotate body components to world components.
+    velocity
+        (n, 3) velocities of the centre of mass, world frame (m/s).
+    angular_velocity
+        (n, 3) angular velocities, body frame (rad/s).
     """
 
     t: Array
@@ -27,7 +38,7 @@ class Trajectory:
         return len(self.t)
 
     def part(self, rows: slice | NDArray[Any]) -> "Trajectory":
-        """Some of the instants, as a slice or by their places."""
+        """The trajectory at some of the instants, selected by a slice, by indices or by a mask (n,)."""
         return Trajectory(
             self.t[rows], self.position[rows], self.quaternion[rows], self.velocity[rows], self.angular_velocity[rows]
         )

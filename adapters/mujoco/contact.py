@@ -20,7 +20,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from bodycheck.adapters.contract import SceneUnsupported
-from bodycheck.reference.lying import NotFlat, height_of, named, planar_state
+from bodycheck.reference.errors import NotFlat
+from bodycheck.reference.planar import describe_shape, planar_state, resting_height
 from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
 
 #: The methods with options that are run where none is asked for.
@@ -76,7 +77,7 @@ def parts(scene: Scene, plane: Plane, options: str | None, shortest: float) -> P
     """
     shape = scene.body.shape
     if not isinstance(shape, Brick | Cylinder):
-        raise SceneUnsupported(f"{named(shape)} has no face to lie on")
+        raise SceneUnsupported(f"{describe_shape(shape)} has no face to lie on")
     chosen = read(options) if options is not None else {}
     # A contact without friction has one dimension; MuJoCo knows no friction of zero in the others.
     condim = chosen.get("condim", "3" if plane.friction else "1")
@@ -103,7 +104,7 @@ def written(attributes: dict[str, str]) -> str:
 def body_geoms(shape: Brick | Cylinder, pads: int) -> list[str]:
     """The elements that touch the plane: the shape itself, or pads x pads spheres inside its lower face."""
     if pads:
-        height = height_of(shape)
+        height = resting_height(shape)
         radius = PAD_SIZE * height
         return [
             f'<geom type="sphere" size="{numbers_written(radius)}" pos="{numbers_written(x, y, radius - height)}"/>'

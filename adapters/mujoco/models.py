@@ -15,7 +15,7 @@ import numpy as np
 from bodycheck.adapters.contract import states
 from bodycheck.adapters.mujoco.contact import Parts, numbers_written
 from bodycheck.reference.kinematics import multiply
-from bodycheck.reference.lying import planar_state
+from bodycheck.reference.planar import planar_state
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Quaternion, Scene, Shape, Sphere
 from bodycheck.reference.sliding.motion import smallest_friction

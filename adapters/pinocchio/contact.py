@@ -8,7 +8,7 @@ import pinocchio as pin
 
 from bodycheck.adapters.contract import EngineDiverged, SceneUnsupported
 from bodycheck.adapters.pinocchio.joints import UNIVERSE, Joints, Step
-from bodycheck.reference.lying import named
+from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Array
 
@@ -54,7 +54,7 @@ def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -
         raise SceneUnsupported(f"contact: Pinocchio {pin.__version__} has no point contacts")
     shape, gravity = scene.body.shape, scene.gravity
     if not isinstance(shape, Brick):
-        raise SceneUnsupported(f"admm has contacts at corners, which {named(shape)} does not have")
+        raise SceneUnsupported(f"admm has contacts at corners, which {describe_shape(shape)} does not have")
     model, joint = joints.model, joints.joint
     data, no_force = model.createData(), np.zeros(6)
     a, b, c = shape.semi_axes

@@ -21,7 +21,8 @@ from bodycheck.adapters.pinocchio import contact as pinocchio_contact
 from bodycheck.adapters.pinocchio import joints as pinocchio_joints
 from bodycheck.adapters.pinocchio.joints import UNIVERSE, Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
-from bodycheck.reference.lying import NotFlat, planar_state
+from bodycheck.reference.errors import NotFlat
+from bodycheck.reference.planar import planar_state
 from bodycheck.reference.requirements import missing, requirements
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere
 from bodycheck.reference.sliding.friction import friction

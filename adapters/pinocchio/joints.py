@@ -16,7 +16,7 @@ import pinocchio as pin
 from bodycheck.adapters.contract import states
 from bodycheck.reference.inertia import inertia_tensor
 from bodycheck.reference.kinematics import rotate
-from bodycheck.reference.lying import planar_state
+from bodycheck.reference.planar import planar_state
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.trajectory import Array
 

@@ -22,7 +22,7 @@ from bodycheck.casefile.toml_positions import Path, Position, positions
 from bodycheck.errors import BadInput
 from bodycheck.reference.inertia import MassProperties, composite, particles, principal_axes, principal_moments, solid
 from bodycheck.reference.kinematics import body_rates, euler_from_quaternion, normalise, quaternion_from_euler
-from bodycheck.reference.lying import height_of
+from bodycheck.reference.planar import resting_height
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere, State
 from bodycheck.reference.trajectory import Array
 
@@ -371,7 +371,7 @@ def _state(table: grammar.InitialTable, body: Body, on_plane: bool) -> State:
     Where no position is given, a body with a flat face lies on the plane.
     """
     lying = on_plane and isinstance(body.shape, Brick | Cylinder)
-    position = table.position or (0.0, 0.0, height_of(body.shape) if lying else 0.0)
+    position = table.position or (0.0, 0.0, resting_height(body.shape) if lying else 0.0)
     rates = table.angular_velocity or (0.0, 0.0, 0.0)
     if table.euler_rates is not None:
         _, theta, psi = euler_from_quaternion(_attitude(table)) if table.quaternion else _wide(table.euler_zxz or (0, 0, 0))

@@ -36,8 +36,7 @@ def truth(
         Also run every other way to the truth, 128-bit arithmetic among them, and print how far they are apart.
     """
     from bodycheck.console import terminal
-    from bodycheck.reference.integration.dop853 import OutOfReach
-    from bodycheck.reference.truth import NotModelled
+    from bodycheck.reference.errors import NotModelled, OutOfReach
     from bodycheck.running import truths
 
     (loaded,) = arguments.load_cases((case,))

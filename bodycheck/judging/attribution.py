@@ -18,11 +18,11 @@ import numpy as np
 import pandas as pd
 
 from bodycheck.judging.judgement import LABEL, Verdict
-from bodycheck.reference.integration.dop853 import OutOfReach
-from bodycheck.reference.lying import Stop, yaw
+from bodycheck.reference.contact_observables import measured_stop
+from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.planar import Stop, yaw
 from bodycheck.reference.scene import Scene
-from bodycheck.reference.stopping import measured_stop
-from bodycheck.reference.truth import NotModelled, truth
+from bodycheck.reference.truth import truth
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.store import Results
 

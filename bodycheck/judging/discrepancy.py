@@ -6,11 +6,11 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from bodycheck.reference.contact_observables import measured_stop, penetration, tilt
 from bodycheck.reference.kinematics import geodesic_angle, normalise
-from bodycheck.reference.lying import Stop
 from bodycheck.reference.observables import Observables, observe
+from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Scene
-from bodycheck.reference.stopping import measured_stop, penetration, tilt
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth, distance
 from bodycheck.running.outcome import Completed, Run
@@ -46,7 +46,8 @@ class Discrepancy:
     angular_momentum_drift: distance from the run's own initial value, relative (see `drifts`); where friction or drag act,
     energy_error and so on: distance from the truth's value, relative likewise.
     truth_error: the truth's own bound (rad), below which an attitude error says nothing.
-    On a plane also penetration (m) and tilt (rad), and in `figures` those of the stop (see `bodycheck.reference.stopping`).
+    On a plane also penetration (m) and tilt (rad), and in `figures` those of the stop (see
+    `bodycheck.reference.contact_observables`).
     """
 
     t: Array

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from bodycheck.casefile.case import Case
-from bodycheck.reference.integration.dop853 import OutOfReach
-from bodycheck.reference.truth import NotModelled, Truth
+from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.truth import Truth
 from bodycheck.running import pool, store
 from bodycheck.running.machine import fingerprint
 from bodycheck.running.outcome import Crashed, Run, TimedOut, Unsupported

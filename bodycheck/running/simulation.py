@@ -10,10 +10,10 @@ import numpy as np
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Adapter, EngineDiverged, EngineReset, Method, SceneUnsupported, Simulation, Strides
 from bodycheck.casefile.case import Case
+from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.inertia import angular_momentum
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Scene
-from bodycheck.reference.stopping import measured_stop
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import missing_model
 from bodycheck.running.outcome import Completed, Diverged, Load, Outcome, Run, Unsupported, crash

@@ -20,7 +20,7 @@ import pyarrow.parquet as pq
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import Case, parse
 from bodycheck.errors import BadInput
-from bodycheck.reference.lying import Stop
+from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth

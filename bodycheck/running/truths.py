@@ -16,8 +16,8 @@ from bodycheck.reference.truth import truth as truth_of_scene
 def truth(case: Case, times: ArrayLike | None = None) -> Truth:
     """The reference trajectory of a case and its error bound, at the case's instants or at ascending times (n,) >= 0 s.
 
-    Raises `bodycheck.reference.truth.NotModelled` for a scene that the reference has no model of, and
-    `bodycheck.reference.integration.dop853.OutOfReach` for a motion that it cannot follow.
+    Raises `bodycheck.reference.errors.NotModelled` for a scene that the reference has no model of, and
+    `bodycheck.reference.errors.OutOfReach` for a motion that it cannot follow.
     """
     return truth_of_scene(case.scene, _instants(case, times))
 

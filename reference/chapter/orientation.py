@@ -11,10 +11,10 @@ from bodycheck.reference.kinematics import Float, Floats
 from bodycheck.reference.trajectory import Array
 
 #: Entries of a rotation matrix up to this size are rounding, and the direction that they give means nothing.
-LEAST_SINE = 4 * float(np.finfo(float).eps)
+SINE_ROUNDING = 4 * float(np.finfo(float).eps)
 
 #: How far the axes of a matrix may be from orthonormal: what single precision leaves of them, and no reflection or scaling.
-ORTHONORMAL = 1e-6
+ORTHONORMALITY_TOLERANCE = 1e-6
 
 
 def rx(alpha: Floats[Float]) -> Floats[Float]:
@@ -35,7 +35,7 @@ def rz(gamma: Floats[Float]) -> Floats[Float]:
     return _matrix([[c, s, zero], [-s, c, zero], [zero, zero, one]])
 
 
-ELEMENTARY = {"x": rx, "y": ry, "z": rz}
+ELEMENTARY_ROTATIONS = {"x": rx, "y": ry, "z": rz}
 
 
 def inertial_to_body(axes: str, *angles: Floats[Float]) -> Floats[Float]:
@@ -45,11 +45,11 @@ def inertial_to_body(axes: str, *angles: Floats[Float]) -> Floats[Float]:
 
     Raises `ValueError` for other letters, and where there is not one angle a letter.
     """
-    if len(axes) != len(angles) or not set(axes) <= ELEMENTARY.keys():
+    if len(axes) != len(angles) or not set(axes) <= ELEMENTARY_ROTATIONS.keys():
         raise ValueError(f"axes {axes!r} with {len(angles)} angles: give a letter x, y or z for each angle")
     matrix = np.eye(3, dtype=np.result_type(float, *angles))
     for axis, angle in zip(axes, angles, strict=True):
-        matrix = ELEMENTARY[axis](angle) @ matrix
+        matrix = ELEMENTARY_ROTATIONS[axis](angle) @ matrix
     return matrix
 
 
@@ -83,7 +83,7 @@ def zxz_angles(a1: Floats[Float]) -> tuple[Floats[Float], Floats[Float], Floats[
     _require_rotations(a1)
     k = a1[..., 2]
     sine = np.hypot(k[..., 0], k[..., 1])
-    singular = sine <= LEAST_SINE
+    singular = sine <= SINE_ROUNDING
     phi = np.where(singular, 0, np.arctan2(k[..., 0], -k[..., 1]))
     theta = np.arctan2(np.where(singular, 0, sine), k[..., 2])
     # From the line of nodes I*, and not from k.I and k.J: so psi makes up for what rounding near the singularity does to phi.
@@ -103,7 +103,7 @@ def aeronautical_angles(a1: Floats[Float]) -> tuple[Floats[Float], Floats[Float]
     _require_rotations(a1)
     i = a1[..., 0]
     cosine = np.hypot(i[..., 0], i[..., 1])
-    singular = cosine <= LEAST_SINE
+    singular = cosine <= SINE_ROUNDING
     yaw = np.where(singular, 0, np.arctan2(i[..., 1], i[..., 0]))
     pitch = np.arctan2(-i[..., 2], np.where(singular, 0, cosine))
     # From the direction of J before the roll, for the same reason as psi in `zxz_angles`.
@@ -128,9 +128,9 @@ def axis_and_angle(a1: Array) -> tuple[Array, Array]:
     size = np.hypot(np.hypot(vector[:, 0], vector[:, 1]), vector[:, 2])
     angle = 2 * np.arctan2(size, np.abs(scalar))
     axis = np.where(size[:, None] > 0, vector, [0.0, 0.0, 1.0]) / np.where(size > 0, size, 1)[:, None]
-    x, y, z = np.where(np.abs(axis) > LEAST_SINE, axis, 0).T
+    x, y, z = np.where(np.abs(axis) > SINE_ROUNDING, axis, 0).T
     last = np.where(z != 0, z, np.where(y != 0, y, x))
-    half_turn = np.abs(scalar) <= LEAST_SINE
+    half_turn = np.abs(scalar) <= SINE_ROUNDING
     axis *= np.where(np.where(half_turn, last, scalar) < 0, -1, 1)[:, None]
     shape = np.shape(a1)[:-2]
     return axis.reshape(*shape, 3), angle.reshape(shape)
@@ -150,6 +150,9 @@ def _require_rotations(matrices: Floats[Float]) -> None:
         raise ValueError(f"rotation matrices are (..., 3, 3), not {np.shape(matrices)}")
     i, j, k = np.moveaxis(matrices, -1, 0)
     products = np.swapaxes(matrices, -1, -2) @ matrices
-    # Written so that NaN fails.
-    if not (np.abs(products - np.eye(3)) <= ORTHONORMAL).all() or not ((np.cross(i, j) * k).sum(axis=-1) > 0).all():
+    # Both comparisons are false for NaN, so that a matrix with NaN is rejected.
+    if (
+        not (np.abs(products - np.eye(3)) <= ORTHONORMALITY_TOLERANCE).all()
+        or not ((np.cross(i, j) * k).sum(axis=-1) > 0).all()
+    ):
         raise ValueError("not rotation matrices: the axes are not orthonormal, right-handed and finite")

@@ -17,7 +17,7 @@ from bodycheck.reference.trajectory import Array
 TRIANGLE_TOLERANCE = 1e-12
 
 #: Sine of the angle between r12 and i up to which i x r12 is rounding.
-ALONG_I = 4 * float(np.finfo(float).eps)
+PARALLEL_SINE = 4 * float(np.finfo(float).eps)
 
 
 class NoTriangle(ValueError):
@@ -91,7 +91,7 @@ def normals(along: Array) -> tuple[Array, Array]:
     """
     x, y, z = np.moveaxis(along, -1, 0)
     zero = np.zeros_like(x)
-    parallel = (np.hypot(y, z) <= ALONG_I)[..., None]
+    parallel = (np.hypot(y, z) <= PARALLEL_SINE)[..., None]
     v1 = np.where(parallel, np.stack([z, zero, -x], axis=-1), np.stack([zero, -z, y], axis=-1))
     v1 /= np.linalg.norm(v1, axis=-1, keepdims=True)
     return v1, np.cross(along, v1)

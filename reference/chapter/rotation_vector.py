@@ -10,7 +10,7 @@ from bodycheck.reference.kinematics import Float, Floats, body_rates, euler_rate
 
 #: Seen from the body the world turns backwards, by {-psi, -theta, -phi}: exchanging the frames exchanges phi and psi, up to the
 #: sign of the second component.
-MIRROR = np.array([1, -1, 1])
+FRAME_EXCHANGE_SIGNS = np.array([1, -1, 1])
 
 
 class SingularAngles(ValueError):
@@ -21,7 +21,7 @@ def inertial_rates(
     phi: Floats[Float], theta: Floats[Float], dphi: Floats[Float], dtheta: Floats[Float], dpsi: Floats[Float]
 ) -> Floats[Float]:
     """Angular velocity (..., 3) in the inertial frame from Euler angles and their rates [G 2.21b]."""
-    return np.asarray(body_rates(theta, phi, dpsi, dtheta, dphi) * MIRROR)
+    return np.asarray(body_rates(theta, phi, dpsi, dtheta, dphi) * FRAME_EXCHANGE_SIGNS)
 
 
 def body_rate_matrix(theta: Floats[Float], psi: Floats[Float]) -> Floats[Float]:
@@ -54,7 +54,7 @@ def inverse_inertial_rate_matrix(phi: Floats[Float], theta: Floats[Float]) -> Fl
     _require_regular(theta)
     phi, theta = np.broadcast_arrays(phi, theta)
     # `euler_rates` gives its rates in the order (dpsi, dtheta, dphi) here.
-    return np.stack([np.stack(euler_rates(theta, phi, unit)[::-1], axis=-1) for unit in np.diag(MIRROR)], axis=-1)
+    return np.stack([np.stack(euler_rates(theta, phi, unit)[::-1], axis=-1) for unit in np.diag(FRAME_EXCHANGE_SIGNS)], axis=-1)
 
 
 def rates_of_axes(axes: Floats[Float], derivatives: Floats[Float]) -> Floats[Float]:

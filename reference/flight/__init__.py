@@ -1,0 +1,12 @@
+"""Motion in free flight: rotation without torque in closed form, the parabola, and translation with drag.
+
+- `closed_form`: open this first. It chooses the simplest exact form of a rotation, gives the motion and its error bound, and
+  the period between flips.
+- `torque_free`: rotation of a body with any moments, by Jacobi's elliptic functions.
+- `symmetric_top`: rotation of a body with two equal moments, in elementary functions.
+- `elliptic`: Jacobi's elliptic functions, for every modulus.
+- `drag`: translation with quadratic drag, in two formulations.
+
+`closed_form` imports `symmetric_top`, which imports `torque_free`, which imports `elliptic`. `drag` stands alone and uses the
+DOP853 driver of `integration`.
+"""

@@ -19,10 +19,10 @@ from bodycheck.reference.scene import Body, Quaternion, Scene, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: Attitude error (rad) of some ten roundings in double precision, however long the motion; 7 eps is the most yet seen.
-STORED = 16 * float(np.finfo(float).eps)
+STORED_ERROR_RAD = 16 * float(np.finfo(float).eps)
 
 #: Attitude error per radian of the angles that are found, and reduced to one turn, in the wide type.
-PER_RADIAN = 4 * float(np.finfo(Wide).eps)
+ERROR_PER_RADIAN = 4 * float(np.finfo(Wide).eps)
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ def bound(scene: Scene, times: Array) -> Array:
     """
     moments, rates = scene.body.moments, scene.initial.angular_velocity
     start, rate = smallest_rotation(moments, rates).angles(moments, rates)
-    return STORED + PER_RADIAN * (start + rate * np.abs(times))
+    return STORED_ERROR_RAD + ERROR_PER_RADIAN * (start + rate * np.abs(times))
 
 
 def flip_period(body: Body, angular_velocity: Vector) -> float:

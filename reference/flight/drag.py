@@ -17,7 +17,7 @@ from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
 #: A horizontal speed below this part of what gravity makes of the vertical one does not slow the body: its square is lost.
-STEEP = 1e-9
+VERTICAL_SPEED_RATIO = 1e-9
 
 
 def cartesian(scene: Scene, times: Array) -> tuple[Array, Array]:
@@ -46,7 +46,7 @@ def hodograph(scene: Scene, times: Array) -> tuple[Array, Array]:
     if gravity == 0:
         return _coasting(resistance, position, velocity, times)
     length, _, fastest, _ = scales(scene, times)
-    if horizontal <= STEEP * fastest:
+    if horizontal <= VERTICAL_SPEED_RATIO * fastest:
         return _vertical(resistance, gravity, position, velocity, times)
 
     def arc(s: float) -> float:

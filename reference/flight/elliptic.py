@@ -19,16 +19,16 @@ WideArray = NDArray[np.longdouble]
 PI = 4 * np.arctan(Wide(1))
 
 #: The quarter period of modulus 1: finite, so that the separatrix needs no case of its own.
-ENDLESS = np.finfo(Wide).max ** Wide(0.75)
+SEPARATRIX_QUARTER_PERIOD = np.finfo(Wide).max ** Wide(0.75)
 
 #: Argument x beyond which sech(x) is nothing in double precision, and at which cosh(6 x) does not overflow.
-FARTHEST = 100.0
+LARGEST_SECH_ARGUMENT = 100.0
 
-SIGNS = np.array([1.0, -1.0, 1.0, -1.0])
+ALTERNATING_SIGNS = np.array([1.0, -1.0, 1.0, -1.0])
 #: sin((2n + 1) v) / sin(v) in terms of 1, cos(2v), cos(4v), cos(6v).
-SINES = np.array([[1.0, 0.0, 0.0, 0.0], [1.0, 2.0, 0.0, 0.0], [1.0, 2.0, 2.0, 0.0], [1.0, 2.0, 2.0, 2.0]])
+SINE_RATIOS = np.array([[1.0, 0.0, 0.0, 0.0], [1.0, 2.0, 0.0, 0.0], [1.0, 2.0, 2.0, 0.0], [1.0, 2.0, 2.0, 2.0]])
 #: cos((2n + 1) v) / cos(v) in the same terms.
-COSINES = np.array([[1.0, 0.0, 0.0, 0.0], [-1.0, 2.0, 0.0, 0.0], [1.0, -2.0, 2.0, 0.0], [-1.0, 2.0, -2.0, 2.0]])
+COSINE_RATIOS = np.array([[1.0, 0.0, 0.0, 0.0], [-1.0, 2.0, 0.0, 0.0], [1.0, -2.0, 2.0, 0.0], [-1.0, 2.0, -2.0, 2.0]])
 
 
 def complete(kc: Wide, p: Wide, a: Wide, b: Wide) -> Wide:
@@ -49,7 +49,7 @@ def complete(kc: Wide, p: Wide, a: Wide, b: Wide) -> Wide:
 
 def quarter_period(kc: Wide) -> Wide:
     """K of the complementary modulus kc >= 0."""
-    return complete(kc, Wide(1), Wide(1), Wide(1)) if kc > 0 else ENDLESS
+    return complete(kc, Wide(1), Wide(1), Wide(1)) if kc > 0 else SEPARATRIX_QUARTER_PERIOD
 
 
 def first_kind(sn: Wide, cn: Wide, dn: Wide) -> Wide:
@@ -102,16 +102,21 @@ def theta_series(k: Wide, kc: Wide, quarter: Wide, eta: Wide) -> ThetaSeries:
     integer[0] = 1
     half = np.exp((n * (n + 1) * log_nome).astype(float))
 
-    theta1, theta2, theta3, theta4 = (SIGNS * half) @ SINES, half @ COSINES, integer, SIGNS * integer
+    theta1, theta2, theta3, theta4 = (
+        (ALTERNATING_SIGNS * half) @ SINE_RATIOS,
+        half @ COSINE_RATIOS,
+        integer,
+        ALTERNATING_SIGNS * integer,
+    )
     if hyperbolic:
         denominator, numerators = theta2, [theta1, theta4, theta3]
         turns = ((2 * n + 1) * shift).astype(float)
-        real, imaginary = (half * np.cos(turns)) @ COSINES, (half * np.sin(turns)) @ SINES
+        real, imaginary = (half * np.cos(turns)) @ COSINE_RATIOS, (half * np.sin(turns)) @ SINE_RATIOS
     else:
         denominator, numerators = theta4, [theta1, theta2, theta3]
         growing = np.exp((n * n * log_nome + 2 * n * shift).astype(float))
         fading = np.exp((n * n * log_nome - 2 * n * shift).astype(float))
-        real = SIGNS * (growing + fading)
+        real = ALTERNATING_SIGNS * (growing + fading)
         real[0] = 1
         _, s1, s2, s3 = growing - fading
         imaginary = np.array([s1 + s3, -2 * s2, 2 * s3, 0])
@@ -126,7 +131,7 @@ def jacobi(series: ThetaSeries, u: Array) -> tuple[Array, Array, Array, Array]:
     terms = np.empty((4, len(u)))
     z = series.scale * u
     if series.hyperbolic:
-        z = np.clip(z, -FARTHEST, FARTHEST)
+        z = np.clip(z, -LARGEST_SECH_ARGUMENT, LARGEST_SECH_ARGUMENT)
         for_sn, for_cn = np.tanh(z), 1 / np.cosh(z)
         for_dn, for_phase = for_cn, for_sn
         c = np.cosh(2 * z)

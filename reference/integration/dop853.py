@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853
 
+from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
@@ -19,11 +20,7 @@ RELATIVE_TOLERANCE = 2.3e-14
 ABSOLUTE_TOLERANCE = 1e-15
 
 #: Steps after which an integration is given up: about 1.5e5 turns, some minutes.
-MOST_STEPS = 1_000_000
-
-
-class OutOfReach(Exception):
-    """The reference cannot follow this motion; the text says why."""
+MAX_STEPS = 1_000_000
 
 
 def dop853(derivative: Derivative, start: float, state: Array, end: float, scale: Array, **steps: Any) -> Any:
@@ -40,8 +37,8 @@ def advance(solver: Any, taken: int, time: float, end: float) -> int:
     message = solver.step()
     if solver.status == "failed" or not np.isfinite(solver.y).all():
         raise OutOfReach(f"the integration cannot go on at t = {time:.6g} s: {message}")
-    if taken + 1 > MOST_STEPS:
-        raise OutOfReach(f"more than {MOST_STEPS} integration steps before t = {end:.6g} s")
+    if taken + 1 > MAX_STEPS:
+        raise OutOfReach(f"more than {MAX_STEPS} integration steps before t = {end:.6g} s")
     return taken + 1
 
 

@@ -29,7 +29,7 @@ from bodycheck.reference.scene import Scene, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: A chart is left where sin(theta) falls below this: far from the singularity compared with the turn of one step.
-SMALLEST_SINE = 0.5
+MIN_CHART_SINE = 0.5
 
 #: Chart k's axes in the body's own: the identity and the two turns by 120 degrees about (1, 1, 1).
 RELABELLINGS = np.array([[1.0, 0.0, 0.0, 0.0], [0.5, 0.5, 0.5, 0.5], [0.5, -0.5, -0.5, -0.5]])
@@ -134,7 +134,7 @@ def integrate(scene: Scene, times: Array) -> Trajectory:
 
     def change_chart(y: Array) -> tuple[Derivative, Array] | None:
         nonlocal chart
-        if abs(math.sin(y[3])) >= SMALLEST_SINE:
+        if abs(math.sin(y[3])) >= MIN_CHART_SINE:
             return None
         state = [part[0] for part in to_states(y[None], np.array([chart]))]
         chart = best_chart(state[1])

@@ -11,10 +11,10 @@ from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
 #: Size of the variations at the start. Being linear, they may have any; small ones leave the steps to the motion itself.
-SEED = 2.0**-40
+VARIATION_SIZE = 2.0**-40
 
 #: Instants, evenly spaced from 0 to the last one asked for, at which an error is thought to be made.
-ORIGINS = 200
+ERROR_INSTANTS = 200
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,9 +47,9 @@ def growth(scene: Scene, times: Array) -> Growth:
     """
     start, parameters = euler_start(scene, np.float64)
     variations = np.zeros((7, 3))
-    variations[4:] = SEED * np.eye(3)
+    variations[4:] = VARIATION_SIZE * np.eye(3)
     times = np.asarray(times)
-    origins = np.linspace(0.0, times.max(initial=0.0), ORIGINS)
+    origins = np.linspace(0.0, times.max(initial=0.0), ERROR_INSTANTS)
     solution = solve(
         integrator(variational_equations, np.float64),
         np.concatenate([start, variations.ravel()]),
@@ -57,7 +57,7 @@ def growth(scene: Scene, times: Array) -> Growth:
         np.concatenate([times, origins]) * unit_of_rate(scene),
     )
     attitudes = normalise(solution[:, None, :4])
-    derivatives = solution[:, 7:].reshape(-1, 7, 3) / SEED
+    derivatives = solution[:, 7:].reshape(-1, 7, 3) / VARIATION_SIZE
     turns = 2 * multiply(np.swapaxes(derivatives[:, :4], 1, 2), conjugate(attitudes))[..., 1:]
     j, m = np.swapaxes(turns, 1, 2), derivatives[:, 4:]
     speeds = np.linalg.norm(solution[:, 4:7], axis=1)

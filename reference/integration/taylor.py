@@ -29,7 +29,8 @@ import heyoka as hy
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference.integration.dop853 import MOST_STEPS, OutOfReach
+from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.integration.dop853 import MAX_STEPS
 from bodycheck.reference.integration.lagrangian import RELABELLINGS, relabel
 from bodycheck.reference.kinematics import (
     conjugate,
@@ -48,17 +49,17 @@ Precision = Literal["extended", "quadruple"]
 #: heyoka has no type of its own where `long double` has 128 bits already (64-bit ARM).
 QUADRUPLE = getattr(hy, "real128", np.longdouble)
 
-TYPES = {"extended": np.longdouble, "quadruple": QUADRUPLE}
+FLOAT_TYPES = {"extended": np.longdouble, "quadruple": QUADRUPLE}
 
-BITS = {63: 80, 112: 128}
+BITS_BY_MANTISSA = {63: 80, 112: 128}
 #: By the bits of the significand; what users see.
-NAMES: dict[Precision, str] = {
-    "extended": f"heyoka-{BITS[np.finfo(np.longdouble).nmant]}-bit",
+BACKEND_NAMES: dict[Precision, str] = {
+    "extended": f"heyoka-{BITS_BY_MANTISSA[np.finfo(np.longdouble).nmant]}-bit",
     "quadruple": "heyoka-128-bit",
 }
 
 #: Remainder of the series in a step: a few roundings of each type, since less would be lost among them.
-TOLERANCES = {np.float64: 2.0**-50, np.longdouble: 2.0**-60, QUADRUPLE: 2.0**-109}
+STEP_TOLERANCES = {np.float64: 2.0**-50, np.longdouble: 2.0**-60, QUADRUPLE: 2.0**-109}
 
 #: An array of a wide type; `heyoka.real128` is none of NumPy's own floating types.
 WideArray = NDArray[Any]
@@ -145,7 +146,7 @@ def integrator(equations: Callable[[], Equations], dtype: Any) -> Any:
         system,
         np.zeros(len(system), dtype=dtype),
         pars=np.zeros(len(hy.get_params([derivative for _, derivative in system])), dtype=dtype),
-        tol=dtype(TOLERANCES[dtype]),
+        tol=dtype(STEP_TOLERANCES[dtype]),
         fp_type=dtype,
         # Unrolled code is a tenth faster and takes ten times as long to compile.
         compact_mode=True,
@@ -183,7 +184,7 @@ def solve(solver: Any, start: WideArray, parameters: WideArray, times: Array, an
         solver.state[:] = start
         solver.pars[:] = parameters
         grid = instants.astype(start.dtype)
-        outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=MOST_STEPS, callback=reducer)
+        outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=MAX_STEPS, callback=reducer)
     if outcome != hy.taylor_outcome.time_limit:
         raise OutOfReach(f"Taylor's method stopped after {steps} steps: {outcome.name}")
     return np.asarray(solution[rows[1:]])
@@ -203,7 +204,7 @@ def euler_lagrange(scene: Scene, times: Array, precision: Precision = "extended"
 
     Raises `OutOfReach` where the integration takes too many steps or cannot go on.
     """
-    dtype, unit = TYPES[precision], unit_of_rate(scene)
+    dtype, unit = FLOAT_TYPES[precision], unit_of_rate(scene)
     moments = _wide(scene.body.moments, dtype)
     rates = _wide(scene.initial.angular_velocity, dtype) / unit
     at_rest = not any(scene.initial.angular_velocity)
@@ -237,8 +238,8 @@ def quasi_coordinates(scene: Scene, times: Array, precision: Precision = "extend
     Raises `OutOfReach` where the integration takes too many steps or cannot go on.
     """
     unit = unit_of_rate(scene)
-    start, parameters = euler_start(scene, TYPES[precision])
-    solution = solve(integrator(euler_equations, TYPES[precision]), start, parameters, np.asarray(times) * unit)
+    start, parameters = euler_start(scene, FLOAT_TYPES[precision])
+    solution = solve(integrator(euler_equations, FLOAT_TYPES[precision]), start, parameters, np.asarray(times) * unit)
     return Rotation(normalise(solution[:, :4]), solution[:, 4:] * unit)
 
 

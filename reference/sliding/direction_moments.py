@@ -19,18 +19,18 @@ DirectionMoments = Callable[[float, float, float], Array]
 #: Distance of the instantaneous centre, in radii of the footprint, beyond which quadrature is exact to rounding.
 #:
 #: Close to it the boundary integral is exact, but its sums cancel as the centre goes away: a digit every factor of 10.
-FAR = 4.0
+FAR_RADII = 4.0
 
 #: The same, in radii, within which the trapezoidal rule on the rim is exact to rounding: 0.5^64 is 5e-20.
-DISK_INNER = 0.5
+NEAR_CENTRE_RADII = 0.5
 
-#: Gauss nodes a direction of each triangle of a polygon: the error at `FAR` is (3 + sqrt 8)^-24, 5e-19.
+#: Gauss nodes a direction of each triangle of a polygon: the error at `FAR_RADII` is (3 + sqrt 8)^-24, 5e-19.
 EDGE_NODES = 12
 
 #: Sizes of velocity and spin below which both are scaled up.
-SLOWEST = 2.0**-400
+SMALLEST_UNSCALED = 2.0**-400
 
-#: Nodes of a disk about its rim and along a radius: at `FAR` the errors are 4^-64 and (7 + sqrt 48)^-20, 1e-23.
+#: Nodes of a disk about its rim and along a radius: at `FAR_RADII` the errors are 4^-64 and (7 + sqrt 48)^-20, 1e-23.
 RIM_NODES, RADIAL_NODES = 64, 10
 
 
@@ -50,12 +50,12 @@ def direction_moments(footprint: Footprint) -> DirectionMoments:
             nodes, weights = points, np.ones(len(points))
             near = point_sums(footprint)
     far = far_sums(nodes, weights, load_moments(footprint))
-    farthest = FAR * reach(footprint)
+    farthest = FAR_RADII * reach(footprint)
 
     def moments(v1: float, v2: float, w: float) -> Array:
-        if max(abs(v1), abs(v2), abs(w)) < SLOWEST:
+        if max(abs(v1), abs(v2), abs(w)) < SMALLEST_UNSCALED:
             # The direction alone counts; of so slow a motion, quotients and squares would not.
-            v1, v2, w = (value / SLOWEST for value in (v1, v2, w))
+            v1, v2, w = (value / SMALLEST_UNSCALED for value in (v1, v2, w))
         speed = math.hypot(v1, v2)
         if speed > farthest * abs(w):
             return far(v1 / speed, v2 / speed, w / speed)
@@ -184,7 +184,7 @@ def disk_boundary(disk: Disk) -> DirectionMoments:
 
 
 RIM_COSINES = np.cos(2 * np.pi * np.arange(RIM_NODES) / RIM_NODES)
-RIM_POWERS = 2 * np.pi / RIM_NODES * np.stack([np.ones(RIM_NODES), RIM_COSINES, RIM_COSINES**2])
+RIM_COSINE_POWERS = 2 * np.pi / RIM_NODES * np.stack([np.ones(RIM_NODES), RIM_COSINES, RIM_COSINES**2])
 
 
 def rim_integrals(k: float) -> tuple[float, float, float]:
@@ -193,9 +193,9 @@ def rim_integrals(k: float) -> tuple[float, float, float]:
     By complete elliptic integrals of the parameter m = 4 k/(1 + k)^2 [DLMF 19.2.8]; where m is small, and they would
     cancel, by the trapezoidal rule, from which |rho| = 1 is taken out so that the second keeps its relative accuracy.
     """
-    if k < DISK_INNER:
+    if k < NEAR_CENTRE_RADII:
         excess = k * (k - 2 * RIM_COSINES) / (1 + np.sqrt(1 + k * (k - 2 * RIM_COSINES)))
-        i0, i1, i2 = (RIM_POWERS @ excess).tolist()
+        i0, i1, i2 = (RIM_COSINE_POWERS @ excess).tolist()
         return 2 * math.pi + i0, i1, math.pi + i2
     rest = ((1 - k) / (1 + k)) ** 2
     m = 1 - rest

@@ -15,10 +15,10 @@ from bodycheck.reference.trajectory import Array
 #: Distance of the instantaneous centre from the edge of an area, in radii of the footprint, below which no nearer is told.
 #:
 #: Friction has a term d^2 ln|d| there: a step of this length leaves an error of its cube, below rounding.
-ON_THE_EDGE = 1e-5
+MIN_EDGE_DISTANCE_RADII = 1e-5
 
 #: Fraction of a body's speed below which a single point no longer slides.
-STUCK = 1e-10
+STUCK_SLIP = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,19 +97,19 @@ def nearness(footprint: Footprint) -> Callable[[float, float, float], float]:
 
             def nearness(v1: float, v2: float, w: float) -> float:
                 slips = np.hypot(v1 - w * y, v2 + w * x) / math.hypot(v1, v2, radius * w)
-                return float((1 / np.maximum(slips, STUCK / 10)).mean())
+                return float((1 / np.maximum(slips, STUCK_SLIP / 10)).mean())
 
         case Disk():
 
             def nearness(v1: float, v2: float, w: float) -> float:
                 spin = abs(w) * radius
-                return spin / math.hypot(math.hypot(v1, v2) - spin, ON_THE_EDGE * spin) if spin else 0.0
+                return spin / math.hypot(math.hypot(v1, v2) - spin, MIN_EDGE_DISTANCE_RADII * spin) if spin else 0.0
 
         case Polygon(vertices):
             edges = np.roll(vertices, -1, axis=0) - vertices
             lengths = np.hypot(*edges.T)
             corners = np.column_stack([vertices, edges / lengths[:, None], lengths]).tolist()
-            least = ON_THE_EDGE * radius
+            least = MIN_EDGE_DISTANCE_RADII * radius
 
             def nearness(v1: float, v2: float, w: float) -> float:
                 # The integral of 1/rho^2 along an edge: smooth off it, and pi/d close to it.

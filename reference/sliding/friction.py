@@ -8,7 +8,8 @@ Lett. 95, 264303, 2005). The sums over the face are those of `direction_moments`
 import math
 from collections.abc import Callable
 
-from bodycheck.reference.lying import NotFlat, height_of, named
+from bodycheck.reference.errors import NotFlat
+from bodycheck.reference.planar import describe_shape, resting_height
 from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Shape
 from bodycheck.reference.sliding.direction_moments import direction_moments
 from bodycheck.reference.sliding.footprint import Disk, Footprint, Points, Polygon, load_moments, rectangle
@@ -36,7 +37,7 @@ def footprint_of(shape: Shape | None, law: str) -> Footprint:
         case Cylinder():
             raise NotFlat("a cylinder has no corners to lie on")
         case _:
-            raise NotFlat(f"{named(shape)} has no face to lie on")
+            raise NotFlat(f"{describe_shape(shape)} has no face to lie on")
 
 
 def friction(body: Body, plane: Plane, gravity: float) -> Law:
@@ -52,7 +53,7 @@ def friction(body: Body, plane: Plane, gravity: float) -> Law:
         return decoupled_friction(footprint, plane.friction, load)
     if plane.pressure == "uniform":
         return uniform_friction(footprint, plane.friction, load)
-    return balanced_friction(footprint, plane.friction, load, height_of(body.shape))
+    return balanced_friction(footprint, plane.friction, load, resting_height(body.shape))
 
 
 def refuse_tipping(body: Body, plane: Plane, gravity: float) -> Callable[[float, float, float], None]:
@@ -60,7 +61,7 @@ def refuse_tipping(body: Body, plane: Plane, gravity: float) -> Callable[[float,
     if plane.pressure == "uniform":
         return lambda v1, v2, w: None
     footprint = footprint_of(body.shape, plane.law)
-    pressure = balanced_pressure(footprint, plane.friction, body.mass * gravity, height_of(body.shape))
+    pressure = balanced_pressure(footprint, plane.friction, body.mass * gravity, resting_height(body.shape))
     return lambda v1, v2, w: check(footprint, pressure(v1, v2, w))
 
 

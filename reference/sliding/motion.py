@@ -9,19 +9,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.reference.errors import NotFlat, WouldTip
 from bodycheck.reference.kinematics import multiply
-from bodycheck.reference.lying import NotFlat, Stop, planar_state
+from bodycheck.reference.planar import Stop, planar_state
 from bodycheck.reference.scene import Plane, Scene
-from bodycheck.reference.sliding.equations import Flat, Motion, in_log_time, in_plain_time
+from bodycheck.reference.sliding.coupled_motion import Flat, Motion, in_log_time, in_plain_time
 from bodycheck.reference.sliding.footprint import nearness
 from bodycheck.reference.sliding.friction import Law, decoupled_friction, footprint_of, friction, refuse_tipping
-from bodycheck.reference.sliding.pressure import WouldTip
 from bodycheck.reference.trajectory import Array, Trajectory
 
 EPS = float(np.finfo(float).eps)
 
 #: Relative error of some ten roundings in double precision: those of a closed form, and of a stored result.
-ROUNDING = 16 * EPS
+RELATIVE_ROUNDING = 16 * EPS
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +64,8 @@ def slide(scene: Scene, times: Array) -> Slide:
         position_error = error = np.zeros(len(times))
         equations = "closed form"
     x, y, yaw = np.abs(motion.rows[:, :3] - start[:3]).T
-    error = error + ROUNDING * np.maximum.accumulate(1 + yaw)
-    position_error = position_error + ROUNDING * np.maximum.accumulate(np.abs(start[:2]).sum() + x + y)
+    error = error + RELATIVE_ROUNDING * np.maximum.accumulate(1 + yaw)
+    position_error = position_error + RELATIVE_ROUNDING * np.maximum.accumulate(np.abs(start[:2]).sum() + x + y)
     stop = None
     if motion.stop is not None:
         time, to_x, to_y, to_yaw = motion.stop.tolist()

@@ -7,15 +7,12 @@ made for them: the load that equal springs under the corners would carry.
 
 import numpy as np
 
+from bodycheck.reference.errors import WouldTip
 from bodycheck.reference.sliding.footprint import Disk, Footprint, outline
 from bodycheck.reference.trajectory import Array
 
 #: Least pressure, as a fraction of the mean, that still counts as none.
-ROUNDING = 1e-12
-
-
-class WouldTip(Exception):
-    """A balanced load would have to pull somewhere: the body tips instead of sliding; the text says where."""
+PRESSURE_ROUNDING = 1e-12
 
 
 def uniform(loads: Array, load: float) -> Array:
@@ -46,7 +43,7 @@ def check(footprint: Footprint, pressure: Array) -> None:
         points = outline(footprint)
         pressures = p0 + points @ slope
         where, least = points[pressures.argmin()], pressures.min()
-    if not least >= -ROUNDING * abs(p0):
+    if not least >= -PRESSURE_ROUNDING * abs(p0):
         raise WouldTip(
             f"the body would tip: to balance friction, the load at ({where[0]:.4g}, {where[1]:.4g}) m of its face would have "
             f"to be {least / p0:.3g} times the mean"

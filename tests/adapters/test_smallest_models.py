@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 from bodycheck import compare, load, simulate, truth
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import MODEL_OPTION, Method, SceneUnsupported
+from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.flight import closed_form, drag, symmetric_top, torque_free
-from bodycheck.reference.flight.closed_form import STORED, smallest_rotation
+from bodycheck.reference.flight.closed_form import STORED_ERROR_RAD, smallest_rotation
 from bodycheck.reference.inertia import principal_moments
-from bodycheck.reference.integration.dop853 import OutOfReach
 from bodycheck.reference.kinematics import geodesic_angle, normalise
-from bodycheck.reference.lying import planar_state
+from bodycheck.reference.planar import planar_state
 from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Scene, State, Vector
 from bodycheck.reference.sliding.friction import friction
 from bodycheck.reference.sliding.motion import coupled, slide, smallest_friction
@@ -104,8 +104,8 @@ def test_the_symmetric_top_is_the_elliptic_motion_of_a_symmetric_body(
     small = symmetric_top.rotation((i, j, k), rates, quaternion, times)
     general = torque_free.rotation((i, j, k), rates, quaternion, times)
     # Each errs by some ten roundings and by those of its angles, a part in 1e19 of at most 3e4 rad.
-    assert geodesic_angle(small[0], general[0]).max() <= 2 * STORED + 1e-14
-    assert np.abs(small[1] - general[1]).max() <= (2 * STORED + 1e-14) * math.hypot(*rates)
+    assert geodesic_angle(small[0], general[0]).max() <= 2 * STORED_ERROR_RAD + 1e-14
+    assert np.abs(small[1] - general[1]).max() <= (2 * STORED_ERROR_RAD + 1e-14) * math.hypot(*rates)
 
 
 def test_a_nearly_symmetric_body_gets_the_general_form_and_moves_alike() -> None:

@@ -14,9 +14,9 @@ from bodycheck.casefile.case import parse
 from bodycheck.judging import judgement
 from bodycheck.judging.attribution import Attribution, attribute
 from bodycheck.judging.discrepancy import stop_figures
-from bodycheck.reference.lying import Stop
+from bodycheck.reference.contact_observables import penetration, tilt
+from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Body, Brick, Scene, State
-from bodycheck.reference.stopping import penetration, tilt
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.running import campaign, store
 from bodycheck.running.plan import plan

@@ -8,13 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bodycheck import Case, load
+from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.integration import dop853 as integration
 from bodycheck.reference.integration import lagrangian
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
-from bodycheck.reference.truth import Backend, NotModelled, attitude_difference, backend, dop853, truth
+from bodycheck.reference.truth import Backend, attitude_difference, backend, dop853, truth
 from tests.conftest import shortened
 
 try:
@@ -165,7 +166,7 @@ def test_what_is_not_modelled_is_named() -> None:
 
 
 def test_a_motion_that_takes_too_many_steps_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(integration, "MOST_STEPS", 20)
+    monkeypatch.setattr(integration, "MAX_STEPS", 20)
     case = shortened(load("free-brick"), 10.0, 11)
     with pytest.raises(integration.OutOfReach, match="more than 20 integration steps"):
         lagrangian.integrate(case.scene, case.instants)

@@ -17,11 +17,11 @@ import numpy as np
 from bodycheck.adapters.contract import Adapter
 from bodycheck.casefile.case import Case
 from bodycheck.errors import BadInput
-from bodycheck.reference.integration.dop853 import OutOfReach
+from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import Backend, NotModelled, Truth, distance, truth
+from bodycheck.reference.truth import Backend, Truth, distance, truth
 from bodycheck.running import journal, plan, pool
 from bodycheck.running.outcome import Completed, Crashed, Outcome, TimedOut, Unsupported
 from bodycheck.running.simulation import DEFAULT_TIMESTEP, simulate

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.reference.contact_observables import penetration
 from bodycheck.reference.flight.closed_form import flip_period
 from bodycheck.reference.kinematics import conjugate, geodesic_angle, normalise, rotate
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Body, Scene
-from bodycheck.reference.stopping import penetration
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth, distance
 

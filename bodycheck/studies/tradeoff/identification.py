@@ -1,6 +1,6 @@
 """Which textbook scheme an engine's trajectory is, and to how many digits.
 
-The reference steps the exact equations of motion by every scheme that it knows (`reference.schemes.textbook`), with the
+The reference steps the exact equations of motion by every scheme that it knows (`reference.schemes.one_step`), with the
 engine's own time step. Two programs of one scheme differ by rounding alone, and how far that may carry them apart has a bound.
 """
 
@@ -15,7 +15,8 @@ from bodycheck.casefile.case import Case
 from bodycheck.judging.discrepancy import compare
 from bodycheck.reference.kinematics import conjugate, geodesic_angle, multiply, normalise
 from bodycheck.reference.scene import Scene, State
-from bodycheck.reference.schemes.textbook import CARRIERS, SCHEMES, Motion, Scheme, rotation_apart, step_through
+from bodycheck.reference.schemes.formulations import FORMULATIONS, Formulation, world_velocity
+from bodycheck.reference.schemes.one_step import SCHEMES, Scheme, step_through
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth, distance
 from bodycheck.running.outcome import Completed, Run
@@ -59,11 +60,11 @@ class Candidate:
 class Identification:
     """The scheme whose trajectory a run is, and how near the nearest comes.
 
-    scheme: empty where none is named. Behind its name stands "on the body twist" where the position is that of this carrier
+    scheme: empty where none is named. Behind its name stands "on the body twist" where the position is that of this formulation
     and not of the other, and "in rotation" where it is that of neither. candidates: the nearest first, which is the one with
     the least position_residual where several fit. Of the nearest: early, residual: the largest attitude difference (rad) in the
     first 2 s and in the whole run. allowed: what rounding may have made of it by the end (rad). position_residual: the largest
-    distance (m), with the nearer carrier.
+    distance (m), with the nearer formulation.
     """
 
     scheme: str
@@ -97,33 +98,33 @@ def identify(case: Case, run: Run, truth: Truth) -> Identification | None:
     error = compare(truth, run).series
     early = trajectory.t <= EARLY
 
-    turned = {name: differences(scheme, rotation_apart, scene, timestep, trajectory)[0] for name, scheme in SCHEMES.items()}
+    turned = {name: differences(scheme, world_velocity, scene, timestep, trajectory)[0] for name, scheme in SCHEMES.items()}
     order = sorted(turned, key=lambda name: (turned[name][early].max(), turned[name].max()))
     allowed = allowance(SCHEMES[order[0]], scene, timestep, trajectory)
     fitting = [name for name in order if (turned[name] <= allowed).all()]
     moved = {
-        (name, carrier): differences(SCHEMES[name], motion, scene, timestep, trajectory)[1]
+        (name, formulation): differences(SCHEMES[name], motion, scene, timestep, trajectory)[1]
         for name in fitting or order[:1]
-        for carrier, motion in CARRIERS.items()
+        for formulation, motion in FORMULATIONS.items()
     }
-    nearest, carrier = min(moved, key=lambda pair: float(moved[pair].max()))
+    nearest, formulation = min(moved, key=lambda pair: float(moved[pair].max()))
     order = [nearest, *(name for name in order if name != nearest)]
-    turn, way = turned[nearest], moved[nearest, carrier]
+    turn, way = turned[nearest], moved[nearest, formulation]
 
     aside = in_position(allowed, trajectory, timestep)
     in_place = bool((way <= aside).all())
-    carriers = [moved[nearest, other] for other in CARRIERS if other != carrier]
+    formulations = [moved[nearest, other] for other in FORMULATIONS if other != formulation]
     rotations = [turned[name] for name in order[1:]]
     ways = [other for (name, _), other in moved.items() if name != nearest]
     rotation_tells = tells(turn, [error["attitude_error"] - truth.error, *rotations], allowed, early)
     position_tells = in_place and tells(way, [error["position_error"] - truth.position_error, *ways], aside, early)
     named = nearest in fitting and turn[early].max() <= SAME and (rotation_tells or position_tells)
     if not in_place:
-        carrier = " in rotation"
-    elif not tells(way, carriers, aside, early):
-        carrier = ""
+        formulation = " in rotation"
+    elif not tells(way, formulations, aside, early):
+        formulation = ""
     return Identification(
-        scheme=nearest + carrier if named else "",
+        scheme=nearest + formulation if named else "",
         early=float(turn[early].max()),
         residual=float(turn.max()),
         allowed=float(allowed[-1]),
@@ -135,10 +136,10 @@ def identify(case: Case, run: Run, truth: Truth) -> Identification | None:
 
 
 def differences(
-    scheme: Scheme, carrier: Callable[[Scene], Motion], scene: Scene, timestep: float, trajectory: Trajectory
+    scheme: Scheme, formulation: Callable[[Scene], Formulation], scene: Scene, timestep: float, trajectory: Trajectory
 ) -> tuple[Array, Array]:
     """How far a scheme is from a run at its instants: attitude (n,), rad, and position (n,), m; infinite where it fails."""
-    states = step_through(scheme, carrier, scene, timestep, np.diff(_steps(trajectory, timestep), prepend=0))
+    states = step_through(scheme, formulation, scene, timestep, np.diff(_steps(trajectory, timestep), prepend=0))
     turned = geodesic_angle(normalise(trajectory.quaternion), states[:, 3:7])
     return _or_infinite(turned), _or_infinite(distance(trajectory.position, states[:, :3]))
 
@@ -169,7 +170,7 @@ def allowance(scheme: Scheme, scene: Scene, timestep: float, trajectory: Traject
     samples = _steps(trajectory, timestep)
     ends = np.unique(np.linspace(0, samples[-1], STRETCHES + 1).astype(np.int64))
     strides = np.diff(ends)
-    states = step_through(scheme, rotation_apart, scene, timestep, np.diff(ends, prepend=0))
+    states = step_through(scheme, world_velocity, scene, timestep, np.diff(ends, prepend=0))
     spin = np.linalg.norm(states[:, 10:], axis=1)
     speed = np.interp(ends * timestep, trajectory.t, np.linalg.norm(trajectory.velocity, axis=1))
     moments = scene.body.moments
@@ -210,7 +211,7 @@ def _derivatives(scheme: Scheme, scene: Scene, timestep: float, start: Array, en
     for axis in np.eye(3):
         p, q, r = (start[10:] + nudge * axis).tolist()
         nudged = replace(scene, initial=State(quaternion=(w, x, y, z), angular_velocity=(p, q, r)))
-        ends.append(step_through(scheme, rotation_apart, nudged, timestep, np.array([stride]))[0])
+        ends.append(step_through(scheme, world_velocity, nudged, timestep, np.array([stride]))[0])
     there = np.array(ends)
     turned = 2 * multiply(there[:, 3:7], conjugate(end[3:7]))
     return (turned[:, 1:] * np.sign(turned[:, :1])).T / nudge, (there[:, 10:] - end[10:]).T / nudge

@@ -11,7 +11,7 @@ from bodycheck.reference.scene import Body, Scene, State
 
 pytest.importorskip("heyoka")
 
-from bodycheck.reference.integration.sensitivity import ORIGINS, growth
+from bodycheck.reference.integration.sensitivity import ERROR_INSTANTS, growth
 from bodycheck.reference.integration.taylor import euler_lagrange, quasi_coordinates
 
 TIMES = np.linspace(0, 10, 101)
@@ -44,7 +44,7 @@ def test_growth_of_an_initial_error_is_that_between_neighbours(scene: Scene) -> 
 
 def test_growth_of_any_error_is_that_of_the_worst_restart() -> None:
     found = growth(FLIP, TIMES)
-    starts = np.linspace(0, TIMES[-1], ORIGINS)[::4]
+    starts = np.linspace(0, TIMES[-1], ERROR_INSTANTS)[::4]
     motion = euler_lagrange(FLIP, starts)
     worst = np.ones_like(TIMES)
     for start, quaternion, angular_velocity in zip(starts, motion.quaternion, motion.angular_velocity, strict=True):

@@ -15,9 +15,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bodycheck import load
+from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.integration import lagrangian
-from bodycheck.reference.integration.dop853 import OutOfReach
 from bodycheck.reference.kinematics import normalise, rotate
 from bodycheck.reference.scene import Body, Brick, Scene, State, Vector
 from bodycheck.reference.trajectory import Array
@@ -217,7 +217,7 @@ def test_threads_do_not_disturb_one_another() -> None:
 
 @pytest.mark.parametrize("way", [euler_lagrange, quasi_coordinates])
 def test_too_many_steps_are_out_of_reach(way: Way, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(taylor, "MOST_STEPS", 20)
+    monkeypatch.setattr(taylor, "MAX_STEPS", 20)
     with pytest.raises(OutOfReach, match="step_limit"):
         way(FLIP, TIMES)
     # What failed leaves nothing behind.

@@ -10,10 +10,18 @@ from scipy.linalg import expm
 from bodycheck import load
 from bodycheck.reference.kinematics import geodesic_angle, multiply, rotate
 from bodycheck.reference.observables import observe
-from bodycheck.reference.principal import along_principal_axes, in_body_frame
+from bodycheck.reference.principal_frame import along_principal_axes, in_body_frame
 from bodycheck.reference.scene import Scene, State
-from bodycheck.reference.schemes.increments import Pair, displace_apart, displace_screw, rate_apart, rate_screw, turn
-from bodycheck.reference.schemes.textbook import CARRIERS, SCHEMES, step_through
+from bodycheck.reference.schemes.formulations import FORMULATIONS
+from bodycheck.reference.schemes.increments import (
+    Pair,
+    displace_se3,
+    displace_so3_r3,
+    inverse_dexp_se3,
+    inverse_dexp_so3_r3,
+    turn,
+)
+from bodycheck.reference.schemes.one_step import SCHEMES, step_through
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truth import truth
 from tests.conftest import shortened
@@ -31,8 +39,8 @@ MIDPOINT, AVERAGED, MUNTHE_KAAS = "implicit midpoint", "averaged Runge-Kutta 4",
 ORDERS = dict.fromkeys(EULER, (1, 1, 1)) | {MIDPOINT: (2, 2, 2), AVERAGED: (2, 4, 2), MUNTHE_KAAS: (4, 4, 4)}
 
 
-def stepped(name: str, carrier: str, scene: Scene, timestep: float, strides: list[int]) -> Trajectory:
-    states = step_through(SCHEMES[name], CARRIERS[carrier], scene, timestep, np.array(strides))
+def stepped(name: str, formulation: str, scene: Scene, timestep: float, strides: list[int]) -> Trajectory:
+    states = step_through(SCHEMES[name], FORMULATIONS[formulation], scene, timestep, np.array(strides))
     return Trajectory(np.cumsum(strides) * timestep, *np.split(states, [3, 7, 10], axis=1))
 
 
@@ -54,28 +62,28 @@ def hat(v: np.ndarray) -> np.ndarray:
     return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
 
 
-@pytest.mark.parametrize("carrier", CARRIERS)
+@pytest.mark.parametrize("formulation", FORMULATIONS)
 @pytest.mark.parametrize("name", SCHEMES)
-def test_orders_by_halving_the_step(name: str, carrier: str) -> None:
+def test_orders_by_halving_the_step(name: str, formulation: str) -> None:
     in_attitude, *in_position = ORDERS[name]
     exact = truth(DRAGGED, np.array([1.0])).trajectory
-    ends = [stepped(name, carrier, DRAGGED, 1 / count, [count]) for count in (100, 200, 400)]
+    ends = [stepped(name, formulation, DRAGGED, 1 / count, [count]) for count in (100, 200, 400)]
     turned = np.array([geodesic_angle(exact.quaternion, end.quaternion)[0] for end in ends])
     moved = np.array([np.linalg.norm(exact.position - end.position) for end in ends])
     # The next term of an error is smaller by h times the rates: 10 ms times 5 rad/s, of which half tells in the ratio.
     np.testing.assert_allclose(np.log2(turned[:-1] / turned[1:]), in_attitude, atol=0.05)
-    np.testing.assert_allclose(np.log2(moved[:-1] / moved[1:]), in_position[list(CARRIERS).index(carrier)], atol=0.05)
+    np.testing.assert_allclose(np.log2(moved[:-1] / moved[1:]), in_position[list(FORMULATIONS).index(formulation)], atol=0.05)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 0.99e-4, 1.01e-4, 1e-3, 0.1, 1.0, 3.0])
 def test_a_screw_is_the_exponential_of_its_twist(angle: float) -> None:
     rho, phi = vectors(1, 2.0, angle)
-    position, attitude = displace_screw(((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)), pair(rho, phi))
+    position, attitude = displace_se3(((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)), pair(rho, phi))
     matrix = expm(np.block([[hat(phi), rho[:, None]], [np.zeros((1, 4))]]))
     # expm's own rounding grows with the angle.
     np.testing.assert_allclose(position, matrix[:3, 3], atol=1e-14)
     np.testing.assert_allclose(rotate(np.array([attitude] * 3), np.eye(3)).T, matrix[:3, :3], atol=1e-14)
-    assert displace_apart(((1.0, 2.0, 3.0), (1.0, 0.0, 0.0, 0.0)), pair(rho, phi)) == (tuple(np.add(rho, [1, 2, 3])), attitude)
+    assert displace_so3_r3(((1.0, 2.0, 3.0), (1.0, 0.0, 0.0, 0.0)), pair(rho, phi)) == (tuple(np.add(rho, [1, 2, 3])), attitude)
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 0.99e-4, 1.01e-4, 1e-3, 0.1, 1.0, 3.0])
@@ -89,15 +97,15 @@ def test_rates_are_the_inverse_of_dexp(angle: float) -> None:
             power = -ad * power
             expected = expected + mpmath.bernoulli(k) / mpmath.factorial(k) * power
         exact = np.array([float(x) for x in expected])
-    got = rate_screw(pair(rho, phi), pair(linear, angular))
+    got = inverse_dexp_se3(pair(rho, phi), pair(linear, angular))
     # A few roundings of velocities of 5, where angles are not small; of what is multiplied by |rho| / angle where they are.
     np.testing.assert_allclose(np.concatenate(got), exact, atol=5e-15)
-    assert rate_apart(pair(rho, phi), pair(linear, angular)) == (tuple(linear), got[1])
+    assert inverse_dexp_so3_r3(pair(rho, phi), pair(linear, angular)) == (tuple(linear), got[1])
 
 
 @pytest.mark.parametrize("name", SCHEMES)
-def test_the_rotation_knows_nothing_of_the_carrier(name: str) -> None:
-    apart, twist = (stepped(name, carrier, DRAGGED, 0.01, [1] * 200) for carrier in CARRIERS)
+def test_the_rotation_knows_nothing_of_the_formulation(name: str) -> None:
+    apart, twist = (stepped(name, formulation, DRAGGED, 0.01, [1] * 200) for formulation in FORMULATIONS)
     if name == MIDPOINT:
         # Its iteration goes on where the translation still gains: some roundings, grown little in 2 s.
         assert geodesic_angle(apart.quaternion, twist.quaternion).max() < 1e-13
@@ -118,25 +126,25 @@ def test_positions_under_gravity_alone() -> None:
         np.testing.assert_allclose(motion.position, parabola + side * TUMBLE.gravity * 0.01 / 2 * t * [0, 0, 1], atol=1e-13)
 
 
-@pytest.mark.parametrize("carrier", CARRIERS)
+@pytest.mark.parametrize("formulation", FORMULATIONS)
 @pytest.mark.parametrize("name", SCHEMES)
-def test_a_body_in_another_frame_moves_as_it_did(name: str, carrier: str) -> None:
+def test_a_body_in_another_frame_moves_as_it_did(name: str, formulation: str) -> None:
     oblique = replace(DRAGGED, body=replace(DRAGGED.body, axes=(0.5, 0.1, -0.7, 0.5)))
-    told = stepped(name, carrier, oblique, 0.01, [10] * 20)
-    principal = in_body_frame(oblique, stepped(name, carrier, along_principal_axes(oblique), 0.01, [10] * 20))
+    told = stepped(name, formulation, oblique, 0.01, [10] * 20)
+    principal = in_body_frame(oblique, stepped(name, formulation, along_principal_axes(oblique), 0.01, [10] * 20))
     # 200 steps of rounding, grown some ten times in 2 s; the body flies at up to 40 m/s on the body twist.
     assert geodesic_angle(told.quaternion, principal.quaternion).max() < 1e-12
     np.testing.assert_allclose(told.position, principal.position, atol=1e-10)
     np.testing.assert_allclose(told.angular_velocity, principal.angular_velocity, atol=1e-11)
 
 
-@pytest.mark.parametrize("carrier", CARRIERS)
+@pytest.mark.parametrize("formulation", FORMULATIONS)
 @pytest.mark.parametrize("name", SCHEMES)
-def test_turning_the_world_about_the_vertical_turns_the_motion(name: str, carrier: str) -> None:
+def test_turning_the_world_about_the_vertical_turns_the_motion(name: str, formulation: str) -> None:
     about = turn((1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 2.0))
     vx, vy, vz = rotate(np.array(about), np.array(DRAGGED.initial.velocity)).tolist()
     turned = replace(DRAGGED, initial=replace(DRAGGED.initial, quaternion=about, velocity=(vx, vy, vz)))
-    motion, other = (stepped(name, carrier, scene, 0.01, [10] * 20) for scene in (DRAGGED, turned))
+    motion, other = (stepped(name, formulation, scene, 0.01, [10] * 20) for scene in (DRAGGED, turned))
     by = np.tile(about, (20, 1))
     # Rounding, as in the test above.
     assert geodesic_angle(multiply(by, motion.quaternion), other.quaternion).max() < 1e-12
@@ -158,13 +166,15 @@ def test_implicit_midpoint_keeps_the_quadratic_invariants() -> None:
     assert abs(other[1] / other[0] - 1) > 0.01
 
 
-@pytest.mark.parametrize("carrier", CARRIERS)
+@pytest.mark.parametrize("formulation", FORMULATIONS)
 @pytest.mark.parametrize("name", SCHEMES)
-def test_implicit_midpoint_alone_returns_when_reversed(name: str, carrier: str) -> None:
-    there = stepped(name, carrier, TUMBLE, 0.01, [100])
+def test_implicit_midpoint_alone_returns_when_reversed(name: str, formulation: str) -> None:
+    there = stepped(name, formulation, TUMBLE, 0.01, [100])
     (x, y, z), (a, b, c, d) = there.position[0].tolist(), there.quaternion[0].tolist()
     (u, v, w), (p, q, r) = (-there.velocity[0]).tolist(), (-there.angular_velocity[0]).tolist()
-    back = stepped(name, carrier, replace(TUMBLE, initial=State((x, y, z), (a, b, c, d), (u, v, w), (p, q, r))), 0.01, [100])
+    back = stepped(
+        name, formulation, replace(TUMBLE, initial=State((x, y, z), (a, b, c, d), (u, v, w), (p, q, r))), 0.01, [100]
+    )
     turned = float(geodesic_angle(back.quaternion, np.array([TUMBLE.initial.quaternion]))[0])
     moved = float(np.linalg.norm(back.position))
     if name == MIDPOINT:
@@ -184,11 +194,11 @@ def test_energies_of_mujocos_own_test(name: str, ratio: float) -> None:
     assert energy[1] / energy[0] == pytest.approx(ratio, abs=5e-7)  # as many digits as are printed
 
 
-@pytest.mark.parametrize("carrier", CARRIERS)
-def test_the_relaxed_acceleration_solves_its_equations(carrier: str) -> None:
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_the_relaxed_acceleration_solves_its_equations(formulation: str) -> None:
     """(1 - h J) x = a, with the Jacobian of the acceleration by all velocities from central differences."""
     scene = replace(TUMBLE, body=replace(TUMBLE.body, axes=(0.5, 0.1, -0.7, 0.5)))
-    motion, h = CARRIERS[carrier](scene), 0.05
+    motion, h = FORMULATIONS[formulation](scene), 0.05
     pose = (0.0, 0.0, 0.0), (0.1, 0.7, 0.5, -0.5)
     v = np.concatenate(vectors(3, 8.0, 5.0))
 
@@ -202,20 +212,20 @@ def test_the_relaxed_acceleration_solves_its_equations(carrier: str) -> None:
     assert np.linalg.norm(relaxed - acceleration(v)) > 1
 
 
-@pytest.mark.parametrize("carrier", CARRIERS)
-def test_stepping_in_pieces_is_stepping_at_once(carrier: str) -> None:
-    pieces = stepped(MUNTHE_KAAS, carrier, TUMBLE, 0.01, [0, 3, 0, 5, 92])
-    whole = stepped(MUNTHE_KAAS, carrier, TUMBLE, 0.01, [100])
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_stepping_in_pieces_is_stepping_at_once(formulation: str) -> None:
+    pieces = stepped(MUNTHE_KAAS, formulation, TUMBLE, 0.01, [0, 3, 0, 5, 92])
+    whole = stepped(MUNTHE_KAAS, formulation, TUMBLE, 0.01, [100])
     np.testing.assert_array_equal(pieces.quaternion[-1:], whole.quaternion)
     np.testing.assert_array_equal(pieces.position[-1:], whole.position)
     np.testing.assert_array_equal(pieces.position[:1], [TUMBLE.initial.position])
     np.testing.assert_allclose(pieces.velocity[:1], [TUMBLE.initial.velocity], rtol=1e-15)
 
 
-@pytest.mark.parametrize("carrier", CARRIERS)
+@pytest.mark.parametrize("formulation", FORMULATIONS)
 @pytest.mark.parametrize("name", SCHEMES)
-def test_a_scheme_that_cannot_go_on_says_so_from_there(name: str, carrier: str) -> None:
+def test_a_scheme_that_cannot_go_on_says_so_from_there(name: str, formulation: str) -> None:
     wild = replace(TUMBLE, initial=replace(TUMBLE.initial, angular_velocity=(1e160, 5e160, 1e160)))
-    motion = stepped(name, carrier, wild, 0.01, [0, 10, 10])
+    motion = stepped(name, formulation, wild, 0.01, [0, 10, 10])
     assert np.isfinite(motion.quaternion[0]).all()
     assert np.isnan(motion.quaternion[1:]).all()

@@ -9,9 +9,10 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import dblquad, quad_vec
 
-from bodycheck.reference.lying import NotFlat, height_of
+from bodycheck.reference.errors import NotFlat, WouldTip
+from bodycheck.reference.planar import resting_height
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Sphere
-from bodycheck.reference.sliding.direction_moments import DISK_INNER, FAR, direction_moments
+from bodycheck.reference.sliding.direction_moments import FAR_RADII, NEAR_CENTRE_RADII, direction_moments
 from bodycheck.reference.sliding.footprint import Disk, Footprint, Points, Polygon, load_moments, nearness, reach, rectangle
 from bodycheck.reference.sliding.friction import (
     balanced_friction,
@@ -22,7 +23,6 @@ from bodycheck.reference.sliding.friction import (
     refuse_tipping,
     uniform_friction,
 )
-from bodycheck.reference.sliding.pressure import WouldTip
 from bodycheck.reference.trajectory import Array
 
 #: What a dozen roundings make of sums that cancel up to (1 + FAR)^2-fold, relative to the size of their terms: 1e-14, and room
@@ -58,7 +58,7 @@ def by_quadrature(footprint: Polygon | Disk, v1: float, v2: float, w: float) -> 
     From the instantaneous centre, where that is not far, because the direction does not change along the rays from there.
     """
     centre = np.array([-v2, v1]) / w
-    apex = centre if np.hypot(*centre) < FAR * reach(footprint) else np.zeros(2)
+    apex = centre if np.hypot(*centre) < FAR_RADII * reach(footprint) else np.zeros(2)
     nodes, weights = np.polynomial.legendre.leggauss(20)
     nodes, weights = (1 + nodes) / 2, weights / 2
 
@@ -131,7 +131,7 @@ def test_a_rectangle_against_quadrature_in_cartesian_coordinates() -> None:
 
 
 @pytest.mark.parametrize("footprint", FOOTPRINTS)
-@pytest.mark.parametrize("limit", [FAR, DISK_INNER])
+@pytest.mark.parametrize("limit", [FAR_RADII, NEAR_CENTRE_RADII])
 def test_no_jump_where_the_method_changes(footprint: Footprint, limit: float) -> None:
     moments = direction_moments(footprint)
     for heading in np.linspace(0, 6, 7):
@@ -302,7 +302,7 @@ def test_the_law_that_a_plane_names() -> None:
 
 def test_shapes_without_a_face_are_refused_by_name() -> None:
     for shape, name in ((Sphere(0.1), "sphere"), (Ellipsoid((0.1, 0.2, 0.3)), "ellipsoid"), (None, "without a shape")):
-        for refused in (lambda shape=shape: footprint_of(shape, "area"), lambda shape=shape: height_of(shape)):
+        for refused in (lambda shape=shape: footprint_of(shape, "area"), lambda shape=shape: resting_height(shape)):
             with pytest.raises(NotFlat, match=name):
                 refused()
     with pytest.raises(NotFlat, match="a cylinder has no corners"):

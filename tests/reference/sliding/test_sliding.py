@@ -6,18 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bodycheck.reference.errors import NotFlat, OutOfReach, WouldTip
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.integration import dop853 as integration
-from bodycheck.reference.integration.dop853 import OutOfReach
 from bodycheck.reference.kinematics import geodesic_angle, quaternion_from_euler
-from bodycheck.reference.lying import NotFlat, planar_state
+from bodycheck.reference.planar import planar_state
 from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Scene, Sphere, State
-from bodycheck.reference.sliding import equations as sliding_equations
-from bodycheck.reference.sliding.equations import Flat, Motion, in_log_time, in_plain_time
+from bodycheck.reference.sliding import coupled_motion
+from bodycheck.reference.sliding.coupled_motion import Flat, Motion, in_log_time, in_plain_time
 from bodycheck.reference.sliding.footprint import Disk, Footprint, Points, nearness, rectangle
 from bodycheck.reference.sliding.friction import friction, uniform_friction
 from bodycheck.reference.sliding.motion import Slide, slide
-from bodycheck.reference.sliding.pressure import WouldTip
 from bodycheck.reference.trajectory import Array
 
 BRICK = Brick((0.1, 0.2, 0.05))
@@ -253,7 +252,7 @@ def test_the_integration_is_as_good_as_its_tolerance(monkeypatch: pytest.MonkeyP
     finest = stop(in_log_time(flat, start, end, unwatched))
     # In plain time the speed has six digits where the last of the way, 1e-9 of the time, is left to be extrapolated.
     np.testing.assert_allclose(stop(in_plain_time(flat, start, end)), finest, rtol=GOAL, atol=1e-14)
-    monkeypatch.setattr(sliding_equations, "LOG_STEP", 1.0)
+    monkeypatch.setattr(coupled_motion, "LONGEST_LOG_TIME_STEP", 1.0)
     errors = []
     for tolerance in (1e-11, 1e-9, 1e-7):
         monkeypatch.setattr(integration, "RELATIVE_TOLERANCE", tolerance)

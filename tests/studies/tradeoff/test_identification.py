@@ -11,17 +11,9 @@ from bodycheck import Case, compare, load, simulate, truth
 from bodycheck.adapters.contract import Method
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import State
-from bodycheck.reference.schemes.increments import Pair, Pose, advanced, cross, plus, times, turn
-from bodycheck.reference.schemes.textbook import (
-    SCHEMES,
-    Motion,
-    Scheme,
-    body_twist,
-    munthe_kaas_rk4,
-    rotation_apart,
-    semi_implicit_euler,
-    step_through,
-)
+from bodycheck.reference.schemes.formulations import Formulation, body_twist, world_velocity
+from bodycheck.reference.schemes.increments import Pair, Pose, add_scaled, add_scaled_pair, cross, scale_pair, turn
+from bodycheck.reference.schemes.one_step import SCHEMES, Scheme, munthe_kaas_rk4, semi_implicit_euler, step_through
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Diverged, Run
@@ -71,7 +63,7 @@ def simulated(case: Case, engine: str, integrator: str, *timesteps: float) -> Ru
 def miniature(case: Case, scheme: Scheme, timestep: float) -> Run:
     """A run of an engine that steps the exact equations by a scheme of its own."""
     steps = sampling_steps(case.instants, timestep)
-    states = step_through(scheme, rotation_apart, case.scene, timestep, np.diff(steps, prepend=0))
+    states = step_through(scheme, world_velocity, case.scene, timestep, np.diff(steps, prepend=0))
     return of_states(case, states, steps, timestep)
 
 
@@ -114,7 +106,7 @@ def test_a_body_in_a_frame_of_its_own(engine: str, integrator: str) -> None:
     assert found(case, simulate(case, engine, integrator, 0.01)).scheme == ENGINES[engine, integrator]
 
 
-def test_a_body_that_stays_in_its_place_tells_no_carrier() -> None:
+def test_a_body_that_stays_in_its_place_tells_no_formulation() -> None:
     case = replace(BRIEF[COMPLEX.name], scene=replace(COMPLEX.scene, initial=SPUN, gravity=0.0))
     identification = found(case, simulate(case, "pinocchio", "body-twist-euler", 0.01))
     assert identification.scheme == SEMI_IMPLICIT
@@ -140,72 +132,73 @@ def test_on_a_ball_joint_mujocos_fast_implicit_integrator_is_another_scheme() ->
         assert found(case, of_states(case, states, steps, 0.01)).scheme == scheme
 
 
-def heun(motion: Motion, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+def heun(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
     a = motion.acceleration(pose, v)
-    after = advanced(v, h, a)
-    b = motion.acceleration(motion.displace(pose, times(h, v)), after)
-    return motion.displace(pose, times(h / 2, advanced(v, 1.0, after))), advanced(v, h / 2, advanced(a, 1.0, b))
+    after = add_scaled_pair(v, h, a)
+    b = motion.acceleration(motion.displace(pose, scale_pair(h, v)), after)
+    end = add_scaled_pair(v, h / 2, add_scaled_pair(a, 1.0, b))
+    return motion.displace(pose, scale_pair(h / 2, add_scaled_pair(v, 1.0, after))), end
 
 
-def explicit_midpoint(motion: Motion, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
-    middle = advanced(v, h / 2, motion.acceleration(pose, v))
-    a = motion.acceleration(motion.displace(pose, times(h / 2, v)), middle)
-    return motion.displace(pose, times(h, middle)), advanced(v, h, a)
+def explicit_midpoint(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+    middle = add_scaled_pair(v, h / 2, motion.acceleration(pose, v))
+    a = motion.acceleration(motion.displace(pose, scale_pair(h / 2, v)), middle)
+    return motion.displace(pose, scale_pair(h, middle)), add_scaled_pair(v, h, a)
 
 
-def kutta_3(motion: Motion, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+def kutta_3(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
     """Kutta's scheme of the third order, brought to the group as Munthe-Kaas does."""
     u1, a1 = v, motion.acceleration(pose, v)
-    half, v2 = times(h / 2, u1), advanced(v, h / 2, a1)
-    u2, a2 = motion.rate(half, v2), motion.acceleration(motion.displace(pose, half), v2)
-    whole, v3 = advanced(times(-h, u1), 2 * h, u2), advanced(advanced(v, -h, a1), 2 * h, a2)
-    u3, a3 = motion.rate(whole, v3), motion.acceleration(motion.displace(pose, whole), v3)
-    u, a = (advanced(advanced(one, 4.0, two), 1.0, three) for one, two, three in ((u1, u2, u3), (a1, a2, a3)))
-    return motion.displace(pose, times(h / 6, u)), advanced(v, h / 6, a)
+    half, v2 = scale_pair(h / 2, u1), add_scaled_pair(v, h / 2, a1)
+    u2, a2 = motion.inverse_dexp(half, v2), motion.acceleration(motion.displace(pose, half), v2)
+    whole, v3 = add_scaled_pair(scale_pair(-h, u1), 2 * h, u2), add_scaled_pair(add_scaled_pair(v, -h, a1), 2 * h, a2)
+    u3, a3 = motion.inverse_dexp(whole, v3), motion.acceleration(motion.displace(pose, whole), v3)
+    u, a = (add_scaled_pair(add_scaled_pair(one, 4.0, two), 1.0, three) for one, two, three in ((u1, u2, u3), (a1, a2, a3)))
+    return motion.displace(pose, scale_pair(h / 6, u)), add_scaled_pair(v, h / 6, a)
 
 
-def three_eighths(motion: Motion, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+def three_eighths(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
     """Kutta's other scheme of the fourth order, the 3/8 rule, brought to the group likewise."""
 
     def slope(u: Pair, velocity: Pair) -> tuple[Pair, Pair]:
-        return motion.rate(u, velocity), motion.acceleration(motion.displace(pose, u), velocity)
+        return motion.inverse_dexp(u, velocity), motion.acceleration(motion.displace(pose, u), velocity)
 
     def third(one: Pair, two: Pair) -> Pair:
-        return advanced(times(-h / 3, one), h, two)
+        return add_scaled_pair(scale_pair(-h / 3, one), h, two)
 
     def fourth(one: Pair, two: Pair, three: Pair) -> Pair:
-        return times(h, advanced(advanced(one, -1.0, two), 1.0, three))
+        return scale_pair(h, add_scaled_pair(add_scaled_pair(one, -1.0, two), 1.0, three))
 
     def mean(one: Pair, two: Pair, three: Pair, four: Pair) -> Pair:
-        return times(h / 8, advanced(advanced(one, 3.0, advanced(two, 1.0, three)), 1.0, four))
+        return scale_pair(h / 8, add_scaled_pair(add_scaled_pair(one, 3.0, add_scaled_pair(two, 1.0, three)), 1.0, four))
 
     u1, a1 = slope(((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)), v)
-    u2, a2 = slope(times(h / 3, u1), advanced(v, h / 3, a1))
-    u3, a3 = slope(third(u1, u2), advanced(v, 1.0, third(a1, a2)))
-    u4, a4 = slope(fourth(u1, u2, u3), advanced(v, 1.0, fourth(a1, a2, a3)))
-    return motion.displace(pose, mean(u1, u2, u3, u4)), advanced(v, 1.0, mean(a1, a2, a3, a4))
+    u2, a2 = slope(scale_pair(h / 3, u1), add_scaled_pair(v, h / 3, a1))
+    u3, a3 = slope(third(u1, u2), add_scaled_pair(v, 1.0, third(a1, a2)))
+    u4, a4 = slope(fourth(u1, u2, u3), add_scaled_pair(v, 1.0, fourth(a1, a2, a3)))
+    return motion.displace(pose, mean(u1, u2, u3, u4)), add_scaled_pair(v, 1.0, mean(a1, a2, a3, a4))
 
 
-def truncated(motion: Motion, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+def truncated(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
     """Munthe-Kaas with the series of dexp^-1 cut off as far as order 4 allows: after the second bracket."""
 
     def rate(u: Pair, velocity: Pair) -> Pair:
         once = cross(u[1], velocity[1])
-        return velocity[0], plus(plus(velocity[1], 1 / 2, once), 1 / 12, cross(u[1], once))
+        return velocity[0], add_scaled(add_scaled(velocity[1], 1 / 2, once), 1 / 12, cross(u[1], once))
 
-    return munthe_kaas_rk4(replace(motion, rate=rate), pose, v, h)
+    return munthe_kaas_rk4(replace(motion, inverse_dexp=rate), pose, v, h)
 
 
-def wrong_torque(motion: Motion, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+def wrong_torque(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
     """Semi-implicit Euler with the gyroscopic torque turned round."""
     linear, angular = motion.acceleration(pose, v)
-    v = advanced(v, h, (linear, times(-1.0, (angular, angular))[0]))
-    return motion.displace(pose, times(h, v)), v
+    v = add_scaled_pair(v, h, (linear, scale_pair(-1.0, (angular, angular))[0]))
+    return motion.displace(pose, scale_pair(h, v)), v
 
 
-def torque_left_out(motion: Motion, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
-    v = advanced(v, h, (motion.acceleration(pose, v)[0], (0.0, 0.0, 0.0)))
-    return motion.displace(pose, times(h, v)), v
+def torque_left_out(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+    v = add_scaled_pair(v, h, (motion.acceleration(pose, v)[0], (0.0, 0.0, 0.0)))
+    return motion.displace(pose, scale_pair(h, v)), v
 
 
 @pytest.mark.parametrize("scheme", [heun, explicit_midpoint, kutta_3, three_eighths, truncated, wrong_torque, torque_left_out])
@@ -304,9 +297,9 @@ def test_nor_does_a_position_that_is_nearly_that_of_a_scheme() -> None:
 
 
 def test_a_translation_of_its_own_is_said_of_the_name() -> None:
-    def ballistic(motion: Motion, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+    def ballistic(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
         (_, attitude), after = semi_implicit_euler(motion, pose, v, h)
-        return (plus(pose[0], h / 2, plus(v[0], 1.0, after[0])), attitude), after
+        return (add_scaled(pose[0], h / 2, add_scaled(v[0], 1.0, after[0])), attitude), after
 
     identification = found(COMPLEX, miniature(COMPLEX, ballistic, 0.01))
     assert identification.scheme == "semi-implicit Euler in rotation"
@@ -349,13 +342,13 @@ def test_rounding_stays_within_its_allowance(name: str) -> None:
     case = replace(COMPLEX, scene=replace(COMPLEX.scene, initial=State(angular_velocity=(0.1, 5.0, 0.1)), gravity=0.0))
     random = np.random.default_rng(5)
 
-    def noisy(motion: Motion, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+    def noisy(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
         (position, attitude), (linear, angular) = SCHEMES[name](motion, pose, v, h)
         (a, b, c), (p, q, r) = directions = random.normal(size=(2, 3))
         size = amplified * ROUNDINGS / np.linalg.norm(directions, axis=1)
         spin = float(np.linalg.norm(angular))
         attitude = turn(attitude, (size[0] * a, size[0] * b, size[0] * c))
-        return (position, attitude), (linear, plus(angular, spin * float(size[1]), (p, q, r)))
+        return (position, attitude), (linear, add_scaled(angular, spin * float(size[1]), (p, q, r)))
 
     plain, rounded = (miniature(case, scheme, 0.01).outcome for scheme in (SCHEMES[name], noisy))
     assert isinstance(plain, Completed)

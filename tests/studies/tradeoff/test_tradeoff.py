@@ -60,7 +60,7 @@ def test_orders_of_attitude(orders: dict[tuple[str, str, str], Order]) -> None:
     assert [order.integrator for order in seen if order.order < (order.claimed or 0) - 0.5] == ["rk4-naive"]
 
 
-def test_position_has_the_order_of_the_carrier(orders: dict[tuple[str, str, str], Order]) -> None:
+def test_position_has_the_order_of_the_formulation(orders: dict[tuple[str, str, str], Order]) -> None:
     for method in EULERS:
         assert orders[*method, "position"].order == pytest.approx(1, abs=1e-3), "g h t / 2 exactly, but for rounding"
     assert orders["pinocchio", "rk4", "position"].order == pytest.approx(4, abs=0.05)

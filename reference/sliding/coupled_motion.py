@@ -5,7 +5,7 @@ rest the direction of the motion changes ever faster while the speed |u|, |u|^2 
 time. `in_log_time` solves for the logarithm of that speed and its direction in dt = |u| ds/(mu g), in the world frame; there
 rest lies at infinity and the approach to it is smooth. `in_plain_time` solves for the velocities in the body frame in time.
 
-Both slow down where friction itself is not smooth, by the factor 1/(1 + nearness/`SHARE`).
+Both slow down where friction itself is not smooth, by the factor 1/(1 + nearness/`HALF_PACE_NEARNESS`).
 """
 
 import math
@@ -15,26 +15,27 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.integration.dop853 import Derivative, OutOfReach, advance, dop853
-from bodycheck.reference.sliding.footprint import STUCK
+from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.integration.dop853 import Derivative, advance, dop853
+from bodycheck.reference.sliding.footprint import STUCK_SLIP
 from bodycheck.reference.sliding.friction import Law
 from bodycheck.reference.trajectory import Array
 
 #: Fraction of its first speed at which a body in log time is taken to its stop with the deceleration that it has reached.
-AT_REST = 1e-15
+LOG_TIME_STOP_FRACTION = 1e-15
 
 #: The same in plain time, where the speed keeps six of its digits; what is left out is of second order.
-NEARLY_AT_REST = 1e-9
+PLAIN_TIME_STOP_FRACTION = 1e-9
 
 #: Longest steps, where 1 is what the first speed takes to be lost at the deceleration mu g: they keep the interpolant, of order
 #: 7, as good as the steps, and are no multiples of each other, so that the two solutions share no step.
-LOG_STEP, PLAIN_STEP = 0.2, 0.13
+LONGEST_LOG_TIME_STEP, LONGEST_PLAIN_TIME_STEP = 0.2, 0.13
 
 #: Relative disagreement of two instants that is one of roundings.
-CLOCK_ROUNDING = 4 * float(np.finfo(float).eps)
+TIME_ROUNDING = 4 * float(np.finfo(float).eps)
 
 #: Nearness at which time goes at half its pace.
-SHARE = 4.0
+HALF_PACE_NEARNESS = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +87,7 @@ def in_log_time(flat: Flat, start: Array, times: Array, reached: Callable[[float
         return np.array([*rotated(float(y[3]), f1, f2), torque / flat.gyration]) / (flat.mass * flat.deceleration)
 
     def clock(y: Array) -> float:
-        return unit * math.exp(y[7]) / (1 + flat.nearness(*body_rates(y)) / SHARE)
+        return unit * math.exp(y[7]) / (1 + flat.nearness(*body_rates(y)) / HALF_PACE_NEARNESS)
 
     def derivative(_s: float, y: Array) -> Array:
         direction, speed = y[4:7], math.exp(y[7])
@@ -95,18 +96,18 @@ def in_log_time(flat: Flat, start: Array, times: Array, reached: Callable[[float
         power = float(change @ direction) / float(direction @ direction)
         velocity = travel * speed * speed * direction / metric
         rates = np.array([speed * unit, *velocity, *(change - power * direction), power])
-        return np.asarray(rates / (1 + flat.nearness(*body_rates(y)) / SHARE))
+        return np.asarray(rates / (1 + flat.nearness(*body_rates(y)) / HALF_PACE_NEARNESS))
 
     def watched(y: Array) -> bool:
         rates = body_rates(y)
         reached(float(y[0]), *rates)
-        if flat.nearness(*rates) > 0.1 / STUCK:
+        if flat.nearness(*rates) > 0.1 / STUCK_SLIP:
             raise OutOfReach(f"one point of the body comes to rest at t = {y[0]:.6g} s while others slide")
-        return bool(y[7] > math.log(AT_REST))
+        return bool(y[7] > math.log(LOG_TIME_STOP_FRACTION))
 
     state = np.array([0.0, *start[:3], *(start[3:] * metric / first), 0.0])
     scale = np.array([unit, travel, travel, travel / flat.gyration, 1.0, 1.0, 1.0, 1.0])
-    sampled, last = followed(derivative, clock, watched, state, times, scale, LOG_STEP)
+    sampled, last = followed(derivative, clock, watched, state, times, scale, LONGEST_LOG_TIME_STEP)
 
     def velocities(y: Array) -> Array:
         return np.asarray(first * np.exp(y[:, 7:]) * y[:, 4:7] / metric)
@@ -131,7 +132,7 @@ def in_plain_time(flat: Flat, start: Array, times: Array) -> Motion:
     moment = flat.mass * flat.gyration**2
 
     def clock(y: Array) -> float:
-        return unit / (1 + flat.nearness(*y[4:].tolist()) / SHARE)
+        return unit / (1 + flat.nearness(*y[4:].tolist()) / HALF_PACE_NEARNESS)
 
     def derivative(_s: float, y: Array) -> Array:
         _, _, _, psi, v1, v2, w = y.tolist()
@@ -144,11 +145,11 @@ def in_plain_time(flat: Flat, start: Array, times: Array) -> Motion:
     sampled, last = followed(
         derivative,
         clock,
-        lambda y: bool(np.linalg.norm(y[4:] * metric) > NEARLY_AT_REST * first),
+        lambda y: bool(np.linalg.norm(y[4:] * metric) > PLAIN_TIME_STOP_FRACTION * first),
         state,
         times,
         scale,
-        PLAIN_STEP,
+        LONGEST_PLAIN_TIME_STEP,
     )
 
     def velocities(y: Array) -> Array:
@@ -211,7 +212,7 @@ def interpolated(solver: Any, clock: Callable[[Array], float], before: Array, af
         row[:] = dense(s)
         for _ in range(5):  # Newton's method, from within a step in which t(s) is nearly quadratic
             late = row[0] - time
-            if abs(late) <= CLOCK_ROUNDING * time:
+            if abs(late) <= TIME_ROUNDING * time:
                 break
             s = min(max(s - late / clock(row), start), end)
             row[:] = dense(s)

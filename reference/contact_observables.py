@@ -1,24 +1,30 @@
-"""Figures of a body that slides on a plane: when and where it stops, and what it does that a rigid body would not."""
+"""Observables of a body on the plane: its tilt, its penetration, and the instant and place of its stop.
+
+They are computed from a trajectory alone, with the same formulas for the truth and for every engine.
+"""
 
 import numpy as np
 
 from bodycheck.reference.kinematics import conjugate, euler_from_quaternion, rotate
-from bodycheck.reference.lying import Stop, yaw
+from bodycheck.reference.planar import Stop, yaw
 from bodycheck.reference.scene import Brick, Cylinder, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: A body whose speed is below this part of the initial one has stopped; soft contacts creep on below it.
-AT_REST = 1e-3
+#: Fraction of the initial speed below which a body counts as stopped; bodies on soft contacts keep creeping below it.
+STOP_SPEED_FRACTION = 1e-3
 
 
 def tilt(trajectory: Trajectory) -> Array:
-    """Angle (n,) between K and the vertical (rad)."""
+    """Angle (n,), rad, in [0, pi], between the body axis K and the vertical."""
     _, theta, _ = euler_from_quaternion(trajectory.quaternion)
     return theta
 
 
 def penetration(scene: Scene, trajectory: Trajectory) -> Array:
-    """Depth (n,) of the lowest point of the body below the plane (m); 0 where it is above."""
+    """Depth (n,), m, of the lowest point of the body below the plane z = 0; zero where the body is above the plane.
+
+    It is zero for every shape other than a brick or a cylinder, since only these have a face to lie on.
+    """
     # Components of the vertical along the axes of the body.
     down = rotate(conjugate(trajectory.quaternion), np.tile([0.0, 0.0, 1.0], (len(trajectory), 1)))
     match scene.body.shape:
@@ -32,15 +38,17 @@ def penetration(scene: Scene, trajectory: Trajectory) -> Array:
 
 
 def measured_stop(scene: Scene, trajectory: Trajectory) -> Stop:
-    """Where a trajectory comes to rest; one that has not by the last instant counts as doing so then.
+    """The stop of a sampled trajectory; one that still moves at its last instant is given that instant as its stop.
 
-    The speed is that of the kinetic energy, |u|^2 = v^2 + (C/m) w^2. Its last two values above `AT_REST` lead on to zero:
-    friction slows evenly, so that the stop lies between the samples, where it is. The yaw counts on over full turns.
+    The speed is that of the kinetic energy, |u|^2 = v^2 + (C/m) w^2, and a body has stopped where it stays below
+    `STOP_SPEED_FRACTION` of its initial value. Friction reduces the speed at an even rate, so the time of the stop is
+    extrapolated from the last two samples above that, but is no later than the first sample below it. The yaw is counted
+    beyond full turns.
     """
     t = trajectory.t
     spin = trajectory.angular_velocity[:, 2] ** 2 * scene.body.moments[2] / scene.body.mass
     speed = np.sqrt((trajectory.velocity[:, :2] ** 2).sum(axis=1) + spin)
-    moving = np.flatnonzero(speed > AT_REST * speed[0])
+    moving = np.flatnonzero(speed > STOP_SPEED_FRACTION * speed[0])
     last = int(moving[-1]) if len(moving) else -1
     index = min(last + 1, len(t) - 1)
     time = float(t[index])

@@ -1,4 +1,4 @@
-"""Between the frame of a body and its principal axes, along which the equations of motion are written."""
+"""Conversion between the frame of a body and its principal axes, along which the equations of motion are written."""
 
 from dataclasses import replace
 
@@ -8,23 +8,27 @@ from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotat
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Trajectory
 
-ALIGNED = (1.0, 0.0, 0.0, 0.0)
+#: The quaternion (w, x, y, z) of no rotation: the body frame is that of the principal axes.
+IDENTITY = (1.0, 0.0, 0.0, 0.0)
 
 
 def along_principal_axes(scene: Scene) -> Scene:
-    """The same scene, its state told along the principal axes of its body; unchanged where these are the body's frame."""
-    if scene.body.axes == ALIGNED:
+    """The same scene with the principal axes of its body as the body frame.
+
+    Attitude and angular velocity are converted. A scene whose body frame is that of the principal axes is returned as it is.
+    """
+    if scene.body.axes == IDENTITY:
         return scene
     axes = np.array(scene.body.axes)
     w, x, y, z = normalise(multiply(np.array(scene.initial.quaternion), axes)).tolist()
     p, q, r = rotate(conjugate(axes), np.array(scene.initial.angular_velocity)).tolist()
     initial = replace(scene.initial, quaternion=(w, x, y, z), angular_velocity=(p, q, r))
-    return replace(scene, body=replace(scene.body, axes=ALIGNED), initial=initial)
+    return replace(scene, body=replace(scene.body, axes=IDENTITY), initial=initial)
 
 
 def in_body_frame(scene: Scene, motion: Trajectory) -> Trajectory:
-    """A motion told along the principal axes of a scene's body, in the frame of that body."""
-    if scene.body.axes == ALIGNED:
+    """The same motion in the frame of the scene's body, from a trajectory along the principal axes of that body."""
+    if scene.body.axes == IDENTITY:
         return motion
     axes = np.array(scene.body.axes)
     return replace(
