@@ -1,7 +1,6 @@
 """What several tests share."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -50,8 +49,3 @@ def browser() -> Iterator[Any]:
     """A real browser; where there is none, the test is skipped."""
     with browsing.launched() as launched:
         yield launched
-
-
-def shortened(case: Case, duration: float, samples: int) -> Case:
-    """The same case, looked at for another time; its expectations do not apply."""
-    return replace(case, duration=duration, samples=samples, expectations=())

@@ -12,7 +12,7 @@ from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.reference.scene import Body, Plane, Scene, State
 from bodycheck.running.outcome import Diverged, Unsupported
 from bodycheck.running.smoke import check
-from tests.conftest import shortened
+from tests.support.cases import shortened
 
 TUMBLE = shortened(load("osrf-boxes-complex"), 1.0, 11)
 METHODS = [

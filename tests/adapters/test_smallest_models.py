@@ -25,7 +25,7 @@ from bodycheck.reference.sliding.motion import coupled, slide, smallest_friction
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Backend, attitude_difference, backend, distance, dop853
 from bodycheck.reference.truth import truth as truth_of_scene
-from tests.conftest import shortened
+from tests.support.cases import shortened
 
 try:
     from bodycheck.reference.integration import taylor

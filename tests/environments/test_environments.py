@@ -18,8 +18,7 @@ import bodycheck
 from bodycheck.adapters import registry
 from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment, Unobtainable
-from tests.conftest import MINIATURES
-from tests.support import wheels
+from tests.support import MINIATURES, wheels
 
 #: Seconds for what takes one, on machines that are busy with other things.
 LIMIT = 60.0

@@ -20,7 +20,7 @@ from bodycheck.reference.scene import Body, Brick, Scene, State
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.running import campaign, store
 from bodycheck.running.plan import plan
-from tests.conftest import shortened
+from tests.support.cases import shortened
 
 BRICK = Body(1.0, (0.01, 0.01, 0.02), Brick((0.1, 0.2, 0.05)))
 T = np.linspace(0, 1, 1001)

@@ -16,7 +16,7 @@ from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
 from bodycheck.reference.truth import Backend, attitude_difference, backend, dop853, truth
-from tests.conftest import shortened
+from tests.support.cases import shortened
 
 try:
     from bodycheck.reference.integration import taylor

@@ -25,8 +25,8 @@ from bodycheck.reports.runs.playback import RATE_TOLERANCE
 from bodycheck.running import campaign, plan, store
 from bodycheck.running.outcome import Completed
 from bodycheck.running.store import Results
-from tests.conftest import shortened
 from tests.support.browser import Visit, visiting
+from tests.support.cases import shortened
 
 FLIP, BOXES, BRICK, SLIDE = "intermediate-axis-flip", "osrf-boxes-complex", "free-brick", "curling-brick"
 FAR = "far-slide"

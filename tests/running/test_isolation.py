@@ -24,8 +24,8 @@ from bodycheck.reference.scene import Scene, State
 from bodycheck.running import campaign, pool
 from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.running.plan import plan
-from tests.conftest import shortened
 from tests.support import ROOT
+from tests.support.cases import shortened
 
 #: A spin about one principal axis, which the miniature engines know exactly.
 SPIN = shortened(load("osrf-boxes-simple"), 1.0, 11)

@@ -22,8 +22,8 @@ from bodycheck.judging import judgement
 from bodycheck.running import campaign, journal, store
 from bodycheck.running.plan import Task
 from tests.commands.test_command_line import SHORT, bodycheck
-from tests.conftest import shortened
 from tests.support import MINIATURES
+from tests.support.cases import shortened
 
 HEADER = {"identity": "the same", "text": "Größe"}
 

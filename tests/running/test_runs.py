@@ -20,7 +20,7 @@ from bodycheck.running import campaign, store
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Unsupported
 from bodycheck.running.plan import Task, plan
 from bodycheck.running.smoke import check
-from tests.conftest import shortened
+from tests.support.cases import shortened
 
 #: A spin about one principal axis, which the miniature engines know exactly.
 SPIN = shortened(load("osrf-boxes-simple"), 1.0, 11)

@@ -28,8 +28,8 @@ from bodycheck.studies.tradeoff import study as tradeoff
 from bodycheck.studies.tradeoff.findings import falls_short
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements
 from bodycheck.studies.tradeoff.page import present
-from tests.conftest import shortened
 from tests.support import pages
+from tests.support.cases import shortened
 from tests.support.pages import HOSTILE, Page, attributes_of, markdown_tables
 
 FLIP, FLIGHT, SLIDE = "intermediate-axis-flip", "projectile", "sliding-brick"

@@ -12,7 +12,7 @@ from bodycheck import compare, load, simulate, truth
 from bodycheck.reference.flight import drag
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Body, Scene, State
-from tests.conftest import shortened
+from tests.support.cases import shortened
 
 TIMES = np.linspace(0, 5, 26)
 SPEED = st.one_of(st.floats(-40, 40), st.sampled_from([0.0, 1e-3, 1e-6, 1e-9, 1e-12, -1e-12, 1e-100]))

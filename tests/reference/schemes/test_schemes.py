@@ -24,7 +24,7 @@ from bodycheck.reference.schemes.increments import (
 from bodycheck.reference.schemes.one_step import SCHEMES, step_through
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truth import truth
-from tests.conftest import shortened
+from tests.support.cases import shortened
 
 TUMBLE = shortened(load("osrf-boxes-complex"), 1.0, 11).scene
 #: Some 4 m/s^2 at first: without a force that depends on the velocity, half of the schemes make no error in the position.

@@ -26,7 +26,7 @@ from bodycheck.reports.runs import tracks
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, MOST_SHOWN, Playback, playback
 from bodycheck.reports.runs.summary import key_of
 from bodycheck.running.outcome import Completed
-from tests.conftest import shortened
+from tests.support.cases import shortened
 
 FLIP, SLIDE, SHAPELESS, STILL = "intermediate-axis-flip", "curling-brick", "dumbbell", "projectile"
 METHODS = {

@@ -21,7 +21,7 @@ from bodycheck.studies import cost
 from bodycheck.studies.ablation import page as report
 from bodycheck.studies.ablation import study as ablation
 from bodycheck.studies.ablation.rows import Change, ModelRow
-from tests.conftest import shortened
+from tests.support.cases import shortened
 
 ADAPTERS = {engine: registry.load(engine) for engine in ("mujoco", "pinocchio")}
 

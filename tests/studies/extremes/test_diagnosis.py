@@ -14,7 +14,7 @@ from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose
 from bodycheck.studies.extremes.growth import growth
 from bodycheck.studies.extremes.study import follow
 from bodycheck.studies.extremes.symptoms import flips, gyration
-from tests.conftest import shortened
+from tests.support.cases import shortened
 
 CASE = shortened(load("intermediate-axis-flip"), 4.0, 401)
 SCENE = CASE.scene

@@ -29,7 +29,7 @@ from bodycheck.studies.extremes.outcome_map import LETTERS
 from bodycheck.studies.extremes.page import present
 from bodycheck.studies.extremes.rows import STATUSES, Limit, Row
 from bodycheck.studies.extremes.study import follow
-from tests.conftest import shortened
+from tests.support.cases import shortened
 
 SPIN = load("extreme-spin")
 

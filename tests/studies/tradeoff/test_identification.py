@@ -19,7 +19,7 @@ from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Diverged, Run
 from bodycheck.running.simulation import sampling_steps
 from bodycheck.studies.tradeoff.identification import ROUNDINGS, SAME, Identification, allowance, identify
-from tests.conftest import shortened
+from tests.support.cases import shortened
 
 SEMI_IMPLICIT, LINEARLY_IMPLICIT = "semi-implicit Euler", "linearly implicit Euler"
 AVERAGED, MUNTHE_KAAS = "averaged Runge-Kutta 4", "Runge-Kutta-Munthe-Kaas 4"
