@@ -41,7 +41,7 @@ def turn(difference: float) -> float:
 
 @given(ANGLE)
 def test_elementary_matrices_are_the_turns_of_scipy_seen_from_the_body(angle: float) -> None:
-    for letter, matrix in orientation.ELEMENTARY.items():
+    for letter, matrix in orientation.ELEMENTARY_ROTATIONS.items():
         expected = Rotation.from_euler(letter, angle).as_matrix().T
         # The rounding of an angle of 20 rad.
         assert apart(matrix(np.asarray(angle)), expected) < 5e-15
