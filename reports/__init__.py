@@ -1,7 +1,16 @@
-"""What people read of results: `report.html`, one file that works from disk without a network, and `report.md`.
+"""Reports: what people and programs read about results.
 
-Reports are computed from stored results and their verdicts; nothing is simulated here. `contents` holds what is said of runs,
-and `study` what is said of a study, once for all writers; `html`, `markdown`, `results_json` and `figures` only lay it out.
+A report is `report.html`, one file that works from disk without a network, and `report.md`. Reports of runs also have
+`results.json`. They are made from stored results and their verdicts; nothing is simulated here.
+
+This folder is the frame that all reports share:
+
+- `study`: the contents of a study's report, before they are laid out; the pages of `bodycheck.studies` make them.
+- `finding`, `tables`, `lines`, `quantities`: sentences, tables, the style of each method, names of quantities and numbers.
+- `charts`, `series`, `plot_files`: parts of charts, curves with few points, and plots as files.
+- `html`, `markdown`: the writers. `templates/` has the pages, styles and scripts, and `templates/player/` the player.
+
+The folder `runs` is the report of runs, built on this frame, which imports nothing from it.
 """
 
 import sys
@@ -11,47 +20,71 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from bodycheck.judging.result_set import ResultSet
-    from bodycheck.reports.figures import Format
+    from bodycheck.reports.plot_files import Format
     from bodycheck.reports.study import StudyReport
 
-__all__ = ["tell_github", "write", "write_junit", "write_study"]
+__all__ = ["annotate_github", "write", "write_junit", "write_study"]
+
+# Functions import what they need: templates and charts are slow to import, and many commands write no report.
 
 
 def write(sets: "Sequence[ResultSet]", folder: Path, formats: "Sequence[Format]" = ()) -> tuple[Path, ...]:
-    """Write report.html, report.md and results.json into an existing folder and return their paths, in that order.
+    """Write the report of runs into an existing folder and return the paths of report.html, report.md and results.json.
 
-    sets: one, or several to be compared, which have labels then. formats: those in which every plot gets a file of its own.
-    Earlier reports are replaced. Raises `OSError` where a file cannot be written.
+    Earlier reports are replaced.
+
+    Parameters
+    ----------
+    sets
+        The results, or several that are compared; these must have labels.
+    folder
+        Where to write.
+    formats
+        Formats in which every plot is also written as a file of its own.
+
+    Raises
+    ------
+    OSError
+        A file cannot be written.
     """
-    # Imported when first used: who only runs cases must not wait for templates and charts.
-    from bodycheck.reports import figures, html, markdown
-    from bodycheck.reports.runs import results_json
+    from bodycheck.reports import plot_files
+    from bodycheck.reports.runs import html_report, markdown_report, plots, results_json
     from bodycheck.reports.runs.contents import gather
 
     contents = gather(sets)
-    texts = {"report.html": html.render(contents), "report.md": markdown.render(contents)}
-    paths = _write(folder, texts | {"results.json": results_json.render(contents, sets)})
-    figures.write(figures.of_runs(contents), folder, formats)
+    texts = {
+        "report.html": html_report.render(contents),
+        "report.md": markdown_report.render(contents),
+        "results.json": results_json.render(contents, sets),
+    }
+    paths = _write(folder, texts)
+    plot_files.write(plots.of_runs(contents), folder, formats)
     return paths
 
 
-def tell_github(found: "ResultSet", files: Mapping[str, Path], environment: Mapping[str, str]) -> None:
-    """In a workflow of GitHub, annotate what is broken, on stderr, and add report.md to the summary of the step.
+def annotate_github(found: "ResultSet", files: Mapping[str, Path], environment: Mapping[str, str]) -> None:
+    """Print annotations of failures to stderr and add report.md to the step's summary, if this is a step of a GitHub workflow.
 
-    files: those that cases were read from, by name.
+    Parameters
+    ----------
+    found
+        The results.
+    files
+        Files that cases were read from, by the name of the case.
+    environment
+        Environment variables of the process.
     """
-    from bodycheck.reports import markdown
-    from bodycheck.reports.runs import github
+    from bodycheck.reports.runs import github, markdown_report
     from bodycheck.reports.runs.contents import gather
 
     if github.is_running(environment):
         for line in github.annotations(found.verdicts, found.results.cases, files, environment):
             print(line, file=sys.stderr)
-        github.add_summary(environment, markdown.render(gather([found])))
+        github.add_summary(environment, markdown_report.render(gather([found])))
 
 
 def write_junit(sets: "Sequence[ResultSet]", path: Path) -> None:
-    """Write the verdicts as JUnit XML. Raises `OSError` where the file cannot be written."""
+    """Write the verdicts as JUnit XML. Raises `OSError` if the file cannot be written."""
     from bodycheck.reports.runs import comparison, junit
 
     verdicts = [verdict for one in sets for verdict in one.verdicts]
@@ -59,15 +92,19 @@ def write_junit(sets: "Sequence[ResultSet]", path: Path) -> None:
 
 
 def write_study(report: "StudyReport", folder: Path, formats: "Sequence[Format]" = ()) -> tuple[Path, ...]:
-    """Likewise for a study, without results.json."""
-    from bodycheck.reports import figures, html, markdown
+    """Write the report of a study into an existing folder and return the paths of report.html and report.md.
+
+    Parameters and errors are those of `write`.
+    """
+    from bodycheck.reports import html, markdown, plot_files
 
     paths = _write(folder, {"report.html": html.render_study(report), "report.md": markdown.render_study(report)})
-    figures.write(figures.of_study(report), folder, formats)
+    plot_files.write(plot_files.of_study(report), folder, formats)
     return paths
 
 
 def _write(folder: Path, texts: Mapping[str, str]) -> tuple[Path, ...]:
+    """Write texts to files of these names in a folder and return their paths."""
     paths = tuple(folder / name for name in texts)
     for path, text in zip(paths, texts.values(), strict=True):
         path.write_text(text, encoding="utf-8", errors="replace")

@@ -1,56 +1,45 @@
-"""Reports as Markdown that fits a comment on a pull request: what matters first and, as long as there is room, tables."""
+"""Reports as Markdown that fits into a comment on a pull request: the findings first, then tables as long as there is room."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from bodycheck.reports.quantities import count, milliseconds
-from bodycheck.reports.runs.contents import Contents, Failure, Section
-from bodycheck.reports.runs.matrix import Cell, Matrix
-from bodycheck.reports.runs.summary import Finding
+from bodycheck.reports.finding import Finding
+from bodycheck.reports.quantities import count
 from bodycheck.reports.study import StudyReport
 from bodycheck.reports.tables import Table
 
-#: Characters; a comment on GitHub may have 65 536.
+#: Most characters of a report; a comment on GitHub may have 65 536.
 ROOM = 60_000
 
-#: Characters of one string from outside.
+#: Most characters of a string that comes from a case file or an engine.
 LONGEST = 240
 
-#: Characters of one that the report makes of such strings.
+#: Most characters of a sentence that a report makes of such strings.
 LONGEST_SENTENCE = 1200
 
-MOST_FAILURES = 30
-
-MATRICES = "## Cases and methods\n\n✗: failed. ≤: within the truth's own error, which is the figure given."
-
-#: Controls, line ends and marks of direction: they break tables, or reorder what stands beside them.
+#: Control characters, line ends and marks of direction, which break tables or reorder the text beside them.
 INVISIBLE = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff]+")
 
 MARKUP = re.compile(r"([\\`*_\[\]!|~$])")
 
 
 def escape(text: str, longest: int = LONGEST) -> str:
-    """A string from outside as Markdown that shows it, on one line, cut where it is long."""
+    """Return a string from outside as one line of Markdown that shows it as it is, cut to the longest length."""
     line = INVISIBLE.sub(" ", text).strip()
     line = line if len(line) <= longest else line[: longest - 1] + "…"
     line = MARKUP.sub(r"\\\1", line.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;"))
-    # A word joiner in them keeps a forge from making links of names, numbers and addresses.
+    # Word joiners keep a forge from turning names, numbers and addresses into links.
     return line.replace("@", "@\u2060").replace("#", "#\u2060").replace("://", ":\u2060//").replace("www.", "www\u2060.")
 
 
-def render(contents: Contents) -> str:
-    """The text of report.md for runs."""
-    return _fitted(_parts(contents), contents.header)
-
-
 def render_study(report: StudyReport) -> str:
-    """The text of report.md for a study; of its charts it says what they show."""
-    return _fitted(_study_parts(report), report.header)
+    """Return the text of report.md for a study, in which each chart is replaced by a description."""
+    return fitted(_study_parts(report), report.header)
 
 
-def _fitted(parts: Iterable[str], header: Mapping[str, Any]) -> str:
-    """As many of the parts as there is room for, then what made them."""
+def fitted(parts: Iterable[str], header: Mapping[str, Any]) -> str:
+    """Return as many of the parts as there is room for, then the versions, machine and command of the results."""
     kept, room, left_out = [], ROOM, 0
     for part in parts:
         if len(part) + 2 > room:
@@ -63,88 +52,42 @@ def _fitted(parts: Iterable[str], header: Mapping[str, Any]) -> str:
     return "\n\n".join([*kept, _footer(header)]) + "\n"
 
 
-def _parts(contents: Contents) -> Iterator[str]:
-    tally = " · ".join(f"{name} {amount}" for name, amount in contents.tally)
-    yield _head(contents.headline, tally, contents.notices)
-    if contents.failures:
-        yield _failures(contents.failures)
-    if contents.findings:
-        yield _findings(contents.findings)
-    if contents.matrices:
-        yield MATRICES
-    for matrix in contents.matrices:
-        yield _matrix(matrix)
-    for section in contents.sections:
-        yield _section(section)
-
-
 def _study_parts(report: StudyReport) -> Iterator[str]:
-    yield _head(report.title, escape(report.headline), report.notices)
+    yield opening(report.title, escape(report.headline), report.notices)
     if report.findings:
-        yield _findings(report.findings)
+        yield findings_list(report.findings)
     for part in report.parts:
         texts = [escape(text, LONGEST_SENTENCE) for text in part.texts]
         shown = "\n".join(f"- {escape(chart.alt, LONGEST_SENTENCE)}" for chart in part.charts)
-        tables = [f"{escape(caption)}:\n\n{_filled(table)}" for caption, table in part.tables]
-        yield _folded(f"<b>{escape(part.title)}</b>", *texts, shown, *tables)
+        tables = [f"{escape(caption)}:\n\n{table_with_notes(own)}" for caption, own in part.tables]
+        yield details(f"<b>{escape(part.title)}</b>", *texts, shown, *tables)
 
 
-def _head(title: str, subtitle: str, notices: Sequence[str]) -> str:
+def opening(title: str, subtitle: str, notices: Sequence[str]) -> str:
+    """Return the beginning of a report: its title, a line under it, and its notices as quotations."""
     quoted = "\n>\n".join(f"> {escape(notice)}" for notice in notices)
     return "\n\n".join(filter(None, (f"# bodycheck: {title}", subtitle, quoted)))
 
 
-def _findings(findings: Sequence[Finding]) -> str:
+def findings_list(findings: Sequence[Finding]) -> str:
+    """Return findings as a list."""
     return "\n".join(f"- **{finding.subject}.** {escape(finding.text, LONGEST_SENTENCE)}" for finding in findings)
 
 
-def _folded(summary: str, *blocks: str) -> str:
-    """What shows its summary until it is opened."""
+def details(summary: str, *blocks: str) -> str:
+    """Return blocks that are hidden behind a summary until the reader opens them."""
     return "\n\n".join(filter(None, (f"<details><summary>{summary}</summary>", *blocks, "</details>")))
 
 
-def _failures(failures: Sequence[Failure]) -> str:
-    rows = [(failure.case, failure.method, failure.status, failure.reason) for failure in failures[:MOST_FAILURES]]
-    more = len(failures) - len(rows)
-    table = _table(("Case", "Method", "How", "Why"), rows)
-    return f"## What failed\n\n{table}" + (f"\n\n*And {count(more, 'run')} more.*" if more else "")
-
-
-def _matrix(matrix: Matrix) -> str:
-    title = f"{matrix.kind.title}: largest {matrix.quantity.title.lower()}, {matrix.quantity.unit}"
-    steps = f"time step {milliseconds(matrix.timestep)}" + (" but where another is given" if matrix.several_steps else "")
-    size = f"{count(len(matrix.rows), 'case')}, {count(matrix.methods, 'method')}, {steps}."
-    rows = [(row.case, *(_cell(cell, matrix.timestep) for cell in row.cells)) for row in matrix.rows]
-    head = ("Case", *(f"{column.engine} {column.integrator} {column.results}".rstrip() for column in matrix.columns))
-    return f"### {title}\n\n{size}\n\n{_table(head, rows, numeric_from=1)}"
-
-
-def _cell(cell: Cell | None, common: float) -> str:
-    if cell is None:
-        return ""
-    return ", ".join(
-        ("✗ " if figure.failed else "")
-        + figure.text
-        + ("" if figure.timestep == common else f" ({milliseconds(figure.timestep)})")
-        for figure in cell.figures
-    )
-
-
-def _section(section: Section) -> str:
-    facts = [f"- {fact.term}: {escape(fact.text)}" for fact in section.facts]
-    source = [f"- Source: {escape(section.source)}"] if section.source else []
-    body = "No run of this case finished." if section.table is None else _filled(section.table)
-    origins = () if section.origins is None else ("Where it comes from:", _filled(section.origins.table))
-    return _folded(f"<b>{section.name}</b>: {escape(section.title)}", "\n".join(source + facts), body, *origins)
-
-
-def _filled(table: Table) -> str:
+def table_with_notes(table: Table) -> str:
+    """Return a table with its notes."""
     rows = [[entry.text for entry in row] for row in table.rows]
     numeric_from = table.numeric.index(True) if True in table.numeric else None
-    return "\n\n".join([_table(table.columns, rows, numeric_from), *table.notes])
+    return "\n\n".join([grid(table.columns, rows, numeric_from), *table.notes])
 
 
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]], numeric_from: int | None = None) -> str:
+def grid(head: Sequence[str], rows: Iterable[Sequence[str]], numeric_from: int | None = None) -> str:
+    """Return a table of texts; columns from the place `numeric_from` on are aligned to the right."""
     marks = ["--:" if numeric_from is not None and place >= numeric_from else "---" for place in range(len(head))]
     cells = [[escape(text) for text in row] for row in (head, *rows)]
     return "\n".join("| " + " | ".join(row) + " |" for row in (cells[0], marks, *cells[1:]))

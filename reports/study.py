@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from bodycheck.reports.charts import Spec
+from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line
-from bodycheck.reports.runs.summary import Finding
 from bodycheck.reports.tables import Table
 
 

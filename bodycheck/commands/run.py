@@ -53,7 +53,7 @@ def run(
         found = result_set.judged(made.results)
         verdicts = found.verdicts
         write([found], out, figures, junit)
-        reports.tell_github(found, arguments.files_of(made.cases, cases), os.environ)
+        reports.annotate_github(found, arguments.files_of(made.cases, cases), os.environ)
         if save is not None:
             with terminal.progress("nudging", baseline.size(verdicts)) as progress:
                 baseline.save(save, made.results, verdicts, arguments.processes(jobs), progress)

@@ -18,10 +18,11 @@ from bodycheck.casefile.expectation import unit
 from bodycheck.casefile.identity import identity
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement, rounding
-from bodycheck.judging.discrepancy import COLUMNS, FURTHER_COLUMNS, LOAD_COLUMNS
+from bodycheck.judging.discrepancy import COLUMNS, FURTHER_COLUMNS, distance_from_ideal
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.truth import Truth
 from bodycheck.running import campaign, pool
+from bodycheck.running.machine import SPEED_TOLERANCE
 from bodycheck.running.outcome import Completed, Run, Unsupported
 from bodycheck.running.plan import Task
 from bodycheck.running.store import Results
@@ -42,9 +43,6 @@ FASTEST, SLOWEST = "time_per_step_low", "time_per_step_high"
 FIGURES = tuple(name for name in (*COLUMNS, *FURTHER_COLUMNS) if name != "truth_error")
 
 NEARLY_SAME = 1.01
-
-#: By this factor the pace of a machine differs from one hour to the next.
-UNREST = 1.25
 
 Direction = Literal["worse", "better", "new"]
 DIRECTIONS = get_args(Direction)
@@ -86,7 +84,7 @@ class Change:
         """How many times farther from what is right the larger of two figures is; infinite where there are no two."""
         if not (isinstance(self.base, float) and isinstance(self.now, float)):
             return math.inf
-        least, most = sorted((_distance(self.what, self.base), _distance(self.what, self.now)))
+        least, most = sorted((distance_from_ideal(self.what, self.base), distance_from_ideal(self.what, self.now)))
         return most / least if least > 0 else math.inf
 
     @property
@@ -280,7 +278,7 @@ def changes(key: Key, base: Row | None, now: Row | None) -> Iterator[Change]:
         figures, allowances = _both(base, now, name), _both(base, now, name + ALLOWANCE)
         if figures is None or allowances is None or abs(figures[1] - figures[0]) <= sum(allowances):
             continue
-        direction = "better" if _distance(name, figures[1]) < _distance(name, figures[0]) else "worse"
+        direction = "better" if distance_from_ideal(name, figures[1]) < distance_from_ideal(name, figures[0]) else "worse"
         yield change(what=name, base=figures[0], now=figures[1], allowance=sum(allowances), direction=direction)
 
 
@@ -298,13 +296,8 @@ def _said(value: float | str | None, digits: int) -> str:
     return f"{value:.{digits}g}" if isinstance(value, float) else value or ""
 
 
-def _distance(name: str, value: float) -> float:
-    """How far a figure is from what is right: 0 of an error; of a load, one weight of the body all the time."""
-    return abs(value - 1.0) if name in LOAD_COLUMNS else value
-
-
 def _paces(base: Baseline, now: Baseline) -> Iterator[Pace]:
-    """Methods of which most runs take longer, or less, than the spreads of both times together and `UNREST` explain."""
+    """Methods of which most runs take longer, or less, than both spreads and `SPEED_TOLERANCE` explain."""
     factors: dict[tuple[str, str], list[tuple[float, float]]] = defaultdict(list)
     for key in base.rows.keys() & now.rows.keys():
         fastest, slowest = (_both(base.rows[key], now.rows[key], name) for name in (FASTEST, SLOWEST))
@@ -314,7 +307,7 @@ def _paces(base: Baseline, now: Baseline) -> Iterator[Pace]:
     for method, found in sorted(factors.items()):
         middle = median(factor for factor, _ in found)
         same_way = [(max(factor, 1 / factor), spread) for factor, spread in found if (factor > 1) == (middle > 1)]
-        beyond = [factor for factor, spread in same_way if factor > max(spread, UNREST)]
+        beyond = [factor for factor, spread in same_way if factor > max(spread, SPEED_TOLERANCE)]
         if len(beyond) > len(found) / 2:
             yield Pace(*method, middle, len(found))
 

@@ -87,6 +87,11 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
     )
 
 
+def distance_from_ideal(name: str, value: float) -> float:
+    """Return how far a figure of a column is from its ideal value: 0 for an error, 1 (the body's weight) for a load."""
+    return abs(value - 1.0) if name in LOAD_COLUMNS else value
+
+
 def drifts(trajectory: Trajectory, truth: Truth) -> tuple[Array, Array, Array]:
     """How far total energy, rotational energy and inertial angular momentum are from what they should be, each (n,).
 

@@ -4,6 +4,9 @@ import os
 import platform
 from pathlib import Path
 
+#: Factor by which the speed of one machine may change from one hour to the next.
+SPEED_TOLERANCE = 1.25
+
 
 def fingerprint() -> dict[str, str]:
     """System, processor and Python, in words; a speed measured on one fingerprint says little of another."""

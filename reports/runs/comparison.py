@@ -8,7 +8,7 @@ from bodycheck.casefile.case import Case
 from bodycheck.casefile.identity import identity
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
-from bodycheck.reports.runs.summary import Finding
+from bodycheck.reports.finding import Finding
 
 
 @dataclass(frozen=True, eq=False)

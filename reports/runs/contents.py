@@ -7,29 +7,19 @@ from typing import Any
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reference.truth import Truth
+from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Key, Line, assign
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, TABLED, Quantity, bound, milliseconds, number
 from bodycheck.reports.runs import comparison, curves
 from bodycheck.reports.runs.comparison import Shown
 from bodycheck.reports.runs.curves import Curves
 from bodycheck.reports.runs.differences import compare
+from bodycheck.reports.runs.findings import findings, measured, within_truth
 from bodycheck.reports.runs.matrix import Matrix, matrices
 from bodycheck.reports.runs.origins import Origins, origins
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback, playback
 from bodycheck.reports.runs.scenes import Fact, describe
-from bodycheck.reports.runs.summary import (
-    Finding,
-    broken,
-    findings,
-    headline,
-    key_of,
-    measured,
-    notices,
-    result,
-    tally,
-    told_as,
-    within_truth,
-)
+from bodycheck.reports.runs.summary import broken, headline, key_of, notices, result, tally, told_as
 from bodycheck.reports.tables import Entry, Table
 
 #: Numbers of all curves of a report together, so that a large one still opens: some 4 MB.

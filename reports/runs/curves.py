@@ -9,9 +9,9 @@ import numpy as np
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.observables import Observables, observe
 from bodycheck.reference.truth import Truth
-from bodycheck.reports.charts import FRAMES
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, bound, count, listing, number
-from bodycheck.reports.runs.series import corners, ends, envelope, rounded
+from bodycheck.reports.runs.time_charts import FRAMES
+from bodycheck.reports.series import corners, ends, envelope, rounded
 
 #: Instants of the curves of the angular momentum.
 MOST_CORNERS = 800

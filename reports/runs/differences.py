@@ -13,14 +13,15 @@ from statistics import median
 from typing import Any
 
 from bodycheck.casefile.identity import differences
-from bodycheck.judging.discrepancy import LOAD_COLUMNS
+from bodycheck.judging.discrepancy import distance_from_ideal
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.judging.rounding import unamplified
 from bodycheck.reference.truth import Truth
+from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number
 from bodycheck.reports.runs.comparison import Comparison, Shown, method
-from bodycheck.reports.runs.summary import Finding
+from bodycheck.running.machine import SPEED_TOLERANCE
 from bodycheck.running.outcome import Unsupported
 
 #: Runs whose change gets a sentence.
@@ -28,9 +29,6 @@ MOST_CHANGES = 5
 
 #: Methods, or keys of a case, that one sentence names.
 MOST_NAMES = 4
-
-#: By this factor the pace of a machine differs from one hour to the next.
-UNREST = 1.25
 
 NOTHING = 1e-300
 
@@ -57,12 +55,12 @@ class Change:
     @property
     def factor(self) -> float:
         """How many times farther from what is right the larger of the two is; what is explained counts as right."""
-        low, high = sorted(max(_distance(self.name, value), self.least, NOTHING) for value in (self.base, self.now))
+        low, high = sorted(max(distance_from_ideal(self.name, value), self.least, NOTHING) for value in (self.base, self.now))
         return high / low
 
     @property
     def grew(self) -> bool:
-        return _distance(self.name, self.now) > _distance(self.name, self.base)
+        return distance_from_ideal(self.name, self.now) > distance_from_ideal(self.name, self.base)
 
     @property
     def text(self) -> str:
@@ -234,7 +232,7 @@ def _paces(pair: Pair) -> Iterator[Finding]:
         times = [verdict.row().get("time_per_step") for verdict in (one, other)]
         if times[0] and times[1]:
             factors[f"{one.run.engine} {one.run.method.integrator}"].append(times[1] / times[0])
-    beyond = {name: median(own) for name, own in factors.items() if not 1 / UNREST <= median(own) <= UNREST}
+    beyond = {name: median(own) for name, own in factors.items() if not 1 / SPEED_TOLERANCE <= median(own) <= SPEED_TOLERANCE}
     if beyond:
         texts = [
             f"{number(factor, 2)} times as long with {name} ({count(len(factors[name]), 'run')})"
@@ -242,7 +240,10 @@ def _paces(pair: Pair) -> Iterator[Finding]:
         ]
         yield Finding("Cost", f"A step takes {listing(texts)}: medians of runs timed once, on one machine.")
     elif factors:
-        yield Finding("Cost", f"No method's steps take more than {UNREST:g} times as long or less, by medians, on one machine.")
+        yield Finding(
+            "Cost",
+            f"By medians on one machine, no method became slower or faster by more than a factor of {SPEED_TOLERANCE:g}.",
+        )
 
 
 def _notices(pair: Pair) -> Iterator[str]:
@@ -277,11 +278,6 @@ def _differing(one: Verdict, other: Verdict) -> list[str]:
     """The columns of the figures that both runs have, and that are not the same to the last bit."""
     here, there = _figures(one), _figures(other)
     return [name for name in here if name in there and here[name] != there[name]]
-
-
-def _distance(name: str, value: float) -> float:
-    """How far a figure is from what is right: 0 of an error; of a load, one weight of the body all the time."""
-    return abs(value - 1.0) if name in LOAD_COLUMNS else value
 
 
 def _said(value: Any) -> str:

@@ -10,7 +10,8 @@ from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Scene
 from bodycheck.reports.lines import Key, Line
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound, milliseconds, number
-from bodycheck.reports.runs.summary import key_of, within_truth
+from bodycheck.reports.runs.findings import within_truth
+from bodycheck.reports.runs.summary import key_of
 
 #: engine, integrator, label of the set of results: what a column is of
 Method = tuple[str, str, str]

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.trajectory import Array
-from bodycheck.reports.runs.series import corners
+from bodycheck.reports.series import corners
 
 #: Angle (rad) between a sample and the attitude that is played: less than eyes see of the difference of two bodies.
 TOLERANCE = 2e-3

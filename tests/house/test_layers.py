@@ -75,6 +75,13 @@ def test_every_import_goes_down() -> None:
     assert faults(ROOT) == []
 
 
+def test_the_frame_of_reports_imports_no_report_of_runs() -> None:
+    """The frame serves studies too. Only its entry points, in `__init__`, bring both together."""
+    frame = [path for path in (ROOT / "reports").glob("*.py") if path.name != "__init__.py"]
+    assert frame
+    assert not [path.name for path in frame for name in imports(path) if name.startswith("bodycheck.reports.runs")]
+
+
 @pytest.mark.parametrize(
     ("file", "line"),
     [

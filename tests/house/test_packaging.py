@@ -1,5 +1,6 @@
 """The wheel holds what the checkout holds: every module, the cases, the templates, the type marker."""
 
+import os
 import subprocess
 import sys
 import zipfile
@@ -14,9 +15,12 @@ FOLDERS = {"bodycheck": ""} | {name: f"{name}/" for name in ("reference", "adapt
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Built outside of the checkout, where files of an earlier build could get into it."""
     out = tmp_path_factory.mktemp("wheel")
+    settings = out / "setup.cfg"
+    settings.write_text(f"[build]\nbuild_base = {out / 'build'}\n[egg_info]\negg_base = {out}\n")
     command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", out, ROOT]
-    done = subprocess.run(command, capture_output=True, text=True)
+    done = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"DIST_EXTRA_CONFIG": str(settings)})
     assert done.returncode == 0, done.stderr
     return next(out.glob("*.whl"))
 

@@ -8,9 +8,9 @@ from typing import Any
 from bodycheck.casefile.case import Case
 from bodycheck.reference.requirements import Requirements, requirements
 from bodycheck.reports.charts import INK, Spec, framed
+from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import assign
 from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number
-from bodycheck.reports.runs.summary import Finding
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.studies.ablation.rows import Change, ModelRow

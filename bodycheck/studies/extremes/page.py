@@ -4,8 +4,8 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import count, listing, milliseconds, number
-from bodycheck.reports.runs.summary import Finding
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.studies.extremes.outcome_map import outcome_map

@@ -6,7 +6,7 @@ from typing import Any
 from bodycheck.reports.charts import Spec, framed, log_axis, method_scale
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import Quantity, number
-from bodycheck.reports.runs.series import rounded
+from bodycheck.reports.series import rounded
 
 #: A method, a version, a figure, None where there is none, and from what it changed, empty where it did not.
 Point = tuple[Line, str, float | None, str]

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 
 from packaging.version import Version
 
+from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number
-from bodycheck.reports.runs.summary import Finding
 from bodycheck.running.outcome import Completed
 from bodycheck.studies.releases.rows import STATUS, Change, Row
 

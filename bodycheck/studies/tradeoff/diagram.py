@@ -7,7 +7,7 @@ from typing import Any
 from bodycheck.reports.charts import INK, Spec, log_axis, method_scale, zoomable
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import Quantity, bound
-from bodycheck.reports.runs.series import rounded
+from bodycheck.reports.series import rounded
 from bodycheck.studies.tradeoff.recommendation import Measured
 
 #: Of stored costs: none that were measured apart fall together.

@@ -4,9 +4,9 @@ from collections import Counter, defaultdict
 from collections.abc import Collection, Mapping, Sequence
 
 from bodycheck.judging.convergence import UNITS
+from bodycheck.reports.finding import MOST_NAMES, TELLING, TELLING_POSITION, Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import bound, count, listing, milliseconds, number
-from bodycheck.reports.runs.summary import MOST_NAMES, TELLING, TELLING_POSITION, Finding
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements
 from bodycheck.studies.tradeoff.recommendation import Measured

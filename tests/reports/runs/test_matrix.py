@@ -14,10 +14,11 @@ from bodycheck.casefile.expectation import Expectation
 from bodycheck.judging.discrepancy import Discrepancy
 from bodycheck.judging.judgement import Breach, Judged, Verdict
 from bodycheck.reference.requirements import requirements
-from bodycheck.reports import markdown
 from bodycheck.reports.lines import assign
+from bodycheck.reports.runs import markdown_report
+from bodycheck.reports.runs.findings import findings, measured
 from bodycheck.reports.runs.matrix import KINDS, Matrix, decade, kind_of, matrices
-from bodycheck.reports.runs.summary import broken, findings, headline, key_of, measured, tally, told_as
+from bodycheck.reports.runs.summary import broken, headline, key_of, tally, told_as
 from bodycheck.running.outcome import Completed, Diverged, Run
 
 FLIP, FLIGHT, DRAG, SLIDE = "intermediate-axis-flip", "projectile", "football-drag", "sliding-brick"
@@ -83,7 +84,7 @@ def test_other_time_steps_stand_in_the_same_cell() -> None:
     assert rk4.common is None
     assert [(figure.timestep, figure.decade) for figure in rk4.others] == [(0.005, -8)]
     assert matrix.rows[1].cells[1] is None
-    text = markdown._matrix(matrix)
+    text = markdown_report._matrix(matrix)
     assert "| 0.002, 0.01 (10 ms), 0.001 (1 ms) | 1e-8 (5 ms) |" in text
 
 

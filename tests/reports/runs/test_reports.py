@@ -18,11 +18,12 @@ from bodycheck.casefile.case import Case, load, parse
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
-from bodycheck.reports import charts, html, markdown
+from bodycheck.reports.charts import without_legend
 from bodycheck.reports.lines import assign
 from bodycheck.reports.quantities import bound, count, listing, number
+from bodycheck.reports.runs import html_report, markdown_report, time_charts
 from bodycheck.reports.runs.contents import Contents, gather
-from bodycheck.reports.runs.series import corners, ends, envelope, rounded
+from bodycheck.reports.series import corners, ends, envelope, rounded
 from bodycheck.running import campaign, plan, store
 from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
 from bodycheck.running.store import Results
@@ -80,7 +81,7 @@ def contents(results: Results, verdicts: list[Verdict]) -> Contents:
 
 @pytest.fixture(scope="session")
 def page(contents: Contents) -> str:
-    return html.render(contents)
+    return html_report.render(contents)
 
 
 def altered(results: Results, verdicts: list[Verdict], **strings: str) -> list[ResultSet]:
@@ -160,7 +161,7 @@ def test_an_interrupted_run_is_called_that(folder: Path, tmp_path: Path) -> None
     (place / store.RECORDS).write_text("".join(line for line in lines[:-1] if line not in runs[2:]), "utf-8")
     cut = store.read(place)
     contents = gather([ResultSet(cut, judgement.judge(cut))])
-    for text in (Page(html.render(contents)).text, markdown.render(contents)):
+    for text in (Page(html_report.render(contents)).text, markdown_report.render(contents)):
         assert "Interrupted. " in text
         assert "The run was interrupted after 7 runs" in text
 
@@ -168,7 +169,7 @@ def test_an_interrupted_run_is_called_that(folder: Path, tmp_path: Path) -> None
 def test_nothing_finished(results: Results) -> None:
     contents = gather([ResultSet(replace(results, records=(), complete=False), [])])
     assert contents.headline == "Interrupted. No run finished"
-    for text in (Page(html.render(contents)).text, markdown.render(contents)):
+    for text in (Page(html_report.render(contents)).text, markdown_report.render(contents)):
         assert text.count("No run of this case finished.") == 2
 
 
@@ -199,9 +200,9 @@ def test_ways_to_fail(results: Results, verdicts: list[Verdict]) -> None:
         "unsupported": 1,
         "without expectation": 9,
     }
-    seen = Page(html.render(contents))
+    seen = Page(html_report.render(contents))
     assert "img" not in seen.tags
-    for text in (seen.text, markdown.render(contents)):
+    for text in (seen.text, markdown_report.render(contents)):
         assert "drake is not installed" in text
         assert "1 run unsupported: it does not model drag" in text
         assert "stopped after 300 s" in text
@@ -209,7 +210,7 @@ def test_ways_to_fail(results: Results, verdicts: list[Verdict]) -> None:
 
 def test_hostile_strings_show_as_text(results: Results, verdicts: list[Verdict], page: str) -> None:
     contents = gather(altered(results, verdicts, title=HOSTILE, source="</script><script>alert(2)</script>", tags=("</dl>",)))
-    text = html.render(contents)
+    text = html_report.render(contents)
     seen = Page(text)
     assert HOSTILE in seen.text
     assert "</script><script>alert(2)</script>" in seen.text
@@ -219,7 +220,7 @@ def test_hostile_strings_show_as_text(results: Results, verdicts: list[Verdict],
 
 
 def test_hostile_strings_in_markdown(results: Results, verdicts: list[Verdict]) -> None:
-    text = markdown.render(gather(altered(results, verdicts, title=f"{HOSTILE}\n\n# @someone #1 https://example.org")))
+    text = markdown_report.render(gather(altered(results, verdicts, title=f"{HOSTILE}\n\n# @someone #1 https://example.org")))
     assert "<script" not in text
     assert "\u202e" not in text
     assert "@someone" not in text
@@ -231,13 +232,13 @@ def test_hostile_strings_in_markdown(results: Results, verdicts: list[Verdict]) 
 
 def test_a_title_of_ten_thousand_letters(results: Results, verdicts: list[Verdict]) -> None:
     contents = gather(altered(results, verdicts, title="x" * 10_000))
-    assert "x" * 10_000 in Page(html.render(contents)).text
-    assert len(markdown.render(contents)) < 60_000
+    assert "x" * 10_000 in Page(html_report.render(contents)).text
+    assert len(markdown_report.render(contents)) < 60_000
 
 
 def test_markdown_leaves_out_what_does_not_fit(contents: Contents) -> None:
     many = replace(contents, sections=contents.sections * 60)
-    text = markdown.render(many)
+    text = markdown_report.render(many)
     assert len(text) < 65_536
     left_out = int(re.findall(r"Left out here for their size: (\d+) tables", text)[0])
     assert text.count("<details>") + left_out == 120
@@ -256,7 +257,7 @@ def test_a_large_report_stays_small(results: Results, verdicts: list[Verdict]) -
 
 
 def test_charts_hold_no_data_and_each_is_stored_once(page: str, contents: Contents) -> None:
-    specifications = html.specifications(contents)
+    specifications = html_report.specifications(contents)
     assert set(specifications) == {
         *("attitude_error", "position_error", "energy_drift", "angular_momentum_drift"),
         *("momentum_body", "momentum_inertial"),
@@ -270,7 +271,7 @@ def test_charts_draw(contents: Contents, case: str) -> None:
     section = next(section for section in contents.sections if section.name == case)
     drawn = {*section.curves.drawn, *(("momentum_body", "momentum_inertial") if section.curves.momentum else ())}
     assert ("momentum_body" in drawn) == (case == FLIP)
-    for name, specification in html.specifications(contents).items():
+    for name, specification in html_report.specifications(contents).items():
         if name not in drawn:
             continue
         svg = vl_convert.vegalite_to_svg(specification | {"datasets": section.curves.datasets})
@@ -283,7 +284,7 @@ def test_charts_draw(contents: Contents, case: str) -> None:
 
 
 def test_the_floor_is_drawn_under_attitude_errors_alone(contents: Contents) -> None:
-    specifications = html.specifications(contents)
+    specifications = html_report.specifications(contents)
     assert [name for name, value in specifications.items() if "truth_error" in json.dumps(value)] == ["attitude_error"]
 
 
@@ -358,10 +359,10 @@ def test_lines_tell_methods_apart() -> None:
 
 
 def test_a_legend_only_where_asked(contents: Contents) -> None:
-    specification = charts.over_time(contents.plotted[0], contents.lines)
+    specification = time_charts.over_time(contents.plotted[0], contents.lines)
     datasets = contents.sections[0].curves.datasets
     with_legend = vl_convert.vegalite_to_svg(specification | {"datasets": datasets})
-    without = vl_convert.vegalite_to_svg(charts.without_legend(specification) | {"datasets": datasets})
+    without = vl_convert.vegalite_to_svg(without_legend(specification) | {"datasets": datasets})
     assert "role-legend" in with_legend
     assert "role-legend" not in without
 

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from bodycheck.commands.saved import read
 from bodycheck.judging import result_set
-from bodycheck.reports import figures
+from bodycheck.reports import plot_files
+from bodycheck.reports.runs import plots
 from bodycheck.reports.runs.contents import Contents, gather
 from bodycheck.reports.study import StudyReport
 from bodycheck.running import store
@@ -62,8 +63,8 @@ def test_an_svg_has_a_colour_of_its_own_and_no_ground(folder: Path) -> None:
 
 
 def test_a_png_is_white_and_large_enough_for_a_slide(contents: Contents, tmp_path: Path) -> None:
-    plots = dict(figures.of_runs(contents))
-    figures.write(iter([("spin-position_error", plots["spin-position_error"])]), tmp_path, ("png",))
+    named = dict(plots.of_runs(contents))
+    plot_files.write(iter([("spin-position_error", named["spin-position_error"])]), tmp_path, ("png",))
     data = (tmp_path / "figures" / "spin-position_error.png").read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     width, colours = int.from_bytes(data[16:20]), data[25]
@@ -84,7 +85,7 @@ def test_the_report_command_writes_them_too(folder: Path, tmp_path: Path) -> Non
 
 def test_a_legend_leaves_no_method_out(contents: Contents) -> None:
     section = contents.sections[0]
-    name, chart = next(figures.of_runs(contents))
+    name, chart = next(plots.of_runs(contents))
     assert name.startswith("spin-")
     assert chart["config"]["legend"]["symbolLimit"] == 0
     assert chart["config"]["legend"]["columns"] == 1
@@ -94,7 +95,7 @@ def test_a_legend_leaves_no_method_out(contents: Contents) -> None:
 def test_charts_of_studies_are_files_too(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
     report = read(saved_results.made(tmp_path_factory, "ablate") / "ablate")
     assert isinstance(report, StudyReport)
-    figures.write(figures.of_study(report), tmp_path, ("svg",))
+    plot_files.write(plot_files.of_study(report), tmp_path, ("svg",))
     (path,) = (tmp_path / "figures").iterdir()
     assert path.name == "spin-cost-of-a-step-relative-to-the-smallest-model-mujoco-euler-at-10-ms.svg"
     assert {"spin", "Cost of a step, relative to the smallest model: mujoco Euler at 10 ms"} <= set(texts(path))
@@ -103,7 +104,7 @@ def test_charts_of_studies_are_files_too(tmp_path: Path, tmp_path_factory: pytes
 @given(st.lists(st.text(max_size=300), max_size=20))
 def test_names_are_safe_and_never_the_same(names: list[str]) -> None:
     taken: set[str] = set()
-    files = [figures._file_name(name, taken) for name in names]
+    files = [plot_files._file_name(name, taken) for name in names]
     assert len(set(files)) == len(files)
     for name in files:
         assert name

@@ -1,0 +1,59 @@
+"""The report of runs as one HTML file."""
+
+from collections.abc import Sequence
+from importlib import resources
+
+from bodycheck.reports.charts import Spec, without_legend
+from bodycheck.reports.html import json_text, page, verbatim
+from bodycheck.reports.lines import Line
+from bodycheck.reports.runs.contents import Contents, Section
+from bodycheck.reports.runs.time_charts import FRAMES, momentum, over_time
+
+#: The files of `templates/player` without `.js`, each after those that it uses.
+PLAYER = (
+    "vectors", "tracks", "solids", "view", "elements", "motion", "body", "polhode",
+    "ground", "controls", "legend", "readings", "panels", "player", "start",
+)  # fmt: skip
+
+
+def render(contents: Contents) -> str:
+    """Return the text of report.html for runs."""
+    style = resources.files("bodycheck.reports") / "templates" / "player.css"
+    return page(
+        "runs.html.jinja",
+        contents.header,
+        contents.notices,
+        specifications(contents),
+        contents=contents,
+        legends={section.name: _legend(section, contents.lines) for section in contents.sections},
+        datasets={section.name: json_text(section.curves.datasets) for section in contents.sections},
+        played={section.name: json_text(section.playback.data) for section in contents.sections if section.playback},
+        player_style=verbatim(style.read_text("utf-8"), "style"),
+        player=verbatim(player(), "script"),
+    )
+
+
+def specifications(contents: Contents) -> dict[str, Spec]:
+    """Return the charts of a report by name. Each is stored once; those over time are drawn with the datasets of each case."""
+    errors = {quantity.name: without_legend(over_time(quantity, contents.lines)) for quantity in contents.plotted}
+    origins = {
+        f"{section.name}-origins-{place}": chart.specification
+        for section in contents.sections
+        if section.origins is not None
+        for place, chart in enumerate(section.origins.charts, start=1)
+    }
+    return errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | origins
+
+
+def player() -> str:
+    """Return the script that plays motions: its files in one scope, without indentation, blank lines and lines of comment."""
+    folder = resources.files("bodycheck.reports") / "templates" / "player"
+    lines = [line.strip() for name in PLAYER for line in (folder / f"{name}.js").read_text("utf-8").splitlines()]
+    code = "\n".join(line for line in lines if line and not line.startswith("//"))
+    return f'"use strict";\n(() => {{\n{code}\n}})();'
+
+
+def _legend(section: Section, lines: Sequence[Line]) -> str:
+    """Return the positions, among the lines of the report, of the methods that the charts of a case draw."""
+    drawn = {row["method"] for row in section.curves.datasets["series"]}
+    return " ".join(str(place) for place, line in enumerate(lines) if line.label in drawn)

@@ -1,0 +1,68 @@
+"""The report of runs as Markdown."""
+
+from collections.abc import Iterator, Sequence
+
+from bodycheck.reports.markdown import details, escape, findings_list, fitted, grid, opening, table_with_notes
+from bodycheck.reports.quantities import count, milliseconds
+from bodycheck.reports.runs.contents import Contents, Failure, Section
+from bodycheck.reports.runs.matrix import Cell, Matrix
+
+#: Failed runs that the table of failures lists.
+MOST_FAILURES = 30
+
+MATRICES = "## Cases and methods\n\n✗: failed. ≤: within the truth's own error, which is the figure given."
+
+
+def render(contents: Contents) -> str:
+    """Return the text of report.md for runs."""
+    return fitted(_parts(contents), contents.header)
+
+
+def _parts(contents: Contents) -> Iterator[str]:
+    tally = " · ".join(f"{name} {amount}" for name, amount in contents.tally)
+    yield opening(contents.headline, tally, contents.notices)
+    if contents.failures:
+        yield _failures(contents.failures)
+    if contents.findings:
+        yield findings_list(contents.findings)
+    if contents.matrices:
+        yield MATRICES
+    for matrix in contents.matrices:
+        yield _matrix(matrix)
+    for section in contents.sections:
+        yield _section(section)
+
+
+def _failures(failures: Sequence[Failure]) -> str:
+    rows = [(failure.case, failure.method, failure.status, failure.reason) for failure in failures[:MOST_FAILURES]]
+    more = len(failures) - len(rows)
+    table = grid(("Case", "Method", "How", "Why"), rows)
+    return f"## What failed\n\n{table}" + (f"\n\n*And {count(more, 'run')} more.*" if more else "")
+
+
+def _matrix(matrix: Matrix) -> str:
+    title = f"{matrix.kind.title}: largest {matrix.quantity.title.lower()}, {matrix.quantity.unit}"
+    steps = f"time step {milliseconds(matrix.timestep)}" + (" but where another is given" if matrix.several_steps else "")
+    size = f"{count(len(matrix.rows), 'case')}, {count(matrix.methods, 'method')}, {steps}."
+    rows = [(row.case, *(_cell(cell, matrix.timestep) for cell in row.cells)) for row in matrix.rows]
+    head = ("Case", *(f"{column.engine} {column.integrator} {column.results}".rstrip() for column in matrix.columns))
+    return f"### {title}\n\n{size}\n\n{grid(head, rows, numeric_from=1)}"
+
+
+def _cell(cell: Cell | None, common: float) -> str:
+    if cell is None:
+        return ""
+    return ", ".join(
+        ("✗ " if figure.failed else "")
+        + figure.text
+        + ("" if figure.timestep == common else f" ({milliseconds(figure.timestep)})")
+        for figure in cell.figures
+    )
+
+
+def _section(section: Section) -> str:
+    facts = [f"- {fact.term}: {escape(fact.text)}" for fact in section.facts]
+    source = [f"- Source: {escape(section.source)}"] if section.source else []
+    body = "No run of this case finished." if section.table is None else table_with_notes(section.table)
+    origins = () if section.origins is None else ("Where it comes from:", table_with_notes(section.origins.table))
+    return details(f"<b>{section.name}</b>: {escape(section.title)}", "\n".join(source + facts), body, *origins)

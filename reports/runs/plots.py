@@ -1,0 +1,30 @@
+"""The plots of a report of runs, to be written as files."""
+
+from collections.abc import Iterator
+
+from bodycheck.reports.charts import Spec
+from bodycheck.reports.plot_files import standing_alone
+from bodycheck.reports.runs.contents import Contents
+from bodycheck.reports.runs.time_charts import momentum, over_time
+
+
+def of_runs(contents: Contents) -> Iterator[tuple[str, Spec]]:
+    """Return the plots of a report of runs, each with a name that no other has."""
+    for section in contents.sections:
+        methods = {row["method"] for row in section.curves.datasets["series"]}
+        lines = [line for line in contents.lines if line.label in methods]
+        plots = {
+            quantity.name: (quantity.title, over_time(quantity, lines))
+            for quantity in contents.plotted
+            if quantity.name in section.curves.drawn
+        }
+        if section.curves.momentum:
+            for frame, where in (("body", "in the body"), ("inertial", "in the inertial frame")):
+                plots[f"momentum_{frame}"] = (f"Angular momentum of the truth, {where}", momentum(frame))
+        for name, (description, chart) in plots.items():
+            floor = "; grey: the truth's own error" if name == "attitude_error" else ""
+            complete = chart | {"datasets": section.curves.datasets}
+            rows = 1 if name.startswith("momentum") else len(lines)
+            yield f"{section.name}-{name}", standing_alone(complete, section.title, description + floor, rows)
+        for drawn in section.origins.charts if section.origins else ():
+            yield f"{section.name}-{drawn.title}", standing_alone(drawn.specification, section.title, drawn.title, 1)

@@ -1,0 +1,161 @@
+"""Charts over time in a report of runs: Vega-Lite specifications that name their datasets and hold no data.
+
+Each specification is stored once in a page and drawn with the datasets of every case, which `curves` makes:
+
+- `series`: one row for each method, with `method`, `timestep`, one array for each quantity, and `every`, the stride of the
+  points that the pointer can find.
+- `times`: one row for each time step, with the array `t`.
+- `floor`: one row with the arrays `t` and `truth_error`.
+- `momentum`: one row with the arrays `t`, `I`, `J`, `K` (body frame) and `x`, `y`, `z` (inertial frame).
+
+With `datasets` set to these, a specification is complete. Its parameter `hidden` holds the names of the methods that the
+reader has switched off.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+from bodycheck.reports.charts import COMPONENT_COLOURS, Spec, log_axis, method_scale, zoomable
+from bodycheck.reports.lines import Line
+from bodycheck.reports.quantities import Quantity
+
+#: Axes of each frame.
+FRAMES = {"body": ("I", "J", "K"), "inertial": ("x", "y", "z")}
+#: Dashes of the three components: lengths on and off, in pixels.
+COMPONENT_DASHES = ((1, 0), (7, 3), (2, 2))
+
+
+def over_time(quantity: Quantity, lines: Sequence[Line]) -> Spec:
+    """Return the chart of a quantity over time on a log scale, with one line for each method.
+
+    A log scale has no place for zeros, which are left out. Under attitude errors the truth's own error is a grey area.
+    """
+    scale = {"type": "log", "nice": False}
+    y = {
+        "field": "value",
+        "type": "quantitative",
+        "title": quantity.label,
+        "scale": scale,
+        "axis": log_axis("y"),
+        "stack": None,
+    }
+    methods = {
+        "data": {"name": "series"},
+        "transform": [
+            {"filter": "indexof(hidden, datum.method) < 0"},
+            {"lookup": "timestep", "from": {"data": {"name": "times"}, "key": "timestep", "fields": ["t"]}},
+            {"flatten": ["t", quantity.name], "as": ["t", "value"]},
+            {"filter": "datum.value > 0"},
+        ],
+        "encoding": {"x": _time(), "y": y, "color": method_scale("color", lines)},
+        "layer": [
+            {
+                "mark": {"type": "line", "clip": True, "aria": False},
+                "encoding": {
+                    "strokeDash": method_scale("strokeDash", lines),
+                    "strokeWidth": method_scale("strokeWidth", lines),
+                },
+            },
+            {"transform": [{"window": [{"op": "row_number", "as": "row"}]}, {"filter": "datum.row % datum.every == 0"}]}
+            | _points(_tooltip("method", quantity.title, quantity.unit)),
+        ],
+    }
+    layers: list[Spec] = [methods]
+    if quantity.name == "attitude_error":
+        layers.insert(0, _floor(y))
+    return zoomable(layers, height=260) | {"params": [{"name": "hidden", "value": []}]}
+
+
+def momentum(frame: str) -> Spec:
+    """Return the chart of the truth's angular momentum in one of `FRAMES`, on a scale that both frames share."""
+    components = FRAMES[frame]
+    everything = [component for those in FRAMES.values() for component in those]
+    unit = "kg m²/s"
+    y = {"type": "quantitative", "title": f"Angular momentum, {unit}", "axis": {"tickCount": 6, "format": "~g"}}
+    source = {"name": "momentum"}
+    curves = {
+        "data": source,
+        "transform": [
+            {"flatten": ["t", *components]},
+            {"fold": list(components), "as": ["component", "value"]},
+        ],
+        "encoding": {
+            "x": _time(),
+            "y": {**y, "field": "value"},
+            "color": _components("color", components, COMPONENT_COLOURS),
+        },
+        "layer": [
+            {
+                "mark": {"type": "line", "clip": True, "strokeWidth": 1.5, "aria": False},
+                "encoding": {"strokeDash": _components("strokeDash", components, COMPONENT_DASHES)},
+            },
+            _points(_tooltip("component", "angular momentum", unit)),
+        ],
+    }
+    bounds = {
+        "data": source,
+        "transform": [
+            {"flatten": everything},
+            {"fold": everything, "as": ["component", "value"]},
+            {"aggregate": [{"op": op, "field": "value", "as": op} for op in ("min", "max")]},
+            {"fold": ["min", "max"], "as": ["end", "bound"]},
+        ],
+        "mark": {"type": "point", "opacity": 0, "tooltip": None, "aria": False},
+        "encoding": {"y": {**y, "field": "bound"}},
+    }
+    return zoomable([bounds, curves], height=220)
+
+
+def _points(tooltip: Spec) -> Spec:
+    """Return a layer of points of which only the one nearest to the pointer is visible."""
+    hover = {"type": "point", "on": "pointermove", "nearest": True, "clear": "pointerout", "encodings": ["x", "y"]}
+    return {
+        "params": [{"name": "hover", "select": hover}],
+        "mark": {"type": "point", "clip": True, "filled": True, "size": 50, "aria": False},
+        "encoding": {"opacity": {"condition": {"param": "hover", "empty": False, "value": 1}, "value": 0}, "tooltip": tooltip},
+    }
+
+
+def _floor(y: Spec) -> Spec:
+    return {
+        "data": {"name": "floor"},
+        "transform": [{"flatten": ["t", "truth_error"], "as": ["t", "value"]}, {"filter": "datum.value > 0"}],
+        "mark": {
+            "type": "area",
+            "clip": True,
+            "tooltip": None,
+            "aria": False,
+            "color": "#888888",
+            "opacity": 0.28,
+            "line": {"color": "#888888", "strokeWidth": 1, "opacity": 1},
+        },
+        "encoding": {"x": _time(), "y": y, "y2": {"value": "height"}},
+    }
+
+
+def _time() -> Spec:
+    return {
+        "field": "t",
+        "type": "quantitative",
+        "title": "Time, s",
+        "scale": {"nice": False},
+        "axis": {"grid": False, "tickCount": 6},
+    }
+
+
+def _tooltip(field: str, reading: str, unit: str) -> Spec:
+    """Return the tooltip of a point: the value of `field`, the time, and the reading with its unit.
+
+    In its expression `datum` is either the row or the point, which has the row as its own `datum`.
+    """
+    row = "(datum.datum || datum)"
+    suffix = f" + ' {unit}'" if unit else ""
+    value = f"format({row}.value, '.4~g'){suffix}"
+    return {
+        "value": {"expr": f"{{'{field}': {row}.{field}, 'time': format({row}.t, '.7~g') + ' s', '{reading.lower()}': {value}}}"}
+    }
+
+
+def _components(channel: str, components: Sequence[str], values: Sequence[Any]) -> Spec:
+    ranges = [list(value) if isinstance(value, tuple) else value for value in values]
+    return {"field": "component", "type": "nominal", "scale": {"domain": list(components), "range": ranges}}
