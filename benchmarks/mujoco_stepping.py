@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from bodycheck import load
-from bodycheck.adapters import registry
+from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
 from bodycheck.running.simulation import sampling_steps
 
@@ -24,11 +24,13 @@ def main() -> None:
     adapter = registry.load("mujoco")
     strides = np.diff(sampling_steps(case.instants, TIMESTEP), prepend=0)
     steps = int(strides.sum())
-    print(f"MuJoCo {adapter.version()}, {case.name}, {steps} steps, {len(strides)} samples; median of {TURNS} turns, range")
-    for integrator in adapter.integrators(case.scene):
+    print(
+        f"MuJoCo {adapter.engine.version}, {case.name}, {steps} steps, {len(strides)} samples; median of {TURNS} turns, range"
+    )
+    for integrator in offers.offered(adapter.engine, case.scene):
         ratios, plain_times = [], []
         for _ in range(TURNS):
-            simulation = adapter.prepare(case.scene, Method(integrator, TIMESTEP))
+            simulation = adapter.prepare([case.scene], Method.parse(integrator, TIMESTEP))
             data = mujoco.MjData(simulation.model)
             data.qpos, data.qvel = simulation.data.qpos, simulation.data.qvel
             start = time.perf_counter()

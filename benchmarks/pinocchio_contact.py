@@ -87,18 +87,18 @@ def naive(initial: State, tuned: bool) -> Array:
 
 def main() -> None:
     adapter = registry.load("pinocchio")
-    print(f"Pinocchio {adapter.version()}, four contacts, {STEPS} steps of {TIMESTEP} s; median of {TURNS} turns, range")
+    print(f"Pinocchio {adapter.engine.version}, four contacts, {STEPS} steps of {TIMESTEP} s; median of {TURNS} turns, range")
     for name, (velocity, spin) in MOTIONS.items():
         state = State((0.0, 0.0, HEIGHT), velocity=velocity, angular_velocity=(0.0, 0.0, spin))
         scene = Scene(Body(MASS, MOMENTS, BRICK), state, GRAVITY, Plane(FRICTION, "corners"))
         times = []
         for _ in range(TURNS):
-            simulation = adapter.prepare(scene, Method("admm", TIMESTEP))
+            simulation = adapter.prepare([scene], Method.parse("admm", TIMESTEP))
             instants, ends = [time.perf_counter()], []
             for tuned in (False, True):
                 ends.append(naive(state, tuned))
                 instants.append(time.perf_counter())
-            (row,) = simulation.advance(np.array([STEPS]))
+            row = simulation.advance(np.array([STEPS]))[0, 0, 0]
             instants.append(time.perf_counter())
             assert np.abs(row[:3] - ends).max() < AGREEMENT, name
             times.append(np.diff(instants) / STEPS)

@@ -77,7 +77,7 @@ def copy(case: str, place: int) -> str:
 def large_report(folder: Path) -> Path:
     """A report of `CASES` times `METHODS` runs, written into an empty folder with what it is made of."""
     engines = {name: registry.load(name) for name in ("mujoco", "pinocchio")}
-    head = campaign.header((), {name: engine.version() for name, engine in engines.items()}, {})
+    head = campaign.header((), {name: engine.engine.version for name, engine in engines.items()}, {})
     with campaign.results(plan.plan(tuple(map(load, NAMES)), engines, (), (0.002,)), folder, head):
         pass
     source = store.read(folder)
@@ -98,7 +98,7 @@ def large_report(folder: Path) -> Path:
 
 
 def _renamed(verdict: Verdict, case: str, place: int) -> Verdict:
-    method = Method(f"{verdict.run.method.integrator}-{place}", verdict.run.method.timestep)
+    method = Method.parse(f"{verdict.run.method.name}-{place}", verdict.run.method.timestep)
     return replace(verdict, run=replace(verdict.run, case=case, method=method))
 
 

@@ -108,7 +108,6 @@ class CaseFile(pytest.File):
     """A case file."""
 
     def collect(self) -> "Iterator[CaseItem]":
-        from bodycheck.adapters.contract import Method
         from bodycheck.casefile.case import CaseFaults, load
         from bodycheck.casefile.toml_positions import positions
 
@@ -125,9 +124,9 @@ class CaseFile(pytest.File):
             self.config.addinivalue_line("markers", f"{mark}: a tag of case files")
         methods: dict[tuple[str, Method], int] = {}
         for expectation, line in zip(case.expectations, lines, strict=True):
-            methods.setdefault((expectation.engine, Method(expectation.integrator, expectation.timestep)), line)
+            methods.setdefault((expectation.engine, expectation.method), line)
         for (engine, method), line in methods.items():
-            name = f"{engine}-{method.integrator}-{method.timestep!r}"
+            name = f"{engine}-{method.name}-{method.timestep!r}"
             item = CaseItem.from_parent(self, name=name, case=case, engine=engine, method=method, line=line, lines=lines)
             for mark in (MARKER, *marks):
                 item.add_marker(mark)
@@ -143,6 +142,9 @@ class CaseItem(pytest.Item):
         self.case, self.engine, self.method, self.line, self.lines = case, engine, method, line, lines
 
     def runtest(self) -> None:
+        from bodycheck.adapters import offers, registry
+
+        offers.check(registry.load(self.engine).engine, self.method)
         verdict = _verdict(self.case, self.engine, self.method, _perform(self.config))
         figures = [(name, value) for name, value in verdict.row().items() if name not in ("passed", "reason")]
         known = [(KNOWN, judged.text) for judged in verdict.judged if judged.expectation.known and judged.held]
@@ -151,18 +153,25 @@ class CaseItem(pytest.Item):
             raise Broken(verdict)
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
-        return self._explained(excinfo.value.verdict) if isinstance(excinfo.value, Broken) else super().repr_failure(excinfo)
+        from bodycheck.errors import BadInput
+
+        match excinfo.value:
+            case Broken(verdict=verdict):
+                return self._explained(verdict)
+            case BadInput() as error:
+                return f"{_shown(self.path, self.config)}:{self.line}: integrator: {error}"
+        return super().repr_failure(excinfo)
 
     def reportinfo(self) -> tuple[Path, int, str]:
-        method = f"{self.engine} {self.method.integrator}, time step {self.method.timestep:g} s"
+        method = f"{self.engine} {self.method.name}, time step {self.method.timestep:g} s"
         return self.path, self.line - 1, f"{self.case.name}: {method}"
 
     def _explained(self, verdict: "Verdict") -> str:
         """A verdict in words that need no manual."""
         run, shown = verdict.run, _shown(self.path, self.config)
         broken = [judged for judged in verdict.judged if not judged.held]
-        method = f"integrator {run.method.integrator}, time step {run.method.timestep:g} s"
-        command = ("bodycheck", "run", shown, "--engine", run.engine, "--integrator", run.method.integrator)
+        method = f"integrator {run.method.name}, time step {run.method.timestep:g} s"
+        command = ("bodycheck", "run", shown, "--engine", run.engine, "--integrator", run.method.name)
         lines = [
             # The first line is what pytest's summary shows.
             "; ".join(f"{b.name} is {b.measured}, expected {b.expected}" for judged in broken for b in judged.breaches),
@@ -199,7 +208,6 @@ def _told(judged: "Judged", place: str) -> Iterator[str]:
 def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") -> "Verdict":
     """The verdict on a run that is made now, with the truth and the finer runs that it takes."""
     from bodycheck.adapters import registry
-    from bodycheck.adapters.contract import Method
     from bodycheck.casefile.expectation import REFINEMENTS
     from bodycheck.judging.judgement import verdict
     from bodycheck.reference.truth import Truth
@@ -207,18 +215,18 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
     from bodycheck.running.outcome import Run, Unsupported
     from bodycheck.running.plan import Task
 
-    def run(method: Method) -> Run:
+    def run(method: "Method") -> Run:
         made = perform(Task(case, engine, method))
-        return made if isinstance(made, Run) else Run(case.name, engine, registry.load(engine).version(), method, made)
+        return made if isinstance(made, Run) else Run(case.name, engine, registry.load(engine).engine.version, method, made)
 
     truth = perform(TruthTask(case, method.timestep))
-    concerned = [e for e in case.expectations if e.concerns(engine, method.integrator, method.timestep)]
+    concerned = [e for e in case.expectations if e.concerns(engine, method)]
     finer = REFINEMENTS if any(expectation.needs_order for expectation in concerned) else ()
     return verdict(
         case,
         truth if isinstance(truth, Truth) else Unsupported(f"the reference: {truth.reason}"),
         run(method),
-        [run(Method(method.integrator, method.timestep / by)) for by in finer],
+        [run(method.at(method.timestep / by)) for by in finer],
     )
 
 

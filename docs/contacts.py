@@ -51,7 +51,7 @@ def main() -> None:
     for pads in PADS:
         integrator = f"Euler:cone=elliptic,pads={pads}"
         time, cost = stop_time(case, integrator)
-        load_, touching = contact_loads(case.scene, Method(integrator, TIMESTEP), round(0.15 / TIMESTEP))
+        load_, touching = contact_loads(case.scene, Method.parse(integrator, TIMESTEP), round(0.15 / TIMESTEP))
         figures = f"{load_.mean() / weight:.2f} | {load_.max() / weight:.1f} | {(load_ > 0).mean():.0%} | {touching.max()}"
         print(f"| {pads} x {pads} | {time:.3f} | {equal_loads(case, pads):.3f} | {figures} | {cost:.0f} |")
 
@@ -63,7 +63,7 @@ def main() -> None:
         plane_, gravity = replace(plane, friction=plane.friction * part), case.scene.gravity / part
         same = replace(case, scene=replace(case.scene, plane=plane_, gravity=gravity))
         time, _ = stop_time(same, "Euler:cone=elliptic,pads=8")
-        load_, _ = contact_loads(same.scene, Method("Euler:cone=elliptic,pads=8", TIMESTEP), round(0.15 / TIMESTEP))
+        load_, _ = contact_loads(same.scene, Method.parse("Euler:cone=elliptic,pads=8", TIMESTEP), round(0.15 / TIMESTEP))
         peak = load_.max() / (same.scene.body.mass * gravity)
         print(f"| {plane_.friction:g} | {gravity:g} | {time:.3f} | {equal_loads(same, 8):.3f} | {peak:.2f} |")
 

@@ -1,7 +1,7 @@
 """The contact of a flat body with a plane, as MuJoCo's XML has it, and the options of a method that change it.
 
-A method's name may carry options behind a colon: `Euler:cone=elliptic,solref=0.004 1`. What is not asked for is not written,
-and keeps the default of the installed MuJoCo. The keys:
+A method may have options, as in `Euler:cone=elliptic,solref=0.004 1`. An option that is not given is not written into the
+XML, and keeps the default of the installed MuJoCo. The keys:
 
 - cone: elliptic or pyramidal. impratio: of frictional to normal impedance. noslip: iterations of the solver of that name.
 - condim: 1 (no friction), 3 (sliding), 4 (and torsion), 6 (and rolling). solref, solimp: how stiff, how soft.
@@ -16,16 +16,13 @@ Sliding friction is the scene's. Torsion (0.005 m) and rolling (0.0001 m), where
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.adapters.contract import Kind, Option, SceneUnsupported, choice
 from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.planar import describe_shape, planar_state, resting_height
 from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
-
-#: The methods with options that are run where none is asked for.
-DEFAULTS = ("Euler:cone=elliptic", "Euler:cone=elliptic,pads=4")
 
 #: MuJoCo's mjMINMU: it raises smaller coefficients to this one without a word.
 LEAST_FRICTION = 1e-5
@@ -41,9 +38,6 @@ TORSION_AND_ROLLING = (0.005, 0.0001)
 
 #: The keys that are attributes of the XML's `option`.
 OPTION_ATTRIBUTES = {"cone": "cone", "impratio": "impratio", "noslip": "noslip_iterations"}
-
-#: From what was written to what goes into the XML; raises `ValueError` for what is not allowed.
-Reader = Callable[[str], str]
 
 
 @dataclass(frozen=True)
@@ -69,16 +63,15 @@ def unsupported(scene: Scene) -> str | None:
     return None
 
 
-def parts(scene: Scene, plane: Plane, options: str | None, shortest: float) -> Parts:
+def parts(scene: Scene, plane: Plane, chosen: Mapping[str, str], shortest: float) -> Parts:
     """The contact of a body that lies flat. Raises `SceneUnsupported`.
 
-    options: as behind the colon of a method's name. shortest: time constant (s) of solref that MuJoCo puts in place of a
-    shorter one.
+    chosen: options by their keys; other keys are ignored. shortest: time constant (s) of solref that MuJoCo puts in place of
+    a shorter one.
     """
     shape = scene.body.shape
     if not isinstance(shape, Brick | Cylinder):
         raise SceneUnsupported(f"{describe_shape(shape)} has no face to lie on")
-    chosen = read(options) if options is not None else {}
     # A contact without friction has one dimension; MuJoCo knows no friction of zero in the others.
     condim = chosen.get("condim", "3" if plane.friction else "1")
     if condim != "1" and plane.friction < LEAST_FRICTION:
@@ -128,80 +121,63 @@ def pad_centres(shape: Brick | Cylinder, pads: int) -> list[tuple[float, float]]
             return [(radius * x, radius * y) for x, y in cells if x * x + y * y <= 1]
 
 
-def read(text: str) -> dict[str, str]:
-    """The options of a method, key by key, as the XML spells their values. Raises `SceneUnsupported` with what is allowed."""
-    options: dict[str, str] = {}
-    for item in text.split(","):
-        key, _, value = item.partition("=")
-        if key not in OPTIONS:
-            raise SceneUnsupported(f"unknown contact option {item!r}; there are: {', '.join(OPTIONS)}")
-        if key in options:
-            raise SceneUnsupported(f"contact option {key} is given twice")
-        reader, allowed = OPTIONS[key]
-        try:
-            options[key] = reader(value)
-        except ValueError:
-            raise SceneUnsupported(f"contact option {key}={value!r}: must be {allowed}") from None
-    return options
-
-
 def numbers_written(*values: float) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
-def word(*allowed: str) -> Reader:
-    def reader(text: str) -> str:
-        if text not in allowed:
-            raise ValueError(text)
-        return text
+def whole(accepted: Callable[[int], bool]) -> Callable[[str], int]:
+    """The reader of an option that is a whole number."""
 
-    return reader
-
-
-def whole(accepted: Callable[[int], bool]) -> Reader:
-    def reader(text: str) -> str:
+    def reader(text: str) -> int:
         if not accepted(number := int(text)):
             raise ValueError(text)
-        return repr(number)
+        return number
 
     return reader
 
 
-def numbers(accepted: Callable[[tuple[float, ...]], bool]) -> Reader:
-    def reader(text: str) -> str:
+def numbers(accepted: Callable[[tuple[float, ...]], bool]) -> Callable[[str], tuple[float, ...]]:
+    """The reader of an option that is one or more numbers."""
+
+    def reader(text: str) -> tuple[float, ...]:
         values = tuple(map(float, text.split()))
         if not all(map(math.isfinite, values)) or not accepted(values):
             raise ValueError(text)
-        return numbers_written(*values)
+        return values
 
     return reader
 
 
 def is_solref(values: tuple[float, ...]) -> bool:
-    # MuJoCo replaces a pair of mixed signs by its default.
+    """Whether MuJoCo takes this pair as it is: it replaces a pair of mixed signs by its default."""
     return len(values) == 2 and (min(values) > 0 or max(values) <= 0)
 
 
 def is_solimp(values: tuple[float, ...]) -> bool:
+    """Whether these are impedances that MuJoCo takes as they are."""
     if len(values) not in (3, 5):
         return False
     least, most, width, midpoint, power = (*values, 0.5, 2.0)[:5]
     return 0 <= least <= 1 and 0 <= most <= 1 and width >= 0 and 0 <= midpoint <= 1 and power >= 1
 
 
-#: How to read each option's value, and what is allowed.
-OPTIONS: dict[str, tuple[Reader, str]] = {
-    "cone": (word("elliptic", "pyramidal"), "elliptic or pyramidal"),
-    "impratio": (numbers(lambda values: len(values) == 1 and values[0] > 0), "a positive number"),
-    "condim": (word("1", "3", "4", "6"), "1, 3, 4 or 6"),
-    "solref": (
-        numbers(is_solref),
+ON_PLANE: frozenset[Kind] = frozenset({"plane"})
+
+#: The options of every integrator on a plane.
+OPTIONS: dict[str, Option] = {
+    "cone": choice("elliptic", "pyramidal", kinds=ON_PLANE),
+    "impratio": Option("a positive number", numbers(lambda values: len(values) == 1 and values[0] > 0), ON_PLANE),
+    "condim": choice("1", "3", "4", "6", kinds=ON_PLANE),
+    "solref": Option(
         "two numbers, both positive (time constant, damping ratio) or both not (-stiffness -damping)",
+        numbers(is_solref),
+        ON_PLANE,
     ),
-    "solimp": (
-        numbers(is_solimp),
+    "solimp": Option(
         "three or five numbers: two impedances from 0 to 1, a width (m) >= 0, a midpoint from 0 to 1, a power >= 1",
+        numbers(is_solimp),
+        ON_PLANE,
     ),
-    "noslip": (whole(lambda number: number >= 0), "a whole number >= 0"),
-    "pads": (whole(lambda number: 1 <= number <= MOST_PADS), f"a whole number from 1 to {MOST_PADS}"),
+    "noslip": Option("a whole number >= 0", whole(lambda number: number >= 0), ON_PLANE),
+    "pads": Option(f"a whole number from 1 to {MOST_PADS}", whole(lambda number: 1 <= number <= MOST_PADS), ON_PLANE),
 }

@@ -1,32 +1,33 @@
-"""MuJoCo: a body with an inertia, the joints that the scene needs, and what it needs besides, stepped in C (`mujoco_stepping`).
+"""The adapter of MuJoCo: a body with an inertia, the joints that the scene needs, and what it needs besides, stepped in C.
 
 Of a free joint qpos is (position world, quaternion w x y z), and qvel is linear in the world frame, angular in the body frame.
-What other joints there are, and what models that are larger than need be, is in `mujoco_models`.
+The module `models` has other joints and models that are larger than need be, and `stepping` the steps.
 
 Drag is a force from outside, evaluated wherever MuJoCo evaluates its own passive forces, so that every integrator keeps its
-order. The integrators whose names end in `-fluid` have MuJoCo's own fluid model instead: an inertia box in a medium, which
-meets a drag along each axis of the body and one against its rotation. The medium is as dense as it must be for the drag along
-the axis of the least moment, that in which a long body flies, to be the scene's.
+order. The option `drag=fluid` takes MuJoCo's own fluid model instead: an inertia box in a medium, which meets a drag along
+each axis of the body and one against its rotation. The medium is as dense as it must be for the drag along the axis of the
+least moment, that in which a long body flies, to be the scene's.
 
-A body on a plane touches it by MuJoCo's own soft contact; what can be chosen of it is in `mujoco_contact`. `Euler-planar` has
-the smallest model instead, of three coordinates, and friction as a force from outside, by the reference's law.
+A body on a plane touches it by MuJoCo's own soft contact; the module `contact` has its options. The option `model=planar`
+takes the smallest model instead, of three coordinates, and friction as a force from outside, by the reference's law.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import mujoco
 import numpy as np
 
-from bodycheck.adapters.contract import MODEL_OPTION, Claim, Method, SceneUnsupported, Strides
-from bodycheck.adapters.mujoco import contact as mujoco_contact
-from bodycheck.adapters.mujoco import models as mujoco_models
+from bodycheck.adapters.contract import Engine, Integrator, Method, Model, SceneUnsupported, Strides, choice
+from bodycheck.adapters.mujoco import DISTRIBUTION, contact
+from bodycheck.adapters.mujoco import models as growth
 from bodycheck.adapters.mujoco.stepping import Rollouts, Steps, quiet, refuse_warnings, stepping
-from bodycheck.reference.requirements import missing, requirements
+from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
 
-MODEL = """
+XML = """
 <mujoco>
   <compiler balanceinertia="false" inertiafromgeom="false"/>
   <option timestep="{timestep!r}" integrator="{integrator}" gravity="0 0 {gravity!r}" density="{density!r}" {parts.option}>
@@ -45,101 +46,113 @@ MODEL = """
 </mujoco>
 """
 
-FLUID = "-fluid"
-
-PLANAR = "Euler-planar"
-
-#: What MuJoCo can model of what a scene may require.
-MODELLED = frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"})
+#: The integrators of the newest release, as its XML names them.
+KNOWN = ("Euler", "RK4", "implicit", "implicitfast", "discrete")
 
 
-def version() -> str:
-    return str(mujoco.__version__)
-
-
-def plain_integrators() -> tuple[str, ...]:
-    # The names of the XML, which are those of the enumeration in another spelling.
+def available() -> tuple[str, ...]:
+    """The integrators of the installed release, in its order: the names of its enumeration as its XML spells them."""
     spelling = {"EULER": "Euler", "RK4": "RK4"}
     members = (name.removeprefix("mjINT_") for name in mujoco.mjtIntegrator.__members__)
     return tuple(spelling.get(name, name.lower()) for name in members)
 
 
-def integrators(scene: Scene | None = None) -> tuple[str, ...]:
-    plain = plain_integrators()
-    if scene is not None and scene.plane is not None:
-        return (*plain, *mujoco_contact.DEFAULTS, PLANAR)
-    fluid = tuple(name + FLUID for name in plain)
-    if scene is None:
-        return (*plain, *fluid, PLANAR)
-    return (*plain, *fluid) if scene.drag else plain
+def integrators() -> tuple[Integrator, ...]:
+    """All integrators that there are; those that the installed release lacks are offered for no scene."""
+    options = {
+        "model": choice(*dict.fromkeys((*growth.IN_FLIGHT, *growth.ON_PLANE))),
+        "drag": choice("fluid", kinds=frozenset({"drag"})),
+        **contact.OPTIONS,
+    }
+    here = available()
+    # By MuJoCo's documentation all but RK4 are of first order.
+    return tuple(
+        Integrator(name, order=stages, evaluations=stages, options=options, **({} if name in here else {"kinds": frozenset()}))
+        for name in dict.fromkeys((*here, *KNOWN))
+        for stages in (4 if name == "RK4" else 1,)
+    )
 
 
-def claim(integrator: str) -> Claim:
-    """By MuJoCo's documentation all but RK4 are of first order."""
-    stages = 4 if integrator.partition(":")[0].removesuffix(FLUID) == "RK4" else 1
-    return Claim(order=stages, evaluations=stages)
+engine = Engine(
+    name="mujoco",
+    distribution=DISTRIBUTION,
+    version=str(mujoco.__version__),
+    integrators=integrators(),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    variants={
+        "drag": tuple(f"{name}:drag=fluid" for name in available()),
+        "plane": ("Euler:cone=elliptic", "Euler:cone=elliptic,pads=4", "Euler:model=planar"),
+    },
+)
 
 
-def unsupported(scene: Scene) -> str | None:
-    if (lacking := missing(scene, MODELLED)) is not None or scene.plane is None:
-        return lacking
-    return mujoco_contact.unsupported(scene)
+def models(scene: Scene, integrator: str) -> dict[str, Model]:
+    """The models of a scene; on a plane those of an integrator without options."""
+    method = Method.parse(integrator, 0.0)
+    if method.option("model") or (scene.plane is not None and method.options):
+        return {}
+    own = {name: replace(method, options=tuple(sorted((*method.options, ("model", name))))) for name in growth.growing(scene)}
+    return {name: Model(own[name].name, adds) for name, adds in growth.growing(scene).items()}
 
 
-def models(scene: Scene, integrator: str) -> dict[str, str]:
-    known = plain_integrators() if scene.plane is not None else integrators(scene)
-    return mujoco_models.growing(scene) if integrator in known else {}
-
-
-def model_of(scene: Scene, integrator: str) -> str:
-    """The model that a method's name asks for, or that it has where it asks for none: the smallest that leaves it the same.
+def model_of(scene: Scene, method: Method) -> str:
+    """The model that a method asks for, or the smallest on which its integrator remains the same scheme.
 
     A body that turns has a free joint even where it stays in its place. On a ball joint, which would do, `implicitfast` and
     `discrete` are other schemes: semi-implicit Euler, as `Euler` is.
     """
-    name, asked, model = integrator.partition(MODEL_OPTION)
-    if asked:
-        return model
+    if (asked := method.option("model")) is not None:
+        return asked
     if scene.plane is not None:
-        return "planar" if name == PLANAR else "contact"
+        return "contact"
     return "translation" if requirements(scene).rotation == "none" else "six-coordinates"
 
 
-def contact_law(scene: Scene, integrator: str) -> Plane | None:
-    if scene.plane is not None and model_of(scene, integrator) not in mujoco_models.TOUCHING:
+def touches(scene: Scene, method: Method) -> bool:
+    """Whether the body touches a plane by MuJoCo's own contact."""
+    return scene.plane is not None and model_of(scene, method) in growth.TOUCHING
+
+
+def contact_law(scene: Scene, method: Method) -> Plane | None:
+    """The law of friction of a method's contacts; None where it is none of the reference's.
+
+    MuJoCo finds four contacts of a box with a plane. What it finds of a cylinder, pads, and contacts with torsion or rolling
+    (condim 4 and 6) are no law of the reference. Contacts of one dimension have no friction.
+    """
+    if scene.plane is None or not touches(scene, method):
         return scene.plane
-    # MuJoCo finds four contacts of a box with a plane; what it finds of a cylinder, and pads, are no law of the reference.
-    if scene.plane is None or not isinstance(scene.body.shape, Brick) or "pads=" in integrator:
+    condim = method.option("condim")
+    if not isinstance(scene.body.shape, Brick) or method.option("pads") or condim in ("4", "6"):
         return None
-    return replace(scene.plane, law="corners", pressure="balanced")
+    coefficient = 0.0 if condim == "1" else scene.plane.friction
+    return replace(scene.plane, friction=coefficient, law="corners", pressure="balanced")
 
 
-def prepare(scene: Scene, method: Method) -> Rollouts | Steps:
-    """As the contract has it; on a plane with any options of `mujoco_contact`, whether `integrators` lists them or not."""
-    if (lacking := unsupported(scene)) is not None:
-        raise SceneUnsupported(lacking)
-    integrator, model, options = read(scene, method.integrator)
-    touches = scene.plane is not None and model in mujoco_models.TOUCHING
-    braked = scene.plane is not None and not touches
-    contact = None
-    if scene.plane is not None and touches:
+def prepare(scenes: Sequence[Scene], method: Method) -> Rollouts | Steps:
+    """The simulation of one scene."""
+    (scene,) = scenes
+    model = model_of(scene, method)
+    refuse(scene, method, model)
+    braked = scene.plane is not None and model not in growth.TOUCHING
+    parts = None
+    if scene.plane is not None and not braked:
         # For stability, MuJoCo keeps the contact slower than the step; `discrete` is stable without.
-        shortest = 0.0 if integrator == "discrete" else 2 * method.timestep
-        contact = mujoco_contact.parts(scene, scene.plane, options, shortest)
-    fluid = integrator.endswith(FLUID)
-    joints = mujoco_models.joints(scene, model)
-    xml = MODEL.format(
+        shortest = 0.0 if method.integrator == "discrete" else 2 * method.timestep
+        parts = contact.parts(scene, scene.plane, dict(method.options), shortest)
+    fluid = method.option("drag") == "fluid"
+    joints = growth.joints(scene, model)
+    xml = XML.format(
         timestep=method.timestep,
-        integrator=integrator.removesuffix(FLUID),
+        integrator=method.integrator,
         # Where friction is a force, so would be what bears the weight: neither is in the model.
         gravity=0.0 if braked else -scene.gravity,
         density=fluid_density(scene) if fluid else 0.0,
-        origin=mujoco_contact.numbers_written(*joints.origin),
+        origin=contact.numbers_written(*joints.origin),
         joints=joints.xml,
         mass=scene.body.mass,
-        axes=mujoco_models.principal_axes(scene, joints),
-        moments=mujoco_contact.numbers_written(*scene.body.moments),
-        parts=mujoco_models.parts(scene, model, contact),
+        axes=growth.principal_axes(scene, joints),
+        moments=contact.numbers_written(*scene.body.moments),
+        parts=growth.parts(scene, model, parts),
     )
     try:
         compiled = mujoco.MjModel.from_xml_string(xml)
@@ -149,32 +162,21 @@ def prepare(scene: Scene, method: Method) -> Rollouts | Steps:
     data.qpos[:], data.qvel[:] = joints.qpos, joints.qvel
     force = None
     if scene.plane is not None and braked:
-        force = mujoco_models.braking(scene, scene.plane, method.timestep, data)
+        force = growth.braking(scene, scene.plane, method.timestep, data)
     elif scene.drag and not fluid and model != "rotation":
-        force = mujoco_models.resistance(scene.drag, data)
+        force = growth.resistance(scene.drag, data)
     return stepping(compiled, data, joints, force)
 
 
-def read(scene: Scene, method: str) -> tuple[str, str, str | None]:
-    """What a method's name asks for: integrator, with `-fluid` or without, model, and options of contact where it has any.
-
-    Raises `SceneUnsupported` for what there is not.
-    """
-    name, asked, _ = method.partition(MODEL_OPTION)
-    integrator, colon, options = name.partition(":")
-    known = plain_integrators()
-    known += (PLANAR,) if scene.plane is not None else tuple(plain + FLUID for plain in known)
-    if integrator not in known:
-        raise SceneUnsupported(
-            f"MuJoCo {version()} has no integrator {integrator!r} for this scene; there are: {', '.join(known)}"
-        )
-    model = model_of(scene, method)
-    if asked and model not in (there := models(scene, name)):
-        raise SceneUnsupported(f"no model {model!r} of this scene for {name!r}; there are: {', '.join(there) or 'none'}")
-    if colon and (scene.plane is None or integrator == PLANAR):
-        without = "scene without a plane" if scene.plane is None else "model without contact"
-        raise SceneUnsupported(f"contact options {options!r} for a {without}")
-    return "Euler" if integrator == PLANAR else integrator, model, options if colon else None
+def refuse(scene: Scene, method: Method, model: str) -> None:
+    """Raises `SceneUnsupported` for a contact, a model or options that a scene cannot have."""
+    if scene.plane is not None and (reason := contact.unsupported(scene)) is not None:
+        raise SceneUnsupported(f"{engine.name} {engine.version} does not model {reason}")
+    if method.option("model") and model not in (there := growth.growing(scene)):
+        raise SceneUnsupported(f"no model {model!r} of this scene; there are: {', '.join(there)}")
+    own = [f"{key}={value}" for key, value in method.options if key in contact.OPTIONS]
+    if own and not touches(scene, method):
+        raise SceneUnsupported(f"contact options {', '.join(own)} for the model {model!r}, which has no contact")
 
 
 def fluid_density(scene: Scene) -> float:
@@ -189,8 +191,8 @@ def fluid_density(scene: Scene) -> float:
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array | None:
-    touches = model_of(scene, method.integrator) in mujoco_models.TOUCHING
-    return contact_loads(scene, method, steps)[0] if touches else None
+    """The normal force (n,), N, in each of n steps; None for a model that does not touch the plane."""
+    return contact_loads(scene, method, steps)[0] if touches(scene, method) else None
 
 
 def contact_loads(scene: Scene, method: Method, steps: int) -> tuple[Array, Strides]:
@@ -199,9 +201,9 @@ def contact_loads(scene: Scene, method: Method, steps: int) -> tuple[Array, Stri
     That is what MuJoCo has at the beginning of a step; RK4 leaves what its last stage had. Raises `SceneUnsupported`, also
     where there is no plane or the model does not touch it, and `EngineDiverged`.
     """
-    if scene.plane is None or model_of(scene, method.integrator) not in mujoco_models.TOUCHING:
+    if not touches(scene, method):
         raise SceneUnsupported("contact loads of a model without contact")
-    simulation = prepare(scene, method)
+    simulation = prepare([scene], method)
     model, data = simulation.model, simulation.data
     load, touching, force = np.zeros(steps), np.zeros(steps, dtype=np.int64), np.empty(6)
     with quiet():
@@ -209,8 +211,8 @@ def contact_loads(scene: Scene, method: Method, steps: int) -> tuple[Array, Stri
             time = data.time
             mujoco.mj_step(model, data)
             refuse_warnings(data, time)
-            for contact in range(data.ncon):
-                mujoco.mj_contactForce(model, data, contact, force)
+            for number in range(data.ncon):
+                mujoco.mj_contactForce(model, data, number, force)
                 load[step] += force[0]
                 touching[step] += force[0] > 0
     return load, touching

@@ -1,6 +1,6 @@
 """Models of a scene in MuJoCo, from the smallest on: the joints of its body, and what else is in the XML.
 
-A method's name may ask for one behind a colon: `Euler:model=six-coordinates`. In space a body is carried by as many slides,
+A method may ask for one, as in `Euler:model=six-coordinates`. In space a body is carried by as many slides,
 balls or free joints as it needs. On a plane the smallest model has two slides and a hinge: the plane bears the weight, neither
 of them is in the model, and friction is a force from outside, by the reference's law.
 """

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import mujoco
 import numpy as np
 
-from bodycheck.adapters.contract import EngineDiverged, EngineReset, Strides
+from bodycheck.adapters.contract import EngineDiverged, EngineReset, Strides, single
 from bodycheck.adapters.mujoco.models import Force, Joints
 from bodycheck.reference.trajectory import Array
 
@@ -95,12 +95,12 @@ class Rollouts:
             except EngineDiverged as signal:
                 sound = done + int(np.argmax(np.diff(clock, append=clock[-1]) <= 0))
                 before = rows[: np.searchsorted(ends, sound, side="right")]
-                signal.rows = self.joints.rows(np.vstack([before, self.states[count, None, columns]])[: len(rows)])
+                signal.states = single(self.joints.rows(np.vstack([before, self.states[count, None, columns]])[: len(rows)]))
                 raise
             self.states[0] = self.states[count]
             done += count
             if done == ends[-1]:
-                return self.joints.rows(rows)
+                return single(self.joints.rows(rows))
 
     def _step(self, count: int) -> None:
         start, following = self.states[0], self.states[1 : count + 1]
@@ -134,10 +134,10 @@ class Steps:
                         self._find_warning(before, stride)
                 except EngineDiverged as signal:
                     rows[place, :nq], rows[place, nq:] = data.qpos, data.qvel
-                    signal.rows = self.joints.rows(rows[: place + 1])
+                    signal.states = single(self.joints.rows(rows[: place + 1]))
                     raise
                 rows[place, :nq], rows[place, nq:] = data.qpos, data.qvel
-        return self.joints.rows(rows)
+        return single(self.joints.rows(rows))
 
     def _state(self) -> tuple[float, Array, Array, Array]:
         data = self.data

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import ValidationError
 
+from bodycheck.adapters.method import Method, current
 from bodycheck.casefile import grammar
 from bodycheck.casefile.contradictions import contradictions
 from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
-from bodycheck.casefile.suggestion import did_you_mean
 from bodycheck.casefile.toml_positions import Path, Position, positions
 from bodycheck.errors import BadInput
 from bodycheck.reference.inertia import MassProperties, composite, particles, principal_axes, principal_moments, solid
@@ -25,6 +25,7 @@ from bodycheck.reference.kinematics import body_rates, euler_from_quaternion, no
 from bodycheck.reference.planar import resting_height
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere, State
 from bodycheck.reference.trajectory import Array
+from bodycheck.suggestion import did_you_mean
 
 SUFFIX = ".case.toml"
 LARGEST_FILE = 1 << 18
@@ -111,7 +112,23 @@ def load(case: str | FilePath) -> Case:
 
 def parse(text: str, file: str) -> Case:
     """The case in the text of a case file; `file` is what faults call it. Raises `CaseFaults`."""
+    return _parsed(_document(text, file), text, file)
+
+
+def parse_stored(text: str, file: str) -> Case:
+    """The case in a text that bodycheck itself has stored, maybe an earlier version of it, which spelled methods otherwise.
+
+    Raises `CaseFaults`.
+    """
     document = _document(text, file)
+    expectations = document.get("expect")
+    for expectation in expectations if isinstance(expectations, list) else []:
+        if isinstance(expectation, dict) and isinstance(spelling := expectation.get("integrator"), str):
+            expectation["integrator"] = current(spelling)
+    return _parsed(document, text, file)
+
+
+def _parsed(document: dict[str, Any], text: str, file: str) -> Case:
     errors, untold = list(contradictions(document)), 0
     try:
         table = grammar.CaseTable.model_validate(document)
@@ -389,7 +406,8 @@ def _expectation(table: grammar.ExpectTable) -> Expectation:
     limits = tuple(_limit(name, limit) for name in grammar.LIMITS if (limit := getattr(table, name)) is not None)
     until = date.fromisoformat(table.until) if table.until is not None else None
     status = table.status or OK
-    return Expectation(table.engine, table.integrator, table.timestep, limits, status, table.known or "", until)
+    method = Method.parse(table.integrator, table.timestep)
+    return Expectation(table.engine, method, limits, status, table.known or "", until)
 
 
 def _limit(name: str, allowed: float | grammar.RangeTable) -> Limit:

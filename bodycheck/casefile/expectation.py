@@ -4,6 +4,7 @@ import math
 from dataclasses import dataclass
 from datetime import date
 
+from bodycheck.adapters.method import Method
 from bodycheck.columns import UNITS
 
 #: Of the attitude error in the time step: expected like a figure of the results, from a step, its half and its quarter.
@@ -46,8 +47,7 @@ class Expectation:
     """
 
     engine: str
-    integrator: str
-    timestep: float
+    method: Method
     limits: tuple[Limit, ...] = ()
     status: str = OK
     known: str = ""
@@ -57,9 +57,10 @@ class Expectation:
     def needs_order(self) -> bool:
         return any(limit.name == ORDER for limit in self.limits)
 
-    def concerns(self, engine: str, integrator: str, timestep: float) -> bool:
-        same = (self.engine, self.integrator) == (engine, integrator)
-        return same and math.isclose(self.timestep, timestep, rel_tol=1e-12)
+    def concerns(self, engine: str, method: Method) -> bool:
+        """Whether it is about this method of an engine."""
+        same = (self.engine, self.method.name) == (engine, method.name)
+        return same and self.method.is_at(method.timestep)
 
 
 #: What a time step is divided by to see the order at it.

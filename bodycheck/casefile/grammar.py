@@ -9,7 +9,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
+from bodycheck.adapters.method import Method
 from bodycheck.casefile.toml_positions import Path
+from bodycheck.errors import BadInput
 
 FORMAT = 1
 MOST_SAMPLES = 100_001
@@ -37,6 +39,14 @@ def _printable(value: str) -> str:
     return value
 
 
+def _spelling(value: str) -> str:
+    try:
+        Method.parse(value, 0.0)
+    except BadInput as error:
+        raise ValueError(str(error)) from error
+    return value
+
+
 Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Number = Annotated[Finite, Field(ge=-LARGEST, le=LARGEST), AfterValidator(_not_vanishing)]
 Positive = Annotated[Finite, Field(gt=0, le=LARGEST), AfterValidator(_not_vanishing)]
@@ -46,6 +56,7 @@ Factor = Annotated[Finite, Field(ge=1e-10, le=1e10)]
 Text = Annotated[str, Field(strict=True, max_length=LONGEST_TEXT), AfterValidator(_printable)]
 Name = Annotated[str, Field(strict=True, pattern=r"^[a-z0-9-]+$", max_length=LONGEST_NAME)]
 Label = Annotated[str, Field(strict=True, min_length=1, max_length=LONGEST_NAME), AfterValidator(_printable)]
+Spelling = Annotated[Label, AfterValidator(_spelling)]
 Vector = tuple[Number, Number, Number]
 PositiveVector = tuple[Positive, Positive, Positive]
 
@@ -242,7 +253,7 @@ class ExpectTable(Table):
     """What must hold of one method: a figure's largest value over all samples is at most a number, or within a range."""
 
     engine: Label = Field(description="its name, as `bodycheck engines` lists it")
-    integrator: Label = Field(description="by the engine's name; options of a method stand behind a colon")
+    integrator: Spelling = Field(description="by the engine's own name; options behind a colon, as in Euler:cone=elliptic")
     timestep: Positive = Field(description="s")
     status: Status | None = limit("how the run must end; default ok")
     position_error: AnyLimit | None = limit("m")

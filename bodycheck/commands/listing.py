@@ -53,6 +53,7 @@ def engines(
     check
         Also run each adapter through scenes with one obvious answer; exit 1 if one is wrong.
     """
+    from bodycheck.adapters import offers
     from bodycheck.console import terminal
     from bodycheck.running import smoke
 
@@ -62,13 +63,14 @@ def engines(
         checked: dict[str, dict[str, list[str]]] = {name: {"faults": found} for name, found in faults.items()}
         terminal.print_json(
             [
-                {"name": name, "version": adapter.version(), "integrators": adapter.integrators(), **checked.get(name, {})}
+                {"name": name, "version": adapter.engine.version, "integrators": offers.listed(adapter.engine)}
+                | checked.get(name, {})
                 for name, adapter in adapters.items()
             ]
             + [{"name": name, "missing": why} for name, why in missing.items()]
         )
     else:
-        rows = [(name, adapter.version(), ", ".join(adapter.integrators())) for name, adapter in adapters.items()]
+        rows = [(name, own.engine.version, ", ".join(offers.listed(own.engine))) for name, own in adapters.items()]
         terminal.print_table(("engine", "version", "integrators"), rows + [(name, "-", why) for name, why in missing.items()])
         for name, found in faults.items():
             print("\n".join(found) if found else f"{name}: the adapter does what is obvious")

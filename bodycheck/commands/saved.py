@@ -11,12 +11,13 @@ from pathlib import Path
 from types import UnionType
 from typing import Any, get_args
 
-from bodycheck.adapters.contract import MODEL_OPTION
+from bodycheck.adapters.method import current
 from bodycheck.casefile.case import CaseFaults
 from bodycheck.columns import COLUMNS
 from bodycheck.reports.runs.results_json import HEADER
 from bodycheck.reports.study import StudyReport
 from bodycheck.running import journal, store
+from bodycheck.running.key import RunKey
 from bodycheck.running.store import BadFolder, Results
 from bodycheck.studies.ablation import page as ablation
 from bodycheck.studies.ablation.rows import Change, ModelRow
@@ -87,15 +88,16 @@ def _study(results: Results) -> StudyReport | None:
 def _tradeoff(results: Results) -> StudyReport:
     kinds: dict[str, Parse] = {name: _PARSERS[column.kind] for name, column in COLUMNS.items()}
     rows = _table(results.folder / "tradeoff.csv", kinds | TRADEOFF)
-    _check(results, "tradeoff.csv", {_key(row) for row in rows}, {_key(run) for run in _runs(results)})
+    _check(results, "tradeoff.csv", {RunKey.of_row(row) for row in rows}, {RunKey.of_row(run) for run in _runs(results)})
     orders = _table(results.folder / "orders.csv", _kinds(Order))
     return tradeoff.present(results.header, rows, [Order(**order) for order in orders])
 
 
 def _ablation(results: Results) -> StudyReport:
     rows = _table(results.folder / "ablation.csv", _kinds(ModelRow))
-    keys = {_key(row | {"integrator": f"{row['integrator']}{MODEL_OPTION}{row['model']}"}) for row in rows}
-    _check(results, "ablation.csv", keys, keys & {_key(run) for run in _runs(results)})
+    made = {RunKey.of_row(run) for run in _runs(results)}
+    told = {RunKey.of_row(row | {"integrator": _spelled(row["integrator"], row["model"])}) for row in rows}
+    _check(results, "ablation.csv", told, told & made)
     return ablation.present(results.header, results.cases, list(map(_model_row, rows)))
 
 
@@ -106,7 +108,8 @@ def _extremes(folder: Path) -> StudyReport:
         raise BadFolder(f"{folder}: the study {INTERRUPTED}")
     rows = [Row(**row) for row in _table(folder / "extremes.csv", _kinds(Row))]
     limits = [Limit(**limit) for limit in _table(folder / "limits.csv", _kinds(Limit))]
-    made = [Row(**record["row"]) for record in contents.records if record["record"] == "run"]
+    runs = [record["row"] for record in contents.records if record["record"] == "run"]
+    made = [Row(**row | {"integrator": current(row["integrator"])}) for row in runs]
     if set(rows) != set(made):
         raise BadFolder(f"{folder}: damaged: extremes.csv does not tell of the runs in {EXTREMES}")
     return extremes.present(contents.header, rows, limits)
@@ -136,8 +139,9 @@ def _runs(results: Results) -> Iterator[dict[str, Any]]:
     return (record for record in results.records if record["record"] == "run")
 
 
-def _key(row: Mapping[str, Any]) -> tuple[str, str, str, float]:
-    return row["case"], row["engine"], row["integrator"], row["timestep"]
+def _spelled(integrator: str, model: str) -> str:
+    """The present spelling of the method with which a model was run."""
+    return current(f"{integrator}{',' if ':' in integrator else ':'}model={model}")
 
 
 def _truth_value(text: str) -> bool:
@@ -161,4 +165,6 @@ def _table(path: Path, kinds: Mapping[str, Parse]) -> list[dict[str, Any]]:
         return parse(text) if text or parse is str else None
 
     with path.open(encoding="utf-8", newline="") as stream:
-        return [{name: value(name, text) for name, text in row.items()} for row in csv.DictReader(stream)]
+        rows = [{name: value(name, text) for name, text in row.items()} for row in csv.DictReader(stream)]
+    # Earlier versions of bodycheck spelled some methods otherwise.
+    return [row | {"integrator": current(row["integrator"])} for row in rows]

@@ -5,8 +5,8 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bodycheck.casefile.suggestion import did_you_mean
 from bodycheck.errors import BadInput
+from bodycheck.suggestion import did_you_mean
 
 if TYPE_CHECKING:
     from bodycheck.adapters.contract import Adapter

@@ -48,7 +48,7 @@ def ran(selection: Selection, plan: Plan, out: Path | None) -> Iterator[Ran]:
     cases = load_cases(selection.cases)
     adapters, missing = load_engines(selection.engines)
     tasks = plan(cases, adapters, selection.integrators, selection.timesteps)
-    header = campaign.header(sys.argv, {name: adapter.version() for name, adapter in adapters.items()}, missing)
+    header = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, missing)
     with ExitStack() as stack:
         folder = out or Path(stack.enter_context(TemporaryDirectory(prefix="bodycheck-")))
         with terminal.progress("running", campaign.size(tasks)) as progress:

@@ -91,7 +91,7 @@ def _result(verdict: Verdict) -> tuple[str, ...]:
 def print_changes(changes: Sequence[Change]) -> None:
     """A line a measurement: what became of it."""
     rows = [
-        (run.case, run.engine, run.method.integrator, f"{run.method.timestep:g}", change.text)
+        (run.case, run.engine, run.method.name, f"{run.method.timestep:g}", change.text)
         for change in changes
         for run in (change.verdict.run,)
     ]

@@ -23,6 +23,7 @@ from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.planar import Stop, yaw
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.truth import truth
+from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.store import Results
 
@@ -59,12 +60,13 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
     The limit of a vanishing step is Richardson's, for a discrepancy of first order, from a method's two smallest steps.
     """
     exact = cache(_exact)
-    methods: dict[tuple[str, str, str], dict[float, Run]] = defaultdict(dict)
+    methods: dict[RunKey, dict[float, Run]] = defaultdict(dict)
     for run in (verdict.run for verdict in verdicts if isinstance(verdict.outcome, Completed)):
         if results.cases[run.case].scene.plane is not None:
-            methods[run.case, run.engine, run.method.integrator][run.method.timestep] = run
+            methods[run.key.over_steps][run.method.timestep] = run
     found: list[Attribution] = []
-    for (case, engine, integrator), by_step in methods.items():
+    for key, by_step in methods.items():
+        case = key.case
         scene = results.cases[case].scene
         law = next(iter(by_step.values())).contact_law
         duration = results.cases[case].duration
@@ -86,7 +88,7 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
             for step in steps:
                 found.append(
                     Attribution(
-                        *(case, engine, by_step[step].version, integrator, step, quantity),
+                        *(case, key.engine, by_step[step].version, key.method.name, step, quantity),
                         total=seen[step][quantity] - asked[quantity],
                         model_form=None if implied is None else implied[quantity] - asked[quantity],
                         constraint=None if limit is None else limit - (implied or asked)[quantity],

@@ -14,6 +14,7 @@ from typing import Any, Literal, get_args
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from bodycheck.adapters.method import Method, current
 from bodycheck.casefile.expectation import unit
 from bodycheck.casefile.identity import identity
 from bodycheck.errors import BadInput
@@ -22,6 +23,7 @@ from bodycheck.judging.discrepancy import COLUMNS, FURTHER_COLUMNS, distance_fro
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.truth import Truth
 from bodycheck.running import campaign, pool
+from bodycheck.running.key import RunKey
 from bodycheck.running.machine import SPEED_TOLERANCE
 from bodycheck.running.outcome import Completed, Run, Unsupported
 from bodycheck.running.plan import Task
@@ -47,9 +49,6 @@ NEARLY_SAME = 1.01
 Direction = Literal["worse", "better", "new"]
 DIRECTIONS = get_args(Direction)
 
-#: Case, engine, integrator and time step (s).
-Key = tuple[str, str, str, float]
-
 Row = dict[str, Any]
 
 
@@ -59,7 +58,7 @@ class Baseline:
 
     header: Mapping[str, Any]
     cases: Mapping[str, str]
-    rows: Mapping[Key, Row]
+    rows: Mapping[RunKey, Row]
 
 
 @dataclass(frozen=True)
@@ -78,6 +77,11 @@ class Change:
     now: float | str | None
     allowance: float | None
     direction: Direction
+
+    @property
+    def key(self) -> RunKey:
+        """The run in which it is."""
+        return RunKey(self.case, self.engine, Method.parse(self.integrator, self.timestep))
 
     @property
     def factor(self) -> float:
@@ -148,8 +152,7 @@ class Difference:
     def text(self) -> str:
         """As one sentence, of changes that there are."""
         counts = {
-            direction: len({_key(change) for change in self.changes if change.direction == direction})
-            for direction in DIRECTIONS
+            direction: len({change.key for change in self.changes if change.direction == direction}) for direction in DIRECTIONS
         }
         tally = ", ".join(f"{count} {direction}" for direction, count in counts.items() if count)
         versions = "".join(f"; {name} {base} → {now}" for name, base, now in self.versions)
@@ -193,7 +196,7 @@ def read(path: Path) -> Baseline:
         told = json.loads((table.schema.metadata or {})[METADATA])
         if told["format"] != FORMAT:
             raise ValueError(f"its format is {told['format']}, not {FORMAT}")
-        rows = {_row_key(row): row | {"status": str(row["status"])} for row in table.to_pylist()}
+        rows = {RunKey.of_row(row): _present(row) for row in table.to_pylist()}
         return Baseline({name: told["header"][name] for name in HEADER}, dict(told["cases"]), rows)
     except (OSError, ValueError, KeyError, TypeError, pa.ArrowException) as error:
         raise BadInput(f"{path}: no baseline that `bodycheck run --save` has written: {error}") from error
@@ -228,24 +231,24 @@ def rows(
     Every completed run is made `rounding.NUDGES` times more for it. progress is called with a word on each of these.
     """
     measured = _measured(results, verdicts, jobs, progress)
-    return [row | measured.get(_row_key(row), {}) for row in judgement.records(verdicts)]
+    return [row | measured.get(RunKey.of_row(row), {}) for row in judgement.records(verdicts)]
 
 
-def _measured(results: Results, verdicts: Sequence[Verdict], jobs: int, progress: Callable[[str], None]) -> dict[Key, Row]:
+def _measured(results: Results, verdicts: Sequence[Verdict], jobs: int, progress: Callable[[str], None]) -> dict[RunKey, Row]:
     """Allowances and times by the run's key."""
     truths = lru_cache(1)(results.truth)
-    waiting = {_run_key(verdict.run): verdict.run for verdict in verdicts if verdict.discrepancy is not None}
+    waiting = {verdict.run.key: verdict.run for verdict in verdicts if verdict.discrepancy is not None}
     tasks = [
         Task(rounding.nudged(results.cases[run.case], run, seed), run.engine, run.method)
         for run in waiting.values()
         for seed in range(rounding.NUDGES)
     ]
-    answers: dict[Key, list[Run]] = defaultdict(list)
+    answers: dict[RunKey, list[Run]] = defaultdict(list)
     found = {}
     with closing(pool.call_all(campaign.perform, tasks, jobs, campaign.TIME_LIMIT)) as calls:
         for task, answer in calls:
-            key = task.case.name, task.engine, task.method.integrator, task.method.timestep
-            progress(f"{task.case.name} · {task.engine} {task.method.integrator} {task.method.timestep:g} s, nudged")
+            progress(f"{task.case.name} · {task.engine} {task.method}, nudged")
+            key = task.key
             assert not isinstance(answer, Truth)  # none was asked for
             answers[key].append(answer if isinstance(answer, Run) else replace(waiting[key], outcome=answer))
             if len(answers[key]) == rounding.NUDGES:
@@ -262,9 +265,9 @@ def _row_of(truth: Truth | Unsupported, run: Run, others: Sequence[Run]) -> Row:
     return allowed | ({FASTEST: min(times), SLOWEST: max(times)} if times else {})
 
 
-def changes(key: Key, base: Row | None, now: Row | None) -> Iterator[Change]:
+def changes(key: RunKey, base: Row | None, now: Row | None) -> Iterator[Change]:
     """What has changed in one run beyond both allowances, from its rows: its being there, its status, or its figures."""
-    change = partial(Change, *key)
+    change = partial(Change, key.case, key.engine, key.method.name, key.method.timestep)
     if base is None or now is None:
         there = [None if row is None else str(row["status"]) for row in (base, now)]
         direction: Direction = "new" if base is None else "worse"
@@ -303,7 +306,9 @@ def _paces(base: Baseline, now: Baseline) -> Iterator[Pace]:
         fastest, slowest = (_both(base.rows[key], now.rows[key], name) for name in (FASTEST, SLOWEST))
         if fastest is not None and slowest is not None:
             spread = slowest[0] / fastest[0] * slowest[1] / fastest[1]
-            factors[key[1], key[2]].append((math.sqrt(fastest[1] * slowest[1] / (fastest[0] * slowest[0])), spread))
+            factors[key.engine, key.method.name].append(
+                (math.sqrt(fastest[1] * slowest[1] / (fastest[0] * slowest[0])), spread)
+            )
     for method, found in sorted(factors.items()):
         middle = median(factor for factor, _ in found)
         same_way = [(max(factor, 1 / factor), spread) for factor, spread in found if (factor > 1) == (middle > 1)]
@@ -319,13 +324,6 @@ def _versions(base: Baseline, now: Baseline) -> Iterator[tuple[str, str, str]]:
             yield name, before[name], after[name]
 
 
-def _row_key(row: Mapping[str, Any]) -> Key:
-    return row["case"], row["engine"], row["integrator"], float(row["timestep"])
-
-
-def _run_key(run: Run) -> Key:
-    return run.case, run.engine, run.method.integrator, run.method.timestep
-
-
-def _key(change: Change) -> Key:
-    return change.case, change.engine, change.integrator, change.timestep
+def _present(row: Row) -> Row:
+    """A row of a baseline with the present spelling of its method."""
+    return row | {"status": str(row["status"]), "integrator": current(row["integrator"])}

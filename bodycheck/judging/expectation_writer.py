@@ -131,7 +131,7 @@ def plan(
         task
         for task in planned.plan(cases, engines, integrators, timesteps)
         if task.method.timestep in (timesteps or (DEFAULT_TIMESTEP,))
-        or any(e.concerns(task.engine, task.method.integrator, task.method.timestep) for e in task.case.expectations)
+        or any(e.concerns(task.engine, task.method) for e in task.case.expectations)
     )
 
 
@@ -166,11 +166,7 @@ def rewrite(case: Case, measurements: Sequence[Measurement], margin: float) -> t
     for measurement in measurements:
         verdict = measurement.verdict
         run, outcome = verdict.run, verdict.outcome
-        places = [
-            place
-            for place, expectation in enumerate(case.expectations)
-            if expectation.concerns(run.engine, run.method.integrator, run.method.timestep)
-        ]
+        places = [place for place, expectation in enumerate(case.expectations) if expectation.concerns(run.engine, run.method)]
         if isinstance(outcome, Crashed | TimedOut) and not places:
             changes.append(Change(verdict, f"nothing is written: {outcome.status}: {outcome.reason}", done=False))
         elif not places:
@@ -228,7 +224,7 @@ def _with_number(line: str, name: str, number: str, comment: str) -> str | None:
 def _table(measurement: Measurement, margin: float) -> list[str]:
     """The lines of a new expectation."""
     run, status = measurement.verdict.run, measurement.verdict.outcome.status
-    lines = ["[[expect]]", f"engine = {_quoted(run.engine)}", f"integrator = {_quoted(run.method.integrator)}"]
+    lines = ["[[expect]]", f"engine = {_quoted(run.engine)}", f"integrator = {_quoted(run.method.name)}"]
     lines.append(f"timestep = {run.method.timestep!r}")
     if not measurement.figures:
         return [*lines, f"{f'status = {_quoted(status)}':<{COMMENT_COLUMN - 1}} # found with {run.engine} {run.version}"]

@@ -83,7 +83,7 @@ class Verdict:
             "case": self.run.case,
             "engine": self.run.engine,
             "version": self.run.version,
-            "integrator": method.integrator,
+            "integrator": method.name,
             "timestep": method.timestep,
             "status": self.outcome.status,
             "passed": self.passed,
@@ -116,8 +116,7 @@ def verdict(case: Case, truth: Truth | Unsupported, run: Run, finer: Sequence[Ru
     if isinstance(outcome, Completed) and isinstance(truth, Unsupported):
         outcome = truth
     discrepancy = compare(truth, run) if isinstance(outcome, Completed) and isinstance(truth, Truth) else None
-    method = run.method
-    expectations = [e for e in case.expectations if e.concerns(run.engine, method.integrator, method.timestep)]
+    expectations = [e for e in case.expectations if e.concerns(run.engine, run.method)]
     if not expectations:
         return Verdict(run, outcome, discrepancy, False if outcome.failed else None, outcome.reason)
     order = _order(truth, (run, *finer)) if any(expectation.needs_order for expectation in expectations) else None
@@ -212,8 +211,7 @@ def settle(expectation: Expectation, breaches: tuple[Breach, ...], today: date) 
 
 def _finer(run: Run, runs: Sequence[Run]) -> list[Run]:
     def is_finer(other: Run, by: int) -> bool:
-        same = (run.case, run.engine, run.method.integrator) == (other.case, other.engine, other.method.integrator)
-        return same and math.isclose(other.method.timestep * by, run.method.timestep, rel_tol=1e-12)
+        return run.key.over_steps == other.key.over_steps and run.method.is_at(other.method.timestep * by)
 
     return [other for by in REFINEMENTS for other in runs if is_finer(other, by)]
 

@@ -17,7 +17,7 @@ from bodycheck.running import pool, store
 from bodycheck.running.machine import fingerprint
 from bodycheck.running.outcome import Crashed, Run, TimedOut, Unsupported
 from bodycheck.running.plan import Task
-from bodycheck.running.simulation import sampling_steps, simulate
+from bodycheck.running.simulation import run, sampling_steps
 from bodycheck.running.store import Results, Writer
 from bodycheck.running.truths import truth
 
@@ -111,13 +111,13 @@ def _identity(tasks: Sequence[Task], head: Mapping[str, Any], limit: float, memo
     """A fingerprint of all that decides on the results, wherever and by whatever command they are made."""
     versions = [store.FORMAT, *(head[name] for name in ("bodycheck", "packages", "engines"))]
     cases = {task.case.name: task.case for task in tasks}
-    plan = [(task.case.name, task.engine, task.method) for task in tasks]
+    plan = [task.key for task in tasks]
     return sha256(repr((versions, limit, memory, cases, plan)).encode("utf-8")).hexdigest()
 
 
 def _is_there(writer: Writer, argument: TruthTask | Task) -> bool:
     if isinstance(argument, Task):
-        return writer.has_run(argument.case.name, argument.engine, argument.method)
+        return writer.has_run(argument.key)
     return writer.has_truth(argument.case.name, argument.timestep)
 
 
@@ -128,7 +128,7 @@ def _truth_tasks(tasks: Sequence[Task]) -> tuple[TruthTask, ...]:
 def perform(argument: TruthTask | Task) -> Run | Truth | Unsupported:
     """The run, or the truth, that is asked for; `Unsupported` where there is no truth."""
     if isinstance(argument, Task):
-        return simulate(argument.case, argument.engine, argument.method.integrator, argument.method.timestep)
+        return run(argument.case, argument.engine, argument.method)
     case, timestep = argument.case, argument.timestep
     try:
         return truth(case, sampling_steps(case.instants, timestep) * timestep)
@@ -139,6 +139,6 @@ def perform(argument: TruthTask | Task) -> Run | Truth | Unsupported:
 def _name(argument: TruthTask | Task) -> str:
     match argument:
         case Task(case, engine, method):
-            return f"{case.name} · {engine} {method.integrator} {method.timestep:g} s"
+            return f"{case.name} · {engine} {method}"
         case TruthTask(case, timestep):
             return f"{case.name} · truth {timestep:g} s"

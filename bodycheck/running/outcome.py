@@ -6,6 +6,7 @@ from typing import ClassVar, Literal
 from bodycheck.adapters.contract import Method
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Trajectory
+from bodycheck.running.key import RunKey
 from bodycheck.running.limits import shortage
 
 
@@ -100,3 +101,8 @@ class Run:
     method: Method
     outcome: Outcome
     contact_law: Plane | None = None
+
+    @property
+    def key(self) -> RunKey:
+        """Which run it is."""
+        return RunKey(self.case, self.engine, self.method)

@@ -7,13 +7,22 @@ from typing import Literal
 
 import numpy as np
 
-from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Adapter, EngineDiverged, EngineReset, Method, SceneUnsupported, Simulation, Strides
+from bodycheck.adapters import offers, registry
+from bodycheck.adapters.contract import (
+    Adapter,
+    Contact,
+    EngineDiverged,
+    EngineReset,
+    Method,
+    SceneUnsupported,
+    Simulation,
+    Strides,
+)
 from bodycheck.casefile.case import Case
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.inertia import angular_momentum
 from bodycheck.reference.observables import observe
-from bodycheck.reference.scene import Scene
+from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import missing_model
 from bodycheck.running.outcome import Completed, Diverged, Load, Outcome, Run, Unsupported, crash
@@ -32,43 +41,63 @@ OUT_OF_BOUNDS = 100.0
 
 
 def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT_TIMESTEP) -> Run:
-    """Run a case through an engine. How it ends is part of the run: no engine's failure raises.
+    """Run a case through an engine. How the run ends is part of it: nothing that an engine raises leaves this function.
 
-    Raises `EngineMissing` for an engine that is not there.
+    Parameters
+    ----------
+    case
+        The case.
+    engine
+        The name of the engine.
+    integrator
+        The spelling of a method: the integrator and its options, as in `Euler:cone=elliptic`.
+    timestep
+        The time step (s).
+
+    Raises
+    ------
+    EngineMissing
+        Where the engine is not installed or has no adapter.
+    BadInput
+        Where the engine has no such integrator, option or value.
     """
+    method = Method.parse(integrator, timestep)
+    offers.check(registry.load(engine).engine, method)
+    return run(case, engine, method)
+
+
+def run(case: Case, engine: str, method: Method) -> Run:
+    """The run of a case with a method of an engine. Raises `EngineMissing` as `simulate` does."""
     adapter = registry.load(engine)
-    method = Method(integrator, timestep)
-    law = adapter.contact_law(case.scene, method.integrator) if case.scene.plane is not None else None
-    return Run(case.name, engine, adapter.version(), method, _outcome(adapter, engine, case, method), law)
-
-
-def base(integrator: str) -> str:
-    """The name of an integrator without the options that may follow a colon."""
-    return integrator.partition(":")[0]
+    law: Plane | None = None
+    try:
+        if case.scene.plane is not None and isinstance(adapter, Contact):
+            law = adapter.contact_law(case.scene, method)
+        outcome = _outcome(adapter, engine, case, method)
+    except SceneUnsupported as error:
+        outcome = Unsupported(str(error))
+    except EngineDiverged as error:
+        outcome = Diverged(str(error))
+    except (Exception, SystemExit) as error:  # an engine may raise anything
+        outcome = crash(error)
+    return Run(case.name, engine, adapter.engine.version, method, outcome, law)
 
 
 def _outcome(adapter: Adapter, engine: str, case: Case, method: Method) -> Outcome:
-    named = f"{engine} {adapter.version()}"
-    try:
-        if base(method.integrator) not in map(base, adapter.integrators(case.scene)):
-            return Unsupported(f"{named} has no integrator {method.integrator!r} for this scene")
-        if (missing := missing_model(case.scene)) is not None:
-            return Unsupported(f"the reference does not model {missing}")
-        if (missing := adapter.unsupported(case.scene)) is not None:
-            return Unsupported(f"{named} does not model {missing}")
-        outcome = _advance(adapter.prepare(case.scene, method), case, method)
-        if case.scene.plane is None or not isinstance(outcome, Completed):
-            return outcome
-        return replace(outcome, load=_load(adapter, case.scene, method, outcome))
-    except SceneUnsupported as error:
-        return Unsupported(str(error))
-    except EngineDiverged as error:
-        return Diverged(str(error))
-    except (Exception, SystemExit) as error:  # whatever an engine raises is its outcome, not ours
-        return crash(error)
+    named = f"{engine} {adapter.engine.version}"
+    if (lacking := offers.not_offered(adapter.engine, case.scene, method)) is not None:
+        return Unsupported(f"{named} {lacking}")
+    if (missing := missing_model(case.scene)) is not None:
+        return Unsupported(f"the reference does not model {missing}")
+    if (lacking := offers.not_modelled(adapter.engine, case.scene)) is not None:
+        return Unsupported(f"{named} {lacking}")
+    outcome = _advance(offers.prepare(adapter, [case.scene], method), case, method)
+    if case.scene.plane is None or not isinstance(outcome, Completed) or not isinstance(adapter, Contact):
+        return outcome
+    return replace(outcome, load=_load(adapter, case.scene, method, outcome))
 
 
-def _load(adapter: Adapter, scene: Scene, method: Method, outcome: Completed) -> Load | None:
+def _load(adapter: Contact, scene: Scene, method: Method, outcome: Completed) -> Load | None:
     """The load until the stop, from a run of its own that is not timed; from the start on where nothing moves."""
     stop = round(measured_stop(scene, outcome.trajectory).time / method.timestep)
     load = adapter.contact_load(scene, method, min(stop or outcome.steps, WATCHED_STEPS))
@@ -89,15 +118,15 @@ def _advance(simulation: Simulation, case: Case, method: Method) -> Outcome:
     with np.errstate(all="ignore"):  # a run that overflows is judged by its states
         start = time.perf_counter()
         try:
-            rows = simulation.advance(strides)
+            states = simulation.advance(strides)
         except EngineDiverged as error:
             signal: Literal["gave up", "reset"] = "reset" if isinstance(error, EngineReset) else "gave up"
-            return Diverged(str(error), signal, _trajectory(steps, method, error.rows))
+            return Diverged(str(error), signal, _trajectory(steps, method, error.states[0, :, 0]))
         wall_time = time.perf_counter() - start
-    rows = np.asarray(rows, dtype=np.float64)  # whatever else an engine's own type can do stays here
-    if rows.shape != (len(steps), 13):
-        raise ValueError(f"its states have the shape {rows.shape}, not {(len(steps), 13)}")
-    trajectory = _trajectory(steps, method, rows)
+    states = np.asarray(states, dtype=np.float64)  # an engine's own type of array goes no further
+    if states.shape != (1, len(steps), 1, 13):
+        raise ValueError(f"its states have the shape {states.shape}, not {(1, len(steps), 1, 13)}")
+    trajectory = _trajectory(steps, method, states[0, :, 0])
     failed = _divergence(case.scene, trajectory) or _standstill(case.scene, trajectory, method.timestep)
     return failed or Completed(trajectory, int(steps[-1]), wall_time)
 

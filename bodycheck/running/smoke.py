@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bodycheck.adapters import registry
-from bodycheck.adapters.contract import MODEL_OPTION, Adapter, Method
+from bodycheck.adapters import offers, registry
+from bodycheck.adapters.contract import Adapter, Method, Models
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.trajectory import Array
@@ -80,10 +80,11 @@ SCENES = (
 
 
 def methods(adapter: Adapter, scene: Scene) -> Iterator[str]:
-    """The integrators of a scene, each as it is and on all models that there are of the scene."""
-    for integrator in adapter.integrators(scene):
+    """The spellings of the methods of a scene, each as it is and on all models that there are of the scene."""
+    for integrator in offers.offered(adapter.engine, scene):
         yield integrator
-        yield from (f"{integrator}{MODEL_OPTION}{model}" for model in adapter.models(scene, integrator))
+        if isinstance(adapter, Models):
+            yield from (model.method for model in adapter.models(scene, integrator).values())
 
 
 def check(engine: str) -> list[str]:
@@ -93,9 +94,9 @@ def check(engine: str) -> list[str]:
     for obvious in SCENES:
         for integrator in methods(adapter, obvious.scene):
             try:
-                simulation = adapter.prepare(obvious.scene, Method(integrator, TIMESTEP))
+                simulation = offers.prepare(adapter, [obvious.scene], Method.parse(integrator, TIMESTEP))
                 # The instant 0 too: a border that turns what it hands in must not go unseen.
-                start, end = simulation.advance(np.array([0, STEPS]))
+                start, end = simulation.advance(np.array([0, STEPS]))[0, :, 0]
             except Exception as error:  # whatever a broken adapter raises is its fault
                 faults.append(f"{engine} {integrator}: {obvious.name}, but it raises {type(error).__name__}: {error}")
                 continue

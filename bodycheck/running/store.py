@@ -17,14 +17,14 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from bodycheck.adapters.contract import Method
-from bodycheck.casefile.case import Case, parse
+from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.errors import BadInput
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.running import journal
+from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Load, Run, TimedOut, Unsupported
 
 FORMAT = 1
@@ -62,14 +62,14 @@ class Writer:
 
     def has_truth(self, case: str, timestep: float) -> bool:
         """Whether that of a case for a time step (s) was there already, or the reason why there is none."""
-        return _trajectory_path(case, TRUTH, Method("", timestep)) in self.done
+        return _trajectory_path(case, TRUTH, "", timestep) in self.done
 
-    def has_run(self, case: str, engine: str, method: Method) -> bool:
-        """Likewise for a run, however it ended."""
-        return _trajectory_path(case, engine, method) in self.done
+    def has_run(self, key: RunKey) -> bool:
+        """Whether a run was there already, however it ended."""
+        return _trajectory_path(key.case, key.engine, key.method.name, key.method.timestep) in self.done
 
     def add_truth(self, case: Case, timestep: float, truth: Truth) -> None:
-        path = _trajectory_path(case.name, TRUTH, Method("", timestep))
+        path = _trajectory_path(case.name, TRUTH, "", timestep)
         self._save(path, truth.trajectory, {"truth_error": truth.error, "truth_position_error": truth.position_error})
         record: dict[str, Any] = {"case": case.name, "timestep": timestep, "model": truth.model, "why": truth.reason}
         record |= {"backend": truth.backend, "witnesses": truth.witnesses}
@@ -88,14 +88,14 @@ class Writer:
             "case": run.case,
             "engine": run.engine,
             "version": run.version,
-            "integrator": run.method.integrator,
+            "integrator": run.method.name,
             "timestep": run.method.timestep,
             "status": run.outcome.status,
             "contact_law": asdict(run.contact_law) if run.contact_law is not None else None,
         }
         match run.outcome:
             case Completed(trajectory, steps, wall_time, load):
-                self._save(_trajectory_path(run.case, run.engine, run.method), trajectory, {})
+                self._save(_path_of(record), trajectory, {})
                 record |= {"steps": steps, "wall_time": wall_time, "load": asdict(load) if load is not None else None}
             case TimedOut(limit):
                 record |= {"limit": limit}
@@ -125,7 +125,7 @@ class Results:
     @cached_property
     def cases(self) -> dict[str, Case]:
         """The cases that were run, by name."""
-        return {entry["name"]: parse(entry["text"], entry["name"]) for entry in self.header["cases"]}
+        return {entry["name"]: parse_stored(entry["text"], entry["name"]) for entry in self.header["cases"]}
 
     def runs(self) -> Iterator[Run]:
         """All runs in the order of the plan, their trajectories read from disk as they come."""
@@ -139,7 +139,7 @@ class Results:
                 if "reason" in record:
                     return Unsupported(record["reason"])
                 bounds = ("truth_error", "truth_position_error")
-                table = _read_columns(self.folder / _trajectory_path(case, TRUTH, Method("", timestep)), bounds)
+                table = _read_columns(self.folder / _path_of(record), bounds)
                 error, position_error = (table[bound].to_numpy() for bound in bounds)
                 stop = record.get("stop")
                 return Truth(
@@ -156,12 +156,12 @@ class Results:
         return Unsupported("the reference was interrupted")
 
     def _run(self, record: dict[str, Any]) -> Run:
-        method = Method(record["integrator"], record["timestep"])
+        key = RunKey.of_row(record)
         law = record["contact_law"]
-        run = Run(record["case"], record["engine"], record["version"], method, Unsupported(""), Plane(**law) if law else None)
+        run = Run(key.case, key.engine, record["version"], key.method, Unsupported(""), Plane(**law) if law else None)
         match record["status"]:
             case Completed.status:
-                table = _read_columns(self.folder / _trajectory_path(run.case, run.engine, method))
+                table = _read_columns(self.folder / _path_of(record))
                 load = Load(**record["load"]) if record["load"] else None
                 return replace(run, outcome=Completed(_trajectory(table), record["steps"], record["wall_time"], load))
             case TimedOut.status:
@@ -185,10 +185,10 @@ def read(folder: Path) -> Results:
 
 
 def _path_of(record: dict[str, Any]) -> Path:
-    """Where the trajectory is of which a record tells."""
+    """The file of the trajectory of a record, named after the method as it was spelled when it was written."""
     if record["record"] == "truth":
-        return _trajectory_path(record["case"], TRUTH, Method("", record["timestep"]))
-    return _trajectory_path(record["case"], record["engine"], Method(record["integrator"], record["timestep"]))
+        return _trajectory_path(record["case"], TRUTH, "", record["timestep"])
+    return _trajectory_path(record["case"], record["engine"], record["integrator"], record["timestep"])
 
 
 def _is_stored(folder: Path, record: dict[str, Any]) -> bool:
@@ -202,9 +202,9 @@ def _is_stored(folder: Path, record: dict[str, Any]) -> bool:
     return True
 
 
-def _trajectory_path(case: str, engine: str, method: Method) -> Path:
-    # The name of a method may come from a stranger's case file: quoted, it cannot lead out of the folder.
-    name = quote("-".join(filter(None, (engine, method.integrator, f"{method.timestep!r}s"))), safe=" =,")
+def _trajectory_path(case: str, engine: str, spelling: str, timestep: float) -> Path:
+    # The spelling of a method may come from a stranger's case file: quoted, it cannot lead out of the folder.
+    name = quote("-".join(filter(None, (engine, spelling, f"{timestep!r}s"))), safe=" =,")
     return Path(TRAJECTORIES, case, f"{name}.parquet")
 
 

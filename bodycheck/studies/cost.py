@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.adapters import registry
+from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
@@ -79,7 +79,7 @@ def _timer(stretch: Stretch) -> Timer:
     adapter = registry.load(stretch.engine)
 
     def seconds(steps: int) -> float:
-        simulation = adapter.prepare(stretch.scene, stretch.method)
+        simulation = offers.prepare(adapter, [stretch.scene], stretch.method)
         strides = np.array([steps], dtype=np.int64)
         gc.disable()
         try:

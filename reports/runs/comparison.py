@@ -88,4 +88,4 @@ def _merged(values: Mapping[str, str]) -> str:
 def method(verdict: Verdict) -> tuple[str, str, float]:
     """Engine, integrator and time step (s) of a run."""
     run = verdict.run
-    return run.engine, run.method.integrator, run.method.timestep
+    return run.engine, run.method.name, run.method.timestep

@@ -216,7 +216,7 @@ def _alone(pair: Pair) -> Iterator[Finding]:
         for case in pair.cases:
             for verdict in case.verdicts if case.name == case.case.name else ():
                 if verdict.label == side.label and (case.name, method(verdict)) not in both:
-                    amounts[f"{verdict.run.engine} {verdict.run.method.integrator}"] += 1
+                    amounts[f"{verdict.run.engine} {verdict.run.method.name}"] += 1
         if amounts:
             methods = listing([f"{name} ({amount})" for name, amount in amounts.items()], MOST_NAMES, "method")
             yield Finding("In one only", f"In {side.label} only: {count(sum(amounts.values()), 'run')}, with {methods}.")
@@ -232,6 +232,8 @@ def _paces(pair: Pair) -> Iterator[Finding]:
         times = [verdict.row().get("time_per_step") for verdict in (one, other)]
         if times[0] and times[1]:
             factors[f"{one.run.engine} {one.run.method.integrator}"].append(times[1] / times[0])
+    beyond = {name: median(own) for name, own in factors.items() if not 1 / SPEED_TOLERANCE <= median(own) <= SPEED_TOLERANCE}
+            factors[f"{one.run.engine} {one.run.method.name}"].append(times[1] / times[0])
     beyond = {name: median(own) for name, own in factors.items() if not 1 / SPEED_TOLERANCE <= median(own) <= SPEED_TOLERANCE}
     if beyond:
         texts = [

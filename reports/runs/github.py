@@ -29,7 +29,7 @@ def annotations(
     root = Path(environment.get("GITHUB_WORKSPACE", "."))
     for verdict in verdicts:
         case, method = cases[verdict.run.case], verdict.run.method
-        title = f"{verdict.run.engine} {method.integrator}, {method.timestep:g} s, on {case.name}"
+        title = f"{verdict.run.engine} {method.name}, {method.timestep:g} s, on {case.name}"
         file = _seen_from(root, files[case.name]) if case.name in files else None
         if not verdict.judged and verdict.passed is False:
             yield annotation("error", verdict.reason, title, file)

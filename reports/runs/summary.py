@@ -15,7 +15,7 @@ from bodycheck.running.store import Results
 def key_of(verdict: Verdict) -> Key:
     """The method of a run."""
     run = verdict.run
-    return run.engine, run.method.integrator, run.method.timestep, verdict.label
+    return run.engine, run.method.name, run.method.timestep, verdict.label
 
 
 def headline(results: Results, verdicts: Sequence[Verdict]) -> str:

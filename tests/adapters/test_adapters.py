@@ -7,49 +7,30 @@ import numpy as np
 import pytest
 
 from bodycheck import compare, load, simulate, truth
-from bodycheck.adapters import registry
+from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.reference.scene import Body, Plane, Scene, State
 from bodycheck.running.outcome import Diverged, Unsupported
-from bodycheck.running.smoke import check
 from tests.support.cases import shortened
 
 TUMBLE = shortened(load("osrf-boxes-complex"), 1.0, 11)
-METHODS = [
-    (engine, integrator) for engine in ("mujoco", "pinocchio") for integrator in registry.load(engine).integrators(TUMBLE.scene)
-]
-
-
-@pytest.mark.parametrize("engine", ["mujoco", "pinocchio"])
-def test_obvious_scenes_have_their_obvious_answers(engine: str) -> None:
-    assert check(engine) == []
 
 
 def test_every_integrator_of_the_installed_mujoco_is_offered() -> None:
-    assert len(registry.load("mujoco").integrators(TUMBLE.scene)) == len(mujoco.mjtIntegrator.__members__)
+    assert len(offers.offered(registry.load("mujoco").engine, TUMBLE.scene)) == len(mujoco.mjtIntegrator.__members__)
 
 
-@pytest.mark.parametrize(("engine", "integrator"), METHODS)
-def test_stepping_in_pieces_is_stepping_at_once(engine: str, integrator: str) -> None:
-    adapter = registry.load(engine)
-    strides = np.array([0, 3, 0, 5, 10_000, 1])
-    whole = adapter.prepare(TUMBLE.scene, Method(integrator, 1e-3)).advance(strides)
-    simulation = adapter.prepare(TUMBLE.scene, Method(integrator, 1e-3))
-    pieces = [simulation.advance(part) for part in (strides[:2], strides[2:3], strides[3:])]
-    np.testing.assert_array_equal(np.concatenate(pieces), whole)
-
-
-@pytest.mark.parametrize("integrator", registry.load("mujoco").integrators(TUMBLE.scene))
+@pytest.mark.parametrize("integrator", offers.offered(registry.load("mujoco").engine, TUMBLE.scene))
 def test_mujoco_states_are_those_of_mj_step(integrator: str) -> None:
-    simulation = registry.load("mujoco").prepare(TUMBLE.scene, Method(integrator, 1e-3))
+    simulation = registry.load("mujoco").prepare([TUMBLE.scene], Method.parse(integrator, 1e-3))
     data = mujoco.MjData(simulation.model)
     data.qpos, data.qvel = simulation.data.qpos, simulation.data.qvel
     mujoco.mj_step(simulation.model, data, nstep=700)
-    np.testing.assert_array_equal(simulation.advance(np.array([700]))[0], [*data.qpos, *data.qvel])
+    np.testing.assert_array_equal(simulation.advance(np.array([700]))[0, 0, 0], [*data.qpos, *data.qvel])
 
 
 def test_mujoco_models_nothing_that_a_free_body_does_not_need() -> None:
-    model = registry.load("mujoco").prepare(TUMBLE.scene, Method("Euler", 1e-3)).model
+    model = registry.load("mujoco").prepare([TUMBLE.scene], Method.parse("Euler", 1e-3)).model
     assert (model.ngeom, model.nsensor, model.nu, model.nv) == (0, 0, 0, 6)
     assert model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CONTACT
     assert model.body_mass[1] == TUMBLE.scene.body.mass
@@ -108,13 +89,13 @@ def test_a_silent_reset_of_mujoco_is_diverged(tmp_path: object, monkeypatch: pyt
 
 
 @pytest.mark.parametrize("engine", ["mujoco", "pinocchio"])
-def test_scenes_of_contact_are_unsupported(engine: str) -> None:
+def test_a_body_above_a_plane_is_unsupported(engine: str) -> None:
     scene = replace(TUMBLE.scene, plane=Plane(0.5))
     adapter = registry.load(engine)
-    assert adapter.unsupported(scene) is not None
-    with pytest.raises(SceneUnsupported):
-        adapter.prepare(scene, Method(adapter.integrators()[0], 1e-3))
-    run = simulate(replace(TUMBLE, scene=scene), engine, adapter.integrators()[0])
+    name = offers.offered(adapter.engine, scene)[0]
+    with pytest.raises(SceneUnsupported, match=f"{engine} .* does not model this contact"):
+        adapter.prepare([scene], Method.parse(name, 1e-3))
+    run = simulate(replace(TUMBLE, scene=scene), engine, name)
     assert isinstance(run.outcome, Unsupported)
 
 
@@ -126,7 +107,17 @@ def test_moments_that_mujoco_refuses_are_unsupported() -> None:
     assert "MuJoCo refuses the model" in outcome.reason
 
 
-def test_an_integrator_that_is_not_there_is_unsupported() -> None:
-    outcome = simulate(TUMBLE, "pinocchio", "RK4").outcome
+def test_a_method_for_other_scenes_is_unsupported() -> None:
+    outcome = simulate(TUMBLE, "pinocchio", "admm").outcome
     assert isinstance(outcome, Unsupported)
-    assert "has no integrator 'RK4'" in outcome.reason
+    assert "has no integrator 'admm' for this scene" in outcome.reason
+    outcome = simulate(TUMBLE, "mujoco", "Euler:cone=elliptic,drag=fluid").outcome
+    assert isinstance(outcome, Unsupported)
+    assert "has no option cone=elliptic, drag=fluid of 'Euler' for this scene" in outcome.reason
+
+
+def test_a_contact_without_friction_claims_none() -> None:
+    scene, adapter = load("sliding-brick").scene, registry.load("mujoco")
+    assert adapter.contact_law(scene, Method.parse("Euler", 1e-3)).friction == 0.5
+    assert adapter.contact_law(scene, Method.parse("Euler:condim=1", 1e-3)).friction == 0.0
+    assert adapter.contact_law(scene, Method.parse("Euler:condim=4", 1e-3)) is None

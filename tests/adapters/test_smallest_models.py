@@ -11,8 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bodycheck import compare, load, simulate, truth
-from bodycheck.adapters import registry
-from bodycheck.adapters.contract import MODEL_OPTION, Method, SceneUnsupported
+from bodycheck.adapters import offers, registry
+from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.errors import BadInput
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.flight import closed_form, drag, symmetric_top, torque_free
 from bodycheck.reference.flight.closed_form import STORED_ERROR_RAD, smallest_rotation
@@ -208,14 +209,16 @@ def test_a_body_that_slides_and_spins_has_the_whole_friction() -> None:
 
 def last(adapter: Any, scene: Scene, method: str, timestep: float = 1e-3, steps: int = 300) -> Array:
     """The states (3, 13) at the start, after a step and at the end."""
-    return np.asarray(adapter.prepare(scene, Method(method, timestep)).advance(np.array([0, 1, steps - 1])))
+    return np.asarray(adapter.prepare([scene], Method.parse(method, timestep)).advance(np.array([0, 1, steps - 1])))[0, :, 0]
 
 
 def sizes(adapter: Any, scene: Scene, method: str) -> tuple[int, int]:
     """Coordinates and velocities of an engine's model."""
-    simulation = adapter.prepare(scene, Method(method, 1e-3))
-    model = simulation.model if adapter is MUJOCO else simulation.joints.model
-    return model.nq, model.nv
+    simulation = adapter.prepare([scene], Method.parse(method, 1e-3))
+    if adapter is MUJOCO:
+        return simulation.model.nq, simulation.model.nv
+    q, v = simulation.state
+    return len(q), len(v)
 
 
 @pytest.mark.parametrize(
@@ -228,30 +231,36 @@ def sizes(adapter: Any, scene: Scene, method: str) -> tuple[int, int]:
 )
 def test_engines_build_the_smallest_model(case: str, mujoco: tuple[int, int], pinocchio: tuple[int, int]) -> None:
     scene = load(case).scene
-    for integrator in MUJOCO.integrators(scene):
+    for integrator in offers.offered(MUJOCO.engine, scene):
         assert sizes(MUJOCO, scene, integrator) == mujoco
-        model = MUJOCO.prepare(scene, Method(integrator, 1e-3)).model
+        model = MUJOCO.prepare([scene], Method.parse(integrator, 1e-3)).model
         assert (model.ngeom, model.nsensor) == (0, 0)
-    for integrator in PINOCCHIO.integrators(scene):
+    for integrator in offers.offered(PINOCCHIO.engine, scene):
         assert sizes(PINOCCHIO, scene, integrator) == pinocchio
 
 
 def test_on_a_plane_three_coordinates_are_a_method_of_their_own() -> None:
     scene = load("sliding-brick").scene
-    assert sizes(MUJOCO, scene, "Euler-planar") == (3, 3)
+    assert sizes(MUJOCO, scene, "Euler:model=planar") == (3, 3)
     assert sizes(MUJOCO, scene, "Euler") == (7, 6)
     assert sizes(PINOCCHIO, scene, "law-force") == (3, 3)
-    assert sizes(PINOCCHIO, scene, "law-force-planar") == (4, 3)
-    for adapter, method in ((MUJOCO, "Euler-planar"), (PINOCCHIO, "law-force"), (PINOCCHIO, "law-force-planar")):
-        assert method in adapter.integrators(scene)
-        assert adapter.contact_law(scene, method) == scene.plane
-        assert adapter.contact_load(scene, Method(method, 1e-3), 10) is None
-        assert adapter.claim(method).order == 1
+    assert sizes(PINOCCHIO, scene, "law-force:model=planar-joint") == (4, 3)
+    for adapter, method in (
+        (MUJOCO, "Euler:model=planar"),
+        (PINOCCHIO, "law-force"),
+        (PINOCCHIO, "law-force:model=planar-joint"),
+    ):
+        assert method in offers.offered(adapter.engine, scene)
+        assert adapter.contact_law(scene, Method.parse(method, 1e-3)) == scene.plane
+        assert adapter.contact_load(scene, Method.parse(method, 1e-3), 10) is None
+        own = offers.integrator_of(adapter.engine, Method.parse(method, 1e-3))
+        assert own is not None
+        assert own.order == 1
 
 
 def test_everything_as_shipped_is_in_the_largest_model_of_mujoco() -> None:
     scene = load("free-brick").scene
-    model = MUJOCO.prepare(scene, Method("Euler:model=everything", 1e-3)).model
+    model = MUJOCO.prepare([scene], Method.parse("Euler:model=everything", 1e-3)).model
     assert (model.ngeom, model.nsensor, model.opt.disableflags) == (2, 6, 0)
     assert model.opt.enableflags
 
@@ -270,13 +279,13 @@ OTHER_SCHEMES = {
 @pytest.mark.parametrize("case", FLIGHTS)
 def test_the_models_of_a_flight_are_one_physics(engine: str, case: str) -> None:
     adapter, scene = registry.load(engine), load(case).scene
-    for integrator in adapter.integrators(scene):
+    for integrator in offers.offered(adapter.engine, scene):
         usual = last(adapter, scene, integrator)
         turns, moves = any(scene.initial.angular_velocity), any(scene.initial.velocity)
-        for model in adapter.models(scene, integrator):
-            seen = last(adapter, scene, f"{integrator}{MODEL_OPTION}{model}")
-            others = OTHER_SCHEMES.get((engine, integrator.removesuffix("-fluid")), set())
-            differs = turns and model in others and (engine == "mujoco" or moves)
+        for name, model in adapter.models(scene, integrator).items():
+            seen = last(adapter, scene, model.method)
+            others = OTHER_SCHEMES.get((engine, integrator.removesuffix(":drag=fluid")), set())
+            differs = turns and name in others and (engine == "mujoco" or moves)
             # 300 steps round a state of up to 20 m and rad/s.
             assert bool(np.abs(seen - usual).max() > 1e-9) is differs, (integrator, model)
             np.testing.assert_allclose(seen[0], usual[0], rtol=0, atol=1e-14)
@@ -297,7 +306,7 @@ def test_planar_and_free_joints_agree_to_rounding_in_both_engines(
     plane: Plane, velocity: tuple[float, float], spin: float
 ) -> None:
     scene = flat(velocity, spin, plane)
-    planar = last(MUJOCO, scene, "Euler-planar", steps=600)
+    planar = last(MUJOCO, scene, "Euler:model=planar", steps=600)
     for adapter, method in (
         (MUJOCO, "Euler:model=planar"),
         (MUJOCO, "Euler:model=six-coordinates"),
@@ -311,7 +320,9 @@ def test_planar_and_free_joints_agree_to_rounding_in_both_engines(
         np.testing.assert_allclose(np.delete(seen, slice(3, 7), axis=1), np.delete(planar, slice(3, 7), axis=1), atol=1e-11)
 
 
-@pytest.mark.parametrize(("engine", "integrator"), [("mujoco", "Euler-planar"), ("pinocchio", "law-force-planar")])
+@pytest.mark.parametrize(
+    ("engine", "integrator"), [("mujoco", "Euler:model=planar"), ("pinocchio", "law-force:model=planar-joint")]
+)
 @pytest.mark.parametrize(
     "name", ["sliding-brick", "spinning-brick", "curling-brick", "curling-disk", "curling-brick-decoupled"]
 )
@@ -327,9 +338,9 @@ def test_planar_methods_converge_to_the_truth_with_order_1(engine: str, integrat
 
 
 def test_at_rest_and_without_friction_nothing_is_braked() -> None:
-    resting = last(MUJOCO, flat((0.0, 0.0), 0.0, PLANES[0]), "Euler-planar")
+    resting = last(MUJOCO, flat((0.0, 0.0), 0.0, PLANES[0]), "Euler:model=planar")
     np.testing.assert_array_equal(resting[-1, 7:], 0)
-    sliding = last(MUJOCO, flat((2.0, 1.0), 3.0, Plane(0.0)), "Euler-planar")
+    sliding = last(MUJOCO, flat((2.0, 1.0), 3.0, Plane(0.0)), "Euler:model=planar")
     # 300 roundings of 3 rad/s.
     np.testing.assert_allclose(sliding[-1, [7, 8, 12]], [2.0, 1.0, 3.0], rtol=0, atol=1e-13)
 
@@ -338,23 +349,27 @@ def test_at_rest_and_without_friction_nothing_is_braked() -> None:
     ("engine", "case", "method", "words"),
     [
         ("mujoco", "free-brick", "Euler:model=planar", "no model 'planar' .* there are: six-coordinates, far-geometry"),
-        ("mujoco", "free-brick", "Euler-planar", "has no integrator 'Euler-planar'"),
-        ("mujoco", "sliding-brick", "Euler-planar:cone=elliptic", "without contact"),
-        ("mujoco", "sliding-brick", "Euler:cone=elliptic:model=contact", "no model 'contact' .* there are: none"),
-        ("mujoco", "sliding-brick", "Euler-planar:model=contact", "there are: none"),
+        ("mujoco", "sliding-brick", "Euler:model=planar,cone=elliptic", "which has no contact"),
         ("pinocchio", "projectile", "rk4:model=translation-and-rotation", "no model"),
-        ("pinocchio", "sliding-brick", "admm:model=planar", "there are: none"),
-        ("pinocchio", "curling-disk", "law-force:model=contact", "corners"),
+        ("pinocchio", "curling-disk", "admm", "corners"),
     ],
 )
 def test_models_that_there_are_not_are_refused(engine: str, case: str, method: str, words: str) -> None:
     with pytest.raises(SceneUnsupported, match=words):
-        registry.load(engine).prepare(load(case).scene, Method(method, 1e-3))
+        registry.load(engine).prepare([load(case).scene], Method.parse(method, 1e-3))
+
+
+def test_options_and_a_model_combine() -> None:
+    scene = load("sliding-brick").scene
+    whole = last(MUJOCO, scene, "Euler:cone=elliptic,model=everything")
+    np.testing.assert_array_equal(last(MUJOCO, scene, "Euler:model=contact,cone=elliptic"), whole)
+    with pytest.raises(BadInput, match=r"admm:model=planar: read 'planar'; allowed: everything"):
+        offers.check(PINOCCHIO.engine, Method.parse("admm:model=planar", 1e-3))
 
 
 def test_a_body_without_a_shape_has_no_far_geometry() -> None:
     for adapter in (MUJOCO, PINOCCHIO):
-        for integrator in adapter.integrators(FORMS["symmetric top"]):
+        for integrator in offers.offered(adapter.engine, FORMS["symmetric top"]):
             assert "far-geometry" not in adapter.models(FORMS["symmetric top"], integrator)
             last(adapter, FORMS["symmetric top"], f"{integrator}:model=everything")
 
@@ -366,5 +381,5 @@ def test_a_turned_body_in_its_own_frame_moves_the_same_on_every_model() -> None:
     start = replace(case.scene.initial, angular_velocity=(0.0, 0.0, 0.0))
     body = replace(case.scene.body, axes=axes, moments=(0.001, 0.002, 0.0025))
     scene = replace(case.scene, body=body, initial=start)
-    whole: Callable[[str], Array] = lambda model: last(MUJOCO, scene, f"Euler-fluid:model={model}")  # noqa: E731
+    whole: Callable[[str], Array] = lambda model: last(MUJOCO, scene, f"Euler:drag=fluid,model={model}")  # noqa: E731
     np.testing.assert_allclose(whole("translation")[:, 7:10], whole("six-coordinates")[:, 7:10], rtol=0, atol=1e-12)

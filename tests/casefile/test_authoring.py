@@ -16,11 +16,11 @@ from bodycheck import Case, CaseFaults, load, simulate, truth
 from bodycheck.casefile.authoring import SCHEMA_FILE, new, schema, template
 from bodycheck.casefile.case import SUFFIX, parse, shipped
 from bodycheck.casefile.grammar import LARGEST, LIMITS
-from bodycheck.casefile.suggestion import did_you_mean
 from bodycheck.commands.command_line import app
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
 from bodycheck.judging.expectation_writer import Measurement, floors, measure, rewrite
+from bodycheck.suggestion import did_you_mean
 
 CASES = resources.files("bodycheck.cases")
 DIRECTIVE = f"#:schema ./{SCHEMA_FILE}\n"
@@ -304,7 +304,7 @@ def test_a_new_table_stands_at_the_end_and_limits_all_figures() -> None:
     assert change.text == "written"
     assert text.startswith(TUMBLING + "\n\n[[expect]]\n")
     added = parse(text, "f").expectations[1]
-    assert (added.engine, added.integrator, added.timestep) == ("pinocchio", "rk4", 0.01)
+    assert (added.engine, added.method.name, added.method.timestep) == ("pinocchio", "rk4", 0.01)
     assert {limit.name for limit in added.limits} == set(measurement.figures)
     for limit in added.limits:
         taken = max(measurement.figures[limit.name], measurement.floors[limit.name])
@@ -409,7 +409,7 @@ def test_a_case_for_which_there_is_no_such_method_is_left(tmp_path: Path) -> Non
     lying.write_text(load("resting-brick").text.split("[extremes]")[0])
     assert call("expect", str(free), str(lying), "--integrator", "law-force", "--jobs", "1") == 0
     assert free.read_text() == TUMBLING
-    assert [e.integrator for e in load(lying).expectations] == ["law-force"]
+    assert [e.method.name for e in load(lying).expectations] == ["law-force"]
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from bodycheck import load, truth
-from bodycheck.adapters import registry
+from bodycheck.adapters import offers, registry
 from bodycheck.casefile.case import shipped
 
 SHORT = """\
@@ -63,7 +63,9 @@ def test_run_writes_everything_it_promises(short: Path, tmp_path: Path) -> None:
     assert set(results.case) == {"short", "projectile"}
     assert set(results.engine) == {"mujoco", "pinocchio"}
     assert set(results.timestep) == {0.002}
-    offered = [len(registry.load(engine).integrators(load("projectile").scene)) for engine in ("mujoco", "pinocchio")]
+    offered = [
+        len(offers.offered(registry.load(engine).engine, load("projectile").scene)) for engine in ("mujoco", "pinocchio")
+    ]
     assert len(results) == 2 * sum(offered)
     assert str(out / "report.html") in done.stderr
     assert "runs: " in done.stdout
@@ -135,7 +137,7 @@ def test_what_is_not_modelled_yet_is_unsupported(short: Path) -> None:
         (("run", "nobody"), "no such file, and no shipped case of this name"),
         (("run", "--engine", "nobody"), "there is no engine 'nobody'; there are: mujoco, pinocchio"),
         (("run", "--integrator", "rk5"), "no engine has an integrator 'rk5'"),
-        (("run", "free-brick", "--integrator", "RK4-fluid"), "nothing to run"),
+        (("run", "free-brick", "--integrator", "RK4:drag=fluid"), "nothing to run"),
         (("run", "--timestep", "-1"), "must be positive"),
         (("run", "--timestep", "soon"), "soon"),
         (("run", "--jobs", "0"), "--jobs 0: must be at least 1"),

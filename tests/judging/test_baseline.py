@@ -16,7 +16,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from bodycheck import Case, compare, load, simulate, truth
-from bodycheck.adapters import registry
+from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import parse
 from bodycheck.errors import BadInput
@@ -26,6 +26,7 @@ from bodycheck.reference.integration.sensitivity import growth
 from bodycheck.reference.scene import State
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.running import campaign
+from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.plan import plan
 
@@ -40,7 +41,7 @@ U = 2.0**-53
 def saved(path: Path, cases: list[Case], engines: tuple[str, ...] = ("mujoco",), integrators: tuple[str, ...] = ()) -> Path:
     adapters = {name: registry.load(name) for name in engines}
     tasks = plan(cases, adapters, integrators, (STEP,))
-    head = campaign.header([], {name: adapter.version() for name, adapter in adapters.items()}, {})
+    head = campaign.header([], {name: adapter.engine.version for name, adapter in adapters.items()}, {})
     with campaign.results(tasks, path.with_suffix(""), head, jobs=2) as results:
         baseline.save(path, results, judgement.judge(results), jobs=2)
     return path
@@ -78,13 +79,17 @@ def times(column: str, factor: float) -> Callable[[pa.Table], pa.Table]:
 
 def only(found: Baseline, integrator: str, called: str) -> Baseline:
     """The rows of one integrator, as if they were those of a method of another name."""
-    rows = {(case, engine, called, step): row for (case, engine, name, step), row in found.rows.items() if name == integrator}
+    rows = {
+        replace(key, method=Method.parse(called, key.method.timestep)): row
+        for key, row in found.rows.items()
+        if key.method.name == integrator
+    }
     return replace(found, rows=rows)
 
 
 def with_row(found: Baseline, **entries: Any) -> Baseline:
     """With some entries of the row of RK4 replaced."""
-    return replace(found, rows={key: row | entries if key[2] == "RK4" else row for key, row in found.rows.items()})
+    return replace(found, rows={key: row | entries if key.method.name == "RK4" else row for key, row in found.rows.items()})
 
 
 def test_a_run_against_itself_is_silent(flips: Path) -> None:
@@ -109,7 +114,7 @@ def another_machine(case: Case, run: Run, seed: int) -> Run:
         rows.append(row)
         row = row * (1 + U * random.uniform(-1, 1, 13))
         state = State(tuple(row[:3]), tuple(row[3:7]), tuple(row[7:10]), tuple(row[10:]))
-        (row,) = adapter.prepare(replace(case.scene, initial=state), run.method).advance(np.array([1]))
+        row = adapter.prepare([replace(case.scene, initial=state)], run.method).advance(np.array([1]))[0, 0, 0]
     t = run.outcome.trajectory.t
     states = np.array(rows)[np.rint(t / run.method.timestep).astype(int)]
     trajectory = Trajectory(t, states[:, :3], states[:, 3:7], states[:, 7:10], states[:, 10:])
@@ -136,7 +141,7 @@ def test_another_machine_has_not_changed_anything(engine: str, integrator: str) 
 
 def test_an_allowance_is_what_the_motion_makes_of_rounding(base: Baseline) -> None:
     """No more than the variational equations make of it, so that an error of 1e-8 rad is still seen to grow."""
-    (row,) = [row for key, row in base.rows.items() if key[2] == "RK4"]
+    (row,) = [row for key, row in base.rows.items() if key.method.name == "RK4"]
     carried = growth(FLIP.scene, FLIP.instants).of_any.max()
     rounded = U * np.sqrt(row["steps"]) * carried
     linear = U * row["steps"] * 10.0 * FLIP.duration  # of the angle that is turned, at 10 rad/s
@@ -164,11 +169,11 @@ def test_single_precision_is_allowed_its_own_rounding() -> None:
 def test_on_a_plane_a_nudged_body_stays_flat(shipped_case: Case) -> None:
     case = replace(shipped_case, samples=3)
     adapter = registry.load("mujoco")
-    run = simulate(case, "mujoco", adapter.integrators(case.scene)[0], 0.01)
+    run = simulate(case, "mujoco", offers.offered(adapter.engine, case.scene)[0], 0.01)
     for seed in range(rounding.NUDGES):
         nudged = rounding.nudged(case, run, seed)
         assert nudged.scene != case.scene
-        assert isinstance(simulate(nudged, run.engine, run.method.integrator, 0.01).outcome, Completed)
+        assert isinstance(simulate(nudged, run.engine, run.method.name, 0.01).outcome, Completed)
 
 
 def test_what_got_worse_is_told_in_one_sentence_and_fails(base: Baseline) -> None:
@@ -176,7 +181,7 @@ def test_what_got_worse_is_told_in_one_sentence_and_fails(base: Baseline) -> Non
     (attitude,) = [change for change in worse.changes if change.what == "attitude_error"]
     assert (attitude.direction, attitude.base, attitude.now) == (
         "worse",
-        *(row["attitude_error"] for name in ("RK4", "Euler") for key, row in base.rows.items() if key[2] == name),
+        *(row["attitude_error"] for name in ("RK4", "Euler") for key, row in base.rows.items() if key.method.name == name),
     )
     figures = f"attitude_error {attitude.base:.3g} → {attitude.now:.3g} rad, {attitude.now / attitude.base:.3g} times worse"
     assert attitude.text == f"mujoco RK4 on intermediate-axis-flip, 0.005 s: {figures}"
@@ -297,8 +302,8 @@ def test_run_saves(tmp_path: Path) -> None:
     done = run("--save", tmp_path / "base.parquet")
     assert done.returncode == 0, done.stderr
     found = baseline.read(tmp_path / "base.parquet")
-    assert set(found.rows) == {("projectile", "mujoco", "RK4", 0.002)}
-    assert found.header["engines"] == {"mujoco": registry.load("mujoco").version()}
+    assert set(found.rows) == {RunKey("projectile", "mujoco", Method.parse("RK4", 0.002))}
+    assert found.header["engines"] == {"mujoco": registry.load("mujoco").engine.version}
     assert found.header["machine"]["processor"]
     nowhere = run("--save", tmp_path / "nowhere" / "base.parquet")
     assert (nowhere.returncode, nowhere.stdout) == (2, "")
@@ -308,5 +313,5 @@ def test_run_saves(tmp_path: Path) -> None:
 def test_what_rounding_decides_is_not_held_against_anyone() -> None:
     """Where nudged runs do not all end, nothing can be said of the figures."""
     run, reference = simulate(FLIP, "mujoco", "RK4", STEP), truth(FLIP)
-    other = replace(run, method=Method("RK4", STEP), outcome=campaign.Crashed("it died"))
+    other = replace(run, method=Method.parse("RK4", STEP), outcome=campaign.Crashed("it died"))
     assert set(rounding.allowances(reference, run, [run, other]).values()) == {np.inf}

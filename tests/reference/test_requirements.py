@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from bodycheck import load, simulate
-from bodycheck.adapters import registry
+from bodycheck.adapters import offers, registry
+from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.commands.command_line import app
 from bodycheck.reference.requirements import Requirements, missing, requirements, symmetry
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
@@ -74,9 +75,15 @@ def test_an_engine_that_lacks_something_is_unsupported_by_its_name(miniatures: P
 @pytest.mark.parametrize("engine", ["mujoco", "pinocchio"])
 def test_engines_name_what_they_cannot_model(engine: str) -> None:
     adapter = registry.load(engine)
-    assert adapter.unsupported(replace(LYING, drag=0.1)) == "drag together with contact"
-    assert "contact" in (adapter.unsupported(replace(LYING, initial=State())) or "")
-    assert adapter.unsupported(FLYING) is adapter.unsupported(LYING) is None
+    method = Method.parse({"mujoco": "Euler", "pinocchio": "law-force"}[engine], 1e-3)
+    for scene, words in (
+        (replace(LYING, drag=0.1), "drag together with contact"),
+        (replace(LYING, initial=State()), "contact"),
+    ):
+        with pytest.raises(SceneUnsupported, match=f"does not model .*{words}"):
+            adapter.prepare([scene], method)
+    adapter.prepare([LYING], method)
+    assert offers.not_modelled(adapter.engine, FLYING) is offers.not_modelled(adapter.engine, LYING) is None
 
 
 def test_the_command_shows_them(capsys: pytest.CaptureFixture[str]) -> None:

@@ -67,13 +67,13 @@ def sets(tmp_path_factory: pytest.TempPathFactory) -> list[ResultSet]:
     tasks = plan.plan((flip,), engines, ("Euler", "RK4", "implicit", "discrete", "semi-implicit-euler", "rk4", "rk4-naive"), ())
     tasks += plan.plan((shortened(FLIGHT),), engines, ("RK4", "rk4"), ())
     tasks += plan.plan((slide,), engines, ("Euler", "law-force"), (0.002, 0.001))
-    head = campaign.header(("bodycheck", "run"), {name: engine.version() for name, engine in engines.items()}, {})
+    head = campaign.header(("bodycheck", "run"), {name: engine.engine.version for name, engine in engines.items()}, {})
     place = tmp_path_factory.mktemp("results")
     with campaign.results(tasks, place, head, jobs=2):
         pass
     results = store.read(place)
     verdicts = judgement.judge(results)
-    crashed = replace(verdicts[0].run, method=Method("gone", 0.002))
+    crashed = replace(verdicts[0].run, method=Method.parse("gone", 0.002))
     reason = f"RuntimeError: {LONG}\n{HOSTILE}"
     verdicts.insert(
         1, replace(verdicts[0], run=crashed, outcome=Crashed(reason), discrepancy=None, passed=False, reason=reason)

@@ -46,7 +46,7 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
     fast = re.sub(r"velocity = .*", "velocity = [12.0, 3.0, 0.0]", slide, count=1).replace(SLIDE, FAR)
     written = [*map(written_again, cases), parse(re.sub(r"duration = .*", "duration = 2.0", fast), FAR)]
     tasks = plan.plan(written, engines, ("Euler", "RK4", "implicitfast", "semi-implicit-euler", "rk4", "admm"), ())
-    head = campaign.header(("bodycheck", "run"), {name: engine.version() for name, engine in engines.items()}, {})
+    head = campaign.header(("bodycheck", "run"), {name: engine.engine.version for name, engine in engines.items()}, {})
     with campaign.results(tasks, place, head, jobs=2):
         pass
     return store.read(place)
@@ -122,7 +122,7 @@ def exactly(results: Results, case: str, t: float) -> Trajectory:
 
 def stored(results: Results, case: str, engine: str, integrator: str) -> Trajectory:
     for run in results.runs():
-        if (run.case, run.engine, run.method.integrator) == (case, engine, integrator):
+        if (run.case, run.engine, run.method.name) == (case, engine, integrator):
             assert isinstance(run.outcome, Completed)
             return run.outcome.trajectory
     raise AssertionError("no such run")

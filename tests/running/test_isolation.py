@@ -18,7 +18,7 @@ import pandas as pd
 import pytest
 
 from bodycheck import load, simulate
-from bodycheck.adapters import registry
+from bodycheck.adapters import offers, registry
 from bodycheck.judging import judgement
 from bodycheck.reference.scene import Scene, State
 from bodycheck.running import campaign, pool
@@ -58,7 +58,7 @@ def study(engines: tuple[str, ...], folder: Path) -> pd.DataFrame:
     adapters = {name: registry.load(name) for name in engines}
     tasks = [task for task in plan([SPIN], adapters, (), STEPS) if task.engine in INNOCENT or task.method.timestep == STEPS[0]]
     random.Random(1).shuffle(tasks)
-    head = campaign.header([], {name: adapter.version() for name, adapter in adapters.items()}, {})
+    head = campaign.header([], {name: adapter.engine.version for name, adapter in adapters.items()}, {})
     with campaign.results(tasks, folder, head, jobs=2, limit=LIMIT, memory=MEMORY) as results:
         table = judgement.table(judgement.judge(results))
     assert len(table) == len(tasks)
@@ -262,5 +262,5 @@ def test_what_stands_still_is_frozen_only_where_it_ought_to_move(
 def test_bodies_at_rest_and_spheres_that_spin_are_not_frozen(engine: str) -> None:
     sphere = load("projectile").scene.body
     for scene in (Scene(sphere, State()), Scene(sphere, State(angular_velocity=(0.0, 0.0, 5.0))), BRICK):
-        for integrator in registry.load(engine).integrators(scene):
+        for integrator in offers.offered(registry.load(engine).engine, scene):
             assert simulate(replace(SPIN, scene=scene), engine, integrator, 0.1).outcome.status == "ok"

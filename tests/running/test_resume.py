@@ -29,7 +29,7 @@ HEADER = {"identity": "the same", "text": "Größe"}
 
 SPIN = shortened(load("osrf-boxes-simple"), 1.0, 11)
 ENGINES = ("exact", "drifting", "not-a-number", "raising")
-TASKS = [Task(SPIN, engine, Method("closed-form", step)) for step in (0.1, 0.05) for engine in ENGINES]
+TASKS = [Task(SPIN, engine, Method.parse("closed-form", step)) for step in (0.1, 0.05) for engine in ENGINES]
 TIMINGS = ["wall_time", "time_per_step", "realtime_factor"]
 
 
@@ -129,7 +129,7 @@ class Study:
     def run(self, tasks: list[Task] = TASKS, **options: Any) -> pd.DataFrame:
         self.done: list[str] = []
         self.already = 0
-        head = campaign.header([], {name: registry.load(name).version() for name in ENGINES}, {})
+        head = campaign.header([], {name: registry.load(name).engine.version for name in ENGINES}, {})
         with campaign.results(tasks, self.folder, head, progress=self._advance, **options) as results:
             assert results.complete
             table = judgement.table(judgement.judge(results))
@@ -281,7 +281,7 @@ steps = (0.1, 0.05, 0.04, 0.02)
 tasks = plan([load("osrf-boxes-simple")], adapters, (), steps)
 tasks = [task for task in tasks if task.engine != "segfaulting" or task.method.timestep == steps[0]]
 random.Random(1).shuffle(tasks)
-head = campaign.header([], {name: adapter.version() for name, adapter in adapters.items()}, {})
+head = campaign.header([], {name: adapter.engine.version for name, adapter in adapters.items()}, {})
 with campaign.results(tasks, Path(sys.argv[1]), head, jobs=2) as results:
     judgement.write(judgement.judge(results), Path(sys.argv[1]))
 """

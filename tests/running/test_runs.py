@@ -10,7 +10,8 @@ import pandas as pd
 import pytest
 
 from bodycheck import Case, compare, load, simulate, truth
-from bodycheck.adapters import registry
+from bodycheck.adapters import offers, registry
+from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import parse
 from bodycheck.casefile.expectation import Expectation, Limit
 from bodycheck.errors import BadInput
@@ -38,7 +39,7 @@ def run_all(
     case: Case, engines: list[str], folder: Path, jobs: int = 2, timesteps: tuple[float, ...] = (0.1,)
 ) -> store.Results:
     adapters = {name: registry.load(name) for name in engines}
-    head = campaign.header(["test"], {name: adapter.version() for name, adapter in adapters.items()}, {})
+    head = campaign.header(["test"], {name: adapter.engine.version for name, adapter in adapters.items()}, {})
     with campaign.results(plan([case], adapters, (), timesteps), folder, head, jobs, limit=4.0):
         pass
     return store.read(folder)
@@ -103,7 +104,7 @@ def test_what_is_stored_is_what_was_run_bit_by_bit(tmp_path: Path) -> None:
     for name in ("model", "reason", "backend", "witnesses"):
         assert getattr(stored, name) == getattr(exact, name)
     for run in results.runs():
-        again = simulate(case, run.engine, run.method.integrator, run.method.timestep)
+        again = simulate(case, run.engine, run.method.name, run.method.timestep)
         for part in ("t", "position", "quaternion", "velocity", "angular_velocity"):
             np.testing.assert_array_equal(getattr(run.outcome.trajectory, part), getattr(again.outcome.trajectory, part))
             np.testing.assert_array_equal(getattr(stored.trajectory, part), getattr(exact.trajectory, part))
@@ -145,13 +146,13 @@ def test_a_line_cut_short_is_where_the_run_was_interrupted(tmp_path: Path) -> No
 
 def test_the_name_of_a_method_leads_nowhere_out_of_the_folder(miniatures: Path, tmp_path: Path) -> None:
     """An engine that takes any options completes under whatever name a stranger's case file gives the method."""
-    name = "closed-form:/../../../../x"
-    case = replace(SPIN, expectations=(Expectation("exact", name, 0.1, (Limit("position_error", None, 1.0),)),))
+    name = "closed-form:note=/../../../../x"
+    case = replace(SPIN, expectations=(Expectation("exact", Method.parse(name, 0.1), (Limit("position_error", None, 1.0),)),))
     tasks = plan([case], {"exact": registry.load("exact")}, (), ())
     with campaign.results(tasks, tmp_path / "deep" / "out", campaign.header([], {"exact": "1"}, {}), 1):
         pass
     results = store.read(tmp_path / "deep" / "out")
-    assert {run.method.integrator: run.outcome.status for run in results.runs()}[name] == "ok"
+    assert {run.method.name: run.outcome.status for run in results.runs()}[name] == "ok"
     files = [path for path in tmp_path.rglob("*") if path.is_file()]
     assert len(files) == 1 + 2 + 2  # the records, two truths, two runs
     assert all(path.is_relative_to(results.folder) for path in files)
@@ -173,10 +174,15 @@ def test_earlier_results_are_replaced(tmp_path: Path) -> None:
     assert [path.name for path in (tmp_path / store.TRAJECTORIES).iterdir()] == ["free-brick"]
 
 
+RK4 = Method.parse("RK4", 0.1)
+
+
 def expecting(case: Case, **limits: float) -> Case:
     return replace(
         case,
-        expectations=(Expectation("mujoco", "RK4", 0.1, tuple(Limit(name, None, limit) for name, limit in limits.items())),),
+        expectations=(
+            Expectation("mujoco", Method.parse("RK4", 0.1), tuple(Limit(name, None, limit) for name, limit in limits.items())),
+        ),
     )
 
 
@@ -200,7 +206,7 @@ def test_an_order_is_expected_of_a_step_its_half_and_its_quarter(tmp_path: Path,
     expectation = f'[[expect]]\nengine = "mujoco"\nintegrator = "RK4"\ntimestep = 0.02\norder = {expected}\n'
     case = parse(load("osrf-boxes-complex").text.partition("[[expect]]")[0] + expectation, "ordered")
     verdicts = judgement.judge(run_all(case, ["mujoco"], tmp_path, timesteps=()))
-    asked = {verdict.run.method.timestep: verdict for verdict in verdicts if verdict.run.method.integrator == "RK4"}
+    asked = {verdict.run.method.timestep: verdict for verdict in verdicts if verdict.run.method.name == "RK4"}
     assert asked.keys() == {0.002, 0.02, 0.01, 0.005}
     assert {step: verdict.passed for step, verdict in asked.items()} == {0.002: None, 0.02: passed, 0.01: None, 0.005: None}
     assert passed or "order is 4" in asked[0.02].reason
@@ -239,22 +245,31 @@ def test_the_plan_is_every_case_engine_integrator_and_step_once() -> None:
     adapters = {name: registry.load(name) for name in ("mujoco", "pinocchio")}
     cases = [shortened(load(name), 1.0, 11) for name in ("free-brick", "projectile")]
     everything = plan(cases, adapters, (), (0.01, 0.02, 0.01))
-    integrators = sum(len(adapter.integrators(cases[0].scene)) for adapter in adapters.values())
+    integrators = sum(len(offers.offered(adapter.engine, cases[0].scene)) for adapter in adapters.values())
     assert len(everything) == len(set(everything)) == 2 * integrators * 2
     assert {task.method.timestep for task in plan(cases, adapters, (), ())} == {0.002}
     assert {task.engine for task in plan(cases, adapters, ("rk4",), ())} == {"pinocchio"}
 
 
 def test_what_a_case_expects_is_run_too() -> None:
-    case = replace(
-        load("projectile"), expectations=(Expectation("mujoco", "RK9", 0.01, (Limit("position_error", None, 1.0),)),)
-    )
+    method = Method.parse("RK4:model=everything", 0.01)
+    expectation = Expectation("mujoco", method, (Limit("position_error", None, 1.0),))
+    case = replace(load("projectile"), expectations=(expectation,))
     adapters = {"mujoco": registry.load("mujoco")}
     (task,) = [task for task in plan([case], adapters, (), ()) if task.method.timestep == 0.01]
-    assert isinstance(task, Task)
-    # A name that the engine does not have is answered, not passed over.
-    assert isinstance(simulate(case, task.engine, task.method.integrator, 0.01).outcome, Unsupported)
+    assert task == Task(case, "mujoco", method)
     assert not [task for task in plan([case], adapters, ("Euler",), ()) if task.method.timestep == 0.01]
+
+
+@pytest.mark.parametrize(
+    ("spelling", "words"),
+    [("RK9", "has no integrator 'RK9'"), ("RK4:cone=elliptc", "read 'elliptc'; allowed: elliptic or pyramidal")],
+)
+def test_what_a_case_expects_of_a_misspelled_method_is_bad_input(spelling: str, words: str) -> None:
+    expectation = Expectation("mujoco", Method.parse(spelling, 0.01), (Limit("position_error", None, 1.0),))
+    case = replace(load("projectile"), expectations=(expectation,))
+    with pytest.raises(BadInput, match=f"projectile: expect: integrator: .*{words}"):
+        plan([case], {"mujoco": registry.load("mujoco")}, (), ())
 
 
 @pytest.mark.parametrize("timestep", [0.0, -1.0, math.nan, math.inf, 100.0, 1e-12])

@@ -39,7 +39,7 @@ def ablate(
     check_has_folder(figures, out)
     with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out) as made:
         results = made.results
-        rows = study.evaluate(results, timestep, made.adapters)
+        rows = study.evaluate(results, made.adapters, integrator, timestep)
         if out is not None:
             study.write(rows, out)
             reports.write_study(present(results.header, results.cases, rows), out, figures)

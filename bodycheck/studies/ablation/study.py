@@ -1,6 +1,5 @@
 """What a scene does not require costs, and changes: a case on models that grow step by step, each against the smallest."""
 
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -8,7 +7,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from bodycheck.adapters.contract import MODEL_OPTION, Adapter, Method
+from bodycheck.adapters.contract import Adapter, Method, Model, Models
+from bodycheck.adapters.offers import offered
 from bodycheck.casefile.case import Case
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
@@ -18,6 +18,7 @@ from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import distance
 from bodycheck.running import campaign, pool
+from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed
 from bodycheck.running.plan import Task, check
 from bodycheck.running.simulation import DEFAULT_TIMESTEP
@@ -39,9 +40,6 @@ LEFT = 2.0
 #: Seconds a step, and relative to the first.
 Timed = tuple[list[Cost], list[Cost]]
 
-#: case, engine, integrator, time step (s)
-Group = tuple[str, str, str, float]
-
 
 def plan(
     cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
@@ -54,54 +52,60 @@ def plan(
     steps = [part for timestep in timesteps or (DEFAULT_TIMESTEP,) for part in (timestep, timestep / 2)]
     check(cases, engines, integrators, steps)
     tasks = dict.fromkeys(
-        Task(case, engine, Method(f"{integrator}{MODEL_OPTION}{model}", step))
+        Task(case, engine, Method.parse(model.method, step))
         for case in cases
         for engine, adapter in engines.items()
-        for integrator in with_models(adapter, case, integrators)
+        for integrator, models in with_models(adapter, case, integrators).items()
         for step in steps
-        for model in adapter.models(case.scene, integrator)
+        for model in models.values()
     )
     if not tasks:
         raise BadInput(f"nothing to compare: {', '.join(engines)} offer no models of these cases for what was asked")
     return tuple(tasks)
 
 
-def with_models(adapter: Adapter, case: Case, integrators: Sequence[str]) -> list[str]:
-    """The integrators that were asked for, of those that have models of a scene; the first where none was asked for."""
-    offered = [name for name in adapter.integrators(case.scene) if adapter.models(case.scene, name)]
-    return [name for name in offered if name in integrators] if integrators else offered[:1]
+def with_models(adapter: Adapter, case: Case, integrators: Sequence[str]) -> dict[str, Mapping[str, Model]]:
+    """The models of a case's scene by the spelling of the method that was asked for, of those that have any.
+
+    Where none was asked for, it is the first method of the engine that has models.
+    """
+    if not isinstance(adapter, Models):
+        return {}
+    asked = {Method.parse(spelling, 0.0).name for spelling in integrators}
+    found = {name: adapter.models(case.scene, name) for name in offered(adapter.engine, case.scene)}
+    growing = {name: models for name, models in found.items() if models and (not asked or name in asked)}
+    return growing if asked else dict(list(growing.items())[:1])
 
 
-def evaluate(results: Results, timesteps: Sequence[float], engines: Mapping[str, Adapter]) -> list[ModelRow]:
-    """A row a model, of the runs with the time steps (s) that were asked for.
+def evaluate(
+    results: Results, engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
+) -> list[ModelRow]:
+    """A row a model, of the runs with the integrators and time steps (s) that were asked for.
 
     Costs are measured now, with nothing else running, the models of one case and integrator in turn.
     """
-    verdicts: dict[tuple[Group, str], Verdict] = {}
-    groups: dict[Group, list[str]] = defaultdict(list)
-    for verdict in judgement.judge(results):
-        run = verdict.run
-        integrator, _, model = run.method.integrator.partition(MODEL_OPTION)
-        group = run.case, run.engine, integrator, run.method.timestep
-        verdicts[group, model] = verdict
-        groups[group].append(model)
+    verdicts = {verdict.run.key: verdict for verdict in judgement.judge(results)}
     rows = []
-    for group, models in groups.items():
-        case, engine, integrator, timestep = group
-        if timestep not in (timesteps or (DEFAULT_TIMESTEP,)):
-            continue
-        finer = (case, engine, integrator, timestep / 2)
-        pairs = {model: (verdicts[group, model], verdicts[finer, model]) for model in models}
-        meanings = engines[engine].models(results.cases[case].scene, integrator)
-        rows += rows_of(results.cases[case], group, pairs, meanings)
+    for case in results.cases.values():
+        for engine, adapter in engines.items():
+            for integrator, models in with_models(adapter, case, integrators).items():
+                for timestep in dict.fromkeys(timesteps or (DEFAULT_TIMESTEP,)):
+                    group = RunKey(case.name, engine, Method.parse(integrator, timestep))
+                    rows += rows_of(case, group, models, verdicts)
     return rows
 
 
-def rows_of(
-    case: Case, group: Group, pairs: Mapping[str, tuple[Verdict, Verdict]], meanings: Mapping[str, str]
-) -> list[ModelRow]:
-    """The rows of one group, its verdicts at the step and at its half by model."""
-    name, engine, integrator, timestep = group
+def rows_of(case: Case, group: RunKey, models: Mapping[str, Model], verdicts: Mapping[RunKey, Verdict]) -> list[ModelRow]:
+    """The rows of one case, engine, integrator and time step: a model each, in order of growth.
+
+    verdicts: on the runs of all models with this time step and with its half.
+    """
+
+    def verdict(model: Model, timestep: float) -> Verdict:
+        return verdicts[RunKey(group.case, group.engine, Method.parse(model.method, timestep))]
+
+    step = group.method.timestep
+    pairs = {name: (verdict(model, step), verdict(model, step / 2)) for name, model in models.items()}
     completed = {model: own for model, (own, _) in pairs.items() if own.discrepancy is not None}
     times, untimed = measured(case, completed)
     smallest = next(iter(pairs))
@@ -110,7 +114,7 @@ def rows_of(
         seconds, relative = times.get(model, (None, None))
         rows.append(
             ModelRow(
-                *(name, engine, own.run.version, integrator, timestep, model, meanings[model]),
+                *(group.case, group.engine, own.run.version, group.method.name, step, model, models[model].adds),
                 status=own.outcome.status,
                 reason=own.outcome.reason or untimed,
                 time_per_step=seconds.median if seconds else None,

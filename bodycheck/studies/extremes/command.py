@@ -39,7 +39,7 @@ def extremes(
     loaded = [case for case in load_cases(cases) if cases or case.extremes]
     adapters, missing = load_engines(engine)
     planned = study.prepare(loaded, adapters, integrator)
-    head = campaign.header(sys.argv, {name: adapter.version() for name, adapter in adapters.items()}, missing)
+    head = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, missing)
     with ExitStack() as stack:
         folder = out or Path(stack.enter_context(TemporaryDirectory(prefix="bodycheck-")))
         progress = stack.enter_context(terminal.progress("pushing", planned.size))

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from bodycheck.adapters.contract import Adapter
+from bodycheck.adapters.contract import Adapter, Method
+from bodycheck.adapters.offers import chosen
 from bodycheck.casefile.case import Case
 from bodycheck.errors import BadInput
 from bodycheck.reference.errors import NotModelled, OutOfReach
@@ -23,8 +24,9 @@ from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Backend, Truth, distance, truth
 from bodycheck.running import journal, plan, pool
+from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Outcome, TimedOut, Unsupported
-from bodycheck.running.simulation import DEFAULT_TIMESTEP, simulate
+from bodycheck.running.simulation import DEFAULT_TIMESTEP, run
 from bodycheck.studies.extremes.axes import Point, points
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, states
 from bodycheck.studies.extremes.growth import growth
@@ -41,8 +43,11 @@ TIME_LIMIT = 60.0
 RECORDS = "extremes.jsonl"
 
 
-TrialKey = tuple[str, str, str, float, str, float]
-SearchKey = tuple[str, str, str, float]
+#: Which run, along which axis, at which value.
+TrialKey = tuple[RunKey, str, float]
+
+#: Which method on which case, with any time step, at which spin (rad/s).
+SearchKey = tuple[RunKey, float]
 
 
 @dataclass(frozen=True)
@@ -51,12 +56,11 @@ class Trial:
 
     point: Point
     engine: str
-    integrator: str
+    method: Method
 
     @property
     def key(self) -> TrialKey:
-        point = self.point
-        return point.case.name, self.engine, self.integrator, point.timestep, point.axis, point.value
+        return RunKey(self.point.case.name, self.engine, self.method), self.point.axis, self.point.value
 
 
 @dataclass(frozen=True)
@@ -65,12 +69,12 @@ class Search:
 
     case: Case
     engine: str
-    integrator: str
+    method: Method
     spin: float
 
     @property
     def key(self) -> SearchKey:
-        return self.case.name, self.engine, self.integrator, self.spin
+        return RunKey(self.case.name, self.engine, self.method), self.spin
 
 
 @dataclass(frozen=True)
@@ -102,19 +106,19 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: 
         raise BadInput(f"{', '.join(axisless)}: no axes to push along; a case has them in its table [extremes]")
     plan.check(cases, engines, integrators, (DEFAULT_TIMESTEP,))
     trials = tuple(
-        Trial(point, engine, integrator)
+        Trial(point, engine, Method.parse(integrator, point.timestep))
         for case in cases
         for point in points(case)
         for engine, adapter in engines.items()
-        for integrator in plan.chosen(adapter.integrators(point.case.scene), integrators)
+        for integrator in chosen(adapter.engine, point.case.scene, integrators)
     )
     searches = tuple(
-        Search(case, engine, integrator, spin)
+        Search(case, engine, Method.parse(integrator, 0.0), spin)
         for case in cases
         if case.scene.plane is None
         for spin in dict(case.extremes).get("spin", ())
         for engine, adapter in engines.items()
-        for integrator in plan.chosen(adapter.integrators(case.scene), integrators)
+        for integrator in chosen(adapter.engine, case.scene, integrators)
     )
     plan.refuse_nothing(trials, engines, integrators)
     return Study(trials, searches)
@@ -172,7 +176,7 @@ def _rows(
     study: Study, log: journal.Journal, versions: Mapping[str, str], jobs: int, limit: float, progress: "Advance"
 ) -> list[Row]:
     there = [Row(**record["row"]) for record in log.records if record["record"] == "run"]
-    rows = {(row.case, row.engine, row.integrator, row.timestep, row.axis, row.value): row for row in there}
+    rows = {(RunKey.of_row(asdict(row)), row.axis, row.value): row for row in there}
     if rows:
         progress("", len(rows))
     left = [trial for trial in study.trials if trial.key not in rows]
@@ -193,24 +197,26 @@ def _limits(
     for record in log.records:
         if record["record"] == "probe":
             case, engine, integrator, spin = record["search"]
-            probes[case, engine, integrator, spin][record["product"]] = record["stable"]
+            probes[RunKey(case, engine, Method.parse(integrator, 0.0)), spin][record["product"]] = record["stable"]
     brackets = {search: bracket(probes[search.key]) for search in study.searches}
     while left := [Probe(search, product) for search, known in brackets.items() for product in known.following]:
         with closing(pool.call_all(_probe, left, jobs, limit)) as answers:
             for probe, answer in answers:
                 # A run that kills its process, or that does not come to an end, is not stable either.
                 held = probes[probe.search.key][probe.product] = answer is True
-                log.add({"record": "probe", "search": probe.search.key, "product": probe.product, "stable": held})
+                search = probe.search
+                names = (search.case.name, search.engine, search.method.name, search.spin)
+                log.add({"record": "probe", "search": names, "product": probe.product, "stable": held})
         for search in {probe.search for probe in left}:
             brackets[search] = bracket(probes[search.key])
             if not brackets[search].following:
-                progress(f"{search.case.name} · {search.engine} {search.integrator} · stability at {search.spin:g} rad/s")
+                progress(f"{search.case.name} · {search.engine} {search.method.name} · stability at {search.spin:g} rad/s")
     return [_limit(search, versions[search.engine], known.stable, known.unstable) for search, known in brackets.items()]
 
 
 def _try(trial: Trial) -> tuple[Outcome, Truth | Unsupported]:
     point = trial.point
-    outcome = simulate(point.case, trial.engine, trial.integrator, point.timestep).outcome
+    outcome = run(point.case, trial.engine, trial.method).outcome
     if not isinstance(outcome, Completed):
         return outcome, Unsupported("the run did not end")
     return outcome, follow(point.case.scene, outcome.trajectory.t)
@@ -219,7 +225,7 @@ def _try(trial: Trial) -> tuple[Outcome, Truth | Unsupported]:
 def _probe(probe: Probe) -> bool:
     search = probe.search
     case = turning(search.case, search.spin)
-    outcome = simulate(case, search.engine, search.integrator, probe.product / search.spin).outcome
+    outcome = run(case, search.engine, search.method.at(probe.product / search.spin)).outcome
     return stable(case.scene, outcome)
 
 
@@ -232,7 +238,7 @@ def _row(trial: Trial, version: str, answer: tuple[Outcome, Truth | Unsupported]
         found = diagnose(scene, *answer)
         if point.axis == "steps":
             found = replace(found, detail="; ".join([found.detail, *_drifts(scene, answer[0])]))
-    method = (trial.engine, version, trial.integrator, point.timestep)
+    method = (trial.engine, version, trial.method.name, point.timestep)
     return Row(point.case.name, *method, point.axis, point.value, found.status, found.engine_said, found.detail)
 
 
@@ -254,7 +260,7 @@ def _limit(search: Search, version: str, largest: float | None, smallest: float 
     def timestep(product: float | None) -> float | None:
         return None if product is None else product / search.spin
 
-    method = (search.engine, version, search.integrator)
+    method = (search.engine, version, search.method.name)
     return Limit(search.case.name, *method, search.spin, timestep(largest), largest, timestep(smallest))
 
 

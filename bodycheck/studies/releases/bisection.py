@@ -7,7 +7,6 @@ from typing import Any
 from packaging.version import Version
 
 from bodycheck.casefile.case import Case
-from bodycheck.casefile.suggestion import did_you_mean
 from bodycheck.environments import environments
 from bodycheck.environments.environments import Unobtainable
 from bodycheck.errors import BadInput
@@ -17,6 +16,7 @@ from bodycheck.studies.releases import answers as release_answers
 from bodycheck.studies.releases.questions import Question
 from bodycheck.studies.releases.rows import ALLOWANCE, UNOBTAINABLE
 from bodycheck.studies.releases.study import kept, version
+from bodycheck.suggestion import did_you_mean
 
 #: Whether a release is still good; None where it cannot be told.
 Probe = Callable[[str], bool | None]
@@ -103,7 +103,7 @@ class Observer:
     """Looks at releases of an engine, each at most once. made: environments that were made for it."""
 
     def __init__(self, engine: str, limit: Limit, jobs: int, told: Callable[[str], None]) -> None:
-        plan.check([limit.case], {}, (), (limit.timestep,))
+        plan.check([limit.case], {}, (limit.integrator,) if limit.integrator else (), (limit.timestep,))
         self.engine, self.limit, self.jobs = engine, limit, jobs
         self.cached = frozenset(kept(engine))
         self.looks: dict[str, Look] = {}
@@ -128,6 +128,8 @@ class Observer:
         (answer,) = release_answers.ask([(environment, question)], self.jobs, _silent).by_question.values()
         if answer.failure:
             return Look(version, answer.status, reason=answer.failure)
+        if answer.lacking:
+            return Look(version, Unsupported.status, reason="; ".join(answer.lacking.values()))
         if not limit.integrator and answer.offered:
             self.limit = limit = replace(limit, integrator=answer.offered[0])
         for row in answer.rows:

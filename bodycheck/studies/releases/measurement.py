@@ -7,20 +7,20 @@ whole or not at all, as soon as it is known, so that what an interrupted study h
 import json
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Adapter
+from bodycheck.adapters import offers, registry
+from bodycheck.adapters.contract import Adapter, Engine, Method
 from bodycheck.casefile import case
 from bodycheck.casefile.case import Case
+from bodycheck.errors import BadInput
 from bodycheck.judging import baseline, judgement
 from bodycheck.running import campaign
 from bodycheck.running.outcome import crash
 from bodycheck.running.plan import Task, plan
-from bodycheck.running.simulation import base
 from bodycheck.studies.releases.questions import Answer, Question, question_of, store
 from bodycheck.studies.tradeoff import study as tradeoff
 
@@ -37,29 +37,40 @@ def _answer(engine: str, question: Question, jobs: int) -> Answer:
     try:
         adapter = registry.load(engine)
         loaded = case.parse(question.text, question.name)
-        offered = tuple(adapter.integrators(loaded.scene))
-        version = adapter.version()
+        offered = offers.offered(adapter.engine, loaded.scene)
+        lacking = _lacking(adapter.engine, question.integrators)
     except Exception as error:  # whatever an engine raises is what there is to say of it
         failed = crash(error)
         return Answer(status=failed.status, failure=failed.reason)
-    tasks = _tasks(question, loaded, engine, adapter, offered)
+    tasks = _tasks(question, loaded, engine, adapter, lacking)
     if not tasks:
-        return Answer(offered)
-    head = campaign.header(sys.argv, {engine: version}, {})
+        return Answer(offered, lacking)
+    head = campaign.header(sys.argv, {engine: adapter.engine.version}, {})
     with TemporaryDirectory(prefix="bodycheck-") as folder, campaign.results(tasks, Path(folder), head, jobs) as results:
         verdicts = judgement.judge(results)
         if question.kind == "figures":
-            return Answer(offered, rows=tuple(map(_plain, baseline.rows(results, verdicts, jobs))))
-        return Answer(offered, orders=tuple(tradeoff.orders(results, verdicts, {engine: adapter})))
+            return Answer(offered, lacking, rows=tuple(map(_plain, baseline.rows(results, verdicts, jobs))))
+        return Answer(offered, lacking, orders=tuple(tradeoff.orders(results, verdicts, {engine: adapter})))
 
 
-def _tasks(question: Question, loaded: Case, engine: str, adapter: Adapter, offered: Sequence[str]) -> Sequence[Task]:
+def _lacking(engine: Engine, integrators: Sequence[str]) -> dict[str, str]:
+    """Of the methods that are asked for, those that the release does not have, with the reasons."""
+    found = {}
+    for spelling in integrators:
+        try:
+            offers.check(engine, Method.parse(spelling, 0.0))
+        except BadInput as error:
+            found[spelling] = str(error)
+    return found
+
+
+def _tasks(question: Question, loaded: Case, engine: str, adapter: Adapter, lacking: Mapping[str, str]) -> Sequence[Task]:
     """What the release can be asked to run of a question."""
-    there = tuple(name for name in question.integrators if base(name) in map(base, offered))
-    if question.integrators and not there:
+    there = offers.chosen(adapter.engine, loaded.scene, [name for name in question.integrators if name not in lacking])
+    if question.integrators and (not there or len(lacking) == len(question.integrators)):
         return ()
     make = plan if question.kind == "figures" else tradeoff.plan
-    return make([loaded], {engine: adapter}, there, question.timesteps)
+    return make([loaded], {engine: adapter}, there if question.integrators else (), question.timesteps)
 
 
 def _plain(row: dict[str, Any]) -> dict[str, Any]:

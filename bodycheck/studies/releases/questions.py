@@ -5,7 +5,8 @@ Little is imported here, for every question is put from a process of its own.
 
 import json
 import os
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from subprocess import TimeoutExpired
 from typing import Any, Literal
@@ -38,12 +39,22 @@ class Question:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a release gives. offered: its integrators for the scene. failure: why there are none, with the status of that.
+    """What a release gives.
 
-    rows: of figures, with allowances. orders: of the quantities.
+    Parameters
+    ----------
+    offered
+        Spellings of the methods that it has for the scene.
+    lacking
+        Of the methods that were asked for, those that it does not have, with the reasons.
+    rows, orders
+        Figures with their allowances, or the orders of the quantities.
+    status, failure
+        Why there is nothing else; empty where there is.
     """
 
     offered: tuple[str, ...] = ()
+    lacking: Mapping[str, str] = field(default_factory=dict)
     rows: tuple[dict[str, Any], ...] = ()
     orders: tuple[Order, ...] = ()
     status: str = "ok"

@@ -10,6 +10,7 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from bodycheck.adapters.method import current
 from bodycheck.errors import BadInput
 from bodycheck.judging.judgement import COLUMNS
 from bodycheck.running import journal
@@ -132,11 +133,16 @@ def read(folder: Path) -> Found:
     try:
         return Found(
             {name: contents.header[name] for name in HEADER},
-            tuple(record["row"] for record in contents.records if record["record"] == "row"),
-            tuple(Change(**record["change"]) for record in contents.records if record["record"] == "change"),
+            tuple(_present(record["row"]) for record in contents.records if record["record"] == "row"),
+            tuple(Change(**_present(record["change"])) for record in contents.records if record["record"] == "change"),
         )
     except (KeyError, TypeError) as error:
         raise BadInput(f"{folder / RECORDS}: no records of a study of releases: {error}") from error
+
+
+def _present(row: Row) -> dict[str, Any]:
+    """A row with the present spelling of its method, which earlier versions of bodycheck spelled otherwise."""
+    return {**row, "integrator": current(row["integrator"])}
 
 
 def _table(path: Path, names: Sequence[str], rows: Iterable[Row]) -> None:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from packaging.version import InvalidVersion, Version
 
+from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.identity import identity
 from bodycheck.environments import environments
@@ -18,8 +19,8 @@ from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.errors import BadInput
 from bodycheck.judging import baseline
 from bodycheck.running import campaign, plan
+from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Unsupported
-from bodycheck.running.simulation import base
 from bodycheck.studies.orders import Order
 from bodycheck.studies.releases import answers as release_answers
 from bodycheck.studies.releases.questions import Answer, Question
@@ -34,9 +35,6 @@ Bar = Callable[[str, int], "AbstractContextManager[Advance]"]
 
 #: Of which quantity a figure is, of those whose order is observed.
 QUANTITIES = {column: quantity for quantity, columns in COLUMNS.items() for column in columns}
-
-#: Integrator and time step (s); None where no release could tell its methods.
-Method = tuple[str, float | None]
 
 Releases = Mapping[str, Environment | Unobtainable]
 
@@ -96,7 +94,8 @@ def study(
 
     Raises `BadInput` for an integrator that no release has, and for a time step that cannot be run.
     """
-    plan.check(cases, {}, (), timesteps)
+    plan.check(cases, {}, integrators, timesteps)
+    integrators = [Method.parse(spelling, 0.0).name for spelling in integrators]
     questions = [Question("figures", case.name, case.text, tuple(integrators), tuple(timesteps)) for case in cases]
     there = kept(engine)
     obtained = _obtained(engine, versions, questions, jobs, bar)
@@ -152,10 +151,10 @@ def changes(rows: Sequence[Row]) -> Iterator[Change]:
 
     rows: the versions of a method on a case in their order.
     """
-    methods: dict[tuple[str, str, str, float], list[Row]] = defaultdict(list)
+    methods: dict[RunKey, list[Row]] = defaultdict(list)
     for row in rows:
         if row["status"] != UNOBTAINABLE and row["timestep"] is not None:
-            methods[row["case"], row["engine"], row["integrator"], row["timestep"]].append(row)
+            methods[RunKey.of_row(row)].append(row)
     for key, own in methods.items():
         for before, after in pairwise(own):
             for change in baseline.changes(key, dict(before), dict(after)):
@@ -185,12 +184,11 @@ def _bare(change: baseline.Change, before: str, after: str) -> Change:
 
 
 def _refuse_unknown(engine: str, integrators: Sequence[str], answers: Iterable[Answer]) -> None:
-    offered = dict.fromkeys(name for answer in answers for name in answer.offered)
+    """Raises `BadInput` for a method that no release has."""
+    told = [answer for answer in answers if not answer.failure]
     for integrator in integrators:
-        if offered and base(integrator) not in map(base, offered):
-            raise BadInput(
-                f"none of these releases of {engine} has an integrator {integrator!r}; there are: {', '.join(offered)}"
-            )
+        if told and all(integrator in answer.lacking for answer in told):
+            raise BadInput(f"none of these releases of {engine} has this method: {told[-1].lacking[integrator]}")
 
 
 def rows_of(engine: str, case: Case, obtained: Releases, answers: Mapping[tuple[str, str], Answer]) -> Iterator[Row]:
@@ -204,7 +202,10 @@ def rows_of(engine: str, case: Case, obtained: Releases, answers: Mapping[tuple[
         if (version, case.name) in answers
         for row in answers[version, case.name].rows
     }
-    methods: list[Method] = list(dict.fromkeys((integrator, timestep) for integrator, timestep, _ in measured)) or [("", None)]
+    # No release could tell its methods where there is only the empty one.
+    methods: list[tuple[str, float | None]] = list(
+        dict.fromkeys((integrator, timestep) for integrator, timestep, _ in measured)
+    ) or [("", None)]
     for integrator, timestep in methods:
         for version, one in obtained.items():
             row = {"case": case.name, "engine": engine, "version": version, "integrator": integrator, "timestep": timestep}

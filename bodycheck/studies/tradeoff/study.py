@@ -8,15 +8,17 @@ from typing import Any
 
 import pandas as pd
 
-from bodycheck.adapters.contract import Adapter, Method
+from bodycheck.adapters.contract import Adapter, Integrator, Method
+from bodycheck.adapters.offers import chosen, integrator_of
 from bodycheck.casefile.case import Case
 from bodycheck.judging import judgement
 from bodycheck.judging.convergence import observe_convergence
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.truth import Truth
 from bodycheck.running import campaign, pool
+from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed
-from bodycheck.running.plan import Task, check, chosen, refuse_nothing
+from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.running.store import Results
 from bodycheck.studies import cost
 from bodycheck.studies.cost import Cost, Stretch
@@ -39,10 +41,10 @@ def plan(
     """
     check(cases, engines, integrators, timesteps)
     tasks = tuple(
-        Task(case, engine, Method(integrator, timestep))
+        Task(case, engine, Method.parse(integrator, timestep))
         for case in cases
         for engine, adapter in engines.items()
-        for integrator in chosen(adapter.integrators(case.scene), integrators)
+        for integrator in chosen(adapter.engine, case.scene, integrators)
         for timestep in sorted(set(timesteps), reverse=True) or ladder(case)
     )
     refuse_nothing(tasks, engines, integrators)
@@ -75,7 +77,7 @@ def price(
     rows = judgement.records(verdicts)
     for row, verdict in zip(rows, verdicts, strict=True):
         found = costs.get(_task(results.cases[verdict.run.case], verdict))
-        row |= _costs(row, found, engines[verdict.run.engine].claim(verdict.run.method.integrator).evaluations)
+        row |= _costs(row, found, _claims(engines, verdict.run.key).evaluations)
         row["reason"] = row["reason"] or untimed.get(row["case"], "")
     return rows
 
@@ -104,6 +106,13 @@ def _task(case: Case, verdict: Verdict) -> Task:
 def _stretch(task: Task, verdict: Verdict) -> Stretch:
     assert isinstance(verdict.outcome, Completed)  # it has a discrepancy
     return Stretch(task.case.scene, task.engine, task.method, verdict.outcome.steps)
+
+
+def _claims(engines: Mapping[str, Adapter], key: RunKey) -> Integrator:
+    """The integrator of a run, with what its engine claims of it."""
+    own = integrator_of(engines[key.engine].engine, key.method)
+    assert own is not None  # it was run
+    return own
 
 
 def _costs(row: Mapping[str, Any], found: Cost | None, evaluations: int | None) -> dict[str, Any]:
@@ -141,13 +150,13 @@ def orders(
     """
     found: list[Order] = []
     for name, own in _by_case(verdicts).items():
-        methods: dict[tuple[str, str], list[Verdict]] = defaultdict(list)
+        methods: dict[RunKey, list[Verdict]] = defaultdict(list)
         for verdict in own:
             if verdict.discrepancy is not None:
-                methods[verdict.run.engine, verdict.run.method.integrator].append(verdict)
-        for (engine, integrator), runs in methods.items():
+                methods[verdict.run.key.over_steps].append(verdict)
+        for key, runs in methods.items():
             runs.sort(key=lambda verdict: -verdict.run.method.timestep)
-            found += _orders_of(results, results.cases[name], runs, engines[engine].claim(integrator).order)
+            found += _orders_of(results, results.cases[name], runs, _claims(engines, key).order)
         progress(f"{name} · orders")
     return found
 
@@ -166,7 +175,7 @@ def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], claime
     }
     for quantity, convergence in observe_convergence(runs, truth, errors).items():
         yield Order(
-            *(case.name, coarsest.engine, coarsest.version, coarsest.method.integrator, quantity),
+            *(case.name, coarsest.engine, coarsest.version, coarsest.method.name, quantity),
             order=convergence.order,
             order_low=convergence.low,
             order_high=convergence.high,

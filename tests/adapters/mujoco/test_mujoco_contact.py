@@ -7,10 +7,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from bodycheck.adapters import registry
+from bodycheck.adapters import offers
 from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported
 from bodycheck.adapters.mujoco import engine as adapter
-from bodycheck.adapters.mujoco.contact import read
+from bodycheck.errors import BadInput
 from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Scene, State
 from bodycheck.reference.trajectory import Array
 
@@ -25,12 +25,14 @@ SPINNING = replace(RESTING, initial=replace(RESTING.initial, angular_velocity=(0
 CURLING = replace(SPINNING, initial=replace(SPINNING.initial, velocity=(1.0, 0.3, 0.0)))
 PUCK = replace(CURLING, body=Body(MASS, (MASS * (3 * A * A + 4 * C * C) / 12,) * 2 + (MASS * A * A / 2,), Cylinder(A, C)))
 ELLIPTIC = "Euler:cone=elliptic"
-TOUCHING = [name for name in adapter.integrators(RESTING) if name != "Euler-planar"]
+TOUCHING = [name for name in offers.offered(adapter.engine, RESTING) if name != "Euler:model=planar"]
 
 
 def states(scene: Scene, name: str, timestep: float, duration: float) -> Array:
     """States (n, 13) after every step."""
-    return adapter.prepare(scene, Method(name, timestep)).advance(np.ones(round(duration / timestep), dtype=np.int64))
+    return adapter.prepare([scene], Method.parse(name, timestep)).advance(np.ones(round(duration / timestep), dtype=np.int64))[
+        0, :, 0
+    ]
 
 
 def slide_error(name: str, timestep: float) -> float:
@@ -97,7 +99,7 @@ def test_more_pads_do_not_bring_the_area_law(pads: int, stop: float) -> None:
     assert spin_stop(SPINNING, name, 5e-4) == pytest.approx(stop, abs=2e-3)
     outermost = points_stop((pads - 1) / pads * np.array([[A, B], [-A, B], [-A, -B], [A, -B]]))
     assert coulomb_stop(SPINNING, name, 1e-4) == pytest.approx(outermost, abs=2e-3)
-    _, touching = adapter.contact_loads(SPINNING, Method(name, 1e-4), 1000)
+    _, touching = adapter.contact_loads(SPINNING, Method.parse(name, 1e-4), 1000)
     assert touching.max() == 4
 
 
@@ -120,27 +122,28 @@ def test_a_brick_at_rest_stays(name: str) -> None:
 
 @pytest.mark.parametrize("scene", [CURLING, PUCK], ids=["brick", "puck"])
 @pytest.mark.parametrize(
-    "name", [*adapter.integrators(CURLING), "Euler:cone=elliptic,noslip=5", "discrete:cone=elliptic,pads=3", "RK4:pads=5"]
+    "name",
+    [*offers.offered(adapter.engine, CURLING), "Euler:cone=elliptic,noslip=5", "discrete:cone=elliptic,pads=3", "RK4:pads=5"],
 )
 def test_stepping_in_pieces_is_stepping_at_once(scene: Scene, name: str) -> None:
     strides = np.array([0, 3, 0, 5, 9000, 1, 40])
-    whole = adapter.prepare(scene, Method(name, 1e-4)).advance(strides)
-    simulation = adapter.prepare(scene, Method(name, 1e-4))
+    whole = adapter.prepare([scene], Method.parse(name, 1e-4)).advance(strides)
+    simulation = adapter.prepare([scene], Method.parse(name, 1e-4))
     pieces = [simulation.advance(part) for part in (strides[:2], strides[2:3], strides[3:4], strides[4:])]
-    np.testing.assert_array_equal(np.concatenate(pieces), whole)
-    once = adapter.prepare(scene, Method(name, 1e-4))
+    np.testing.assert_array_equal(np.concatenate(pieces, axis=1), whole)
+    once = adapter.prepare([scene], Method.parse(name, 1e-4))
     mujoco.set_mjcb_passive(once.force)
     try:
         mujoco.mj_step(once.model, once.data, nstep=int(strides.sum()))
     finally:
         mujoco.set_mjcb_passive(None)
-    np.testing.assert_array_equal(once.joints.rows(np.array([[*once.data.qpos, *once.data.qvel]])), whole[-1:])
+    np.testing.assert_array_equal(once.joints.rows(np.array([[*once.data.qpos, *once.data.qvel]])), whole[0, -1:, 0])
 
 
 def test_the_load_is_what_carries_the_brick() -> None:
     steps, timestep = 1000, 5e-4
     for name in TOUCHING:
-        load, touching = adapter.contact_loads(SPINNING, Method(name, timestep), steps)
+        load, touching = adapter.contact_loads(SPINNING, Method.parse(name, timestep), steps)
         assert load.shape == touching.shape == (steps,)
         assert (load[touching == 0] == 0).all()
         assert (load[touching > 0] > 0).all()
@@ -155,7 +158,7 @@ def test_the_load_is_what_carries_the_brick() -> None:
 
 
 def test_the_load_comes_in_bursts() -> None:
-    load, touching = adapter.contact_loads(SPINNING, Method(ELLIPTIC, 1e-4), 1000)
+    load, touching = adapter.contact_loads(SPINNING, Method.parse(ELLIPTIC, 1e-4), 1000)
     assert load.max() > 5 * MASS * GRAVITY
     assert np.mean(touching > 0) < 0.3
     assert load.mean() == pytest.approx(MASS * GRAVITY, rel=0.05)  # a burst more or less
@@ -163,7 +166,7 @@ def test_the_load_comes_in_bursts() -> None:
 
 def test_options_are_what_the_model_has() -> None:
     name = "implicit:cone=elliptic,impratio=10,condim=4,solref=0.004 1,solimp=0.8 0.9 0.002,noslip=5"
-    model = adapter.prepare(SLIDING, Method(name, 1e-3)).model
+    model = adapter.prepare([SLIDING], Method.parse(name, 1e-3)).model
     assert model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
     assert (model.opt.impratio, model.opt.noslip_iterations) == (10, 5)
     assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICIT
@@ -173,7 +176,7 @@ def test_options_are_what_the_model_has() -> None:
 
 
 def test_what_is_not_asked_for_is_mujocos_default() -> None:
-    model, plain = adapter.prepare(SLIDING, Method("Euler", 1e-3)).model, mujoco.MjModel.from_xml_string("<mujoco/>")
+    model, plain = adapter.prepare([SLIDING], Method.parse("Euler", 1e-3)).model, mujoco.MjModel.from_xml_string("<mujoco/>")
     for name in ("cone", "impratio", "noslip_iterations", "solver", "disableflags", "enableflags", "tolerance"):
         assert getattr(model.opt, name) == getattr(plain.opt, name), name
     np.testing.assert_array_equal(model.geom_condim, 3)
@@ -181,7 +184,7 @@ def test_what_is_not_asked_for_is_mujocos_default() -> None:
 
 @pytest.mark.parametrize("name", ["Euler", "Euler:pads=8"])
 def test_the_body_stays_that_of_the_scene(name: str) -> None:
-    model = adapter.prepare(SLIDING, Method(name, 1e-3)).model
+    model = adapter.prepare([SLIDING], Method.parse(name, 1e-3)).model
     assert model.body_mass[1] == MASS
     np.testing.assert_array_equal(model.body_inertia[1], MOMENTS)
     np.testing.assert_array_equal(model.body_ipos[1], 0)
@@ -189,11 +192,11 @@ def test_the_body_stays_that_of_the_scene(name: str) -> None:
 
 
 def test_pads_lie_in_the_lower_face() -> None:
-    model = adapter.prepare(SLIDING, Method("Euler:pads=3", 1e-3)).model
+    model = adapter.prepare([SLIDING], Method.parse("Euler:pads=3", 1e-3)).model
     assert (model.geom_type[1:] == mujoco.mjtGeom.mjGEOM_SPHERE).all()
     np.testing.assert_allclose(model.geom_pos[1:, 2] - model.geom_size[1:, 0], -C, rtol=1e-15)
     np.testing.assert_allclose(np.sort(model.geom_pos[1:, :2], axis=0), np.sort(grid(3), axis=0), rtol=1e-15, atol=1e-17)
-    round_face = adapter.prepare(PUCK, Method("Euler:pads=8", 1e-3)).model.geom_pos[1:, :2]
+    round_face = adapter.prepare([PUCK], Method.parse("Euler:pads=8", 1e-3)).model.geom_pos[1:, :2]
     # Of 8 x 8 cells the three in each corner have their middles outside the circle.
     assert len(round_face) == 64 - 12
     assert np.hypot(*round_face.T).max() <= A
@@ -208,39 +211,49 @@ def test_without_friction_a_body_slides_on() -> None:
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ("", "unknown contact option ''; there are: cone, impratio"),
-        ("friction=1", "unknown contact option 'friction=1'"),
-        ("cone=round", "cone='round': must be elliptic or pyramidal"),
-        ('cone="/>', "must be elliptic or pyramidal"),
+        ("", "'' is not an option; allowed: INTEGRATOR:KEY=VALUE"),
+        ("friction=1", "has no option 'friction'; allowed: model, drag, cone, impratio"),
+        ("cone=round", "read 'round'; allowed: elliptic or pyramidal"),
+        ("cone=elliptc", "did you mean 'elliptic'?"),
+        ('cone="/>', "allowed: elliptic or pyramidal"),
         ("cone=elliptic,cone=elliptic", "cone is given twice"),
-        ("impratio=0", "must be a positive number"),
-        ("impratio=nan", "must be a positive number"),
-        ("condim=2", "must be 1, 3, 4 or 6"),
-        ("solref=0.02", "must be two numbers"),
-        ("solref=0.02 -1", "must be two numbers"),
-        ("solimp=0.9 0.95", "must be three or five numbers"),
+        ("impratio=0", "allowed: a positive number"),
+        ("impratio=nan", "allowed: a positive number"),
+        ("condim=2", "allowed: 1, 3, 4 or 6"),
+        ("solref=0.02", "allowed: two numbers"),
+        ("solref=0.02 -1", "allowed: two numbers"),
+        ("solimp=0.9 0.95", "allowed: three or five numbers"),
         ("solimp=0.9 1.5 0.001", "impedances from 0 to 1"),
-        ("noslip=-1", "must be a whole number >= 0"),
-        ("noslip=2.5", "must be a whole number >= 0"),
-        ("pads=0", "must be a whole number from 1 to 32"),
-        ("pads", "must be a whole number from 1 to 32"),
-        ("solref=0.0019 1", "MuJoCo would raise the time constant 0.0019 s of solref to 0.002 s"),
+        ("noslip=-1", "allowed: a whole number >= 0"),
+        ("noslip=2.5", "allowed: a whole number >= 0"),
+        ("pads=0", "allowed: a whole number from 1 to 32"),
+        ("pads", "'pads' is not an option"),
     ],
 )
 def test_options_that_are_not_allowed_are_refused(options: str, text: str) -> None:
-    with pytest.raises(SceneUnsupported) as refused:
-        adapter.prepare(SLIDING, Method(f"Euler:{options}", 1e-3))
+    with pytest.raises(BadInput) as refused:
+        offers.check(adapter.engine, Method.parse(f"Euler:{options}", 1e-3))
     assert text in str(refused.value)
 
 
-def test_numbers_are_written_as_numbers() -> None:
-    assert read("solref= -1e3  -2e1,impratio=1_0,noslip=007") == {"solref": "-1000.0 -20.0", "impratio": "10.0", "noslip": "7"}
+def test_a_time_constant_that_mujoco_would_raise_is_refused() -> None:
+    with pytest.raises(SceneUnsupported, match=r"MuJoCo would raise the time constant 0\.0019 s of solref to 0\.002 s"):
+        adapter.prepare([SLIDING], Method.parse("Euler:solref=0.0019 1", 1e-3))
+
+
+def test_numbers_are_read_as_numbers() -> None:
+    method = Method.parse("Euler:solref= -1e3  -2e1,impratio=1_0,noslip=007", 1e-3)
+    offers.check(adapter.engine, method)
+    assert method.name == "Euler:impratio=10,noslip=7,solref=-1000 -20"
+    model = adapter.prepare([SLIDING], method).model
+    assert (model.opt.impratio, model.opt.noslip_iterations) == (10, 7)
+    np.testing.assert_array_equal(model.geom_solref, [[-1000, -20]] * 2)
 
 
 def test_a_time_constant_is_raised_by_all_integrators_but_discrete() -> None:
     """Which is why a shorter one is refused for the others; seen in the damping that MuJoCo works with, 2/(0.95 timeconst)."""
-    for integrator in adapter.plain_integrators():
-        model = adapter.prepare(RESTING, Method(f"{integrator}:solref=0.004 1", 2e-3)).model
+    for integrator in adapter.available():
+        model = adapter.prepare([RESTING], Method.parse(f"{integrator}:solref=0.004 1", 2e-3)).model
         model.geom_solref[:, 0] = 0.002
         data = mujoco.MjData(model)
         data.qpos[2] = C / 2
@@ -263,35 +276,32 @@ def test_a_time_constant_is_raised_by_all_integrators_but_discrete() -> None:
             "Euler",
             "does not lie flat",
         ),
-        (SLIDING, "Euler-fluid", "has no integrator 'Euler-fluid'"),
-        (SLIDING, "euler:cone=elliptic", "has no integrator 'euler'"),
-        (replace(SLIDING, plane=None), ELLIPTIC, "without a plane"),
-        (replace(SLIDING, plane=None), "leapfrog", "has no integrator 'leapfrog'"),
+        (SLIDING, "Euler:cone=elliptic,model=planar", "contact options cone=elliptic for the model 'planar'"),
         (replace(SLIDING, plane=Plane(1e-6)), "Euler", "least friction is 1e-05"),
         (replace(SLIDING, plane=Plane(0.0)), "Euler:condim=3", "least friction is 1e-05"),
     ],
 )
 def test_what_is_not_modelled_is_refused(scene: Scene, name: str, text: str) -> None:
     with pytest.raises(SceneUnsupported) as refused:
-        adapter.prepare(scene, Method(name, 1e-3))
+        adapter.prepare([scene], Method.parse(name, 1e-3))
     assert text in str(refused.value)
     with pytest.raises(SceneUnsupported):
-        adapter.contact_loads(scene, Method(name, 1e-3), 1)
+        adapter.contact_loads(scene, Method.parse(name, 1e-3), 1)
 
 
 def test_a_full_buffer_is_diverged(tmp_path: object, monkeypatch: pytest.MonkeyPatch) -> None:
     """A rollout stands still after any warning of MuJoCo; here, of more constraints than its buffer holds."""
     monkeypatch.chdir(tmp_path)
-    method = Method("Euler:noslip=5,pads=32", 1e-3)
+    method = Method.parse("Euler:noslip=5,pads=32", 1e-3)
     with pytest.raises(EngineDiverged, match=r"MuJoCo warned of CNSTRFULL at t = 0\.00"):
-        adapter.prepare(RESTING, method).advance(np.array([10]))
+        adapter.prepare([RESTING], method).advance(np.array([10]))
     with pytest.raises(EngineDiverged, match="warned of CNSTRFULL"):
         adapter.contact_loads(RESTING, method, 10)
     assert not list(tmp_path.iterdir()), "MuJoCo left a log file in the working directory"
 
 
 def test_what_is_offered() -> None:
-    plain = adapter.integrators(replace(SLIDING, plane=None))
-    assert adapter.integrators(SLIDING) == (*plain, ELLIPTIC, f"{ELLIPTIC},pads=4", "Euler-planar")
-    assert not any(":" in name for name in adapter.integrators())
-    assert "mujoco_contact" not in registry.names()
+    plain = offers.offered(adapter.engine, replace(SLIDING, plane=None))
+    assert offers.offered(adapter.engine, SLIDING) == (*plain, ELLIPTIC, f"{ELLIPTIC},pads=4", "Euler:model=planar")
+    for method, scene in (("Euler:drag=fluid", SLIDING), (ELLIPTIC, replace(SLIDING, plane=None))):
+        assert "has no option" in (offers.not_offered(adapter.engine, scene, Method.parse(method, 1e-3)) or "")

@@ -24,13 +24,14 @@ MUJOCO = registry.load("mujoco")
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("integrator", ["Euler", "RK4"])
 def test_steps_are_those_of_rollouts(name: str, integrator: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    scene, method = load(name).scene, Method(integrator, 1e-3)
-    rollouts = MUJOCO.prepare(scene, method)
+    scene, method = load(name).scene, Method.parse(integrator, 1e-3)
+    rollouts = MUJOCO.prepare([scene], method)
     monkeypatch.setattr(mujoco_stepping, "Pool", None)
-    steps = MUJOCO.prepare(scene, method)
+    steps = MUJOCO.prepare([scene], method)
     assert (type(rollouts), type(steps)) == (mujoco_stepping.Rollouts, mujoco_stepping.Steps)
     whole = rollouts.advance(STRIDES)
-    np.testing.assert_array_equal(np.vstack([steps.advance(STRIDES[:2]), steps.advance(STRIDES[2:])]), whole)
+    pieces = [steps.advance(STRIDES[:2]), steps.advance(STRIDES[2:])]
+    np.testing.assert_array_equal(np.concatenate(pieces, axis=1), whole)
 
 
 def test_steps_stop_at_the_reset_at_which_rollouts_stop(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -40,27 +41,27 @@ def test_steps_stop_at_the_reset_at_which_rollouts_stop(monkeypatch: pytest.Monk
     for pool in (mujoco_stepping.Pool, None):
         monkeypatch.setattr(mujoco_stepping, "Pool", pool)
         with pytest.raises(EngineReset) as signal:
-            MUJOCO.prepare(scene, Method("Euler", 2e-3)).advance(strides)
+            MUJOCO.prepare([scene], Method.parse("Euler", 2e-3)).advance(strides)
         signals.append(signal.value)
     assert str(signals[0]) == str(signals[1])
-    np.testing.assert_array_equal(signals[0].rows, signals[1].rows)
-    assert 1 < len(signals[0].rows) < len(strides)
+    np.testing.assert_array_equal(signals[0].states, signals[1].states)
+    assert 1 < signals[0].states.shape[1] < len(strides)
 
 
 FIGURES = """
 import json, sys
 from dataclasses import replace
 from bodycheck import load, simulate
-from bodycheck.adapters import registry
+from bodycheck.adapters import offers, registry
 adapter, found = registry.load(sys.argv[1]), {}
 for name in sys.argv[2:]:
     case = load(name)
     case = replace(case, duration=1.0, samples=11, expectations=())
-    for integrator in adapter.integrators(case.scene):
-        for method in (integrator, *(f"{integrator}:model={model}" for model in adapter.models(case.scene, integrator))):
+    for integrator in offers.offered(adapter.engine, case.scene):
+        for method in (integrator, *(model.method for model in adapter.models(case.scene, integrator).values())):
             outcome = simulate(case, sys.argv[1], method, 1e-3).outcome
             found[f"{name} {method}"] = getattr(outcome, "reason", "") or type(outcome).__name__
-print(json.dumps([adapter.version(), found]))
+print(json.dumps([adapter.engine.version, found]))
 """
 RELEASES = {
     "mujoco": ("2.3.2", "2.3.7", "3.0.0", "3.1.6", "3.2.0", "3.2.7", "3.3.7", "3.17.0"),

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bodycheck.adapters import registry
+from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported
 from bodycheck.adapters.pinocchio.contact import solver_settings
 from bodycheck.reference.inertia import principal_moments
@@ -43,7 +43,7 @@ def flat(
 def every_step(scene: Scene, scheme: str, timestep: float, duration: float) -> Array:
     """The states (n + 1, 13) at t = 0 and after each of the n steps."""
     strides = np.array([0] + [1] * round(duration / timestep))
-    return PINOCCHIO.prepare(scene, Method(scheme, timestep)).advance(strides)
+    return PINOCCHIO.prepare([scene], Method.parse(scheme, timestep)).advance(strides)[0, :, 0]
 
 
 def stop(rows: Array, timestep: float) -> float:
@@ -165,10 +165,10 @@ def test_a_brick_without_friction_slides_and_turns_uniformly(scheme: str) -> Non
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_stepping_in_pieces_is_stepping_at_once(scheme: str) -> None:
     scene, strides = flat((SPEED, 0.0), SPIN), np.array([0, 3, 0, 40, 300])
-    whole = PINOCCHIO.prepare(scene, Method(scheme, 2e-3)).advance(strides)
-    simulation = PINOCCHIO.prepare(scene, Method(scheme, 2e-3))
+    whole = PINOCCHIO.prepare([scene], Method.parse(scheme, 2e-3)).advance(strides)
+    simulation = PINOCCHIO.prepare([scene], Method.parse(scheme, 2e-3))
     pieces = [simulation.advance(part) for part in (strides[:2], strides[2:4], strides[4:])]
-    np.testing.assert_array_equal(np.concatenate(pieces), whole)
+    np.testing.assert_array_equal(np.concatenate(pieces, axis=1), whole)
 
 
 def test_a_step_that_admm_does_not_solve_is_diverged(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -184,12 +184,15 @@ def test_a_step_that_admm_does_not_solve_is_diverged(monkeypatch: pytest.MonkeyP
 
 def test_integrators_are_those_of_the_scene() -> None:
     on_plane, free = flat(), replace(flat(), plane=None)
-    assert PINOCCHIO.integrators(on_plane) == (*SCHEMES, "law-force-planar")
-    assert set(PINOCCHIO.integrators(free)) == {"semi-implicit-euler", "body-twist-euler", "rk4", "rk4-naive"}
-    assert set(PINOCCHIO.integrators()) == {*PINOCCHIO.integrators(free), *PINOCCHIO.integrators(on_plane)}
+    assert offers.offered(PINOCCHIO.engine, on_plane) == (*SCHEMES, "law-force:model=planar-joint")
+    assert set(offers.offered(PINOCCHIO.engine, free)) == {"semi-implicit-euler", "body-twist-euler", "rk4", "rk4-naive"}
+    assert set(offers.listed(PINOCCHIO.engine)) == {
+        *offers.offered(PINOCCHIO.engine, free),
+        *offers.offered(PINOCCHIO.engine, on_plane),
+    }
     for scene, integrator in ((on_plane, "rk4"), (free, "admm")):
-        with pytest.raises(SceneUnsupported, match="no integrator"):
-            PINOCCHIO.prepare(scene, Method(integrator, 1e-3))
+        method = Method.parse(integrator, 1e-3)
+        assert offers.not_offered(PINOCCHIO.engine, scene, method) == f"has no integrator {integrator!r} for this scene"
 
 
 def lifted(height: float) -> Scene:
@@ -211,14 +214,13 @@ UNSUPPORTED = {
 @pytest.mark.parametrize("reason", UNSUPPORTED)
 def test_what_cannot_be_modelled_is_named(reason: str) -> None:
     scene = UNSUPPORTED[reason]
-    assert reason in (PINOCCHIO.unsupported(scene) or "")
     for scheme in SCHEMES:
         with pytest.raises(SceneUnsupported, match=reason):
-            PINOCCHIO.prepare(scene, Method(scheme, 1e-3))
+            PINOCCHIO.prepare([scene], Method.parse(scheme, 1e-3))
 
 
 def test_a_cylinder_has_no_corners_for_rigid_contacts() -> None:
     scene = flat(spin=SPIN, shape=DISK, plane=Plane(FRICTION, "area"))
-    assert PINOCCHIO.unsupported(scene) is None
+    PINOCCHIO.prepare([scene], Method.parse("law-force", 1e-3))
     with pytest.raises(SceneUnsupported, match="admm has contacts at corners"):
-        PINOCCHIO.prepare(scene, Method("admm", 1e-3))
+        PINOCCHIO.prepare([scene], Method.parse("admm", 1e-3))

@@ -96,13 +96,13 @@ def test_mujocos_own_fluid_is_another_model() -> None:
     """It meets the ball by the axes of its body, so that its difference does not vanish with the step."""
     case = shortened(load("football-drag"), 2.0, 201)  # of which both steps are parts
     exact = truth(case)
-    own = [compare(exact, simulate(case, "mujoco", "RK4-fluid", h)).maxima()["position_error"] for h in (2e-3, 1e-3)]
+    own = [compare(exact, simulate(case, "mujoco", "RK4:drag=fluid", h)).maxima()["position_error"] for h in (2e-3, 1e-3)]
     assert min(own) > 0.1
     assert own[0] == pytest.approx(own[1], rel=1e-7)
     # Where the ball flies along its long axis without turning, the two are the same force.
     straight = replace(case.scene.initial, angular_velocity=(0.0, 0.0, 0.0))
     still = shortened(replace(case, scene=replace(case.scene, initial=straight, gravity=0.0)), 1.0, 11)
-    assert compare(truth(still), simulate(still, "mujoco", "RK4-fluid", 1e-3)).maxima()["position_error"] < 1e-9
+    assert compare(truth(still), simulate(still, "mujoco", "RK4:drag=fluid", 1e-3)).maxima()["position_error"] < 1e-9
 
 
 def test_errors_against_the_truth_stand_where_drifts_would() -> None:

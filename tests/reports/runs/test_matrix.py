@@ -29,7 +29,7 @@ def ran(case: str, engine: str = "mujoco", integrator: str = "Euler", timestep: 
     """A completed run, its errors growing to these figures."""
     series = {name: np.array([0.0, value]) for name, value in (ERRORS | figures).items()}
     outcome = Completed(None, 10, 1e-4)  # type: ignore[arg-type]  # nobody asks for the trajectory
-    run = Run(case, engine, "1", Method(integrator, timestep), outcome)
+    run = Run(case, engine, "1", Method.parse(integrator, timestep), outcome)
     return Verdict(run, outcome, Discrepancy(np.array([0.0, 1.0]), series, {}), None, "")
 
 
@@ -54,13 +54,13 @@ def test_a_kind_follows_from_what_a_scene_requires(name: str) -> None:
 
 def test_every_kind_has_its_figure_and_only_its_methods() -> None:
     found = matrices_of(
-        ran(SLIDE, "pinocchio", "admm"), ran(FLIP), ran(FLIGHT, integrator="RK4"), ran(DRAG, integrator="Euler-fluid")
+        ran(SLIDE, "pinocchio", "admm"), ran(FLIP), ran(FLIGHT, integrator="RK4"), ran(DRAG, integrator="Euler:drag=fluid")
     )
     assert [matrix.kind for matrix in found] == list(KINDS)
     assert [[column.integrator for column in matrix.columns] for matrix in found] == [
         ["Euler"],
         ["RK4"],
-        ["Euler-fluid"],
+        ["Euler:drag=fluid"],
         ["admm"],
     ]
     texts = [cell.common.text for matrix in found for row in matrix.rows for cell in row.cells if cell and cell.common]
@@ -125,7 +125,7 @@ def test_decades(error: float, expected: int) -> None:
 
 
 def test_a_known_discrepancy_is_not_said_to_hold() -> None:
-    expectation = Expectation("mujoco", "Euler", 0.002)
+    expectation = Expectation("mujoco", Method.parse("Euler", 0.002))
     known = Judged(expectation, (Breach("attitude_error", "1 rad", "at most 0.1 rad"),), True, "known until then")
     held = Judged(expectation, (), True, "")
     verdicts = [ended(ran(FLIP), True, judged=(held,)), ended(ran(FLIGHT), True, "known until then", judged=(known,))]

@@ -250,7 +250,7 @@ def test_a_hundred_cases_of_twenty_methods_stay_small(flips: Played) -> None:
     more = {}
     for copy in range(4):
         for one in runs.values():
-            other = replace(one, run=replace(one.run, method=Method(f"{one.run.method.integrator}-{copy}", 0.002)))
+            other = replace(one, run=replace(one.run, method=Method.parse(f"{one.run.method.name}-{copy}", 0.002)))
             more[replace(assign([key_of(other)])[key_of(other)])] = other
     data = data_of(FLIP, (more, truths), MOST_CHARACTERS // 100)
     assert 100 * len(json.dumps(data, separators=(",", ":"))) < 1.1 * MOST_CHARACTERS

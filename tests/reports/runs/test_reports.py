@@ -58,7 +58,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     flip = shortened(FLIP)
     cases = (parse(flip.text + BROKEN, FLIP), shortened(FLIGHT))
     tasks = plan.plan(cases, engines, ("Euler", "RK4", "semi-implicit-euler", "body-twist-euler", "rk4"), ())
-    head = campaign.header(("bodycheck", "run", "<b>"), {name: engine.version() for name, engine in engines.items()}, {})
+    head = campaign.header(("bodycheck", "run", "<b>"), {name: engine.engine.version for name, engine in engines.items()}, {})
     with campaign.results(tasks, place, head, jobs=2):
         pass
     return place
@@ -182,7 +182,11 @@ def test_ways_to_fail(results: Results, verdicts: list[Verdict]) -> None:
     )
     more = [
         Verdict(
-            replace(verdicts[0].run, method=Method(f"way-{place}", 0.002)), end, None, False if end.failed else None, end.reason
+            replace(verdicts[0].run, method=Method.parse(f"way-{place}", 0.002)),
+            end,
+            None,
+            False if end.failed else None,
+            end.reason,
         )
         for place, end in enumerate(ends_of_runs)
     ]
@@ -247,7 +251,7 @@ def test_markdown_leaves_out_what_does_not_fit(contents: Contents) -> None:
 def test_a_large_report_stays_small(results: Results, verdicts: list[Verdict]) -> None:
     flips = [verdict for verdict in verdicts if verdict.run.case == FLIP]
     many = [
-        replace(verdict, run=replace(verdict.run, method=Method(f"{verdict.run.method.integrator}-{copy}", 0.002)))
+        replace(verdict, run=replace(verdict.run, method=Method.parse(f"{verdict.run.method.name}-{copy}", 0.002)))
         for copy in range(200)
         for verdict in flips
     ]
@@ -291,7 +295,7 @@ def test_the_floor_is_drawn_under_attitude_errors_alone(contents: Contents) -> N
 def test_curves_keep_the_largest_error(contents: Contents, verdicts: list[Verdict]) -> None:
     for verdict in verdicts:
         section = next(section for section in contents.sections if section.name == verdict.run.case)
-        label = f"{verdict.run.engine} {verdict.run.method.integrator}"
+        label = f"{verdict.run.engine} {verdict.run.method.name}"
         row = next(row for row in section.curves.datasets["series"] if row["method"] == label)
         (times,) = section.curves.datasets["times"]
         assert len(times["t"]) == len(row["attitude_error"]) <= 256

@@ -105,7 +105,7 @@ def test_rows_can_be_read_by_a_program(capsys: pytest.CaptureFixture[str], tmp_p
 
 def test_without_integrators_the_first_with_models_is_compared() -> None:
     tasks = ablation.plan([load("sliding-brick"), load("free-brick")], ADAPTERS, (), ())
-    methods = {(task.case.name, task.engine, task.method.integrator.partition(":")[0]) for task in tasks}
+    methods = {(task.case.name, task.engine, task.method.name.partition(":")[0]) for task in tasks}
     assert methods == {
         ("sliding-brick", "mujoco", "Euler"),
         ("sliding-brick", "pinocchio", "law-force"),
@@ -114,7 +114,7 @@ def test_without_integrators_the_first_with_models_is_compared() -> None:
     }
     assert {task.method.timestep for task in tasks} == {0.002, 0.001}
     asked = ablation.plan([load("free-brick")], ADAPTERS, ("RK4", "rk4"), (0.004, 0.002))
-    assert {task.method.integrator.partition(":")[0] for task in asked} == {"RK4", "rk4"}
+    assert {task.method.name.partition(":")[0] for task in asked} == {"RK4", "rk4"}
     assert len(asked) == len(set(asked)) == 3 * 2 * 3
 
 
@@ -143,7 +143,7 @@ def completed(aside: float, lean: float, timestep: float) -> Verdict:
     attitude = np.tile([math.cos(lean / 2), math.sin(lean / 2), 0.0, 0.0], (3, 1))
     states = np.tile([aside, 0.0, 0.0], (3, 1))
     run = Run(
-        "case", "engine", "1", Method("i", timestep), Completed(Trajectory(t, states, attitude, states, states), 100, 1.0)
+        "case", "engine", "1", Method.parse("i", timestep), Completed(Trajectory(t, states, attitude, states, states), 100, 1.0)
     )
     return Verdict(run, run.outcome, None, None, "")
 
@@ -219,6 +219,7 @@ def test_a_flight_too_short_for_a_step_still_has_costs() -> None:
     """Timings repeat a short run from its start."""
     case = shortened(load("projectile"), 0.01, 2)
     stretches = [
-        cost.Stretch(case.scene, "mujoco", Method(f"Euler:model={model}", 0.01), 1) for model in ("translation", "everything")
+        cost.Stretch(case.scene, "mujoco", Method.parse(f"Euler:model={model}", 0.01), 1)
+        for model in ("translation", "everything")
     ]
     assert (cost.measure(stretches, rounds=2) > 0).all()

@@ -54,7 +54,7 @@ def study(
     cases: list[Case], engines: tuple[str, ...], folder: Path, integrators: tuple[str, ...] = (), limit: float = 60.0
 ) -> tuple[list[Row], list[Limit]]:
     adapters = {name: registry.load(name) for name in engines}
-    head = campaign.header([], {name: adapter.version() for name, adapter in adapters.items()}, {})
+    head = campaign.header([], {name: adapter.engine.version for name, adapter in adapters.items()}, {})
     with extremes.results(extremes.prepare(cases, adapters, integrators), folder, head, 2, silent, limit) as found:
         return found
 

@@ -69,7 +69,7 @@ def miniature(case: Case, scheme: Scheme, timestep: float) -> Run:
 
 def of_states(case: Case, states: np.ndarray, steps: np.ndarray, timestep: float) -> Run:
     trajectory = Trajectory(steps * timestep, *np.split(states, [3, 7, 10], axis=1))
-    return Run(case.name, "miniature", "1.0", Method("own", timestep), Completed(trajectory, int(steps[-1]), 1.0))
+    return Run(case.name, "miniature", "1.0", Method.parse("own", timestep), Completed(trajectory, int(steps[-1]), 1.0))
 
 
 @pytest.mark.parametrize(("engine", "integrator"), ENGINES)
@@ -250,7 +250,7 @@ def test_with_a_small_step_a_good_scheme_is_the_truth() -> None:
 
 
 def test_fluid_that_meets_the_rotation_is_in_no_scheme() -> None:
-    identification = found(load("football-drag"), simulate(load("football-drag"), "mujoco", "Euler-fluid", 0.01))
+    identification = found(load("football-drag"), simulate(load("football-drag"), "mujoco", "Euler:drag=fluid", 0.01))
     assert identification.scheme == ""
     assert identification.candidates[0].scheme == SEMI_IMPLICIT
     assert identification.early > 1e-3
@@ -332,7 +332,7 @@ def test_no_scheme_is_tried_on_a_plane() -> None:
 
 def test_a_run_without_a_trajectory_is_refused() -> None:
     with pytest.raises(ValueError, match="its status is diverged: not a number"):
-        identify(FLIP, Run(FLIP.name, "miniature", "1.0", Method("own", 0.01), Diverged("not a number")), truth_of(FLIP))
+        identify(FLIP, Run(FLIP.name, "miniature", "1.0", Method.parse("own", 0.01), Diverged("not a number")), truth_of(FLIP))
 
 
 @pytest.mark.parametrize("name", SCHEMES)

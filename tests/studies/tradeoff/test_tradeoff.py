@@ -30,7 +30,7 @@ EULERS = [("mujoco", "Euler"), ("mujoco", "implicit"), ("mujoco", "implicitfast"
 
 def run(cases: list[Case], folder: Path, integrators: tuple[str, ...] = (), timesteps: tuple[float, ...] = ()) -> Results:
     tasks = tradeoff.plan(cases, ENGINES, integrators, timesteps)
-    head = campaign.header(["test"], {name: engine.version() for name, engine in ENGINES.items()}, {})
+    head = campaign.header(["test"], {name: engine.engine.version for name, engine in ENGINES.items()}, {})
     with campaign.results(tasks, folder, head, jobs=2):
         pass
     return store.read(folder)
@@ -174,8 +174,8 @@ def test_a_timing_that_fails_leaves_no_speed_and_says_why(tmp_path: Path, monkey
 
 def test_a_method_timed_twice_costs_the_same_within_the_spread() -> None:
     scene = load("osrf-boxes-complex").scene
-    euler = Stretch(scene, "mujoco", Method("Euler", 0.001), 10_000)
-    rk4 = Stretch(scene, "pinocchio", Method("rk4", 0.001), 10_000)
+    euler = Stretch(scene, "mujoco", Method.parse("Euler", 0.001), 10_000)
+    rk4 = Stretch(scene, "pinocchio", Method.parse("rk4", 0.001), 10_000)
     once, other, twice = cost.summarise(cost.measure([euler, rk4, euler]))
     # The least and the most of nine turns each: that both medians lie outside of the other's has a chance below 1e-4.
     spread = max(once.high - once.low, twice.high - twice.low)

@@ -8,12 +8,14 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 
-from bodycheck.reference.requirements import missing
+from bodycheck.adapters.contract import Engine, Integrator, Method, Option
+from bodycheck.reference.scene import Scene
 
 Spoil = Callable[[float, np.ndarray], np.ndarray]
 
@@ -97,7 +99,7 @@ def printing(t: float, row: np.ndarray) -> np.ndarray:
 
 @dataclass
 class Flight:
-    scene: object
+    scene: Scene
     timestep: float
     spoil: Spoil
     steps: int = field(default=0)
@@ -107,7 +109,7 @@ class Flight:
         for stride in strides:
             self.steps += int(stride)
             rows.append(self.spoil(t := self.steps * self.timestep, self._state(t)))
-        return np.array(rows)
+        return np.array(rows)[None, :, None, :]
 
     def _state(self, t: float) -> np.ndarray:
         initial = self.scene.initial
@@ -121,55 +123,37 @@ class Flight:
         return np.concatenate([position + velocity * t + fall * t * t / 2, quaternion, velocity + fall * t, spin])
 
 
-@dataclass(frozen=True)
-class Claim:
-    order: int | None = None
-    evaluations: int | None = 1
+#: Its option `note` takes any text and changes nothing.
+INTEGRATOR = Integrator("closed-form", evaluations=1, options={"note": Option("any text")})
 
 
 @dataclass(frozen=True)
 class Miniature:
+    name: str
     spoil: Spoil
+    modelled: ClassVar[frozenset[str]] = frozenset({"gravity", "translation", "rotation"})
 
-    def version(self) -> str:
-        return "1.0"
+    @property
+    def engine(self) -> Engine:
+        return Engine(self.name, "bodycheck-miniature", "1.0", (INTEGRATOR,), self.modelled)
 
-    def integrators(self, scene: object = None) -> tuple[str, ...]:
-        return ("closed-form",)
-
-    def claim(self, integrator: str) -> Claim:
-        return Claim()
-
-    def models(self, scene: object, integrator: str) -> dict[str, str]:
-        return {}
-
-    def unsupported(self, scene: object) -> str | None:
-        return missing(scene, {"gravity", "translation", "rotation"})
-
-    def contact_law(self, scene: object, integrator: str) -> object | None:
-        return None
-
-    def contact_load(self, scene: object, method: object, steps: int) -> None:
-        return None
-
-    def prepare(self, scene: object, method: object) -> Flight:
+    def prepare(self, scenes: Sequence[Scene], method: Method) -> Flight:
+        (scene,) = scenes
         return Flight(scene, method.timestep, self.spoil)
 
 
 class Frozen(Miniature):
     """Says that it models everything and that it steps, and stands still."""
 
-    def unsupported(self, scene: object) -> str | None:
-        return None
+    modelled = frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"})
 
-    def prepare(self, scene: object, method: object) -> Flight:
-        return Flight(scene, 0.0, self.spoil)
+    def prepare(self, scenes: Sequence[Scene], method: Method) -> Flight:
+        return Flight(scenes[0], 0.0, self.spoil)
 
 
-EXACT, WRONG, DRIFTING, EXPLODING, NOT_A_NUMBER, RAISING, DYING, HANGING, PRINTING = map(
-    Miniature, (exact, wrong, drifting, exploding, not_a_number, raising, dying, hanging, printing)
-)
-VANISHING, EXITING, SEGFAULTING, ALLOCATING, SHAPELESS, DAWDLING = map(
-    Miniature, (vanishing, exiting, segfaulting, allocating, shapeless, dawdling)
-)
-FROZEN = Frozen(exact)
+EXACT, WRONG, DRIFTING = Miniature("exact", exact), Miniature("wrong", wrong), Miniature("drifting", drifting)
+EXPLODING, NOT_A_NUMBER = Miniature("exploding", exploding), Miniature("not-a-number", not_a_number)
+RAISING, DYING, HANGING = Miniature("raising", raising), Miniature("dying", dying), Miniature("hanging", hanging)
+PRINTING, VANISHING, EXITING = Miniature("printing", printing), Miniature("vanishing", vanishing), Miniature("exiting", exiting)
+SEGFAULTING, ALLOCATING = Miniature("segfaulting", segfaulting), Miniature("allocating", allocating)
+SHAPELESS, DAWDLING, FROZEN = Miniature("shapeless", shapeless), Miniature("dawdling", dawdling), Frozen("frozen", exact)

@@ -1,11 +1,13 @@
 """Miniature engines that start over, say that they do, or both."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from miniature import Flight, Miniature, exact
 
-from bodycheck.adapters.contract import EngineReset
+from bodycheck.adapters.contract import EngineReset, Method
+from bodycheck.reference.scene import Scene
 
 #: s, after which they start over.
 LAST = 0.5
@@ -17,16 +19,16 @@ class Restart(Flight):
     does: bool = False
 
     def advance(self, strides: np.ndarray) -> np.ndarray:
-        rows = super().advance(strides)
+        states = super().advance(strides)
         times = np.cumsum(strides) * self.timestep
         after = times > LAST
         if self.does:
-            rows[after] = [self._state(t - LAST) for t in times[after]]
+            states[0, after, 0] = [self._state(t - LAST) for t in times[after]]
         if self.says:
             signal = EngineReset(f"the miniature engine starts over at t = {LAST} s")
-            signal.rows = rows[: int(np.argmax(after)) + 1]
+            signal.states = states[:, : int(np.argmax(after)) + 1]
             raise signal
-        return rows
+        return states
 
 
 @dataclass(frozen=True)
@@ -34,10 +36,10 @@ class Restarting(Miniature):
     says: bool = False
     does: bool = False
 
-    def prepare(self, scene: object, method: object) -> Restart:
-        return Restart(scene, method.timestep, self.spoil, says=self.says, does=self.does)
+    def prepare(self, scenes: Sequence[Scene], method: Method) -> Restart:
+        return Restart(scenes[0], method.timestep, self.spoil, says=self.says, does=self.does)
 
 
-RESETTING = Restarting(exact, says=True, does=True)
-CRYING = Restarting(exact, says=True)
-JUMPING = Restarting(exact, does=True)
+RESETTING = Restarting("resetting", exact, says=True, does=True)
+CRYING = Restarting("crying", exact, says=True)
+JUMPING = Restarting("jumping", exact, does=True)

@@ -1,0 +1,101 @@
+"""A method: an integrator of an engine, its options and a time step, as one value with one spelling.
+
+The spelling is `INTEGRATOR` or `INTEGRATOR:KEY=VALUE,KEY=VALUE`, for example `Euler:cone=elliptic,pads=4`. It stands in case
+files, on the command line and in the column `integrator` of every table. Only this module reads and writes it.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+from bodycheck.errors import BadInput
+
+#: Spellings of earlier versions of bodycheck, which results folders and baselines may hold, and what they are now.
+RENAMED = {
+    **{f"{name}-fluid": f"{name}:drag=fluid" for name in ("Euler", "RK4", "implicit", "implicitfast", "discrete")},
+    "Euler-planar": "Euler:model=planar",
+    "law-force-planar": "law-force:model=planar-joint",
+    "law-force:model=contact": "admm",
+    "law-force:model=everything": "admm:model=everything",
+}
+
+
+@dataclass(frozen=True)
+class Method:
+    """An integrator by the engine's own name, its options, and the time step (s).
+
+    Parameters
+    ----------
+    integrator
+        The name without options.
+    timestep
+        The time step (s); 0 where a method is meant with any time step.
+    options
+        Pairs of key and value, sorted by key, numbers in their shortest form. Which keys and values there are is up to the
+        engine; the option `model` asks for one of its models of a scene.
+    """
+
+    integrator: str
+    timestep: float
+    options: tuple[tuple[str, str], ...] = ()
+
+    @classmethod
+    def parse(cls, spelling: str, timestep: float) -> "Method":
+        """The method with this spelling and time step (s); options may stand in any order.
+
+        Raises `BadInput` for text that is no spelling of a method, and for a spelling of earlier versions.
+        """
+        if (present := current(spelling)) != spelling:
+            raise BadInput(f"{spelling!r} is now spelled {present!r}")
+        integrator, colon, rest = spelling.partition(":")
+        options: dict[str, str] = {}
+        for item in rest.split(",") if colon else ():
+            key, equals, value = item.partition("=")
+            if not (key and equals and value.strip()):
+                raise BadInput(f"{spelling!r}: {item!r} is not an option; allowed: INTEGRATOR:KEY=VALUE,KEY=VALUE")
+            if key in options:
+                raise BadInput(f"{spelling!r}: the option {key} is given twice")
+            options[key] = " ".join(map(_shortest, value.split()))
+        if not integrator:
+            raise BadInput(f"{spelling!r} names no integrator; allowed: INTEGRATOR or INTEGRATOR:KEY=VALUE,KEY=VALUE")
+        return cls(integrator, timestep, tuple(sorted(options.items())))
+
+    @property
+    def name(self) -> str:
+        """The spelling: integrator and options, without the time step."""
+        options = ",".join(f"{key}={value}" for key, value in self.options)
+        return f"{self.integrator}:{options}" if options else self.integrator
+
+    def option(self, key: str) -> str | None:
+        """The value of an option; None where it is not given."""
+        return dict(self.options).get(key)
+
+    def at(self, timestep: float) -> "Method":
+        """The same integrator and options with another time step (s)."""
+        return replace(self, timestep=timestep)
+
+    def is_at(self, timestep: float) -> bool:
+        """Whether the time step is this one (s), to the rounding of a product or quotient."""
+        return math.isclose(self.timestep, timestep, rel_tol=1e-12)
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.timestep:g} s"
+
+
+def current(spelling: str) -> str:
+    """The present spelling of a method that an earlier version of bodycheck may have written."""
+    if spelling in RENAMED:
+        return RENAMED[spelling]
+    integrator, colon, options = spelling.partition(":")
+    if not colon or integrator not in RENAMED:
+        return spelling
+    renamed = RENAMED[integrator]
+    return f"{renamed}{',' if ':' in renamed else ':'}{options}"
+
+
+def _shortest(word: str) -> str:
+    """A number in its shortest form, 4.0 and 04 as 4; any other word unchanged."""
+    try:
+        number = float(word)
+    except ValueError:
+        return word
+    return repr(number).removesuffix(".0") if math.isfinite(number) else word

@@ -1,0 +1,179 @@
+"""What the contract asks of an adapter, tried on every adapter that is registered and whose engine is installed.
+
+A new adapter is tested here as soon as it is found by its name; nothing is listed.
+"""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bodycheck import load
+from bodycheck.adapters import offers, registry
+from bodycheck.adapters.contract import KINDS, Adapter, Contact, Method, Models, kind_of
+from bodycheck.errors import BadInput
+from bodycheck.reference.kinematics import geodesic_angle
+from bodycheck.reference.requirements import Requirements
+from bodycheck.reference.scene import Scene
+from bodycheck.running.smoke import check
+
+NAMES = registry.names()
+
+#: A scene of each kind that every engine with that kind of scene can model.
+SCENES = {"flight": "osrf-boxes-complex", "drag": "football-drag", "plane": "curling-brick"}
+
+
+def installed(name: str) -> Adapter:
+    """The adapter of an engine; the test is skipped where the engine is not installed."""
+    try:
+        return registry.load(name)
+    except registry.EngineMissing as error:
+        pytest.skip(str(error))
+
+
+def usable(name: str) -> Adapter | None:
+    try:
+        return registry.load(name)
+    except registry.EngineMissing:
+        return None
+
+
+def methods() -> Iterator[tuple[str, str, str]]:
+    """Engine, kind of scene and spelling of every method that is run where none is asked for."""
+    for name in NAMES:
+        if (adapter := usable(name)) is not None:
+            for kind, case in SCENES.items():
+                yield from ((name, kind, method) for method in offers.offered(adapter.engine, load(case).scene))
+
+
+METHODS = list(methods())
+
+
+def scene_of(kind: str) -> Scene:
+    return load(SCENES[kind]).scene
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_record_of_an_engine_says_what_it_must(name: str) -> None:
+    engine = installed(name).engine
+    assert engine.name == name
+    assert engine.distribution == registry.distribution(name)
+    assert engine.version
+    assert engine.integrators
+    assert engine.batch >= 1
+    assert engine.models <= set(Requirements.__dataclass_fields__)
+    names = [integrator.name for integrator in engine.integrators]
+    assert len(set(names)) == len(names)
+    assert all(integrator.kinds <= KINDS for integrator in engine.integrators)
+    for spelling in offers.listed(engine):
+        assert Method.parse(spelling, 0.0).name == spelling, "not the one spelling of this method"
+        offers.check(engine, Method.parse(spelling, 0.0))
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_an_engine_is_installed_from_is_known_without_it(name: str) -> None:
+    code = (
+        "import sys\nfrom bodycheck.adapters import registry\n"
+        f"print(registry.distribution({name!r}), *{{module.partition('.')[0] for module in sys.modules}})"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    distribution, *modules = done.stdout.split()
+    assert distribution
+    assert not {"mujoco", "pinocchio"} & set(modules)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_obvious_scenes_have_their_obvious_answers(name: str) -> None:
+    installed(name)
+    assert check(name) == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("spelling", ["no-such-integrator", "{first}:no-such-option=1", "{first}:model=no-such-model"])
+def test_a_misspelled_method_is_bad_input(name: str, spelling: str) -> None:
+    engine = installed(name).engine
+    method = Method.parse(spelling.format(first=engine.integrators[0].name), 1e-3)
+    with pytest.raises(BadInput, match=r"no-such-\w+.*(allowed|there are): "):
+        offers.check(engine, method)
+
+
+@pytest.mark.parametrize(("name", "kind", "method"), METHODS)
+def test_stepping_in_pieces_is_stepping_at_once(name: str, kind: str, method: str) -> None:
+    """To the last bit, with strides of nothing, of one step, and of more than an engine may take in one call."""
+    adapter, scene = installed(name), scene_of(kind)
+    strides = np.array([0, 3, 0, 5, 300 if kind == "plane" else 9000, 1])
+    whole = adapter.prepare([scene], Method.parse(method, 1e-4)).advance(strides)
+    assert whole.shape == (1, len(strides), 1, 13)
+    assert whole.dtype == np.float64
+    simulation = adapter.prepare([scene], Method.parse(method, 1e-4))
+    pieces = [simulation.advance(part) for part in (strides[:2], strides[2:3], strides[3:])]
+    np.testing.assert_array_equal(np.concatenate(pieces, axis=1), whole)
+
+
+@pytest.mark.parametrize(("name", "kind", "method"), METHODS)
+def test_it_begins_at_the_state_of_the_scene(name: str, kind: str, method: str) -> None:
+    adapter, scene = installed(name), scene_of(kind)
+    row = adapter.prepare([scene], Method.parse(method, 1e-3)).advance(np.array([0]))[0, 0, 0]
+    initial = scene.initial
+    # A border converts frames by a few products, each of which rounds once.
+    np.testing.assert_allclose(row[:3], initial.position, rtol=0, atol=1e-14)
+    assert geodesic_angle(row[3:7], np.array(initial.quaternion)) < 1e-14
+    np.testing.assert_allclose(row[7:], [*initial.velocity, *initial.angular_velocity], rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(("name", "kind", "method"), METHODS)
+def test_states_are_copies(name: str, kind: str, method: str) -> None:
+    adapter, scene = installed(name), scene_of(kind)
+    one, other = (adapter.prepare([scene], Method.parse(method, 1e-3)) for _ in range(2))
+    one.advance(np.array([0, 10]))[:] = np.nan
+    first = other.advance(np.array([0, 10]))
+    kept = first.copy()
+    np.testing.assert_array_equal(one.advance(np.array([10])), other.advance(np.array([10])))
+    np.testing.assert_array_equal(first, kept)
+
+
+@pytest.mark.parametrize(("name", "kind", "method"), METHODS)
+def test_several_scenes_are_each_as_if_it_were_alone(name: str, kind: str, method: str) -> None:
+    """To the last bit: row k of several scenes is the run of scene k alone."""
+    adapter, scene = installed(name), scene_of(kind)
+    x, y, z = scene.initial.velocity
+    scenes = [replace(scene, initial=replace(scene.initial, velocity=(x * part, y * part, z))) for part in (1.0, 0.5, 0.25)]
+    strides = np.array([0, 7, 20])
+    together = offers.prepare(adapter, scenes, Method.parse(method, 1e-3)).advance(strides)
+    assert together.shape == (3, 3, 1, 13)
+    alone = [adapter.prepare([one], Method.parse(method, 1e-3)).advance(strides)[0] for one in scenes]
+    np.testing.assert_array_equal(together, np.array(alone))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("kind", SCENES)
+def test_the_models_of_a_scene_grow_from_one_that_can_be_run(name: str, kind: str) -> None:
+    adapter, scene = installed(name), scene_of(kind)
+    if not isinstance(adapter, Models):
+        pytest.skip("its engine models a scene in one way")
+    assert kind_of(scene) == kind
+    for integrator in offers.offered(adapter.engine, scene):
+        for model in adapter.models(scene, integrator).values():
+            method = Method.parse(model.method, 1e-3)
+            offers.check(adapter.engine, method)
+            assert offers.not_offered(adapter.engine, scene, method) is None
+            assert model.adds
+            assert adapter.prepare([scene], method).advance(np.array([1])).shape == (1, 1, 1, 13)
+
+
+@pytest.mark.parametrize(("name", "method"), [(name, method) for name, kind, method in METHODS if kind == "plane"])
+def test_a_contact_is_known_by_its_law_and_its_load(name: str, method: str) -> None:
+    adapter, scene = installed(name), scene_of("plane")
+    if not isinstance(adapter, Contact):
+        pytest.skip("its adapter does not tell of contacts")
+    law = adapter.contact_law(scene, Method.parse(method, 1e-3))
+    assert law is None or law.friction == scene.plane.friction
+    load = adapter.contact_load(scene, Method.parse(method, 1e-3), 50)
+    if load is not None:
+        assert load.shape == (50,)
+        assert (load >= 0).all()
+        # A body that lies on a plane is borne by it: over 50 ms the load is the weight, to the bursts of a soft contact.
+        assert load.mean() == pytest.approx(scene.body.mass * scene.gravity, rel=0.5)
