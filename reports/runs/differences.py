@@ -231,8 +231,6 @@ def _paces(pair: Pair) -> Iterator[Finding]:
     for _, one, other in pair.common:
         times = [verdict.row().get("time_per_step") for verdict in (one, other)]
         if times[0] and times[1]:
-            factors[f"{one.run.engine} {one.run.method.integrator}"].append(times[1] / times[0])
-    beyond = {name: median(own) for name, own in factors.items() if not 1 / SPEED_TOLERANCE <= median(own) <= SPEED_TOLERANCE}
             factors[f"{one.run.engine} {one.run.method.name}"].append(times[1] / times[0])
     beyond = {name: median(own) for name, own in factors.items() if not 1 / SPEED_TOLERANCE <= median(own) <= SPEED_TOLERANCE}
     if beyond:
