@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Quaternion, Shape, Sphere, Vector
 from bodycheck.reference.trajectory import Array
 
@@ -76,7 +76,7 @@ def solid(shape: Shape, mass: float, position: ArrayLike = (0, 0, 0), quaternion
     MassProperties
         The mass properties in that frame.
     """
-    turn = Rotation.from_quat(np.asarray(quaternion, dtype=float), scalar_first=True).as_matrix()
+    turn = _rotation_matrix(quaternion)
     inertia = turn @ np.diag(principal_moments(shape, mass)) @ turn.T
     return MassProperties(mass, np.asarray(position, dtype=float), inertia)
 
@@ -145,6 +145,8 @@ def principal_axes(inertia: Array) -> tuple[Vector, Quaternion]:
     if not (inertia - np.diag(np.diag(inertia))).any():
         a, b, c = np.diag(inertia).tolist()
         return (a, b, c), (1.0, 0.0, 0.0, 0.0)
+    from scipy.spatial.transform import Rotation  # as in `_rotation_matrix`
+
     _, axes = np.linalg.eigh(inertia)
     best = max(
         (axes[:, order] * signs for order in _AXIS_ORDERS for signs in _AXIS_SIGNS),
@@ -157,7 +159,9 @@ def principal_axes(inertia: Array) -> tuple[Vector, Quaternion]:
 
 def inertia_tensor(body: Body) -> Array:
     """The inertia tensor (3, 3), kg m^2, of a body about its centre of mass, along the axes of the body frame."""
-    turn = Rotation.from_quat(body.axes, scalar_first=True).as_matrix()
+    if body.axes == IDENTITY:
+        return np.diag(body.moments)
+    turn = _rotation_matrix(body.axes)
     return np.asarray(turn @ np.diag(body.moments) @ turn.T)
 
 
@@ -179,3 +183,11 @@ def satisfies_triangle_inequality(moments: Vector) -> bool:
 def _second_moments_to_inertia(second: Array) -> Array:
     """The inertia tensor I_ij = delta_ij S_kk - S_ij (3, 3) from the second moments S_ij = sum of m r_i r_j (3, 3), kg m^2."""
     return np.asarray(np.trace(second) * np.eye(3) - second)
+
+
+def _rotation_matrix(quaternion: ArrayLike) -> Array:
+    """The rotation matrix (3, 3) of a quaternion (4,), w x y z, of any length."""
+    # Imported when it is needed: `scipy.spatial` takes longer to import than all else that most runs need.
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_quat(np.asarray(quaternion, dtype=float), scalar_first=True).as_matrix())

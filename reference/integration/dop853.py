@@ -5,7 +5,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853
 
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.scene import Scene
@@ -28,6 +27,9 @@ def dop853(derivative: Derivative, start: float, state: Array, end: float, scale
 
     The stubs of SciPy know neither real equations nor a tolerance for each component.
     """
+    # Imported when it is needed: `scipy.integrate` is slow to import, and Taylor's method does without it.
+    from scipy.integrate import DOP853
+
     solver: Any = DOP853
     return solver(derivative, start, state, end, rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE * scale, **steps)
 

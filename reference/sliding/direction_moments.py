@@ -9,7 +9,6 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from scipy.special import ellipe, ellipkm1
 
 from bodycheck.reference.sliding.footprint import Disk, Footprint, Points, Polygon, load_moments, reach
 from bodycheck.reference.trajectory import Array
@@ -197,6 +196,9 @@ def rim_integrals(k: float) -> tuple[float, float, float]:
         excess = k * (k - 2 * RIM_COSINES) / (1 + np.sqrt(1 + k * (k - 2 * RIM_COSINES)))
         i0, i1, i2 = (RIM_COSINE_POWERS @ excess).tolist()
         return 2 * math.pi + i0, i1, math.pi + i2
+    # Imported when it is needed: `scipy.special` is slow to import, and only disks that slide need it.
+    from scipy.special import ellipe, ellipkm1
+
     rest = ((1 - k) / (1 + k)) ** 2
     m = 1 - rest
     e = float(ellipe(m))
