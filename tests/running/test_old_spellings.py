@@ -1,0 +1,82 @@
+"""Results and baselines of earlier versions, which spelled some methods otherwise, are read as what they are now."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from bodycheck import load
+from bodycheck.adapters import registry
+from bodycheck.adapters.method import Method
+from bodycheck.casefile.case import CaseFaults, parse, parse_stored
+from bodycheck.commands.command_line import app
+from bodycheck.judging import baseline, judgement
+from bodycheck.running import campaign, store
+from bodycheck.running.plan import Task
+
+NEW, OLD = "Euler:model=planar", "Euler-planar"
+
+#: The expectations of the shipped case are replaced by one of the method in question.
+TEXT = load("sliding-brick").text.partition("[[expect]]")[0]
+EXPECT = '[[expect]]\nengine = "mujoco"\nintegrator = "{}"\ntimestep = 0.002\nposition_error = 1.0\n'
+
+
+@pytest.fixture
+def results(tmp_path: Path) -> store.Results:
+    """A results folder with one run, as an earlier version wrote it."""
+    case = replace(parse(TEXT + EXPECT.format(NEW), "new"), samples=11)
+    head = campaign.header([], {"mujoco": registry.load("mujoco").engine.version}, {})
+    folder = tmp_path / "old"
+    with campaign.results([Task(case, "mujoco", Method.parse(NEW, 0.002))], folder, head):
+        pass
+    records = folder / store.RECORDS
+    lines = [json.loads(line) for line in records.read_text("utf-8").splitlines()]
+    for record in lines:
+        if record.get("integrator") == NEW:
+            record["integrator"] = OLD
+        for entry in record.get("cases", ()):
+            entry["text"] = TEXT + EXPECT.format(OLD)
+    records.write_text("".join(json.dumps(record) + "\n" for record in lines), "utf-8")
+    (trajectory,) = (folder / store.TRAJECTORIES).rglob("mujoco-*")
+    trajectory.rename(trajectory.with_name(f"mujoco-{OLD}-0.002s.parquet"))
+    return store.read(folder)
+
+
+def test_an_old_spelling_in_a_case_is_a_fault_with_the_new_one() -> None:
+    with pytest.raises(CaseFaults) as refused:
+        parse(TEXT + EXPECT.format(OLD), "old")
+    (fault,) = refused.value.faults
+    assert fault.key == "expect[1].integrator"
+    assert f"{OLD!r} is now spelled {NEW!r}" in fault.message
+    (expectation,) = parse_stored(TEXT + EXPECT.format(OLD), "old").expectations
+    assert expectation.method == Method.parse(NEW, 0.002)
+
+
+def test_old_results_are_judged_and_reported_under_the_new_spelling(results: store.Results) -> None:
+    (verdict,) = judgement.judge(results)
+    assert (verdict.run.method.name, verdict.passed) == (NEW, True)
+    assert app(["report", str(results.folder)], result_action="return_value") == 0
+    table = (results.folder / "results.csv").read_text("utf-8")
+    assert NEW in table
+    assert OLD not in table
+
+
+def test_old_baselines_are_compared_under_the_new_spelling(results: store.Results, tmp_path: Path) -> None:
+    new, old = tmp_path / "new.parquet", tmp_path / "old.parquet"
+    baseline.save(new, results, judgement.judge(results), 1)
+    table = pq.read_table(new)
+    column = table.column_names.index("integrator")
+    pq.write_table(table.set_column(column, "integrator", [[OLD]]), old)
+    assert baseline.diff(baseline.read(old), baseline.read(new)).changes == ()
+
+
+def test_an_old_spelling_on_the_command_line_names_the_new_one(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(Exception, match=f"'{OLD}' is now spelled '{NEW}'"):
+        app(
+            ["run", "sliding-brick", "--integrator", OLD],
+            exit_on_error=False,
+            print_error=False,
+            result_action="return_value",
+        )
