@@ -1,6 +1,9 @@
-"""Physics engines behind one contract: one folder an engine, and what all of them share.
+"""Adapters of physics engines. Each engine has one folder; the modules here serve all engines.
 
-- `contract`: what an adapter is. `method`: an integrator with options and time step, parsed once. `registry`: adapters by name.
-- `offers`: what the core does once for all adapters. `stepping`: the loop of engines that are stepped from Python.
-- `mujoco/`, `pinocchio/`: an engine each; `engine` is the adapter, its other modules are its parts.
+- `contract` defines what an adapter must offer.
+- `method` parses and writes the spelling of a method: an integrator, its options and a time step.
+- `registry` finds adapters by name.
+- `offers` decides which methods an engine offers for a scene, and checks methods before they are run.
+- `stepping` contains the loop for engines that are stepped from Python.
+- `mujoco/` and `pinocchio/` contain one engine each; their module `engine` is the adapter.
 """

@@ -1,13 +1,12 @@
 """The contract between bodycheck and the adapter of an engine: a module, or any object, with the attributes of `Adapter`.
 
-An adapter says in one record, `Engine`, what is known without a scene, and makes a `Simulation` of scenes. It may have more:
-models of a scene that grow (`Models`), the friction law and the load of its contacts (`Contact`). What it does not have it
-leaves out. Misspelled methods, scenes that the engine cannot model, and several scenes for an engine that steps one at a time
-are handled once for all adapters (`bodycheck.adapters.offers`).
+An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Two protocols are optional: an
+adapter that can model a scene in several ways also implements `Models`, and one that knows the friction law and the load of
+its contacts also implements `Contact`. `bodycheck.adapters.offers` handles for all adapters misspelled methods, scenes that
+an engine cannot model, and several scenes for an engine that steps one scene at a time.
 
-An adapter converts at its border, nowhere else: scenes come in and states go out in the conventions of
-`bodycheck.reference.scene`, whatever the engine's own are. It imports its engine and this package, nothing of cases, truth or
-reports.
+Scenes and states follow the conventions of `bodycheck.reference.scene`. An adapter converts them to and from the conventions
+of its engine. It imports its engine and this package, but nothing of cases, truth or reports.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -35,11 +34,11 @@ class Option:
     Parameters
     ----------
     allowed
-        The allowed values in words, for messages.
+        The allowed values in words, for error messages.
     read
-        Raises `ValueError` for a value that is not allowed.
+        Parses a value; it raises `ValueError` for a value that is not allowed.
     kinds
-        The kinds of scene in which the option means something.
+        The kinds of scene in which the option has an effect.
     """
 
     allowed: str
@@ -54,15 +53,15 @@ class Integrator:
     Parameters
     ----------
     name
-        By the engine's own name.
+        The name that the engine itself uses.
     order
-        Of the error in the time step on smooth motion, as the engine or a textbook claims; None where nothing is claimed.
+        The order of the error in the time step on smooth motion that the engine or a textbook claims; None if nobody does.
     evaluations
-        Of the accelerations in one step; None where the number is not known.
+        The number of evaluations of the accelerations in one step; None if it is not known.
     kinds
-        The kinds of scene for which it is offered; none where the installed release lacks it.
+        The kinds of scene for which the integrator is offered; empty if the installed release lacks it.
     options
-        By their keys.
+        The options of the integrator by their keys.
     """
 
     name: str
@@ -74,7 +73,7 @@ class Integrator:
 
 @dataclass(frozen=True)
 class Engine:
-    """What is known of an engine without a scene.
+    """The properties of an engine that do not depend on a scene.
 
     Parameters
     ----------
@@ -85,15 +84,16 @@ class Engine:
     version
         The engine's own version.
     integrators
-        All that the adapter knows.
+        All integrators that the adapter knows.
     models
-        What of a scene it can model, by the names of `bodycheck.reference.requirements.Requirements`.
+        The requirements of a scene that the engine can model, by the field names of
+        `bodycheck.reference.requirements.Requirements`.
     variants
-        Methods with options that are run, besides the integrators, where no method is asked for: spellings by kind of scene.
+        Spellings of methods with options, by kind of scene. If the user names no method, they are run besides the integrators.
     precision, device
-        Of the engine's arithmetic.
+        The precision and the device of the engine's arithmetic.
     batch
-        The number of scenes in one call of `prepare` from which the engine gains; 1 where it steps one scene at a time.
+        The number of scenes per call of `prepare` from which batching pays off; 1 if the engine steps one scene at a time.
     """
 
     name: str
@@ -108,14 +108,14 @@ class Engine:
 
 
 class SceneUnsupported(Exception):
-    """The engine cannot model something that a scene or a method requires, or refuses the model; the text says what."""
+    """The engine refuses a model, or cannot model something that a scene or a method requires; the text says what."""
 
 
 class EngineDiverged(Exception):
-    """The engine itself gave up or started over; the text says what it signalled, and when.
+    """The engine itself stopped or reset a simulation; the text says what it signalled, and when.
 
-    states: (scenes, k, bodies, 13) after the first k strides, the last of them that in which the signal left the engine; none
-    where the engine cannot tell.
+    The attribute `states` (scenes, k, bodies, 13) holds the states after the first k strides, of which the last is the state
+    at the signal. It is empty if the engine does not report them.
     """
 
     def __init__(self, text: str) -> None:
@@ -124,43 +124,51 @@ class EngineDiverged(Exception):
 
 
 class EngineReset(EngineDiverged):
-    """The engine says that it started over, from a state of its own."""
+    """The engine reports that it has reset the simulation to a state of its own choice."""
 
 
 class Simulation(Protocol):
-    """An engine's model of scenes, standing at some instant. Building it is set-up; only `advance` is timed."""
+    """An engine's model of scenes, with its current state. Building it is set-up; only `advance` is timed."""
 
     def advance(self, strides: Strides) -> Array:
-        """Step on, and return the states (scenes, n, bodies, 13) after each of n strides.
+        """Advance the simulation, and return the states (scenes, n, bodies, 13) after each of n strides.
 
-        strides: (n,) numbers of steps >= 0 from each sample to the next, the first from where the simulation stands.
-        Columns: position (world, m), quaternion (w x y z, body to world), velocity (world, m/s), angular velocity
-        (body, rad/s). The array is a copy. Raises `EngineDiverged`.
+        The array `strides` (n,) holds the numbers of steps, >= 0, from each sample to the next; the first stride begins at the
+        current state. The columns of the states are position (world, m), quaternion (w x y z, body to world), velocity
+        (world, m/s) and angular velocity (body, rad/s). The returned array is a copy. Raises `EngineDiverged`.
         """
         ...
 
 
 @runtime_checkable
 class Adapter(Protocol):
-    """One engine. `isinstance` only looks whether the attributes are there."""
+    """The adapter of one engine. `isinstance` checks only that the attributes exist."""
 
     @property
     def engine(self) -> Engine:
-        """What is known without a scene."""
+        """The properties of the engine that do not depend on a scene."""
         ...
 
     def prepare(self, scenes: Sequence[Scene], method: Method) -> Simulation:
-        """The smallest models of the scenes, at t = 0, compiled and warm.
+        """Return a simulation of the smallest models of the scenes, at t = 0, compiled and warmed up.
 
-        An engine whose `batch` is 1 is given one scene. The method has been checked against `engine`, and the scenes against
-        `engine.models`. Raises `SceneUnsupported`.
+        An engine whose `batch` is 1 receives one scene. The caller has checked the method against `engine`, and the scenes
+        against `engine.models`. Raises `SceneUnsupported`.
         """
         ...
 
 
 @dataclass(frozen=True)
 class Model:
-    """A model of a scene. method: the spelling of the method that asks for it. adds: what it has that the last one has not."""
+    """A model of a scene.
+
+    Parameters
+    ----------
+    method
+        The spelling of the method that selects this model.
+    adds
+        A description of what this model contains and the next smaller one does not.
+    """
 
     method: str
     adds: str
@@ -171,42 +179,42 @@ class Models(Protocol):
     """An adapter that can model a scene in several ways."""
 
     def models(self, scene: Scene, integrator: str) -> Mapping[str, Model]:
-        """The models of a scene on which an integrator can be run, by name, in order of growth.
+        """Return the models of a scene on which an integrator can be run, by name, from the smallest to the largest.
 
-        The first is the smallest that is exact but for the steps. Empty where there is no choice.
+        The smallest model is exact except for the error of the time steps. The mapping is empty if there is no choice.
         """
         ...
 
 
 @runtime_checkable
 class Contact(Protocol):
-    """An adapter that knows what its contacts do."""
+    """An adapter that knows the friction law and the load of its contacts."""
 
     def contact_law(self, scene: Scene, method: Method) -> Plane | None:
-        """The friction that a method's contacts with the scene's plane would make if they were rigid.
+        """Return the friction that a method's contacts with the scene's plane would produce if they were rigid.
 
-        That is the scene's plane with the law, the pressure and the coefficient of the contacts; None where these are none of
-        the reference's.
+        The result is the scene's plane with the law, the pressure and the coefficient of the contacts; None if the reference
+        has no such law.
         """
         ...
 
     def contact_load(self, scene: Scene, method: Method, steps: int) -> Array | None:
-        """The normal force (n,), N, between body and plane in each of n steps; None where the engine cannot tell.
+        """Return the normal force (n,), in N, between body and plane in each of n steps; None if the engine cannot report it.
 
-        Raises as `Adapter.prepare` and `Simulation.advance` do.
+        Raises `SceneUnsupported` and `EngineDiverged`.
         """
         ...
 
 
 def kind_of(scene: Scene) -> Kind:
-    """The kind of a scene."""
+    """Return the kind of a scene."""
     if scene.plane is not None:
         return "plane"
     return "drag" if scene.drag else "flight"
 
 
 def choice(*words: str, kinds: frozenset[Kind] = KINDS) -> Option:
-    """An option that takes one of some words."""
+    """Return an option whose value must be one of the given words."""
 
     def read(value: str) -> str:
         if value not in words:
@@ -217,10 +225,10 @@ def choice(*words: str, kinds: frozenset[Kind] = KINDS) -> Option:
 
 
 def states(position: Any, quaternion: Any, velocity: Any, angular_velocity: Any) -> Array:
-    """Rows (n, 13) of states from their parts (n, 3), (n, 4), (n, 3), (n, 3)."""
+    """Return rows (n, 13) of states from their parts (n, 3), (n, 4), (n, 3) and (n, 3), in this order."""
     return np.concatenate([position, quaternion, velocity, angular_velocity], axis=1, dtype=np.float64)
 
 
 def single(rows: Array) -> Array:
-    """The states (1, n, 1, 13) of one scene with one body, from its rows (n, 13)."""
+    """Return the states (1, n, 1, 13) of one scene with one body, from its rows (n, 13)."""
     return rows[None, :, None, :]

@@ -1,7 +1,7 @@
 """A method: an integrator of an engine, its options and a time step, as one value with one spelling.
 
 The spelling is `INTEGRATOR` or `INTEGRATOR:KEY=VALUE,KEY=VALUE`, for example `Euler:cone=elliptic,pads=4`. It stands in case
-files, on the command line and in the column `integrator` of every table. Only this module reads and writes it.
+files, on the command line and in the column `integrator` of every table. Only this module parses and writes it.
 """
 
 import math
@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 
 from bodycheck.errors import BadInput
 
-#: Spellings of earlier versions of bodycheck, which results folders and baselines may hold, and what they are now.
-RENAMED = {
+#: Spellings that earlier versions of bodycheck wrote into results folders and baselines, with their present spellings.
+FORMER_SPELLINGS = {
     **{f"{name}-fluid": f"{name}:drag=fluid" for name in ("Euler", "RK4", "implicit", "implicitfast", "discrete")},
     "Euler-planar": "Euler:model=planar",
     "law-force-planar": "law-force:model=planar-joint",
@@ -28,10 +28,10 @@ class Method:
     integrator
         The name without options.
     timestep
-        The time step (s); 0 where a method is meant with any time step.
+        The time step (s); 0 stands for any time step.
     options
-        Pairs of key and value, sorted by key, numbers in their shortest form. Which keys and values there are is up to the
-        engine; the option `model` asks for one of its models of a scene.
+        Pairs of key and value, sorted by key, with numbers in their shortest form. The engine defines the keys and values; the
+        option `model` selects one of its models of a scene.
     """
 
     integrator: str
@@ -40,9 +40,9 @@ class Method:
 
     @classmethod
     def parse(cls, spelling: str, timestep: float) -> "Method":
-        """The method with this spelling and time step (s); options may stand in any order.
+        """Return the method with this spelling and time step (s); the options may be in any order.
 
-        Raises `BadInput` for text that is no spelling of a method, and for a spelling of earlier versions.
+        Raises `BadInput` for text that is not a spelling of a method, and for a spelling of an earlier version.
         """
         if (present := current(spelling)) != spelling:
             raise BadInput(f"{spelling!r} is now spelled {present!r}")
@@ -66,15 +66,15 @@ class Method:
         return f"{self.integrator}:{options}" if options else self.integrator
 
     def option(self, key: str) -> str | None:
-        """The value of an option; None where it is not given."""
+        """Return the value of an option; None if the method does not set it."""
         return dict(self.options).get(key)
 
     def at(self, timestep: float) -> "Method":
-        """The same integrator and options with another time step (s)."""
+        """Return the method with the same integrator and options, and another time step (s)."""
         return replace(self, timestep=timestep)
 
     def is_at(self, timestep: float) -> bool:
-        """Whether the time step is this one (s), to the rounding of a product or quotient."""
+        """Return whether the method's time step equals this one (s), apart from the rounding of a product or quotient."""
         return math.isclose(self.timestep, timestep, rel_tol=1e-12)
 
     def __str__(self) -> str:
@@ -82,18 +82,18 @@ class Method:
 
 
 def current(spelling: str) -> str:
-    """The present spelling of a method that an earlier version of bodycheck may have written."""
-    if spelling in RENAMED:
-        return RENAMED[spelling]
+    """Return the present spelling of a method that may be spelled as in an earlier version of bodycheck."""
+    if spelling in FORMER_SPELLINGS:
+        return FORMER_SPELLINGS[spelling]
     integrator, colon, options = spelling.partition(":")
-    if not colon or integrator not in RENAMED:
+    if not colon or integrator not in FORMER_SPELLINGS:
         return spelling
-    renamed = RENAMED[integrator]
+    renamed = FORMER_SPELLINGS[integrator]
     return f"{renamed}{',' if ':' in renamed else ':'}{options}"
 
 
 def _shortest(word: str) -> str:
-    """A number in its shortest form, 4.0 and 04 as 4; any other word unchanged."""
+    """Return a number in its shortest form (4 for 4.0 and 04), and any other word unchanged."""
     try:
         number = float(word)
     except ValueError:

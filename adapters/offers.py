@@ -1,4 +1,8 @@
-"""What the core does once for all adapters: which methods an engine offers, what is misspelled, and several scenes."""
+"""Select and check methods for any adapter, and build simulations of one or several scenes.
+
+The functions take the place of code that every adapter would otherwise repeat: which methods an engine offers for a scene,
+which parts of a method it does not know, and which requirements of a scene it does not model.
+"""
 
 from collections.abc import Iterable, Sequence
 
@@ -13,21 +17,33 @@ from bodycheck.suggestion import did_you_mean
 
 
 def offered(engine: Engine, scene: Scene) -> tuple[str, ...]:
-    """The spellings of the methods that are run on a scene where none is asked for: integrators, then variants."""
+    """Return the spellings of the methods that are run on a scene if the user names none: integrators, then variants."""
     kind = kind_of(scene)
     return (*(own.name for own in engine.integrators if kind in own.kinds), *engine.variants.get(kind, ()))
 
 
 def listed(engine: Engine) -> tuple[str, ...]:
-    """The spellings of all methods that are run on any scene where none is asked for."""
+    """Return the spellings of all methods that are run on at least one kind of scene if the user names none."""
     names = [own.name for own in engine.integrators if own.kinds]
     return tuple(dict.fromkeys((*names, *(name for those in engine.variants.values() for name in those))))
 
 
 def chosen(engine: Engine, scene: Scene, asked: Sequence[str]) -> tuple[str, ...]:
-    """Of the methods for a scene, the spellings of those that were asked for; all that are offered where none was.
+    """Return the spellings of the methods to run on a scene.
 
-    A method with options that are not offered unasked is among them where the engine offers its integrator for the scene.
+    Parameters
+    ----------
+    engine
+        The engine that runs the scene.
+    scene
+        The scene; it decides which methods the engine offers.
+    asked
+        Spellings of methods that the user named. If it is empty, all offered methods are returned.
+
+    Returns
+    -------
+    The named methods that the engine offers for the scene. A method whose options are not offered by default is included if
+    the engine offers its integrator for the scene and knows the options.
     """
     plain = offered(engine, scene)
     if not asked:
@@ -39,12 +55,12 @@ def chosen(engine: Engine, scene: Scene, asked: Sequence[str]) -> tuple[str, ...
 
 
 def integrator_of(engine: Engine, method: Method) -> Integrator | None:
-    """The integrator of a method; None where the adapter does not know it."""
+    """Return the integrator of a method; None if the adapter does not know it."""
     return next((own for own in engine.integrators if own.name == method.integrator), None)
 
 
 def knows(engine: Engine, spelling: str) -> bool:
-    """Whether an engine has the integrator and the options of a method, with these values."""
+    """Return whether an engine has the integrator of a method and accepts its options and their values."""
     try:
         check(engine, Method.parse(spelling, 0.0))
     except BadInput:
@@ -53,7 +69,7 @@ def knows(engine: Engine, spelling: str) -> bool:
 
 
 def check(engine: Engine, method: Method) -> None:
-    """Raises `BadInput` for an integrator, an option or a value that an engine does not have, with what is allowed."""
+    """Raise `BadInput`, naming what is allowed, if an engine lacks the integrator, an option or a value of a method."""
     own = integrator_of(engine, method)
     if own is None:
         known = listed(engine)
@@ -77,7 +93,10 @@ def _check_value(engine: Engine, option: Option, written: str, value: str) -> No
 
 
 def not_offered(engine: Engine, scene: Scene, method: Method) -> str | None:
-    """What of a method an engine does not have for a scene, as a predicate; None where it has all of it."""
+    """Return which part of a method an engine does not offer for a scene; None if it offers the whole method.
+
+    The text is a predicate whose subject is the engine: "has no integrator 'RK4' for this scene".
+    """
     kind, own = kind_of(scene), integrator_of(engine, method)
     if own is None or kind not in own.kinds:
         return f"has no integrator {method.name!r} for this scene"
@@ -86,13 +105,16 @@ def not_offered(engine: Engine, scene: Scene, method: Method) -> str | None:
 
 
 def not_modelled(engine: Engine, scene: Scene) -> str | None:
-    """What a scene requires and an engine does not model, as a predicate; None where nothing is missing."""
+    """Return which requirement of a scene an engine does not model; None if it models all of them.
+
+    The text is a predicate whose subject is the engine: "does not model drag".
+    """
     required = missing(scene, engine.models)
     return f"does not model {required}" if required is not None else None
 
 
 def prepare(adapter: Adapter, scenes: Sequence[Scene], method: Method) -> Simulation:
-    """A simulation of all scenes, those of an engine that steps one at a time one after another.
+    """Return one simulation of all scenes; an engine without batching advances them one after another.
 
     Raises `SceneUnsupported`.
     """
@@ -102,10 +124,11 @@ def prepare(adapter: Adapter, scenes: Sequence[Scene], method: Method) -> Simula
 
 
 class OneByOne:
-    """Simulations of one scene each, advanced in turn."""
+    """A simulation of several scenes, made of simulations of one scene each that are advanced in turn."""
 
     def __init__(self, simulations: Iterable[Simulation]) -> None:
         self.simulations = tuple(simulations)
 
     def advance(self, strides: Strides) -> Array:
+        """Return the states (scenes, n, bodies, 13) of all scenes after each of n strides, as `Simulation.advance` does."""
         return np.concatenate([simulation.advance(strides) for simulation in self.simulations])

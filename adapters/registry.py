@@ -3,9 +3,9 @@
 The adapter of a folder is its module `engine`; an entry point names an adapter's module, or an object in one. Nothing is
 imported before an engine is asked for by name.
 
-The package that installs an engine must be known where the engine is not installed. A folder has it as `DISTRIBUTION` in its
-`__init__.py`, which imports nothing of the engine; another package has an entry point in the group `bodycheck.distributions`
-with underscores for hyphens: `myengine = "my_engine"`.
+The name of the package that installs an engine must be known even if the engine is not installed. A folder defines it as
+`DISTRIBUTION` in its `__init__.py`, which imports nothing of the engine. Another package defines it by an entry point in the
+group `bodycheck.distributions`, with underscores in place of hyphens: `myengine = "my_engine"`.
 """
 
 import importlib
@@ -15,55 +15,64 @@ from importlib.metadata import entry_points
 import bodycheck.adapters
 from bodycheck.adapters.contract import Adapter
 
-GROUP = "bodycheck.engines"
-DISTRIBUTIONS = "bodycheck.distributions"
+#: The group of entry points that name adapters in other packages.
+ENGINE_GROUP = "bodycheck.engines"
+#: The group of entry points that name the packages which install engines.
+DISTRIBUTION_GROUP = "bodycheck.distributions"
 
 
 class EngineMissing(Exception):
-    """An engine cannot be used here; the text says why and, where it can, what to install."""
+    """An engine cannot be used here; the text says why, and which package to install if that is known."""
 
 
 def names() -> tuple[str, ...]:
-    """Names of all engines that have an adapter, whether the engine itself is installed or not."""
+    """Return the names of all engines that have an adapter, installed or not."""
     own = _own()
-    return tuple(own + [point.name for point in entry_points(group=GROUP) if point.name not in own])
+    return tuple(own + [point.name for point in entry_points(group=ENGINE_GROUP) if point.name not in own])
 
 
 def distribution(name: str) -> str:
-    """The package that installs an engine, as pip names it. Raises `EngineMissing` where that is not said."""
-    _refuse_unknown(name)
+    """Return the name of the package that installs an engine, as pip spells it.
+
+    Raises `EngineMissing` for an unknown engine, and for one whose adapter does not name its package.
+    """
+    _check_known(name)
     if name in _own():
         return str(importlib.import_module(f"bodycheck.adapters.{name}").DISTRIBUTION)
-    for point in entry_points(group=DISTRIBUTIONS, name=name):
+    for point in entry_points(group=DISTRIBUTION_GROUP, name=name):
         return point.value.replace("_", "-")
-    raise EngineMissing(f"{name} does not say what it is installed from: it has no entry point in the group {DISTRIBUTIONS!r}")
+    raise EngineMissing(
+        f"{name} does not say what it is installed from: it has no entry point in the group {DISTRIBUTION_GROUP!r}"
+    )
 
 
 def load(name: str) -> Adapter:
-    """The adapter of an engine, and with it the engine. Raises `EngineMissing`."""
-    _refuse_unknown(name)
+    """Import an engine and return its adapter. Raises `EngineMissing`."""
+    _check_known(name)
     try:
-        points = entry_points(group=GROUP, name=name)
+        points = entry_points(group=ENGINE_GROUP, name=name)
         adapter = next(iter(points)).load() if points else importlib.import_module(f"bodycheck.adapters.{name}.engine")
     except ModuleNotFoundError as error:
         raise EngineMissing(f"{name} is not installed: there is no Python package {error.name!r}") from error
     except ImportError as error:
         raise EngineMissing(f"{name} cannot be imported: {error}") from error
     if not isinstance(adapter, Adapter):
-        raise EngineMissing(f"{name} has no adapter: {point_of(adapter)} lacks `engine` or `prepare` of bodycheck's contract")
+        raise EngineMissing(
+            f"{name} has no adapter: {_description(adapter)} lacks `engine` or `prepare` of bodycheck's contract"
+        )
     return adapter
 
 
-def point_of(adapter: object) -> str:
-    """A module or an object in words."""
+def _description(adapter: object) -> str:
+    """Return the name of a module, or of the type of an object."""
     return str(getattr(adapter, "__name__", type(adapter).__name__))
 
 
 def _own() -> list[str]:
-    """The engines whose adapters are folders beside this file."""
+    """Return the engines whose adapters are folders beside this file."""
     return [module.name for module in pkgutil.iter_modules(bodycheck.adapters.__path__) if module.ispkg]
 
 
-def _refuse_unknown(name: str) -> None:
+def _check_known(name: str) -> None:
     if name not in names():
         raise EngineMissing(f"there is no engine {name!r}; there are: {', '.join(names())}")

@@ -1,4 +1,4 @@
-"""The loop of engines that are stepped from Python, a call a step."""
+"""A simulation loop for engines that are stepped from Python, with one call per step."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,18 +14,18 @@ State = TypeVar("State")
 
 @dataclass
 class Loop(Generic[State]):
-    """One scene of one body, stepped in a Python loop.
+    """A simulation of one scene with one body, stepped in a Python loop.
 
     Parameters
     ----------
     state
-        Where the simulation stands, in whatever form the engine has it.
+        The current state, in the form that the engine uses.
     step
-        From a state to the state one time step later; may raise `EngineDiverged`.
+        Returns the state one time step after a given state; it may raise `EngineDiverged`.
     seen
-        From a state to its numbers (k,), copied.
+        Returns a copy of the numbers (k,) that describe a state.
     rows
-        From the numbers (n, k) of n states to rows (n, 13), as `Simulation.advance` has them.
+        Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`.
     """
 
     state: State
@@ -34,6 +34,7 @@ class Loop(Generic[State]):
     rows: Callable[[Array], Array]
 
     def advance(self, strides: Strides) -> Array:
+        """Return the states (1, n, 1, 13) after each of n strides, as `Simulation.advance` does."""
         step, state = self.step, self.state
         seen = np.empty((len(strides), len(self.seen(state))))
         for place, stride in enumerate(strides.tolist()):

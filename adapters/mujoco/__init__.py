@@ -1,5 +1,7 @@
-"""The adapter of MuJoCo: `engine` is the adapter, `models` has its models of a scene, `contact` its contacts and
-`stepping` its steps.
+"""The adapter of MuJoCo.
+
+The module `engine` is the adapter. `models` builds the models of a scene, `contact` writes contacts into the XML, and
+`stepping` advances a compiled model.
 """
 
 #: The package that installs the engine.

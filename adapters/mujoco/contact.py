@@ -1,18 +1,22 @@
-"""The contact of a flat body with a plane, as MuJoCo's XML has it, and the options of a method that change it.
+"""Write the contact of a flat body with a plane as MuJoCo's XML, and define the options of a method that change the contact.
 
 A method may have options, as in `Euler:cone=elliptic,solref=0.004 1`. An option that is not given is not written into the
-XML, and keeps the default of the installed MuJoCo. The keys:
+XML, and keeps the default of the installed MuJoCo. The keys are:
 
-- cone: elliptic or pyramidal. impratio: of frictional to normal impedance. noslip: iterations of the solver of that name.
-- condim: 1 (no friction), 3 (sliding), 4 (and torsion), 6 (and rolling). solref, solimp: how stiff, how soft.
-- pads: n, the face as n x n small spheres at the middles of equal cells, in place of the body's own shape, for which MuJoCo
-  finds at most four contacts. Of a round face only the pads within it are there.
+- cone: the friction cone, elliptic or pyramidal.
+- impratio: the ratio of frictional to normal impedance.
+- noslip: the number of iterations of MuJoCo's noslip solver.
+- condim: the dimensions of a contact: 1 (no friction), 3 (sliding), 4 (sliding, torsion), 6 (sliding, torsion, rolling).
+- solref, solimp: MuJoCo's parameters for the stiffness and the softness of a contact.
+- pads: n replaces the body's own shape by n x n small spheres at the centres of equal cells of its lower face; a round face
+  keeps only the spheres inside it. Without pads, MuJoCo finds at most four contacts.
 
-More pads do not bring the friction of an area. Where a contact slides at speed u, MuJoCo's convex friction pushes it up with
+More pads do not approach the friction of an area. If a contact slides at speed u, MuJoCo's convex friction pushes it up with
 the acceleration mu b u, b ~ 2/timeconst: by default several times gravity at 1 m/s. The body then leaves the plane and falls
-back, and where it spins the outermost pads, which are the fastest, bear all of the load.
+back. If it also spins, the outermost pads, which are the fastest, bear the whole load.
 
-Sliding friction is the scene's. Torsion (0.005 m) and rolling (0.0001 m), where condim asks for them, are MuJoCo's defaults.
+The coefficient of sliding friction is that of the scene. Torsion (0.005 m) and rolling (0.0001 m), where condim includes
+them, keep MuJoCo's defaults.
 """
 
 import math
@@ -24,25 +28,25 @@ from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.planar import describe_shape, planar_state, resting_height
 from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
 
-#: MuJoCo's mjMINMU: it raises smaller coefficients to this one without a word.
-LEAST_FRICTION = 1e-5
+#: MuJoCo's mjMINMU: MuJoCo silently raises smaller coefficients to this one.
+MUJOCO_MIN_FRICTION = 1e-5
 
-#: A direction: a thousand contacts, which with noslip are already more than MuJoCo's buffer holds.
-MOST_PADS = 32
+#: The largest number of pads in each direction. A thousand contacts with noslip already exceed MuJoCo's buffer.
+MAX_PADS_PER_SIDE = 32
 
-#: Radius of a pad in half-heights of the body: so small that a tilt hardly moves its contact point.
-PAD_SIZE = 0.01
+#: Radius of a pad in half-heights of the body. It is small enough that a tilt hardly moves the contact point.
+PAD_RADIUS_IN_HEIGHTS = 0.01
 
-#: MuJoCo's default coefficients (m).
-TORSION_AND_ROLLING = (0.005, 0.0001)
+#: MuJoCo's default coefficients of torsional and rolling friction (m).
+TORSION_AND_ROLLING_FRICTION_M = (0.005, 0.0001)
 
-#: The keys that are attributes of the XML's `option`.
+#: The keys that become attributes of the XML element `option`, with the names of the attributes.
 OPTION_ATTRIBUTES = {"cone": "cone", "impratio": "impratio", "noslip": "noslip_iterations"}
 
 
 @dataclass(frozen=True)
 class Parts:
-    """What a scene adds to the XML of a free body: attributes of `flag` and `option`, and elements."""
+    """The parts that a scene adds to the XML of a free body: attributes of `flag` and `option`, and XML elements."""
 
     flags: str = 'contact="disable" constraint="disable"'
     option: str = ""
@@ -53,7 +57,7 @@ class Parts:
 
 
 def unsupported(scene: Scene) -> str | None:
-    """What the contact of a scene with a plane requires that is not modelled here, in words; None where nothing is."""
+    """Return what this adapter does not model of a scene with a plane, as a noun phrase; None if it models everything."""
     if scene.drag:
         return "drag together with contact"
     try:
@@ -64,22 +68,35 @@ def unsupported(scene: Scene) -> str | None:
 
 
 def parts(scene: Scene, plane: Plane, chosen: Mapping[str, str], shortest: float) -> Parts:
-    """The contact of a body that lies flat. Raises `SceneUnsupported`.
+    """Return the XML parts for the contact of a body that lies flat.
 
-    chosen: options by their keys; other keys are ignored. shortest: time constant (s) of solref that MuJoCo puts in place of
-    a shorter one.
+    Parameters
+    ----------
+    scene
+        The scene with the body.
+    plane
+        The plane of the scene.
+    chosen
+        Options by their keys; keys that are not contact options are ignored.
+    shortest
+        The smallest time constant (s) of solref that MuJoCo accepts unchanged.
+
+    Raises
+    ------
+    SceneUnsupported
+        If the body has no flat face, or if MuJoCo would silently change the friction or the time constant.
     """
     shape = scene.body.shape
     if not isinstance(shape, Brick | Cylinder):
         raise SceneUnsupported(f"{describe_shape(shape)} has no face to lie on")
-    # A contact without friction has one dimension; MuJoCo knows no friction of zero in the others.
+    # MuJoCo does not accept a coefficient of zero in contacts with friction, so a frictionless contact has one dimension.
     condim = chosen.get("condim", "3" if plane.friction else "1")
-    if condim != "1" and plane.friction < LEAST_FRICTION:
-        raise SceneUnsupported(f"MuJoCo's least friction is {LEAST_FRICTION:g}, the scene's is {plane.friction:g}")
+    if condim != "1" and plane.friction < MUJOCO_MIN_FRICTION:
+        raise SceneUnsupported(f"MuJoCo's least friction is {MUJOCO_MIN_FRICTION:g}, the scene's is {plane.friction:g}")
     if 0 < (timeconst := float(chosen.get("solref", "0").split()[0])) < shortest:
         raise SceneUnsupported(f"MuJoCo would raise the time constant {timeconst:g} s of solref to {shortest:g} s")
     option = {attribute: chosen[key] for key, attribute in OPTION_ATTRIBUTES.items() if key in chosen}
-    geom = {"condim": condim, "friction": numbers_written(plane.friction, *TORSION_AND_ROLLING)}
+    geom = {"condim": condim, "friction": numbers_written(plane.friction, *TORSION_AND_ROLLING_FRICTION_M)}
     geom |= {key: value for key, value in chosen.items() if key in ("solref", "solimp")}
     return Parts(
         "",
@@ -91,14 +108,15 @@ def parts(scene: Scene, plane: Plane, chosen: Mapping[str, str], shortest: float
 
 
 def written(attributes: dict[str, str]) -> str:
+    """Return XML attributes as text."""
     return " ".join(f'{name}="{value}"' for name, value in attributes.items())
 
 
 def body_geoms(shape: Brick | Cylinder, pads: int) -> list[str]:
-    """The elements that touch the plane: the shape itself, or pads x pads spheres inside its lower face."""
+    """Return the XML elements that touch the plane: the shape itself, or pads x pads spheres inside its lower face."""
     if pads:
         height = resting_height(shape)
-        radius = PAD_SIZE * height
+        radius = PAD_RADIUS_IN_HEIGHTS * height
         return [
             f'<geom type="sphere" size="{numbers_written(radius)}" pos="{numbers_written(x, y, radius - height)}"/>'
             for x, y in pad_centres(shape, pads)
@@ -111,7 +129,10 @@ def body_geoms(shape: Brick | Cylinder, pads: int) -> list[str]:
 
 
 def pad_centres(shape: Brick | Cylinder, pads: int) -> list[tuple[float, float]]:
-    """Middles (m, body frame) of the equal cells into which a face is cut, pads a direction; those within it."""
+    """Return the centres (x, y) (m, body frame) of the cells, pads in each direction, into which a face is divided.
+
+    Centres outside a round face are left out.
+    """
     fractions = [(2 * i + 1 - pads) / pads for i in range(pads)]
     cells = [(x, y) for x in fractions for y in fractions]
     match shape:
@@ -122,11 +143,12 @@ def pad_centres(shape: Brick | Cylinder, pads: int) -> list[tuple[float, float]]
 
 
 def numbers_written(*values: float) -> str:
+    """Return numbers as XML text, separated by spaces, with all digits that a float needs."""
     return " ".join(repr(float(value)) for value in values)
 
 
 def whole(accepted: Callable[[int], bool]) -> Callable[[str], int]:
-    """The reader of an option that is a whole number."""
+    """Return a parser for an option that is a whole number; the parser raises `ValueError` if `accepted` is false."""
 
     def reader(text: str) -> int:
         if not accepted(number := int(text)):
@@ -137,7 +159,7 @@ def whole(accepted: Callable[[int], bool]) -> Callable[[str], int]:
 
 
 def numbers(accepted: Callable[[tuple[float, ...]], bool]) -> Callable[[str], tuple[float, ...]]:
-    """The reader of an option that is one or more numbers."""
+    """Return a parser for an option of one or more numbers; the parser raises `ValueError` if `accepted` is false."""
 
     def reader(text: str) -> tuple[float, ...]:
         values = tuple(map(float, text.split()))
@@ -149,21 +171,22 @@ def numbers(accepted: Callable[[tuple[float, ...]], bool]) -> Callable[[str], tu
 
 
 def is_solref(values: tuple[float, ...]) -> bool:
-    """Whether MuJoCo takes this pair as it is: it replaces a pair of mixed signs by its default."""
+    """Return whether MuJoCo uses these values unchanged; it replaces a pair of mixed signs by its default."""
     return len(values) == 2 and (min(values) > 0 or max(values) <= 0)
 
 
 def is_solimp(values: tuple[float, ...]) -> bool:
-    """Whether these are impedances that MuJoCo takes as they are."""
+    """Return whether MuJoCo uses these values of solimp unchanged."""
     if len(values) not in (3, 5):
         return False
     least, most, width, midpoint, power = (*values, 0.5, 2.0)[:5]
     return 0 <= least <= 1 and 0 <= most <= 1 and width >= 0 and 0 <= midpoint <= 1 and power >= 1
 
 
+#: Contact options have an effect only in scenes with a plane.
 ON_PLANE: frozenset[Kind] = frozenset({"plane"})
 
-#: The options of every integrator on a plane.
+#: The contact options, which every integrator has on a plane.
 OPTIONS: dict[str, Option] = {
     "cone": choice("elliptic", "pyramidal", kinds=ON_PLANE),
     "impratio": Option("a positive number", numbers(lambda values: len(values) == 1 and values[0] > 0), ON_PLANE),
@@ -179,5 +202,7 @@ OPTIONS: dict[str, Option] = {
         ON_PLANE,
     ),
     "noslip": Option("a whole number >= 0", whole(lambda number: number >= 0), ON_PLANE),
-    "pads": Option(f"a whole number from 1 to {MOST_PADS}", whole(lambda number: 1 <= number <= MOST_PADS), ON_PLANE),
+    "pads": Option(
+        f"a whole number from 1 to {MAX_PADS_PER_SIDE}", whole(lambda number: 1 <= number <= MAX_PADS_PER_SIDE), ON_PLANE
+    ),
 }

@@ -1,15 +1,16 @@
-"""The adapter of MuJoCo: a body with an inertia, the joints that the scene needs, and what it needs besides, stepped in C.
+"""The adapter of MuJoCo. It writes a scene as XML (inertia, joints, and contact or drag if needed), and steps it in C.
 
-Of a free joint qpos is (position world, quaternion w x y z), and qvel is linear in the world frame, angular in the body frame.
-The module `models` has other joints and models that are larger than need be, and `stepping` the steps.
+For a free joint, qpos is (position in the world frame, quaternion w x y z), and qvel is (linear velocity in the world frame,
+angular velocity in the body frame). The module `models` contains the other joints and the larger models, and `stepping` the
+loop of steps.
 
-Drag is a force from outside, evaluated wherever MuJoCo evaluates its own passive forces, so that every integrator keeps its
-order. The option `drag=fluid` takes MuJoCo's own fluid model instead: an inertia box in a medium, which meets a drag along
-each axis of the body and one against its rotation. The medium is as dense as it must be for the drag along the axis of the
-least moment, that in which a long body flies, to be the scene's.
+Drag is an external force that is evaluated together with MuJoCo's own passive forces, so that every integrator keeps its
+order. The option `drag=fluid` selects MuJoCo's own fluid model instead: an inertia box in a medium, with a drag along each
+axis of the body and a drag against its rotation. The density of the medium is chosen such that the drag along the axis of
+the smallest moment, along which a long body flies, equals that of the scene.
 
-A body on a plane touches it by MuJoCo's own soft contact; the module `contact` has its options. The option `model=planar`
-takes the smallest model instead, of three coordinates, and friction as a force from outside, by the reference's law.
+A body on a plane touches the plane by MuJoCo's own soft contact, whose options the module `contact` defines. The option
+`model=planar` selects the smallest model instead: three coordinates, with the reference's friction as an external force.
 """
 
 import math
@@ -21,7 +22,7 @@ import numpy as np
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, Model, SceneUnsupported, Strides, choice
 from bodycheck.adapters.mujoco import DISTRIBUTION, contact
-from bodycheck.adapters.mujoco import models as growth
+from bodycheck.adapters.mujoco import models as scene_models
 from bodycheck.adapters.mujoco.stepping import Rollouts, Steps, quiet, refuse_warnings, stepping
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Brick, Plane, Scene
@@ -46,29 +47,29 @@ XML = """
 </mujoco>
 """
 
-#: The integrators of the newest release, as its XML names them.
-KNOWN = ("Euler", "RK4", "implicit", "implicitfast", "discrete")
+#: The integrators of the newest known release, as its XML spells them.
+KNOWN_INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast", "discrete")
 
 
 def available() -> tuple[str, ...]:
-    """The integrators of the installed release, in its order: the names of its enumeration as its XML spells them."""
+    """Return the integrators of the installed release, as its XML spells them, in the order of its enumeration."""
     spelling = {"EULER": "Euler", "RK4": "RK4"}
     members = (name.removeprefix("mjINT_") for name in mujoco.mjtIntegrator.__members__)
     return tuple(spelling.get(name, name.lower()) for name in members)
 
 
 def integrators() -> tuple[Integrator, ...]:
-    """All integrators that there are; those that the installed release lacks are offered for no scene."""
+    """Return all known integrators; those that the installed release lacks are offered for no scene."""
     options = {
-        "model": choice(*dict.fromkeys((*growth.IN_FLIGHT, *growth.ON_PLANE))),
+        "model": choice(*dict.fromkeys((*scene_models.IN_FLIGHT, *scene_models.ON_PLANE))),
         "drag": choice("fluid", kinds=frozenset({"drag"})),
         **contact.OPTIONS,
     }
     here = available()
-    # By MuJoCo's documentation all but RK4 are of first order.
+    # According to MuJoCo's documentation, all integrators except RK4 are of first order.
     return tuple(
         Integrator(name, order=stages, evaluations=stages, options=options, **({} if name in here else {"kinds": frozenset()}))
-        for name in dict.fromkeys((*here, *KNOWN))
+        for name in dict.fromkeys((*here, *KNOWN_INTEGRATORS))
         for stages in (4 if name == "RK4" else 1,)
     )
 
@@ -87,19 +88,22 @@ engine = Engine(
 
 
 def models(scene: Scene, integrator: str) -> dict[str, Model]:
-    """The models of a scene; on a plane those of an integrator without options."""
+    """Return the models of a scene by name; a method with contact options or with `model=` has no choice of models."""
     method = Method.parse(integrator, 0.0)
     if method.option("model") or (scene.plane is not None and method.options):
         return {}
-    own = {name: replace(method, options=tuple(sorted((*method.options, ("model", name))))) for name in growth.growing(scene)}
-    return {name: Model(own[name].name, adds) for name, adds in growth.growing(scene).items()}
+    own = {
+        name: replace(method, options=tuple(sorted((*method.options, ("model", name)))))
+        for name in scene_models.available_models(scene)
+    }
+    return {name: Model(own[name].name, adds) for name, adds in scene_models.available_models(scene).items()}
 
 
 def model_of(scene: Scene, method: Method) -> str:
-    """The model that a method asks for, or the smallest on which its integrator remains the same scheme.
+    """Return the model named by `:model=`, or the smallest model on which the integrator is the same scheme.
 
-    A body that turns has a free joint even where it stays in its place. On a ball joint, which would do, `implicitfast` and
-    `discrete` are other schemes: semi-implicit Euler, as `Euler` is.
+    A rotating body has a free joint even if it does not move away. On a ball joint, which would suffice, `implicitfast` and
+    `discrete` would become another scheme: semi-implicit Euler, like `Euler`.
     """
     if (asked := method.option("model")) is not None:
         return asked
@@ -108,18 +112,18 @@ def model_of(scene: Scene, method: Method) -> str:
     return "translation" if requirements(scene).rotation == "none" else "six-coordinates"
 
 
-def touches(scene: Scene, method: Method) -> bool:
-    """Whether the body touches a plane by MuJoCo's own contact."""
-    return scene.plane is not None and model_of(scene, method) in growth.TOUCHING
+def touches_plane(scene: Scene, method: Method) -> bool:
+    """Return whether the body touches a plane by MuJoCo's own contact."""
+    return scene.plane is not None and model_of(scene, method) in scene_models.MODELS_WITH_CONTACT
 
 
 def contact_law(scene: Scene, method: Method) -> Plane | None:
-    """The law of friction of a method's contacts; None where it is none of the reference's.
+    """Return the friction law of a method's contacts; None if the reference has no such law.
 
-    MuJoCo finds four contacts of a box with a plane. What it finds of a cylinder, pads, and contacts with torsion or rolling
-    (condim 4 and 6) are no law of the reference. Contacts of one dimension have no friction.
+    MuJoCo finds four contacts between a box and a plane. The reference has no law for MuJoCo's contacts of a cylinder, for
+    pads, or for contacts with torsion or rolling (condim 4 and 6). Contacts of one dimension have no friction.
     """
-    if scene.plane is None or not touches(scene, method):
+    if scene.plane is None or not touches_plane(scene, method):
         return scene.plane
     condim = method.option("condim")
     if not isinstance(scene.body.shape, Brick) or method.option("pads") or condim in ("4", "6"):
@@ -129,30 +133,30 @@ def contact_law(scene: Scene, method: Method) -> Plane | None:
 
 
 def prepare(scenes: Sequence[Scene], method: Method) -> Rollouts | Steps:
-    """The simulation of one scene."""
+    """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
     model = model_of(scene, method)
-    refuse(scene, method, model)
-    braked = scene.plane is not None and model not in growth.TOUCHING
+    check_supported(scene, method, model)
+    braked = scene.plane is not None and model not in scene_models.MODELS_WITH_CONTACT
     parts = None
     if scene.plane is not None and not braked:
-        # For stability, MuJoCo keeps the contact slower than the step; `discrete` is stable without.
+        # For stability, MuJoCo keeps the time constant of a contact above two steps; `discrete` does not need this.
         shortest = 0.0 if method.integrator == "discrete" else 2 * method.timestep
         parts = contact.parts(scene, scene.plane, dict(method.options), shortest)
     fluid = method.option("drag") == "fluid"
-    joints = growth.joints(scene, model)
+    joints = scene_models.joints(scene, model)
     xml = XML.format(
         timestep=method.timestep,
         integrator=method.integrator,
-        # Where friction is a force, so would be what bears the weight: neither is in the model.
+        # With friction as an external force, the model contains neither the weight nor the force that bears it.
         gravity=0.0 if braked else -scene.gravity,
         density=fluid_density(scene) if fluid else 0.0,
         origin=contact.numbers_written(*joints.origin),
         joints=joints.xml,
         mass=scene.body.mass,
-        axes=growth.principal_axes(scene, joints),
+        axes=scene_models.principal_axes(scene, joints),
         moments=contact.numbers_written(*scene.body.moments),
-        parts=growth.parts(scene, model, parts),
+        parts=scene_models.parts(scene, model, parts),
     )
     try:
         compiled = mujoco.MjModel.from_xml_string(xml)
@@ -162,27 +166,27 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Rollouts | Steps:
     data.qpos[:], data.qvel[:] = joints.qpos, joints.qvel
     force = None
     if scene.plane is not None and braked:
-        force = growth.braking(scene, scene.plane, method.timestep, data)
+        force = scene_models.friction_force(scene, scene.plane, method.timestep, data)
     elif scene.drag and not fluid and model != "rotation":
-        force = growth.resistance(scene.drag, data)
+        force = scene_models.drag_force(scene.drag, data)
     return stepping(compiled, data, joints, force)
 
 
-def refuse(scene: Scene, method: Method, model: str) -> None:
-    """Raises `SceneUnsupported` for a contact, a model or options that a scene cannot have."""
+def check_supported(scene: Scene, method: Method, model: str) -> None:
+    """Raise `SceneUnsupported` if the contact, the model or the contact options do not fit the scene."""
     if scene.plane is not None and (reason := contact.unsupported(scene)) is not None:
         raise SceneUnsupported(f"{engine.name} {engine.version} does not model {reason}")
-    if method.option("model") and model not in (there := growth.growing(scene)):
+    if method.option("model") and model not in (there := scene_models.available_models(scene)):
         raise SceneUnsupported(f"no model {model!r} of this scene; there are: {', '.join(there)}")
     own = [f"{key}={value}" for key, value in method.options if key in contact.OPTIONS]
-    if own and not touches(scene, method):
+    if own and not touches_plane(scene, method):
         raise SceneUnsupported(f"contact options {', '.join(own)} for the model {model!r}, which has no contact")
 
 
 def fluid_density(scene: Scene) -> float:
-    """Density (kg/m^3) at which MuJoCo's inertia box meets the scene's drag along the axis of the least moment.
+    """Return the density (kg/m^3) at which MuJoCo's fluid model has the scene's drag along the axis of the smallest moment.
 
-    The box of half-lengths r_i^2 = 3 (I_j + I_k - I_i) / 2m meets 2 rho r_j r_k |v| v along axis i.
+    MuJoCo's inertia box has half-lengths r_i^2 = 3 (I_j + I_k - I_i) / 2m and the drag 2 rho r_j r_k |v| v along axis i.
     """
     _, *across = sorted(scene.body.moments)
     total = sum(scene.body.moments)
@@ -191,17 +195,35 @@ def fluid_density(scene: Scene) -> float:
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array | None:
-    """The normal force (n,), N, in each of n steps; None for a model that does not touch the plane."""
-    return contact_loads(scene, method, steps)[0] if touches(scene, method) else None
+    """Return the normal force (n,), in N, in each of n steps; None for a model that does not touch the plane."""
+    return contact_loads(scene, method, steps)[0] if touches_plane(scene, method) else None
 
 
 def contact_loads(scene: Scene, method: Method, steps: int) -> tuple[Array, Strides]:
-    """The normal force between body and plane (n,) (N), and how many contacts bear it (n,), in each of n steps.
+    """Return the normal force between body and plane, and the number of contacts that bear it, in each of n steps.
 
-    That is what MuJoCo has at the beginning of a step; RK4 leaves what its last stage had. Raises `SceneUnsupported`, also
-    where there is no plane or the model does not touch it, and `EngineDiverged`.
+    Parameters
+    ----------
+    scene
+        A scene with a plane.
+    method
+        A method whose model touches the plane.
+    steps
+        The number of steps n.
+
+    Returns
+    -------
+    The normal force (n,) in N and the number of contacts with a normal force (n,). MuJoCo reports both at the beginning of a
+    step; for RK4 they are those of the last stage.
+
+    Raises
+    ------
+    SceneUnsupported
+        If the scene has no plane, the model does not touch it, or MuJoCo cannot model the scene.
+    EngineDiverged
+        If MuJoCo gives a warning.
     """
-    if not touches(scene, method):
+    if not touches_plane(scene, method):
         raise SceneUnsupported("contact loads of a model without contact")
     simulation = prepare([scene], method)
     model, data = simulation.model, simulation.data

@@ -1,8 +1,8 @@
-"""Models of a scene in MuJoCo, from the smallest on: the joints of its body, and what else is in the XML.
+"""Models of a scene in MuJoCo, from the smallest to the largest: the joints of the body, and the other parts of the XML.
 
-A method may ask for one, as in `Euler:model=six-coordinates`. In space a body is carried by as many slides,
-balls or free joints as it needs. On a plane the smallest model has two slides and a hinge: the plane bears the weight, neither
-of them is in the model, and friction is a force from outside, by the reference's law.
+A method may select a model, as in `Euler:model=six-coordinates`. In flight, the body has slide, ball or free joints for the
+motions of the scene. On a plane, the smallest model has two slides and a hinge: it contains neither the weight nor the plane
+that bears it, and friction by the reference's law is an external force.
 """
 
 import math
@@ -21,9 +21,10 @@ from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Quatern
 from bodycheck.reference.sliding.motion import smallest_friction
 from bodycheck.reference.trajectory import Array
 
-#: How far below the body a plane is that nothing ever touches (m).
-FAR = 1e6
+#: Depth below the origin (m) of a plane that no body ever touches.
+FAR_PLANE_DEPTH_M = 1e6
 
+#: The sensors of the model `everything`.
 SENSORS = """
   <sensor>
     <framepos objtype="body" objname="body"/>
@@ -34,6 +35,7 @@ SENSORS = """
     <subtreeangmom body="body"/>
   </sensor>"""
 
+#: The models of a scene in flight, from the smallest to the largest, with what each adds to the one before it.
 IN_FLIGHT = {
     "translation": "three slides",
     "rotation": "a ball joint",
@@ -42,7 +44,7 @@ IN_FLIGHT = {
     "far-geometry": "the body's shape and a plane 1000 km below it, collision detection and the constraint solver",
     "everything": "sensors of pose, velocities, acceleration and angular momentum, and energy",
 }
-#: What each model has that the one before it has not.
+#: The models of a scene with a plane, in the same form.
 ON_PLANE = {
     "planar": "two slides and a hinge; friction is a force from outside, evaluated in Python",
     "six-coordinates": "one free joint; friction is the same force",
@@ -51,19 +53,29 @@ ON_PLANE = {
     "everything": "sensors of pose, velocities, acceleration and angular momentum, and energy",
 }
 
-#: The models of a body on a plane that touch it.
-TOUCHING = ("contact", "everything")
+#: The models of a scene with a plane in which the body touches the plane.
+MODELS_WITH_CONTACT = ("contact", "everything")
 
-#: MuJoCo's callback for passive forces: of a model and its data.
+#: MuJoCo's callback for passive forces, called with a model and its data.
 Force = Callable[[Any, Any], None]
 
 
 @dataclass(frozen=True)
 class Joints:
-    """How a body may move.
+    """The joints of a body and its initial state in their coordinates.
 
-    xml: the joints. qpos, qvel: the initial state in their coordinates. rows: from n states (n, nq + nv) in them to (n, 13).
-    origin: of the body (m) where the coordinates are zero. turn: of the scene's body against that of the XML.
+    Parameters
+    ----------
+    xml
+        The XML elements of the joints.
+    qpos, qvel
+        The initial state in the coordinates of the joints.
+    rows
+        Converts n states (n, nq + nv) in these coordinates to rows (n, 13) of the contract.
+    origin
+        The position (m, world frame) of the body when all coordinates are zero.
+    turn
+        The rotation from the frame of the scene's body to that of the XML's body, as a quaternion (w x y z).
     """
 
     xml: str
@@ -74,8 +86,8 @@ class Joints:
     turn: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
-def growing(scene: Scene) -> dict[str, str]:
-    """The models of a scene in order of growth, the smallest first, and what each has that the one before it has not."""
+def available_models(scene: Scene) -> dict[str, str]:
+    """Return the models of a scene, from the smallest to the largest, with what each adds to the one before it."""
     needs = requirements(scene)
     if needs.contact:
         return dict(ON_PLANE)
@@ -89,7 +101,7 @@ def growing(scene: Scene) -> dict[str, str]:
 
 
 def joints(scene: Scene, model: str) -> Joints:
-    """The joints that carry a scene's body in a model."""
+    """Return the joints of a scene's body in a model."""
     kinds = {
         "translation": slides,
         "rotation": ball,
@@ -100,7 +112,7 @@ def joints(scene: Scene, model: str) -> Joints:
 
 
 def slides(scene: Scene) -> Joints:
-    """The body's frame is the world's, so that the slides are along x, y and z: the body itself is turned in it."""
+    """Return three slides along x, y and z. The frame of the XML's body is that of the world; the inertia is rotated in it."""
     initial = scene.initial
 
     def rows(seen: Array) -> Array:
@@ -112,6 +124,7 @@ def slides(scene: Scene) -> Joints:
 
 
 def ball(scene: Scene) -> Joints:
+    """Return a ball joint at the centre of mass."""
     initial = scene.initial
 
     def rows(seen: Array) -> Array:
@@ -123,17 +136,19 @@ def ball(scene: Scene) -> Joints:
 
 
 def slides_and_ball(scene: Scene) -> Joints:
+    """Return three slides and a ball joint, whose coordinates are those of a free joint."""
     return replace(free_joint(scene), xml=slide("1 0 0", "0 1 0", "0 0 1") + '<joint type="ball"/>')
 
 
 def free_joint(scene: Scene) -> Joints:
+    """Return one free joint."""
     initial = scene.initial
     qpos = (*initial.position, *initial.quaternion)
     return Joints("<freejoint/>", qpos, (*initial.velocity, *initial.angular_velocity), lambda seen: seen)
 
 
 def slides_and_hinge(scene: Scene) -> Joints:
-    """The coordinates are x, y and yaw. Raises `NotFlat` for a body that does not lie flat."""
+    """Return two slides and a hinge, with the coordinates x, y and yaw. Raises `NotFlat` for a body that does not lie flat."""
     start, height = planar_state(scene).tolist(), scene.initial.position[2]
 
     def rows(seen: Array) -> Array:
@@ -151,25 +166,26 @@ def slides_and_hinge(scene: Scene) -> Joints:
 
 
 def slide(*axes: str) -> str:
+    """Return the XML of slide joints along axes, each given as in `1 0 0`."""
     return "".join(f'<joint type="slide" axis="{axis}"/>' for axis in axes)
 
 
 def principal_axes(scene: Scene, carried: Joints) -> str:
-    """The principal axes in the frame of the body of the XML."""
+    """Return the quaternion (w x y z) of the principal axes in the frame of the XML's body, as XML text."""
     return numbers_written(*multiply(np.array(carried.turn), np.array(scene.body.axes)).tolist())
 
 
 def parts(scene: Scene, model: str, contact: Parts | None) -> Parts:
-    """What a model has besides its body; contact: of one that touches the plane."""
+    """Return the parts of a model besides its body; `contact` holds those of a model that touches the plane, else None."""
     found = contact or Parts()
-    if contact is None and model in ("far-geometry", *TOUCHING) and scene.body.shape is not None:
-        plane = f'<geom type="plane" size="0 0 1" pos="0 0 {-FAR!r}"/>'
+    if contact is None and model in ("far-geometry", *MODELS_WITH_CONTACT) and scene.body.shape is not None:
+        plane = f'<geom type="plane" size="0 0 1" pos="0 0 {-FAR_PLANE_DEPTH_M!r}"/>'
         found = replace(found, flags="", plane=plane, geoms=geometry(scene.body.shape))
     return replace(found, flags='energy="enable"', sensors=SENSORS) if model == "everything" else found
 
 
 def geometry(shape: Shape) -> str:
-    """The shape of a body, along its axes."""
+    """Return the XML of a body's shape, aligned with the axes of the body."""
     size: tuple[float, ...]
     match shape:
         case Brick(semi_axes):
@@ -183,10 +199,11 @@ def geometry(shape: Shape) -> str:
     return f'<geom type="{kind}" size="{numbers_written(*size)}"/>'
 
 
-def resistance(drag: float, data: Any) -> Force:
-    """Drag (kg/m) as a force on joints whose first three velocities are those of the centre of mass.
+def drag_force(drag: float, data: Any) -> Force:
+    """Return drag, with the coefficient `drag` (kg/m), as a force on joints whose first velocities are the body's (world).
 
-    data: that which is stepped. Its arrays are looked up once, here and below, for a look costs as much as the arithmetic.
+    `data` must be the data that is stepped. Its arrays are looked up only once, because a look-up costs as much time as the
+    arithmetic.
     """
     velocities, forces = data.qvel[:3], data.qfrc_passive[:3]
 
@@ -198,11 +215,22 @@ def resistance(drag: float, data: Any) -> Force:
     return force
 
 
-def braking(scene: Scene, plane: Plane, timestep: float, data: Any) -> Force:
-    """The friction of a flat body as a force on x, y and the last velocity, its spin.
+def friction_force(scene: Scene, plane: Plane, timestep: float, data: Any) -> Force:
+    """Return the friction of a flat body as a force on the velocities along x and y and on the last one, its spin.
 
-    Where friction would reverse the motion within a step, in the sense of the kinetic energy's scalar product, it is what
-    stops the body in that step. Where a law brakes translation and spin apart, they come to rest each for itself.
+    If friction would reverse the motion within a step, in the sense of the scalar product of the kinetic energy, it is reduced
+    to the force that stops the body in that step. If the law brakes translation and spin separately, each stops by itself.
+
+    Parameters
+    ----------
+    scene
+        The scene with the body.
+    plane
+        The plane with the law of friction.
+    timestep
+        The time step (s).
+    data
+        MuJoCo's data that is stepped; its arrays are looked up only once.
     """
     law, apart = smallest_friction(scene, plane)
     mass, moment = scene.body.mass, scene.body.moments[2]

@@ -1,4 +1,8 @@
-"""The adapter of Pinocchio: `engine` is the adapter, `joints` carry a body, `schemes` step it, `contact` is rigid contact."""
+"""The adapter of Pinocchio.
+
+The module `engine` is the adapter. `models` lists the models of a scene, `joints` builds the joints of a body, `schemes`
+contains the integration schemes, and `contact` steps a body with Pinocchio's rigid contact.
+"""
 
 #: The package that installs the engine.
 DISTRIBUTION = "pin"

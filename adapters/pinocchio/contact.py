@@ -1,4 +1,4 @@
-"""Pinocchio's own rigid contact: a brick on the four lower corners of its plane face, solved by ADMM in every step."""
+"""Step a brick that touches a plane at its four lower corners by Pinocchio's rigid contacts, solved by ADMM in every step."""
 
 import itertools
 import math
@@ -12,45 +12,60 @@ from bodycheck.reference.planar import describe_shape
 from bodycheck.reference.scene import Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Array
 
-#: Of the impulses and velocities at contacts, in units of the weight's impulse m g h and of g h, the velocity that it stops.
+#: Tolerance of the impulses and velocities at contacts, in units of the weight's impulse m g h and of the velocity g h.
 #:
-#: So tight because a brick that has come to rest creeps with what is left, of the order of 1e-15 m/s.
-TOLERANCE = 1e-13
+#: It is this tight because a brick at rest creeps with the remaining error, of the order of 1e-15 m/s.
+SOLVER_TOLERANCE = 1e-13
 
-#: Of the initial velocities: what ADMM cannot fall below where that is more than the tolerance.
-ROUNDING = 16 * float(np.finfo(float).eps)
+#: Rounding error relative to the initial velocities. If it exceeds the tolerance, ADMM cannot reach the tolerance.
+SPEED_ROUNDING = 16 * float(np.finfo(float).eps)
 
-#: ADMM's at the start of a step, in these units; from there it is adapted by factors of two.
+#: ADMM's penalty at the start of a step, in the same units; the solver adapts it by factors of two.
 #:
-#: It is some two times the largest eigenvalue of the Delassus matrix, which for a homogeneous brick on its four corners is
-#: between 12 and 16 whatever the lengths.
-PENALTY = 32.0
+#: It is about twice the largest eigenvalue of the Delassus matrix, which for a homogeneous brick on its four corners lies
+#: between 12 and 16 for all lengths of the brick.
+INITIAL_PENALTY = 32.0
 
-AVAILABLE = hasattr(pin, "PointContactConstraintModel")
+#: Whether the installed release has point contacts.
+HAS_POINT_CONTACTS = hasattr(pin, "PointContactConstraintModel")
 
-#: Residual, in the same units, above which a step is not what its contact model says; below it, the solver has stalled.
-UNSOLVED = 1e-6
+#: Residual, in the same units, above which a step violates its contact model. A smaller residual only means a stalled solver.
+STALL_RESIDUAL = 1e-6
 
 
 def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -> Step:
-    """The step of a brick with a rigid point contact with Coulomb friction at each of its four lower corners.
+    """Return the step of a brick with a rigid point contact with Coulomb friction at each of its four lower corners.
 
-    joints: for translation and rotation apart, under gravity.
+    The velocities and impulses at the end of a step solve the nonlinear complementarity problem, by ADMM. The normal velocity
+    of a corner is limited such that the corner ends on the plane or above it. In units of the weight's impulse m g h and of
+    the velocity g h, the solver's work and accuracy are the same for every mass and time step.
 
-    Velocities and impulses at the end of the step solve the nonlinear complementarity problem, by ADMM. The normal velocity
-    of a corner is limited so that the corner ends on the plane or above it. In units of the weight's impulse m g h and of
-    g h the solver's work and accuracy are the same for every mass and time step.
+    A contact's frame is that of the world and its point is fixed in the body, so only the data of the contact models change.
 
-    A contact's frame is the world's and its point is fixed in the body: the models never change, only their data do.
+    The load of a rigid body on four corners is statically indeterminate: load can be moved from two opposite corners to the
+    other two without any effect except on the friction of corners that slide in different directions. ADMM converges to a
+    solution near its initial guess. The guess is the impulses of the previous step, rotated with the body, without their
+    alternating part. The alternating part of the solution then vanishes with the time step, and the load becomes linear.
 
-    How a rigid body spreads its load over four corners is not determined: adding to the loads of two opposite corners what
-    is taken from the others changes nothing but, where the corners slide in different directions, the friction. ADMM ends
-    near where it starts. It starts from the impulses of the step before, turned with the body and without that alternating
-    part, of which the solution then has the less the smaller the step is. In the limit the load is the linear one.
+    Parameters
+    ----------
+    scene
+        The scene with the brick.
+    plane
+        The plane with the coefficient of friction.
+    joints
+        Separate joints for translation and rotation, with gravity.
+    timestep
+        The time step (s).
 
-    Raises `SceneUnsupported` for bodies without corners; the step raises `EngineDiverged` where ADMM finds no solution.
+    Raises
+    ------
+    SceneUnsupported
+        For a body without corners, and for a release without point contacts.
+    EngineDiverged
+        From the returned step, if ADMM finds no solution.
     """
-    if not AVAILABLE:
+    if not HAS_POINT_CONTACTS:
         raise SceneUnsupported(f"contact: Pinocchio {pin.__version__} has no point contacts")
     shape, gravity = scene.body.shape, scene.gravity
     if not isinstance(shape, Brick):
@@ -72,8 +87,9 @@ def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -
     settings = solver_settings(shape, scene.initial, speed)
     solver, result = pin.ADMMConstraintSolver(corners.size), pin.ADMMSolverResult()
     alternating = np.array([0.5, -0.5, 0.5, -0.5])
-    guess = np.tile([0.0, 0.0, 0.25], (4, 1))  # a quarter of the weight on each corner; in the body frame, as it is carried on
-    # In these velocities the mass matrix is the same in all configurations; in units of m, it has none.
+    # The guess is kept in the body frame; at the start each corner bears a quarter of the weight.
+    guess = np.tile([0.0, 0.0, 0.25], (4, 1))
+    # For these velocities the mass matrix does not depend on the configuration; here it is in units of the mass.
     inverse_mass = scene.body.mass * pin.computeMinverse(model, data, pin.neutral(model))
     numbers = itertools.count(1)
 
@@ -91,7 +107,7 @@ def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -
         number = next(numbers)
         if not solver.solve(pin.DelassusOperatorDense(jacobian @ response), drift, models, datas, settings, result):
             residual = max(result.primal_feasibility, result.dual_feasibility, result.complementarity)
-            if not residual < UNSOLVED:
+            if not residual < STALL_RESIDUAL:
                 raise EngineDiverged(f"ADMM stops at a residual of {residual:.3g} at t = {number * timestep:.6g} s")
         impulses = result.retrieveConstraintImpulses()
         np.matmul(impulses.reshape(4, 3), turn, out=guess)
@@ -103,12 +119,12 @@ def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -
 
 
 def solver_settings(shape: Brick, initial: State, velocity: float) -> "pin.ADMMSolverSettings":
-    """How ADMM solves the contacts of a brick that starts from some state, in units of m g h and the velocity g h (m/s)."""
+    """Return ADMM's settings for the contacts of a brick; `velocity` is the unit g h (m/s) of the velocities at contacts."""
     fastest = math.hypot(*initial.velocity) + math.hypot(*initial.angular_velocity) * math.hypot(*shape.semi_axes)
-    tolerance = max(TOLERANCE, ROUNDING * fastest / velocity)
+    tolerance = max(SOLVER_TOLERANCE, SPEED_ROUNDING * fastest / velocity)
     settings = pin.ADMMSolverSettings()
     settings.solve_ncp = True
     settings.absolute_feasibility_tol = settings.relative_feasibility_tol = tolerance
     settings.absolute_complementarity_tol = settings.relative_complementarity_tol = tolerance
-    settings.rho_init, settings.admm_update_rule = PENALTY, pin.ADMMUpdateRule.LINEAR
+    settings.rho_init, settings.admm_update_rule = INITIAL_PENALTY, pin.ADMMUpdateRule.LINEAR
     return settings

@@ -1,9 +1,9 @@
-"""How a body may move in Pinocchio: the joints that carry it, and where a state stands in q and v.
+"""Build the joints of a body in Pinocchio, and convert their coordinates q and v to states.
 
-On joints for the translation and for the rotation apart the velocity is (linear in the world frame, angular in the body
-frame), and q is a vector and a rotation apart. On a free-flyer it is the spatial twist in the body frame, and q is one element
-of SE(3). On a plane there are the same two: prismatic joints along x and y under a revolute one, whose linear velocity is one
-of the world frame, and Pinocchio's planar joint, whose velocity is the twist in the body frame. Quaternions are x, y, z, w.
+With separate joints for translation and rotation, q is a vector and a rotation, and v is (linear velocity in the world frame,
+angular velocity in the body frame). With a free-flyer joint, q is one element of SE(3), and v is the spatial twist in the body
+frame. A plane has both kinds too: two prismatic joints and a revolute joint, with the linear velocity in the world frame, and
+Pinocchio's planar joint, with the twist in the body frame. Pinocchio's quaternions are x, y, z, w.
 """
 
 import math
@@ -20,10 +20,10 @@ from bodycheck.reference.planar import planar_state
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.trajectory import Array
 
-#: From q and v to q and v one time step later.
+#: A function that returns q and v one time step after given q and v.
 Step = Callable[[Array, Array], tuple[Array, Array]]
 
-#: The joint that does not move, whose frame is the world's.
+#: Index of the joint that does not move; its frame is that of the world.
 UNIVERSE = 0
 
 
@@ -31,8 +31,18 @@ UNIVERSE = 0
 class Joints:
     """A body on its joints.
 
-    joint: the index of the one that the body is fixed to. q, v: where it starts. rows: from n states (n, nq) and (n, nv) to
-    (n, 13). heading: of a flat body, from q to the cosine and sine of its yaw in the frame of its velocity v.
+    Parameters
+    ----------
+    model
+        The Pinocchio model.
+    joint
+        The index of the joint to which the body is fixed.
+    q, v
+        The initial configuration (nq,) and velocity (nv,).
+    rows
+        Converts n states (n, nq) and (n, nv) to rows (n, 13) of the contract.
+    heading
+        For a flat body, returns the cosine and sine of its yaw, measured in the frame in which v is expressed, from q.
     """
 
     model: pin.Model
@@ -44,30 +54,31 @@ class Joints:
 
 
 def translation(scene: Scene, gravity: float) -> Joints:
-    """The body does not turn; gravity in m/s^2, here and below."""
+    """Return a translation joint, for a body that does not rotate. `gravity` is in m/s^2, as in all functions below."""
     initial = scene.initial
 
     def rows(q: Array, v: Array) -> Array:
         return states(q, np.tile(initial.quaternion, (len(q), 1)), v, np.zeros((len(q), 3)))
 
-    model, joint = carried(scene.body, gravity, [pin.JointModelTranslation()], attitude=to_pinocchio(initial).matrix())
+    model, joint = body_on_joints(scene.body, gravity, [pin.JointModelTranslation()], attitude=to_pinocchio(initial).matrix())
     return Joints(model, joint, np.array(initial.position), np.array(initial.velocity), rows)
 
 
 def rotation(scene: Scene, gravity: float) -> Joints:
-    """The centre of mass does not move."""
+    """Return a spherical joint, for a body whose centre of mass does not move."""
     initial = scene.initial
 
     def rows(q: Array, v: Array) -> Array:
         return states(np.tile(initial.position, (len(q), 1)), q[:, [3, 0, 1, 2]], np.zeros((len(q), 3)), v)
 
-    model, joint = carried(scene.body, gravity, [pin.JointModelSpherical()])
+    model, joint = body_on_joints(scene.body, gravity, [pin.JointModelSpherical()])
     return Joints(model, joint, to_pinocchio(initial).coeffs(), np.array(initial.angular_velocity), rows)
 
 
-def apart(scene: Scene, gravity: float) -> Joints:
+def translation_and_rotation(scene: Scene, gravity: float) -> Joints:
+    """Return a translation joint and a spherical joint."""
     initial = scene.initial
-    model, joint = carried(scene.body, gravity, [pin.JointModelTranslation(), pin.JointModelSpherical()])
+    model, joint = body_on_joints(scene.body, gravity, [pin.JointModelTranslation(), pin.JointModelSpherical()])
     q = np.concatenate([initial.position, to_pinocchio(initial).coeffs()])
     v = np.array([*initial.velocity, *initial.angular_velocity])
 
@@ -78,8 +89,9 @@ def apart(scene: Scene, gravity: float) -> Joints:
 
 
 def free_flyer(scene: Scene, gravity: float) -> Joints:
+    """Return one free-flyer joint."""
     initial = scene.initial
-    model, joint = carried(scene.body, gravity, [pin.JointModelFreeFlyer()])
+    model, joint = body_on_joints(scene.body, gravity, [pin.JointModelFreeFlyer()])
     attitude = to_pinocchio(initial)
     q = np.concatenate([initial.position, attitude.coeffs()])
     v = np.concatenate([attitude.matrix().T @ np.array(initial.velocity), initial.angular_velocity])
@@ -91,13 +103,13 @@ def free_flyer(scene: Scene, gravity: float) -> Joints:
     return Joints(model, joint, q, v, rows)
 
 
-def on_axes(scene: Scene, gravity: float) -> Joints:
-    """x, y and yaw, each on a joint of its own. Raises `NotFlat` for a body that does not lie flat."""
+def prismatic_and_revolute(scene: Scene, gravity: float) -> Joints:
+    """Return two prismatic joints along x and y and a revolute joint about z. Raises `NotFlat` for a body that is not flat."""
     start, height = planar_state(scene), scene.initial.position[2]
     joints = pin.JointModelComposite()
     for part in (pin.JointModelPX(), pin.JointModelPY(), pin.JointModelRZ()):
         joints.addJoint(part)
-    model, joint = carried(scene.body, gravity, [joints])
+    model, joint = body_on_joints(scene.body, gravity, [joints])
 
     def rows(q: Array, v: Array) -> Array:
         return flat_states(height, q[:, :2], q[:, 2], v[:, :2], v[:, 2])
@@ -105,10 +117,13 @@ def on_axes(scene: Scene, gravity: float) -> Joints:
     return Joints(model, joint, start[:3], start[3:], rows, lambda q: (math.cos(q[2]), math.sin(q[2])))
 
 
-def planar(scene: Scene, gravity: float) -> Joints:
-    """x, y and yaw on Pinocchio's planar joint, whose q has the cosine and the sine of the yaw. Raises `NotFlat` likewise."""
+def planar_joint(scene: Scene, gravity: float) -> Joints:
+    """Return Pinocchio's planar joint, whose q is (x, y, cosine of the yaw, sine of the yaw).
+
+    Raises `NotFlat` for a body that does not lie flat.
+    """
     start, height = planar_state(scene), scene.initial.position[2]
-    model, joint = carried(scene.body, gravity, [pin.JointModelPlanar()])
+    model, joint = body_on_joints(scene.body, gravity, [pin.JointModelPlanar()])
     x, y, yaw, vx, vy, w = start.tolist()
     cosine, sine = math.cos(yaw), math.sin(yaw)
 
@@ -121,8 +136,22 @@ def planar(scene: Scene, gravity: float) -> Joints:
     return Joints(model, joint, np.array([x, y, cosine, sine]), v, rows)
 
 
-def carried(body: Body, gravity: float, joints: list[pin.JointModel], attitude: Array | None = None) -> tuple[pin.Model, int]:
-    """The model of a body on a chain of joints, and the index of the last; attitude (3, 3): of the body on it."""
+def body_on_joints(
+    body: Body, gravity: float, joints: list[pin.JointModel], attitude: Array | None = None
+) -> tuple[pin.Model, int]:
+    """Return the model of a body on a chain of joints, and the index of the last joint.
+
+    Parameters
+    ----------
+    body
+        The body, which is fixed to the last joint.
+    gravity
+        The gravitational acceleration (m/s^2) along -z.
+    joints
+        The joints of the chain, from the world to the body.
+    attitude
+        The rotation matrix (3, 3) from the body frame to the frame of the last joint; the identity if it is None.
+    """
     model = pin.Model()
     model.gravity.linear[:] = 0.0, 0.0, -gravity
     joint = UNIVERSE
@@ -134,12 +163,27 @@ def carried(body: Body, gravity: float, joints: list[pin.JointModel], attitude: 
 
 
 def to_pinocchio(state: State) -> pin.Quaternion:
+    """Return the attitude of a state as Pinocchio's quaternion."""
     w, x, y, z = state.quaternion
     return pin.Quaternion(w, x, y, z)
 
 
 def flat_states(height: float, place: Array, yaw: Array, velocity: Array, spin: Array) -> Array:
-    """Rows (n, 13) of a flat body at a height (m) from its places (n, 2), yaws (n,), velocities (n, 2) and spins (n,)."""
+    """Return the rows (n, 13) of a flat body.
+
+    Parameters
+    ----------
+    height
+        The height (m) of the centre of mass.
+    place
+        The horizontal positions (n, 2), in m.
+    yaw
+        The yaw angles (n,), in rad.
+    velocity
+        The horizontal velocities (n, 2) in the world frame, in m/s.
+    spin
+        The angular velocities (n,) about the vertical, in rad/s.
+    """
     nothing = np.zeros(len(yaw))
     return states(
         np.column_stack([place, nothing + height]),

@@ -1,4 +1,4 @@
-"""Models of a scene in Pinocchio, from the smallest on: the joints that carry the body, and what a step computes besides."""
+"""Models of a scene in Pinocchio, from the smallest to the largest: the joints of the body, and additional computations."""
 
 from typing import Any
 
@@ -6,17 +6,17 @@ import numpy as np
 import pinocchio as pin
 
 from bodycheck.adapters.contract import SceneUnsupported
-from bodycheck.adapters.pinocchio import joints as joints_of
+from bodycheck.adapters.pinocchio import joints as scene_joints
 from bodycheck.adapters.pinocchio.joints import UNIVERSE, Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere
 from bodycheck.reference.trajectory import Array
 
-#: How far below the start a plane is that nothing ever touches (m).
-FAR = 1e6
+#: Depth below the origin (m) of a half-space that no body ever touches.
+FAR_PLANE_DEPTH_M = 1e6
 
-#: The models of a scene in flight in order of growth, and what each has that the one before it has not.
+#: The models of a scene in flight, from the smallest to the largest, with what each adds to the one before it.
 IN_FLIGHT = {
     "translation": "a translation joint",
     "rotation": "a spherical joint",
@@ -26,7 +26,7 @@ IN_FLIGHT = {
     "everything": "energies, mass matrix, Jacobians and all other terms in every step",
 }
 
-#: The same for a body on a plane.
+#: The models of a scene with a plane, in the same form.
 ON_PLANE = {
     "planar": "joints along x and y and about z; friction is a force from outside",
     "translation-and-rotation": "a translation joint and a spherical one",
@@ -36,25 +36,27 @@ ON_PLANE = {
     "everything": "energies, mass matrix, Jacobians and all other terms in every step",
 }
 
+#: The functions that build the joints of each model in flight.
 JOINTS = {
-    "translation": joints_of.translation,
-    "rotation": joints_of.rotation,
-    "translation-and-rotation": joints_of.apart,
-    "six-coordinates": joints_of.free_flyer,
-    "far-geometry": joints_of.free_flyer,
-    "everything": joints_of.free_flyer,
+    "translation": scene_joints.translation,
+    "rotation": scene_joints.rotation,
+    "translation-and-rotation": scene_joints.translation_and_rotation,
+    "six-coordinates": scene_joints.free_flyer,
+    "far-geometry": scene_joints.free_flyer,
+    "everything": scene_joints.free_flyer,
 }
 
+#: The functions that build the joints of each model on a plane.
 JOINTS_ON_PLANE = JOINTS | {
-    "planar": joints_of.on_axes,
-    "planar-joint": joints_of.planar,
-    "contact": joints_of.apart,
-    "everything": joints_of.apart,
+    "planar": scene_joints.prismatic_and_revolute,
+    "planar-joint": scene_joints.planar_joint,
+    "contact": scene_joints.translation_and_rotation,
+    "everything": scene_joints.translation_and_rotation,
 }
 
 
 def in_flight(scene: Scene, integrator: str) -> tuple[str, ...]:
-    """The models of a scene in flight on which an integrator remains the same scheme, the smallest first."""
+    """Return the models of a scene in flight on which an integrator is the same scheme, the smallest first."""
     needs, (_, body_twist) = requirements(scene), SCHEMES[integrator]
     others = {"translation-and-rotation"} if body_twist else set()
     others |= {"rotation"} if needs.rotation == "none" else {"translation"}
@@ -66,7 +68,24 @@ def in_flight(scene: Scene, integrator: str) -> tuple[str, ...]:
 
 
 def with_collision_detection(step: Step, joints: Joints, shape: Shape, depth: float) -> Step:
-    """A step after which a body's shape is looked up against the half-space below a depth (m). Raises `SceneUnsupported`."""
+    """Return a step that is followed by collision detection between the body's shape and a half-space.
+
+    Parameters
+    ----------
+    step
+        The step to extend.
+    joints
+        The joints of the body.
+    shape
+        The shape of the body.
+    depth
+        The depth (m) of the half-space's surface below z = 0.
+
+    Raises
+    ------
+    SceneUnsupported
+        If the installed Pinocchio has no collision detection.
+    """
     library = getattr(pin, "coal", None) or getattr(pin, "hppfcl", None)
     if library is None:
         raise SceneUnsupported(f"collision detection: Pinocchio {pin.__version__} was built without it")
@@ -82,36 +101,36 @@ def with_collision_detection(step: Step, joints: Joints, shape: Shape, depth: fl
     ground = library.Halfspace(np.array([0.0, 0.0, 1.0]), -depth)
     model, data, geometry = joints.model, joints.model.createData(), pin.GeometryModel()
     parts = (("body", joints.joint, solid), ("ground", UNIVERSE, ground))
-    numbers = [geometry.addGeometryObject(placed(name, joint, part)) for name, joint, part in parts]
+    numbers = [geometry.addGeometryObject(geometry_object(name, joint, part)) for name, joint, part in parts]
     geometry.addCollisionPair(pin.CollisionPair(*numbers))
-    found = geometry.createData()
+    results = geometry.createData()
 
     def checked(q: Array, v: Array) -> tuple[Array, Array]:
         q, v = step(q, v)
-        pin.computeCollisions(model, data, geometry, found, q, False)
+        pin.computeCollisions(model, data, geometry, results, q, False)
         return q, v
 
     return checked
 
 
-def placed(name: str, joint: int, solid: Any) -> pin.GeometryObject:
-    """A solid that is fixed to a joint, in its frame."""
+def geometry_object(name: str, joint: int, solid: Any) -> pin.GeometryObject:
+    """Return a geometry object: a solid that is fixed to a joint, in the joint's frame."""
     try:
         return pin.GeometryObject(name, joint, pin.SE3.Identity(), solid)
-    except TypeError:  # before Pinocchio 3 the solid comes first
+    except TypeError:  # before Pinocchio 3 the solid was the third argument
         return pin.GeometryObject(name, joint, solid, pin.SE3.Identity())
 
 
 def with_all_terms(step: Step, joints: Joints) -> Step:
-    """A step after which everything is computed that Pinocchio has to tell of the state."""
+    """Return a step that is followed by the computation of all quantities that Pinocchio offers for a state."""
     model, data = joints.model, joints.model.createData()
-    # `computeAllTerms` has made both energies; before Pinocchio 3 nothing adds them up.
+    # `computeAllTerms` computes both energies; releases before Pinocchio 3 have no function that adds them.
     mechanical_energy = getattr(pin, "computeMechanicalEnergy", lambda model, data: data.kinetic_energy + data.potential_energy)
 
-    def told(q: Array, v: Array) -> tuple[Array, Array]:
+    def with_terms(q: Array, v: Array) -> tuple[Array, Array]:
         q, v = step(q, v)
         pin.computeAllTerms(model, data, q, v)
         mechanical_energy(model, data)
         return q, v
 
-    return told
+    return with_terms

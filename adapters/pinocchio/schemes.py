@@ -1,4 +1,8 @@
-"""The steps that users of Pinocchio write, for any joints: from q and v to q and v one time step later."""
+"""Integration schemes as users of Pinocchio write them, for any joints.
+
+Each scheme takes a model, a function for the acceleration, the configuration q (nq,), the velocity v (nv,) and the time step h
+(s), and returns q and v one step later.
+"""
 
 from collections.abc import Callable
 
@@ -11,13 +15,13 @@ Scheme = Callable[[pin.Model, Acceleration, Array, Array, float], tuple[Array, A
 
 
 def euler(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float) -> tuple[Array, Array]:
-    """Semi-implicit Euler: the velocity first, then the configuration with the new velocity. Order 1."""
+    """Take a step of semi-implicit Euler: first the velocity, then the configuration with the new velocity. Order 1."""
     v = v + h * aba(q, v)
     return pin.integrate(model, q, h * v), v
 
 
 def rk4_naive(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float) -> tuple[Array, Array]:
-    """Classical Runge-Kutta whose stage velocities are added as if they shared one tangent space. Order 2 in attitude."""
+    """Take a step of classical Runge-Kutta that adds velocities of different tangent spaces. Order 2 in the attitude."""
     a1 = aba(q, v)
     v2 = v + h / 2 * a1
     a2 = aba(pin.integrate(model, q, h / 2 * v), v2)
@@ -29,10 +33,10 @@ def rk4_naive(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float)
 
 
 def rk4(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float) -> tuple[Array, Array]:
-    """Runge-Kutta-Munthe-Kaas of order 4 (Munthe-Kaas, BIT 38, 1998).
+    """Take a step of the Runge-Kutta-Munthe-Kaas method of order 4 (Munthe-Kaas, BIT 38, 1998).
 
-    Each stage velocity is brought to the tangent space at q by the inverse of the exponential's derivative there, which is
-    Pinocchio's derivative of the difference of two configurations. That is all that tells it from `rk4_naive`.
+    The inverse derivative of the exponential map brings each stage velocity to the tangent space at q; it equals Pinocchio's
+    derivative of the difference of two configurations. This is the only difference from `rk4_naive`.
     """
 
     def slope(u: Array, velocity: Array) -> tuple[Array, Array]:
@@ -49,7 +53,7 @@ def rk4(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float) -> tu
     return pin.integrate(model, q, h / 6 * (u1 + 2 * u2 + 2 * u3 + u4)), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
 
 
-#: The step of each integrator, and whether it works on the body twist.
+#: The scheme of each integrator, and whether it integrates the body twist.
 SCHEMES: dict[str, tuple[Scheme, bool]] = {
     "semi-implicit-euler": (euler, False),
     "body-twist-euler": (euler, True),

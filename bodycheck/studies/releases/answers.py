@@ -115,7 +115,7 @@ def _context(engine: str) -> tuple[object, ...]:
 def _digest(engine: str) -> str:
     found = {path.resolve() for package in OWN for folder in package.__path__ for path in Path(folder).rglob("*.py")}
     files = sorted(found)
-    for point in entry_points(group=registry.GROUP, name=engine):
+    for point in entry_points(group=registry.ENGINE_GROUP, name=engine):
         files += _sources(point.module.partition(".")[0])
     return sha256(b"".join(sha256(path.read_bytes()).digest() for path in files)).hexdigest()
 
