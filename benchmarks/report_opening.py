@@ -1,10 +1,10 @@
-"""How long a report takes to open from disk in a browser and to answer, in seconds from the beginning of the navigation.
+"""Measure how long a report takes to open from disk in a browser and to react, in seconds from the start of the navigation.
 
     python benchmarks/report_opening.py [REPORT.html]
 
-Without a report, one of 100 cases and 20 methods is made, its runs copies of a few short ones. Loaded: the page and its scripts
-have run. Sorted: a click on a column's header has sorted a table, and the window has shown that. Legend: the first legend was
-scrolled to, and a click has switched a method off. Three times over, each in a fresh page.
+Without an argument, a report of 100 cases and 20 methods is made from copies of a few short runs. `loaded` is the time when the
+page has loaded and its scripts have run, `sorted` when a table is shown sorted after a click on a header, and `legend` when a
+click in the first legend has switched a method off. Each time is measured three times, in a new page.
 """
 
 import sys
@@ -25,8 +25,11 @@ from bodycheck.running.outcome import Unsupported
 from bodycheck.running.store import Results
 
 CASES, METHODS = 100, 20
+
+#: Cases whose runs are copied.
 NAMES = ("intermediate-axis-flip", "projectile", "free-brick", "sliding-brick")
 
+#: Script that sorts a table and clicks on a legend, and resolves to the times (ms).
 ANSWERS = """() => new Promise((done) => {
   const times = { loaded: performance.getEntriesByType("navigation")[0].loadEventEnd };
   const shown = (callback) => requestAnimationFrame(() => setTimeout(callback));
@@ -50,7 +53,7 @@ ANSWERS = """() => new Promise((done) => {
 
 
 def opening(browser: Any, path: Path) -> dict[str, float]:
-    """Seconds by what had happened then. browser: Playwright's Browser."""
+    """Return the times (s) by event. browser: Playwright's Browser."""
     context = browser.new_context(viewport={"width": 1280, "height": 800})
     try:
         page = context.new_page()
@@ -62,7 +65,7 @@ def opening(browser: Any, path: Path) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Copies(Results):
-    """Results of copies of cases, named as `copy` names them, which have their truths."""
+    """Results of copies of cases, which have the names that `copy` returns and the truths of the originals."""
 
     source: Results
 
@@ -71,11 +74,12 @@ class Copies(Results):
 
 
 def copy(case: str, place: int) -> str:
+    """Return the name of a copy of a case."""
     return f"{case}-{place}"
 
 
 def large_report(folder: Path) -> Path:
-    """A report of `CASES` times `METHODS` runs, written into an empty folder with what it is made of."""
+    """Write a report of `CASES` times `METHODS` runs and its data into an empty folder, and return the report's path."""
     engines = {name: registry.load(name) for name in ("mujoco", "pinocchio")}
     head = campaign.header((), {name: engine.engine.version for name, engine in engines.items()}, {})
     with campaign.results(plan.plan(tuple(map(load, NAMES)), engines, (), (0.002,)), folder, head):

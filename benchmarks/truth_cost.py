@@ -1,8 +1,9 @@
-"""What a truth costs: SciPy's DOP853, heyoka's 80-bit Taylor series and the closed form on ten seconds of flip.
+"""Measure the cost of a truth: SciPy's DOP853, heyoka's 80-bit Taylor series and the closed form on ten seconds of the flip.
 
-All are timed in one process, in turns, warm: each for a tenth of a second a turn, at least once. So are the smaller closed
-forms of bodies that need less than a flip. A fresh process with an empty cache of compiled code, and one with a full cache,
-tell what the first truth costs. Last, ten thousand closed forms of random bodies. Run: python benchmarks/truth_cost.py
+All are timed in one process, alternately, after a first turn that warms up, each for a tenth of a second per turn and at least
+once. The simpler closed forms of motions that are simpler than a flip are timed in the same way. The cost of the first truth is
+measured in a new process with an empty cache of compiled code and in one with a full cache. Finally, ten thousand closed forms
+of random bodies are computed. Run: python benchmarks/truth_cost.py
 """
 
 import os
@@ -23,11 +24,14 @@ from bodycheck.reference.integration import lagrangian, taylor
 from bodycheck.reference.scene import Body, Scene, State
 
 TURNS = 11
-#: Seconds of a turn that each way gets.
-SHARE = 0.1
 
+#: Time of each way in a turn.
+SHARE_S = 0.1
+
+#: Random bodies whose closed form is computed.
 MANY = 10_000
 
+#: Program that prints the cost (s) of the first truth in a process.
 FIRST = """
 import time
 from bodycheck import load
@@ -57,10 +61,10 @@ def main() -> None:
     for turn in range(TURNS + 1):
         for name, way in ways.items():
             calls, start = 0, time.perf_counter()
-            while calls == 0 or time.perf_counter() - start < SHARE:
+            while calls == 0 or time.perf_counter() - start < SHARE_S:
                 way()
                 calls += 1
-            if turn:  # the first one warms up
+            if turn:  # the first turn warms up
                 costs[name].append((time.perf_counter() - start) / calls)
 
     print(f"{case.name}, {len(times)} samples, warm, median of {TURNS} turns")

@@ -1,12 +1,13 @@
-"""Redraws figures of the chapter as SVG, those of Example 2.1 from the truth of the shipped cases.
+"""Redraw figures of the chapter as SVG, those of Example 2.1 from the truth of the shipped cases.
 
     python docs/figures.py --out DIR
 
-Figs. 2.17 (single rotation axis), 2.18 and 2.19 (spin and pitch of the stable brick), 2.20 and 2.21 (of the unstable one), 2.22
-and 2.23 (its angular momentum in the body and in the inertial frame), 2.24 (the integral in the torque of a pure spin).
+The figures are 2.17 (single rotation axis), 2.18 and 2.19 (spin and pitch of the stable brick), 2.20 and 2.21 (the same of the
+unstable brick), 2.22 and 2.23 (its angular momentum in the body frame and in the inertial frame), and 2.24 (the integral in the
+torque of a pure spin).
 
-The chapter gives neither the size nor the mass of its brick: only the shapes of Figs. 2.18-2.23 compare. In Fig. 2.23 its
-angular momentum is some 0.006, that of a smaller or lighter brick; the case's is 0.333 kg m^2/s.
+The chapter states neither the size nor the mass of its brick, so that only the shapes of the curves in Figs. 2.18-2.23 can be
+compared. In Fig. 2.23 its angular momentum is some 0.006, that of a smaller or lighter brick; in the case it is 0.333 kg m^2/s.
 """
 
 import argparse
@@ -28,19 +29,26 @@ Rows = list[dict[str, Any]]
 Spec = dict[str, Any]
 
 STABLE, UNSTABLE = "free-brick", "intermediate-axis-flip"
+
+#: Euler angles z-x-z of Fig. 2.17 (rad).
 TRIAD = (math.pi / 4, math.pi / 4, math.pi / 2)
 COLOURS = ("#009e73", "#b35c8d", "#8c8500")
 DASHES = ([1, 0], [7, 3], [2, 2])
+
+#: Cells of the heat map along each side.
 CELLS = 40
+
+#: Vega-Lite's configuration of all figures.
 CONFIG = {"background": "white", "font": "sans-serif", "view": {"stroke": None}, "axis": {"gridOpacity": 0.3}}
-#: Where Fig. 2.17 is seen from, longitude from i and height over the plane of i and j.
+
+#: Direction from which Fig. 2.17 is seen: longitude from i, and elevation above the plane of i and j (rad).
 AZIMUTH, ELEVATION = math.radians(10), math.radians(20)
 
 
 def spin(case: str) -> Rows:
-    """Spin rate psi' of the Euler angles and body rate about K over time (rad/s) [G 2.21a].
+    """Return the spin rate psi' of the Euler angles and the body rate about K over time (rad/s) [G 2.21a].
 
-    Where K passes near the vertical, psi' has a peak that is the angles' and not the body's.
+    Where K passes near the vertical, psi' has a peak that belongs to the angles and not to the motion of the body.
     """
     motion = bodycheck.truth(bodycheck.load(case)).trajectory
     _, theta, psi = euler_from_quaternion(motion.quaternion)
@@ -49,13 +57,13 @@ def spin(case: str) -> Rows:
 
 
 def pitch(case: str) -> Rows:
-    """The angle theta between K and the vertical over time (rad)."""
+    """Return the angle theta between K and the vertical over time (rad)."""
     motion = bodycheck.truth(bodycheck.load(case)).trajectory
     return over_time(motion.t, {"θ": euler_from_quaternion(motion.quaternion)[1]})
 
 
 def momentum(case: str, frame: str) -> Rows:
-    """Components of the angular momentum about the centre of mass over time (kg m^2/s), in the frame body or inertial."""
+    """Return the angular momentum about the centre of mass over time (kg m^2/s), in the frame "body" or "inertial"."""
     loaded = bodycheck.load(case)
     motion = bodycheck.truth(loaded).trajectory
     seen = observe(loaded.scene, motion)
@@ -65,15 +73,15 @@ def momentum(case: str, frame: str) -> Rows:
 
 
 def spin_integral(a: Array, b: Array) -> Array:
-    """The integral of sqrt(X^2 + Y^2) over 0 < X < a and 0 < Y < b (m^3), for a, b > 0, in closed form.
+    """Return the integral of sqrt(X^2 + Y^2) over 0 < X < a and 0 < Y < b (m^3), for a, b > 0, in closed form.
 
-    Times mu m g/(a b) it is the torque of friction on a brick of half-lengths a, b that spins and does not slide.
+    Multiplied by mu m g/(a b) it is the torque of friction on a brick of half-lengths a, b that spins without sliding.
     """
     return (2 * a * b * np.hypot(a, b) + a**3 * np.arcsinh(b / a) + b**3 * np.arcsinh(a / b)) / 6
 
 
 def torque_integral() -> Rows:
-    """`spin_integral` over 0 < a < 2, 0 < b < 2 (m), a row the middle of each of `CELLS` x `CELLS` cells."""
+    """Return `spin_integral` over 0 < a < 2, 0 < b < 2 (m), one row for the middle of each of `CELLS` x `CELLS` cells."""
     width = 2 / CELLS
     middles = np.arange(CELLS) * width + width / 2
     a, b = (grid.ravel() for grid in np.meshgrid(middles, middles, indexing="ij"))
@@ -82,7 +90,7 @@ def torque_integral() -> Rows:
 
 
 def rotation_axis() -> Rows:
-    """Lines from the origin in space (x, y, z) and as seen (u, v): the inertial axes, the body axes and the single axis a."""
+    """Return lines from the origin, in space (x, y, z) and in the picture (u, v): inertial axes, body axes, rotation axis a."""
     a1 = zxz(*map(np.asarray, TRIAD))
     axis, _ = axis_and_angle(a1)
     lines = [("inertial", name, end) for name, end in zip("ijk", np.eye(3), strict=True)]
@@ -100,6 +108,7 @@ def rotation_axis() -> Rows:
 
 
 def over_time(t: Array, components: dict[str, Array]) -> Rows:
+    """Return a row for each instant t (s) and component, from the values (n,) of the components by name."""
     return [
         {"t": instant, "component": name, "value": value}
         for name, values in components.items()
@@ -108,7 +117,7 @@ def over_time(t: Array, components: dict[str, Array]) -> Rows:
 
 
 def curves(rows: Rows, title: str, axis: str) -> Spec:
-    """Components over time, a line each; a legend where there are several."""
+    """Return a chart of components over time, with a line for each and a legend if there are several."""
     names = list(dict.fromkeys(row["component"] for row in rows))
     legend = {"title": None, "symbolSize": 300} if len(names) > 1 else None
     channels = (("color", COLOURS), ("strokeDash", DASHES))
@@ -137,7 +146,7 @@ def curves(rows: Rows, title: str, axis: str) -> Spec:
 
 
 def heat_map(rows: Rows, title: str) -> Spec:
-    """Cells of a and b in steps of the colour, which are the contours."""
+    """Return a heat map over a and b whose steps of colour are the contours."""
     colour = {
         "field": "integral",
         "type": "quantitative",
@@ -146,7 +155,7 @@ def heat_map(rows: Rows, title: str) -> Spec:
     }
     return {
         "title": title,
-        "width": 8 * CELLS,  # whole pixels a cell, or seams would show
+        "width": 8 * CELLS,  # a cell has a whole number of pixels, or seams would be visible
         "height": 8 * CELLS,
         "data": {"values": rows},
         "mark": "rect",
@@ -162,7 +171,7 @@ def heat_map(rows: Rows, title: str) -> Spec:
 
 
 def sketch(rows: Rows, title: str) -> Spec:
-    """Lines from the origin as seen from a distance, named at their ends."""
+    """Return a parallel projection of lines from the origin, with their names at their ends."""
     frames = {"domain": ["inertial", "body", "rotation axis"], "range": ["#888888", *COLOURS[:2]]}
     place = {
         channel: {"field": channel, "type": "quantitative", "axis": None, "scale": {"domain": [-1.2, 1.2]}} for channel in "uv"
@@ -189,13 +198,14 @@ def sketch(rows: Rows, title: str) -> Spec:
 
 
 def single_rotation() -> Spec:
+    """Return Fig. 2.17: the single rotation that is equivalent to the Euler angles `TRIAD`."""
     _, angle = axis_and_angle(zxz(*map(np.asarray, TRIAD)))
     return sketch(
         rotation_axis(), f"Fig. 2.17: the one rotation of {{π/4, π/4, π/2}}, by {float(angle) / math.pi:.3f} π about a"
     )
 
 
-#: Each figure's number in the chapter and its Vega-Lite specification, which holds its data.
+#: Functions that return the Vega-Lite specification of a figure with its data, by the figure's number in the chapter.
 FIGURES: dict[str, Callable[[], Spec]] = {
     "2.17": single_rotation,
     "2.18": lambda: curves(spin(STABLE), "Fig. 2.18: spin of the stable brick", "rad/s"),
@@ -214,7 +224,7 @@ FIGURES: dict[str, Callable[[], Spec]] = {
 
 def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description="Redraw figures of the chapter as SVG.")
-    parser.add_argument("--out", type=Path, required=True, help="folder for the figures; made where it is missing")
+    parser.add_argument("--out", type=Path, required=True, help="folder for the figures; it is made if it is missing")
     out: Path = parser.parse_args(arguments).out
     out.mkdir(parents=True, exist_ok=True)
     for number, figure in FIGURES.items():

@@ -1,9 +1,10 @@
-"""Pictures of a report as a reviewer wants to see them: each part of it, in light and dark, wide and narrow.
+"""Take pictures of the parts of a report for a review, in light and dark, on a wide and on a narrow screen.
 
     python docs/screenshots.py REPORT.html --out DIR
 
-DIR gets SCHEME-WIDTH-PART.png: `first` is the first screen, then each section under the heading that it has, of the cases the
-first of each kind, and `print.pdf`, the whole report on paper. It takes Playwright and a Chromium on the path.
+The pictures are DIR/SCHEME-WIDTH-PART.png. PART is `first` for the first screen, or the name of a section; of the cases, only
+the first one of each kind is included. DIR/print.pdf is the whole report on paper. The script needs Playwright and a Chromium
+on the path.
 """
 
 import argparse
@@ -11,9 +12,12 @@ import sys
 from pathlib import Path
 from typing import Any, Literal
 
+#: Width and height of the windows, in pixels.
 SIZES = ((1280, 800), (390, 844))
+
 SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
-#: Marks the parts of a page, of cases those that come first in a matrix, and tells their names.
+
+#: Script that marks the parts of a page, with only the first case of each matrix, and returns their names.
 MARK = """() => {
   const links = [...document.querySelectorAll("[data-part] tbody tr:first-child th a")];
   const first = new Set(links.map((link) => link.hash.slice(1)));
@@ -25,19 +29,21 @@ MARK = """() => {
 
 
 def pictures(page: Any, place: Path, prefix: str) -> None:
-    """The first screen and each part of an open page (Playwright's Page)."""
+    """Take pictures of the first screen and of each part of an open page (Playwright's Page)."""
     page.screenshot(path=place / f"{prefix}-first.png")
     for name in page.evaluate(MARK):
         part = page.locator(f"[data-picture='{name}']")
         part.scroll_into_view_if_needed()
-        for chart in part.locator(".chart").all():  # which are drawn when they come near the window
+        for chart in part.locator(".chart").all():  # charts are drawn when they come near the window
             chart.scroll_into_view_if_needed()
             chart.locator("svg.marks").wait_for()
         part.screenshot(path=place / f"{prefix}-{name}.png")
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Pictures of a report in light and dark, wide and narrow.")
+    parser = argparse.ArgumentParser(
+        description="Take pictures of a report in light and dark, on a wide and on a narrow screen."
+    )
     parser.add_argument("report", type=Path, metavar="REPORT.html")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
     options = parser.parse_args()
