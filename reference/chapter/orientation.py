@@ -1,7 +1,8 @@
-"""Orientation by matrices [G 2.10-2.20, 2.23-2.26]: chains of body rotations, the angles and the one rotation behind a matrix.
+"""Orientation by rotation matrices [G 2.10-2.20, 2.23-2.26]: chains of rotations, Euler angles, and single rotations.
 
-A1 (..., 3, 3) maps body to inertial components, its columns being the body axes I, J, K in the inertial frame [G 2.10];
-A2, its transpose, maps inertial to body components [G 2.11]. Angles are in rad and broadcast over leading axes.
+A1 (..., 3, 3) maps body components to inertial components; its columns are the body axes I, J, K in the inertial frame
+[G 2.10]. A2, its transpose, maps inertial components to body components [G 2.11]. Angles are in rad, and arrays of angles
+broadcast over their leading axes.
 """
 
 import numpy as np
@@ -10,40 +11,43 @@ from scipy.spatial.transform import Rotation
 from bodycheck.reference.kinematics import Float, Floats
 from bodycheck.reference.trajectory import Array
 
-#: Entries of a rotation matrix up to this size are rounding, and the direction that they give means nothing.
+#: Size up to which entries of a rotation matrix are mere rounding, so that a direction computed from them is meaningless.
 SINE_ROUNDING = 4 * float(np.finfo(float).eps)
 
-#: How far the axes of a matrix may be from orthonormal: what single precision leaves of them, and no reflection or scaling.
+#: How far the scalar products of the axes of a matrix may be from those of orthonormal axes. It admits matrices in single
+#: precision, and neither a reflection nor a scaling.
 ORTHONORMALITY_TOLERANCE = 1e-6
 
 
 def rx(alpha: Floats[Float]) -> Floats[Float]:
-    """Rx of [G 2.15], (..., 3, 3): components as seen from a body that turns by alpha about its own I."""
+    """Rx (..., 3, 3) [G 2.15], which maps components along the body axes before a rotation by alpha about I to those after."""
     c, s, zero, one = _entries(alpha)
     return _matrix([[one, zero, zero], [zero, c, s], [zero, -s, c]])
 
 
 def ry(beta: Floats[Float]) -> Floats[Float]:
-    """Ry of [G 2.15], (..., 3, 3): components as seen from a body that turns by beta about its own J."""
+    """Ry (..., 3, 3) [G 2.15], which maps components along the body axes before a rotation by beta about J to those after."""
     c, s, zero, one = _entries(beta)
     return _matrix([[c, zero, -s], [zero, one, zero], [s, zero, c]])
 
 
 def rz(gamma: Floats[Float]) -> Floats[Float]:
-    """Rz of [G 2.15], (..., 3, 3): components as seen from a body that turns by gamma about its own K."""
+    """Rz (..., 3, 3) [G 2.15], which maps components along the body axes before a rotation by gamma about K to those after."""
     c, s, zero, one = _entries(gamma)
     return _matrix([[c, s, zero], [-s, c, zero], [zero, zero, one]])
 
 
+#: The elementary rotations by the letter of their axis.
 ELEMENTARY_ROTATIONS = {"x": rx, "y": ry, "z": rz}
 
 
 def inertial_to_body(axes: str, *angles: Floats[Float]) -> Floats[Float]:
-    """A2 (..., 3, 3) after any number of turns about the body's own axes, the first one first [G 2.20].
+    """A2 (..., 3, 3) after a chain of rotations about the body's own axes [G 2.20].
 
-    axes: a letter x, y or z a turn, "zxz" for [G 2.17]. angles: one (...) a turn.
+    axes: one letter x, y or z for each rotation, the first rotation first; "zxz" gives [G 2.17]. angles: one array (...) of
+    angles (rad) for each rotation.
 
-    Raises `ValueError` for other letters, and where there is not one angle a letter.
+    Raises `ValueError` for other letters, and if the numbers of letters and of angles differ.
     """
     if len(axes) != len(angles) or not set(axes) <= ELEMENTARY_ROTATIONS.keys():
         raise ValueError(f"axes {axes!r} with {len(angles)} angles: give a letter x, y or z for each angle")
@@ -54,31 +58,53 @@ def inertial_to_body(axes: str, *angles: Floats[Float]) -> Floats[Float]:
 
 
 def body_to_inertial(axes: str, *angles: Floats[Float]) -> Floats[Float]:
-    """A1 (..., 3, 3) of the same chain, whose columns are the body axes in the inertial frame [G 2.20]. Raises likewise."""
+    """A1 (..., 3, 3), the transpose of `inertial_to_body` for the same arguments, with the same errors [G 2.20]."""
     return np.asarray(np.swapaxes(inertial_to_body(axes, *angles), -1, -2))
 
 
 def zxz(phi: Floats[Float], theta: Floats[Float], psi: Floats[Float]) -> Floats[Float]:
-    """A1 (..., 3, 3) of the book's Euler angles [G 2.14, 2.18]."""
+    """A1 of the book's Euler angles [G 2.14, 2.18].
+
+    Parameters
+    ----------
+    phi, theta, psi
+        (...) rotations about K, then I, then K (rad).
+
+    Returns
+    -------
+    array
+        (..., 3, 3) matrices A1.
+    """
     return body_to_inertial("zxz", phi, theta, psi)
 
 
 def aeronautical(yaw: Floats[Float], pitch: Floats[Float], roll: Floats[Float]) -> Floats[Float]:
-    """A1 (..., 3, 3) of yaw phi about K, then pitch theta about J, then roll psi about I [G p. 46].
+    """A1 of the aeronautical angles [G p. 46].
 
-    With I_z = -sin(theta), as the book's own Ry and its angular velocity require; the book prints sin(theta) with the other
+    Here I_z = -sin(theta), as the book's own Ry and its angular velocity require. The book prints sin(theta) with the opposite
     sign throughout.
+
+    Parameters
+    ----------
+    yaw, pitch, roll
+        (...) rotations phi about K, then theta about J, then psi about I (rad).
+
+    Returns
+    -------
+    array
+        (..., 3, 3) matrices A1.
     """
     return body_to_inertial("zyx", yaw, pitch, roll)
 
 
 def zxz_angles(a1: Floats[Float]) -> tuple[Floats[Float], Floats[Float], Floats[Float]]:
-    """Euler angles (phi, theta, psi) of A1 (..., 3, 3), theta in [0, pi], the others in [-pi, pi].
+    """Euler angles (phi, theta, psi), each (...), rad, of matrices A1 (..., 3, 3).
 
-    Where sin(theta) is 0, or no larger than rounding in a matrix, only phi + psi (at theta = pi: phi - psi) is determined:
-    there phi = 0, psi turns and theta is 0 or pi, the book's convention [G p. 45].
+    theta is in [0, pi], the others are in [-pi, pi]. Where sin(theta) is zero, or no larger than the rounding of a matrix, only
+    phi + psi is determined (where theta = pi: phi - psi). There phi = 0, psi is the whole angle and theta is 0 or pi, as is
+    the book's convention [G p. 45].
 
-    Raises `ValueError` where a matrix is not a rotation.
+    Raises `ValueError` if a matrix is not a rotation matrix.
     """
     _require_rotations(a1)
     k = a1[..., 2]
@@ -86,19 +112,21 @@ def zxz_angles(a1: Floats[Float]) -> tuple[Floats[Float], Floats[Float], Floats[
     singular = sine <= SINE_ROUNDING
     phi = np.where(singular, 0, np.arctan2(k[..., 0], -k[..., 1]))
     theta = np.arctan2(np.where(singular, 0, sine), k[..., 2])
-    # From the line of nodes I*, and not from k.I and k.J: so psi makes up for what rounding near the singularity does to phi.
+    # psi is measured from the line of nodes I* and not from k.I and k.J. So it compensates for the rounding error of phi, which
+    # is large near the singularity.
     nodes = np.stack([np.cos(phi), np.sin(phi)], axis=-1)
     psi = np.arctan2(-(a1[..., :2, 1] * nodes).sum(axis=-1), (a1[..., :2, 0] * nodes).sum(axis=-1))
     return phi, theta, psi
 
 
 def aeronautical_angles(a1: Floats[Float]) -> tuple[Floats[Float], Floats[Float], Floats[Float]]:
-    """Yaw, pitch and roll of A1 (..., 3, 3), pitch in [-pi/2, pi/2], the others in [-pi, pi].
+    """Yaw, pitch and roll, each (...), rad, of matrices A1 (..., 3, 3).
 
-    Where the body axis I is vertical, to the rounding of a matrix, only yaw - roll (nose up, pitch = -pi/2: yaw + roll) is
-    determined: there yaw = 0, roll turns and pitch is +-pi/2.
+    The pitch is in [-pi/2, pi/2], the others are in [-pi, pi]. Where the body axis I is vertical to the rounding of a matrix,
+    only yaw - roll is determined (nose up, where pitch = -pi/2: yaw + roll). There yaw = 0, roll is the whole angle and
+    pitch is pi/2 or -pi/2.
 
-    Raises `ValueError` where a matrix is not a rotation.
+    Raises `ValueError` if a matrix is not a rotation matrix.
     """
     _require_rotations(a1)
     i = a1[..., 0]
@@ -106,21 +134,21 @@ def aeronautical_angles(a1: Floats[Float]) -> tuple[Floats[Float], Floats[Float]
     singular = cosine <= SINE_ROUNDING
     yaw = np.where(singular, 0, np.arctan2(i[..., 1], i[..., 0]))
     pitch = np.arctan2(-i[..., 2], np.where(singular, 0, cosine))
-    # From the direction of J before the roll, for the same reason as psi in `zxz_angles`.
+    # The roll is measured from the direction of J before the roll, for the same reason as psi in `zxz_angles`.
     level = np.stack([-np.sin(yaw), np.cos(yaw)], axis=-1)
     roll = np.arctan2(-(a1[..., :2, 2] * level).sum(axis=-1), (a1[..., :2, 1] * level).sum(axis=-1))
     return yaw, pitch, roll
 
 
 def axis_and_angle(a1: Array) -> tuple[Array, Array]:
-    """The single rotation that brings the body from the inertial axes to where it is [G 2.23-2.26].
+    """The single rotation that takes the body from the inertial axes to its attitude A1 (..., 3, 3) [G 2.23-2.26].
 
-    Returns the unit axis (..., 3), whose components are the same in both frames, and the angle (...) in [0, pi],
-    counterclockwise about it. Found by atan2 from the quaternion: accurate near 0 and pi, where the arccos of
-    [G 2.26] loses half the digits. Of the two axes of a half turn that is taken whose last component other than 0 is
-    positive; without rotation, where every axis is one, it is K.
+    Returns the unit axis (..., 3), which has the same components in both frames, and the angle (...), rad, in [0, pi],
+    counterclockwise about it. The angle is computed with atan2 from the quaternion, which is accurate near 0 and near pi,
+    where the arccos of [G 2.26] loses half of the digits. A half turn has two axes, of which the one is returned whose last
+    non-zero component is positive. Where there is no rotation, every axis is valid and K is returned.
 
-    Raises `ValueError` where a matrix is not a rotation.
+    Raises `ValueError` if a matrix is not a rotation matrix.
     """
     _require_rotations(a1)
     quaternion = Rotation.from_matrix(np.reshape(a1, (-1, 3, 3))).as_quat(canonical=False)
@@ -137,17 +165,20 @@ def axis_and_angle(a1: Array) -> tuple[Array, Array]:
 
 
 def _entries(angle: Floats[Float]) -> tuple[Floats[Float], Floats[Float], Floats[Float], Floats[Float]]:
+    """Cosine and sine of an angle, and zeros and ones, all of its shape."""
     cosine = np.asarray(np.cos(angle))
     return cosine, np.asarray(np.sin(angle)), np.zeros_like(cosine), np.ones_like(cosine)
 
 
 def _matrix(rows: list[list[Floats[Float]]]) -> Floats[Float]:
+    """Matrices (..., 3, 3) from three rows of three entries (...)."""
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
 def _require_rotations(matrices: Floats[Float]) -> None:
+    """Raise `ValueError` unless all matrices (..., 3, 3) are rotation matrices."""
     if np.shape(matrices)[-2:] != (3, 3):
-        raise ValueError(f"rotation matrices are (..., 3, 3), not {np.shape(matrices)}")
+        raise ValueError(f"rotation matrices have the shape (..., 3, 3), not {np.shape(matrices)}")
     i, j, k = np.moveaxis(matrices, -1, 0)
     products = np.swapaxes(matrices, -1, -2) @ matrices
     # Both comparisons are false for NaN, so that a matrix with NaN is rejected.

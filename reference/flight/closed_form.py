@@ -1,9 +1,9 @@
-"""Motion of a body in free flight in closed form: a projectile that turns about its centre of mass without torque.
+"""Motion of a body in free flight in closed form: a parabola, and a rotation about the centre of mass without torque.
 
-Nothing is integrated, so that an instant costs the same near and far. The rotation has the smallest form that is exact for
-it, which the digits of moments and rates decide: a nearly symmetric body is none, and the elliptic functions lose nothing
-there. The motion is that of the very doubles of the scene: how far a neighbouring initial state would lead elsewhere is no
-part of `bound`.
+Nothing is integrated, so that every instant has the same cost. The rotation is computed from the simplest form that is exact
+for its moments and rates, all digits being compared: a nearly symmetric body is treated as asymmetric, and the elliptic
+functions are accurate for it too. The motion is that of the exact floating-point numbers of the scene; `bound` does not
+include the sensitivity to errors in the initial state.
 """
 
 from collections.abc import Callable
@@ -18,10 +18,10 @@ from bodycheck.reference.requirements import symmetry
 from bodycheck.reference.scene import Body, Quaternion, Scene, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: Attitude error (rad) of some ten roundings in double precision, however long the motion; 7 eps is the most yet seen.
+#: Attitude error (rad) of about ten roundings in double precision, whatever the duration; the largest observed is 7 eps.
 STORED_ERROR_RAD = 16 * float(np.finfo(float).eps)
 
-#: Attitude error per radian of the angles that are found, and reduced to one turn, in the wide type.
+#: Attitude error (rad) per radian of the angles, which are computed and reduced to one turn in the wide type.
 ERROR_PER_RADIAN = 4 * float(np.finfo(Wide).eps)
 
 
@@ -29,9 +29,18 @@ ERROR_PER_RADIAN = 4 * float(np.finfo(Wide).eps)
 class Rotation:
     """A closed form of a rotation without torque, along the principal axes.
 
-    reason: why it is exact, in a few words. motion: from moments, body rates (rad/s) and attitude at t = 0 to attitudes (n, 4)
-    and body rates (n, 3) at times (n,), s. angles: from moments and rates to the angle at t = 0 (rad) and the rate (rad/s) of
-    what is reduced to one turn.
+    Attributes
+    ----------
+    name
+        Name of the form in results.
+    reason
+        Why the form is exact, in a few words.
+    motion
+        Maps principal moments (kg m^2), angular velocity (rad/s) and attitude at t = 0, and times (n,), s, to attitudes (n, 4)
+        and angular velocities (n, 3), rad/s, in the body frame.
+    angles
+        Maps moments and angular velocity to the angle at t = 0 (rad) and the sum of the rates (rad/s) of the angles that are
+        reduced to one turn; their errors grow with them.
     """
 
     name: str
@@ -40,27 +49,32 @@ class Rotation:
     angles: Callable[[Vector, Vector], tuple[float, float]]
 
 
-def no_rotation(_moments: Vector, rates: Vector, quaternion: Quaternion, times: Array) -> tuple[Array, Array]:
+def _no_rotation(_moments: Vector, rates: Vector, quaternion: Quaternion, times: Array) -> tuple[Array, Array]:
+    """The attitude and the angular velocity at t = 0, repeated for all times."""
     return np.tile(normalise(np.array(quaternion)), (len(times), 1)), np.tile(rates, (len(times), 1))
 
 
 def _steady(_moments: Vector, rates: Vector) -> tuple[float, float]:
+    """The `angles` of a spin about a fixed axis."""
     return 0.0, float(torque_free.steady_rate(rates))
 
 
 def _symmetric(moments: Vector, rates: Vector) -> tuple[float, float]:
+    """The `angles` of a symmetric top: its precession and its spin."""
     precession, spin = symmetric_top.angular_rates(moments, rates)
     return 0.0, float(precession + abs(spin))
 
 
 def _elliptic(moments: Vector, rates: Vector) -> tuple[float, float]:
+    """The `angles` of an asymmetric body: the argument of the elliptic functions and the mean precession."""
     polhode = torque_free.polhode(moments, rates)
     if polhode is None:
         return _steady(moments, rates)
     return abs(float(polhode.start)), float(polhode.rate + torque_free.precession(polhode).rate)
 
 
-AT_REST = Rotation("constant attitude", "the body does not turn", no_rotation, _steady)
+#: The closed forms. Their names and reasons appear in results.
+AT_REST = Rotation("constant attitude", "the body does not turn", _no_rotation, _steady)
 SPHERE = Rotation("steady turn", "all moments are equal", torque_free.rotation, _steady)
 PRINCIPAL = Rotation("steady turn", "it spins about a principal axis", torque_free.rotation, _steady)
 SYMMETRIC = Rotation("symmetric top", "two moments are equal", symmetric_top.rotation, _symmetric)
@@ -68,7 +82,10 @@ ASYMMETRIC = Rotation("elliptic functions", "all moments differ", torque_free.ro
 
 
 def smallest_rotation(moments: Vector, rates: Vector) -> Rotation:
-    """The smallest form that is exact for these principal moments and body rates (rad/s), digit by digit."""
+    """The simplest form that is exact for these principal moments (kg m^2) and this angular velocity (rad/s, body frame).
+
+    All digits are compared: nearly equal moments count as different.
+    """
     kind = symmetry(moments)
     if not any(rates):
         return AT_REST
@@ -80,10 +97,12 @@ def smallest_rotation(moments: Vector, rates: Vector) -> Rotation:
 
 
 def motion(scene: Scene, times: Array) -> Trajectory:
-    """The motion of a body in free flight at any times (n,), s, in any order; drag and plane are not looked at.
+    """The motion of a body in free flight at any times (n,), s, in any order.
 
-    The translation, apart from the rotation, is the parabola, rounded once from the wide type.
-    Raises `ValueError` or `OverflowError` for moments or body rates that are not finite.
+    The scene must be along the principal axes of its body; its drag and its plane are ignored. The translation is the
+    parabola, computed in the wide type and rounded once.
+
+    Raises `ValueError` or `OverflowError` for moments or angular velocities that are not finite.
     """
     initial, moments = scene.initial, scene.body.moments
     form = smallest_rotation(moments, initial.angular_velocity)
@@ -100,11 +119,12 @@ def motion(scene: Scene, times: Array) -> Trajectory:
 
 
 def bound(scene: Scene, times: Array) -> Array:
-    """Bound (n,) of the attitude error (rad) of `motion` at times (n,), s.
+    """Bound (n,), rad, of the attitude error of `motion` at times (n,), s.
 
-    Double precision holds the angles within one turn; the angles themselves, say the phase u = u0 + lambda t and the mean
-    precession, are as good as the wide type: 5e-20 a radian where it has 80 bits, 2e-16 where there is no wider type.
-    The separatrix needs no term of its own: the error of a period there is that of ln(4/k'), and k' keeps its digits.
+    Angles within one turn are in double precision. The angles before this reduction, such as the phase u = u0 + lambda t and
+    the mean precession, have the accuracy of the wide type: 5e-20 per radian where it has 80 bits, 2e-16 where there is no
+    wider type than double precision. The separatrix needs no term of its own: the error of a period there is that of ln(4/k'),
+    and k' is accurate to all digits.
     """
     moments, rates = scene.body.moments, scene.initial.angular_velocity
     start, rate = smallest_rotation(moments, rates).angles(moments, rates)
@@ -112,13 +132,14 @@ def bound(scene: Scene, times: Array) -> Array:
 
 
 def flip_period(body: Body, angular_velocity: Vector) -> float:
-    """Time (s) between reversals of the spin about the axis of intermediate moment: half a period of the body rates.
+    """Time (s) between reversals of the spin about the axis of intermediate moment: half a period of the angular velocity.
 
-    After it the rates about two axes, the intermediate and one extreme, have changed sign and the third is what it was. For
-    a body with an axis of symmetry, where these two are any axes across it, it is half a turn of the steady precession in the
-    body. Infinite where nothing reverses: in a steady spin about any axis, for a sphere, and on the separatrix.
+    After this time the components about two axes, the intermediate one and one extreme one, have changed sign, and the third
+    is the same as before. For a body with an axis of symmetry it is half a turn of the steady precession in the body frame,
+    and the two components are those across the axis of symmetry. It is infinite where nothing reverses: in a steady spin
+    about any axis, for a sphere, and on the separatrix.
 
-    angular_velocity: body frame, rad/s.
+    angular_velocity: along the principal axes of the body (rad/s).
     """
     polhode = torque_free.polhode(body.moments, angular_velocity)
     if polhode is None or polhode.kc == 0:

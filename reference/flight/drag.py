@@ -1,11 +1,11 @@
-"""Translation of a body against quadratic drag: m dv/dt = -m g k - c |v| v [G 2.45a-c with a generalized force].
+"""Translation of a body with quadratic drag: m dv/dt = -m g k - c |v| v [G 2.45a-c with a generalized force].
 
-Two formulations that share nothing but the force. One integrates the three coordinates. The other takes the hodograph: with
-the horizontal speed u and the slope s of the path,
+There are two formulations, which share only the law of the force. `cartesian` integrates the three coordinates. `hodograph`
+uses the horizontal speed u and the slope s of the path, for which
 
     1/u^2 = 1/u0^2 + (c/mg) (F(s0) - F(s)),  F(s) = s sqrt(1 + s^2) + asinh(s),     ds/dt = -g/u,
 
-so that one variable and two quadratures are left. Straight paths have closed forms.
+so that only one variable and two quadratures remain. Straight paths have closed forms.
 """
 
 import math
@@ -16,14 +16,15 @@ from bodycheck.reference.integration.dop853 import scales, solve
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
-#: A horizontal speed below this part of what gravity makes of the vertical one does not slow the body: its square is lost.
-VERTICAL_SPEED_RATIO = 1e-9
+#: Ratio of the horizontal speed to the largest speed up to which the horizontal speed has no effect on the drag, since its
+#: square is lost to rounding.
+NEGLIGIBLE_SPEED_RATIO = 1e-9
 
 
 def cartesian(scene: Scene, times: Array) -> tuple[Array, Array]:
-    """Positions (n, 3), m, and velocities (n, 3), m/s, at ascending times (n,) >= 0 s, integrated in three coordinates.
+    """Positions (n, 3), m, and velocities (n, 3), m/s, world frame, at ascending times (n,) >= 0, s, in three coordinates.
 
-    Raises `OutOfReach` where the integration takes too many steps or cannot go on.
+    Raises `OutOfReach` if the integration fails or takes too many steps.
     """
     resistance, gravity = scene.drag / scene.body.mass, scene.gravity
 
@@ -39,14 +40,14 @@ def cartesian(scene: Scene, times: Array) -> tuple[Array, Array]:
 
 
 def hodograph(scene: Scene, times: Array) -> tuple[Array, Array]:
-    """The same as `cartesian`, by the slope of the path. Raises `OutOfReach` likewise."""
+    """The same motion as `cartesian`, with the same errors, integrated with the slope of the path as the variable."""
     resistance, gravity = scene.drag / scene.body.mass, scene.gravity
     position, velocity = np.array(scene.initial.position), np.array(scene.initial.velocity)
     horizontal = math.hypot(velocity[0], velocity[1])
     if gravity == 0:
         return _coasting(resistance, position, velocity, times)
     length, _, fastest, _ = scales(scene, times)
-    if horizontal <= VERTICAL_SPEED_RATIO * fastest:
+    if horizontal <= NEGLIGIBLE_SPEED_RATIO * fastest:
         return _vertical(resistance, gravity, position, velocity, times)
 
     def arc(s: float) -> float:
@@ -73,7 +74,7 @@ def hodograph(scene: Scene, times: Array) -> tuple[Array, Array]:
 
 
 def _coasting(resistance: float, position: Array, velocity: Array, times: Array) -> tuple[Array, Array]:
-    """Without gravity the path is straight and 1/v grows evenly."""
+    """Position and velocity without gravity: the path is straight and 1/v grows linearly with time."""
     speed = float(np.linalg.norm(velocity))
     slowed = resistance * speed * times[:, None]
     reach = np.log1p(slowed) / (resistance * speed) if resistance * speed > 0 else times[:, None]
@@ -81,7 +82,10 @@ def _coasting(resistance: float, position: Array, velocity: Array, times: Array)
 
 
 def _vertical(resistance: float, gravity: float, position: Array, velocity: Array, times: Array) -> tuple[Array, Array]:
-    """Straight up and down: tan on the way up, tanh from the apex on. Across, a body drifts with what is left of its speed."""
+    """Position and velocity along a vertical path: the speed is a tan on the way up and a tanh after the apex.
+
+    The small horizontal velocity has no effect on the drag; it decays with the vertical motion and is integrated.
+    """
     terminal = math.sqrt(gravity / resistance)
     upward, downward = max(float(velocity[2]), 0.0) / terminal, max(-float(velocity[2]), 0.0) / terminal
     apex = terminal / gravity * math.atan(upward)
@@ -94,7 +98,7 @@ def _vertical(resistance: float, gravity: float, position: Array, velocity: Arra
         return np.cosh(falling) + downward * np.sinh(falling), np.sinh(falling) + downward * np.cosh(falling)
 
     def slowing(t: Array) -> Array:
-        """exp(-c/m * the way so far): what is left of a horizontal speed."""
+        """Fraction exp(-c/m * path length) of the horizontal speed that remains."""
         return np.asarray(np.cos(math.atan(upward)) / (np.cos(rising(t)) * grown(t)[0]))
 
     along, faster = grown(times)
