@@ -1,8 +1,9 @@
-"""Jacobi's elliptic functions, and the phase of the third kind, by theta series that converge at once for every modulus.
+"""Jacobi's elliptic functions, and the phase of the integral of the third kind, by theta series of a few terms.
 
-Both moduli, k and k' (k^2 + k'^2 = 1), are asked for, so that neither end, small oscillations nor the separatrix, costs
-digits. Constants are found in the widest type of the machine, so that thousands of periods may be taken off an argument at
-no loss; arrays are in double precision. Equations are those of the NIST Digital Library of Mathematical Functions [DLMF].
+The series converge quickly for every modulus. Functions take both moduli, k and k' (k^2 + k'^2 = 1), so that no digits are lost
+at either end: for small oscillations (k near 0) and at the separatrix (k' near 0). Constants are computed in the widest
+floating-point type of the machine, so that thousands of periods can be subtracted from an argument without loss; arrays are
+in double precision. Equations are cited from the NIST Digital Library of Mathematical Functions [DLMF].
 """
 
 from dataclasses import dataclass
@@ -12,29 +13,49 @@ from numpy.typing import NDArray
 
 from bodycheck.reference.trajectory import Array
 
+#: The widest floating-point type of NumPy: 80 bits on x86. Elsewhere it can be double precision, with that accuracy.
 Wide = np.longdouble
-#: 80 bits on x86; where nothing is wider than double precision, that, with what it costs.
+
+#: An array of the wide type.
 WideArray = NDArray[np.longdouble]
 
+#: The number pi in the wide type.
 PI = 4 * np.arctan(Wide(1))
 
-#: The quarter period of modulus 1: finite, so that the separatrix needs no case of its own.
+#: Value used for the quarter period of modulus 1. It is finite, so that the separatrix needs no special case.
 SEPARATRIX_QUARTER_PERIOD = np.finfo(Wide).max ** Wide(0.75)
 
-#: Argument x beyond which sech(x) is nothing in double precision, and at which cosh(6 x) does not overflow.
+#: Argument x at which sech(x) is negligible in double precision and cosh(6 x) does not yet overflow.
 LARGEST_SECH_ARGUMENT = 100.0
 
+#: The signs (-1)^n of the terms of a theta series, n = 0 to 3.
 ALTERNATING_SIGNS = np.array([1.0, -1.0, 1.0, -1.0])
-#: sin((2n + 1) v) / sin(v) in terms of 1, cos(2v), cos(4v), cos(6v).
+
+#: Coefficients of sin((2n + 1) v) / sin(v), one row for each n, in terms of 1, cos(2v), cos(4v), cos(6v).
 SINE_RATIOS = np.array([[1.0, 0.0, 0.0, 0.0], [1.0, 2.0, 0.0, 0.0], [1.0, 2.0, 2.0, 0.0], [1.0, 2.0, 2.0, 2.0]])
-#: cos((2n + 1) v) / cos(v) in the same terms.
+
+#: Coefficients of cos((2n + 1) v) / cos(v) in the same terms.
 COSINE_RATIOS = np.array([[1.0, 0.0, 0.0, 0.0], [-1.0, 2.0, 0.0, 0.0], [1.0, -2.0, 2.0, 0.0], [-1.0, 2.0, -2.0, 2.0]])
 
 
 def complete(kc: Wide, p: Wide, a: Wide, b: Wide) -> Wide:
-    """Integral over 0..pi/2 of (a cos^2 + b sin^2) / ((cos^2 + p sin^2) sqrt(cos^2 + kc^2 sin^2)), for kc, p > 0.
+    """Complete elliptic integral in the general form of Bulirsch (Numer. Math. 13, 305, 1969).
 
-    Bulirsch's cel (Numer. Math. 13, 305, 1969), which for a, b >= 0 adds positive terms only.
+    It is the integral over 0..pi/2 of (a cos^2 + b sin^2) / ((cos^2 + p sin^2) sqrt(cos^2 + kc^2 sin^2)).
+
+    Parameters
+    ----------
+    kc
+        Complementary modulus k' > 0.
+    p
+        Parameter of the integral of the third kind, p > 0.
+    a, b
+        Coefficients; for a, b >= 0 only positive terms are added, so that nothing cancels.
+
+    Returns
+    -------
+    Wide
+        The integral.
     """
     root, mean, product = np.sqrt(p), Wide(1), kc
     b = b / root
@@ -48,14 +69,24 @@ def complete(kc: Wide, p: Wide, a: Wide, b: Wide) -> Wide:
 
 
 def quarter_period(kc: Wide) -> Wide:
-    """K of the complementary modulus kc >= 0."""
+    """The quarter period K for the complementary modulus kc >= 0; a very large number for kc = 0."""
     return complete(kc, Wide(1), Wide(1), Wide(1)) if kc > 0 else SEPARATRIX_QUARTER_PERIOD
 
 
 def first_kind(sn: Wide, cn: Wide, dn: Wide) -> Wide:
-    """The u in [-K, K] of which sn, |cn| and dn are given: sn R_F(cn^2, dn^2, 1) [DLMF 19.25.5].
+    """Inverse of the elliptic functions: u = sn R_F(cn^2, dn^2, 1) [DLMF 19.25.5].
 
-    R_F by duplication [DLMF 19.26.18] and its series to the seventh order [DLMF 19.36.1]. cn and dn must not both be zero.
+    R_F is computed by duplication [DLMF 19.26.18] and its series to the seventh order [DLMF 19.36.1].
+
+    Parameters
+    ----------
+    sn, cn, dn
+        Values of the functions at u; the sign of cn has no effect. cn and dn must not both be zero.
+
+    Returns
+    -------
+    Wide
+        The argument u in [-K, K].
     """
     x, y, z = cn * cn, dn * dn, Wide(1)
     while True:
@@ -74,10 +105,21 @@ def first_kind(sn: Wide, cn: Wide, dn: Wide) -> Wide:
 
 @dataclass(frozen=True, eq=False)
 class ThetaSeries:
-    """Six series in 1, c1, c2, c3 for u in [-K, K], where cn = cos(2 n z), or cosh(2 n z) if hyperbolic, and z = scale u.
+    """Six theta series in the terms 1, c1, c2, c3 for u in [-K, K].
 
-    rows: (6, 4) numerators of sn, cn, dn, their denominator, and the real and imaginary parts of Theta(u + i eta), each
-    without its leading function. slope: the part of the phase of Theta(u + i eta) that is proportional to u, per u.
+    The terms are c_n = cos(2 n z), or cosh(2 n z) in the hyperbolic case, with z = scale u.
+
+    Attributes
+    ----------
+    rows
+        (6, 4) coefficients of the numerators of sn, cn and dn, of their common denominator, and of the real and imaginary parts
+        of Theta(u + i eta). Each series is divided by its leading function; `jacobi` multiplies by it.
+    hyperbolic
+        Whether the terms are hyperbolic, which they are for k > k'.
+    scale
+        The factor z / u.
+    slope
+        The part of the phase of Theta(u + i eta) that is proportional to u, per unit of u (rad).
     """
 
     rows: Array
@@ -87,10 +129,24 @@ class ThetaSeries:
 
 
 def theta_series(k: Wide, kc: Wide, quarter: Wide, eta: Wide) -> ThetaSeries:
-    """The series for moduli k and kc, K, and the shift eta in [0, K'), k sc(eta, k') being not much more than 1.
+    """The theta series of one modulus.
 
-    They are theta functions [DLMF 20.2, 22.2] of the smaller of the two nomes, at most exp(-pi), so that what is left out is
-    below 1e-18 of what is kept. Jacobi's imaginary transformation [DLMF 20.7.30-20.7.33] leads from one nome to the other.
+    They are theta functions [DLMF 20.2, 22.2] of the smaller of the two nomes, which is at most exp(-pi), so that the neglected
+    terms are below 1e-18 of the sum. Jacobi's imaginary transformation [DLMF 20.7.30-20.7.33] relates the two nomes.
+
+    Parameters
+    ----------
+    k, kc
+        Modulus and complementary modulus k'.
+    quarter
+        Quarter period K.
+    eta
+        Imaginary shift of Theta, in [0, K'), with k sc(eta, k') not much larger than 1.
+
+    Returns
+    -------
+    ThetaSeries
+        The series.
     """
     hyperbolic = bool(k > kc)
     other = quarter_period(k)
@@ -102,12 +158,8 @@ def theta_series(k: Wide, kc: Wide, quarter: Wide, eta: Wide) -> ThetaSeries:
     integer[0] = 1
     half = np.exp((n * (n + 1) * log_nome).astype(float))
 
-    theta1, theta2, theta3, theta4 = (
-        (ALTERNATING_SIGNS * half) @ SINE_RATIOS,
-        half @ COSINE_RATIOS,
-        integer,
-        ALTERNATING_SIGNS * integer,
-    )
+    alternating = ALTERNATING_SIGNS * half
+    theta1, theta2, theta3, theta4 = alternating @ SINE_RATIOS, half @ COSINE_RATIOS, integer, ALTERNATING_SIGNS * integer
     if hyperbolic:
         denominator, numerators = theta2, [theta1, theta4, theta3]
         turns = ((2 * n + 1) * shift).astype(float)
@@ -127,7 +179,7 @@ def theta_series(k: Wide, kc: Wide, quarter: Wide, eta: Wide) -> ThetaSeries:
 
 
 def jacobi(series: ThetaSeries, u: Array) -> tuple[Array, Array, Array, Array]:
-    """sn u, cn u, dn u and the phase of Theta(u + i eta) (rad), each (n,), of u (n,) in [-K, K]."""
+    """sn u, cn u, dn u and the phase (rad) of Theta(u + i eta), each (n,), for arguments u (n,) in [-K, K]."""
     terms = np.empty((4, len(u)))
     z = series.scale * u
     if series.hyperbolic:

@@ -1,11 +1,11 @@
 """Rotation of a body with two equal moments without torque: a steady precession, in elementary functions.
 
-With the moments A, A, C and k the axis of the third, Omega = L/A + (1 - C/A) Omega_k k. The angular momentum L does not move
-in space, k does not move in the body, and Omega_k is constant, so that the attitude turns steadily about both,
+With the moments A, A, C and k the axis of the third, Omega = L/A + (1 - C/A) Omega_k k. The angular momentum L is constant in
+space, k is constant in the body, and Omega_k is constant, so that the attitude rotates steadily about both,
 
     R(t) = R(0) exp(t L/A) exp(t (1 - C/A) Omega_k k),
 
-L and k as the body sees them at the start (Landau and Lifshitz, Mechanics, par. 33 and 36).
+with L and k in the body frame at t = 0 (Landau and Lifshitz, Mechanics, par. 33 and 36).
 """
 
 import numpy as np
@@ -18,9 +18,23 @@ from bodycheck.reference.trajectory import Array
 
 
 def rotation(moments: Vector, rates: Vector, quaternion: Quaternion, times: Array) -> tuple[Array, Array]:
-    """Attitudes (n, 4) and body rates (n, 3), rad/s, at any times (n,), s, from the rates and the attitude at t = 0.
+    """Attitude and angular velocity of a symmetric body.
 
-    Two of the moments are equal and the third is not.
+    Parameters
+    ----------
+    moments
+        Principal moments A, B, C (kg m^2), of which exactly two are equal.
+    rates
+        Angular velocity at t = 0, along the principal axes (rad/s).
+    quaternion
+        Attitude at t = 0 (w, x, y, z, body to world).
+    times
+        (n,) times in any order (s).
+
+    Returns
+    -------
+    tuple of arrays
+        (n, 4) attitudes w, x, y, z, body to world, and (n, 3) angular velocities along the principal axes (rad/s).
     """
     axis = figure_axis(moments)
     precession, spin = angular_rates(moments, rates)
@@ -34,7 +48,7 @@ def rotation(moments: Vector, rates: Vector, quaternion: Quaternion, times: Arra
     start = normalise(np.array(quaternion))
     attitude = multiply(multiply(np.broadcast_to(start, about_momentum.shape), about_momentum), about_axis)
 
-    # As the body sees it, the part of the rates across the axis turns the other way.
+    # In the body frame, the component of the angular velocity across the axis rotates in the opposite sense.
     across, other = (axis + 1) % 3, (axis + 2) % 3
     angle, _ = remainder(spin * wide, 2 * PI)
     cosine, sine = np.cos(angle), np.sin(angle)
@@ -46,12 +60,15 @@ def rotation(moments: Vector, rates: Vector, quaternion: Quaternion, times: Arra
 
 
 def figure_axis(moments: Vector) -> int:
-    """Which of I, J, K has the moment that the other two have not."""
+    """Index, among I, J, K, of the axis whose moment differs from the other two."""
     return next(axis for axis, moment in enumerate(moments) if moments.count(moment) == 1)
 
 
 def angular_rates(moments: Vector, rates: Vector) -> tuple[Wide, Wide]:
-    """|L|/A and (1 - C/A) Omega_k (rad/s)."""
+    """The rates |L|/A of the precession and (1 - C/A) Omega_k of the spin (rad/s).
+
+    moments: principal moments (kg m^2). rates: angular velocity along the principal axes (rad/s).
+    """
     axis = figure_axis(moments)
     equal, own = Wide(moments[axis - 1]), Wide(moments[axis])
     across = np.hypot(Wide(rates[axis - 1]), Wide(rates[axis - 2]))

@@ -1,27 +1,29 @@
-"""Rotation of a rigid body without torque: body rates by Jacobi's elliptic functions, attitude by the third kind's phase.
+"""Rotation of a rigid body without torque, in closed form, for any principal moments.
 
-The classical solution (Jacobi 1850; Landau and Lifshitz, Mechanics, par. 37; van Zon and Schofield, J. Comput. Phys. 225,
-145, 2007), arranged so that nothing cancels. With moments I1 <= I2 <= I3 every constant comes from
+The angular velocity in the body frame is given by Jacobi's elliptic functions, and the attitude by the phase of an integral of
+the third kind. This is the classical solution (Jacobi 1850; Landau and Lifshitz, Mechanics, par. 37; van Zon and Schofield,
+J. Comput. Phys. 225, 145, 2007), arranged so that no digits cancel. With moments I1 <= I2 <= I3 all constants follow from
 
     E1 = L^2 - 2 T I1 = I2 (I2 - I1) w2^2 + I3 (I3 - I1) w3^2,
     E2 = L^2 - 2 T I2 = I3 (I3 - I2) w3^2 - I1 (I2 - I1) w1^2,
     E3 = 2 T I3 - L^2 = I1 (I3 - I1) w1^2 + I2 (I3 - I2) w2^2.
 
-E2 alone is a difference. Its sign says which axis p the angular momentum encircles in the body, that of the greatest (+) or
-of the least moment (-); r is the other one. On the separatrix E2 is zero and near it all its digits would be lost: it is
-formed in rational arithmetic. With u = u0 + lambda t,
+Only E2 is a difference. Its sign tells which axis p the angular momentum encircles in the body frame, that of the largest (+)
+or of the smallest moment (-); r is the other one. On the separatrix E2 is zero, and near it all of its digits would be lost,
+so E2 is computed in rational arithmetic. With u = u0 + lambda t,
 
     Lp = Mp dn u,  Mp^2 = Ip Er / (I3 - I1),        lambda^2 = |Ip - I2| Er / (I1 I2 I3),
     L2 = M2 sn u,  M2^2 = I2 Ep / |Ip - I2|,        k^2  = |I2 - Ir| Ep / (|Ip - I2| Er),
     Lr = Mr cn u,  Mr^2 = Ir Ep / (I3 - I1),        k'^2 = (I3 - I1) |E2| / (|Ip - I2| Er).
 
-About the fixed L the attitude is given by Euler angles with one of the extreme axes, f, as the figure axis K and the other, g,
-as J: L = |L| (sin theta sin psi, sin theta cos psi, cos theta) along (2, g, f), so that
+The attitude is given by Euler angles about the fixed L, with one of the extreme axes, f, as the figure axis K and the other,
+g, as J: L = |L| (sin theta sin psi, sin theta cos psi, cos theta) along (2, g, f), so that
 
     dphi/dt = |L| (L2^2/I2 + Lg^2/Ig) / (L2^2 + Lg^2) = |L|/Ig + |L| (1/I2 - 1/Ig) (M2/Mg)^2 sn^2 u / (1 + nu sn^2 u),
 
 whose integral is a mean precession and the phase of Jacobi's Theta(u + i eta), nu = k^2 sc^2(eta, k'). f is the axis for
-which nu <= 1. It is the one nearer to being an axis of symmetry; about the other, phi would run ahead of the motion itself.
+which nu <= 1, that is, the one closer to being an axis of symmetry. About the other axis phi would advance much faster than
+the motion itself.
 """
 
 import math
@@ -48,11 +50,34 @@ from bodycheck.reference.trajectory import Array
 
 @dataclass(frozen=True)
 class Polhode:
-    """The angular momentum as the body sees it; the symbols are the module's.
+    """The motion of the angular momentum in the body frame, with the symbols of the module.
 
-    order: places of the axes 1, 2, 3 among I, J, K. handedness: of that order, +1 or -1. p: its place in that order, 0 or 2.
-    moments: I1, I2, I3. e: E1, E2, E3. momentum: |L| (kg m^2/s). size: M1, M2, M3. sign: of L1, L2, L3 where sn u and cn u are
-    positive. rate: lambda (rad/s). start: u0, in [-K, K]. k, kc: the modulus and k'. quarter: K.
+    Attributes
+    ----------
+    order
+        Indices, among I, J, K, of the axes 1, 2, 3.
+    handedness
+        +1 if that order is right-handed, -1 if it is left-handed.
+    p
+        Index of the axis p in that order, 0 or 2.
+    moments
+        I1, I2, I3 (kg m^2).
+    e
+        E1, E2, E3 (kg^2 m^4/s^2).
+    momentum
+        |L| (kg m^2/s).
+    size
+        M1, M2, M3 (kg m^2/s).
+    sign
+        Signs of L1, L2, L3 where sn u and cn u are positive.
+    rate
+        lambda (rad/s).
+    start
+        u0, in [-K, K].
+    k, kc
+        The moduli k and k'.
+    quarter
+        K.
     """
 
     order: tuple[int, int, int]
@@ -72,10 +97,18 @@ class Polhode:
 
 @dataclass(frozen=True, eq=False)
 class Precession:
-    """The turn about the angular momentum.
+    """The rotation about the angular momentum.
 
-    f, g: 0 and 2 or 2 and 0, the axes that stand for K and J. rate: mean dphi/dt (rad/s). sense: sign with which the phase of
-    Theta enters phi. series: of Theta and of the polhode's elliptic functions.
+    Attributes
+    ----------
+    f, g
+        Indices, in the order 1, 2, 3, of the axes that take the roles of K and J: 0 and 2, or 2 and 0.
+    rate
+        Mean of dphi/dt (rad/s).
+    sense
+        Sign with which the phase of Theta enters phi.
+    series
+        Series of Theta and of the elliptic functions of the polhode.
     """
 
     f: int
@@ -86,13 +119,16 @@ class Precession:
 
 
 def nearest(value: Fraction) -> Wide:
-    """A rational number in the wide type."""
+    """The number of the wide type that is nearest to a rational number."""
     exponent = value.numerator.bit_length() - value.denominator.bit_length() - 80
     return Wide(np.ldexp(Wide(round(value / Fraction(2) ** exponent)), exponent))
 
 
 def polhode(moments: Vector, rates: Vector) -> Polhode | None:
-    """The motion in the body from body rates (rad/s); None for a steady spin."""
+    """The polhode for principal moments (kg m^2) and an angular velocity along the principal axes (rad/s).
+
+    None for a steady spin.
+    """
     order = sorted(range(3), key=moments.__getitem__)
     i, w = [Wide(moments[axis]) for axis in order], [Wide(rates[axis]) for axis in order]
     (i1, i2, i3), (w1, _, w3) = ([Fraction(vector[axis]) for axis in order] for vector in (moments, rates))
@@ -112,7 +148,7 @@ def polhode(moments: Vector, rates: Vector) -> Polhode | None:
         return None
     handedness = 1 if order in ([0, 1, 2], [1, 2, 0], [2, 0, 1]) else -1
     first, last = math.copysign(1, rates[order[0]]), math.copysign(1, rates[order[2]])
-    # dL2/dt = (1/I1 - 1/I3) L3 L1 along a right-handed order of axes 1, 2, 3, and the opposite along a left-handed one.
+    # dL2/dt = (1/I1 - 1/I3) L3 L1 for a right-handed order of the axes 1, 2, 3, and the negative of it for a left-handed one.
     middle = handedness * first * last
     scale = apart * e[r]
     kc = np.sqrt(span * abs(e2) / scale)
@@ -134,7 +170,7 @@ def polhode(moments: Vector, rates: Vector) -> Polhode | None:
 
 
 def precession(motion: Polhode) -> Precession:
-    """The turn about the angular momentum that goes with a motion."""
+    """The rotation about the angular momentum for a polhode."""
     i, e, size = motion.moments, motion.e, motion.size
     f = 2 if i[2] * (i[1] - i[0]) <= i[0] * (i[2] - i[1]) else 0
     g = 2 - f
@@ -154,24 +190,41 @@ def precession(motion: Polhode) -> Precession:
 
 
 def half_period(motion: Polhode) -> Wide:
-    """The time (s) after which L2 and Lr have changed sign and Lp is what it was: 2 K / lambda."""
+    """The time (s) after which L2 and Lr have changed sign and Lp has the same value: 2 K / lambda."""
     return 2 * motion.quarter / motion.rate
 
 
 def remainder(value: WideArray, period: Wide) -> tuple[Array, Array]:
-    """Values (n,) less the nearest whole number of periods, in double precision, and those numbers (n,)."""
+    """Values (n,) minus the nearest whole number of periods, and these whole numbers (n,), both in double precision."""
     count = np.rint(value.astype(float) * float(1 / period))
     return (value - period * count.astype(Wide)).astype(float), count
 
 
 def left_factor(q: Array) -> Array:
-    """The matrix (4, 4) that multiplies a quaternion (4,) by q (4,) from the left."""
+    """The matrix (4, 4) that multiplies a quaternion (4,) from the left by the quaternion q (4,)."""
     w, x, y, z = q
     return np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]])
 
 
 def rotation(moments: Vector, rates: Vector, quaternion: Quaternion, times: Array) -> tuple[Array, Array]:
-    """Attitudes (n, 4) and body rates (n, 3), rad/s, at any times (n,), s, from the rates and the attitude at t = 0."""
+    """Attitude and angular velocity of a body without torque.
+
+    Parameters
+    ----------
+    moments
+        Principal moments A, B, C (kg m^2).
+    rates
+        Angular velocity at t = 0, along the principal axes (rad/s).
+    quaternion
+        Attitude at t = 0 (w, x, y, z, body to world), of any length.
+    times
+        (n,) times in any order (s).
+
+    Returns
+    -------
+    tuple of arrays
+        (n, 4) attitudes w, x, y, z, body to world, and (n, 3) angular velocities along the principal axes (rad/s).
+    """
     start = left_factor(normalise(np.array(quaternion)))
     t = np.concatenate(([0.0], times))
     motion = polhode(moments, rates)
@@ -181,12 +234,12 @@ def rotation(moments: Vector, rates: Vector, quaternion: Quaternion, times: Arra
 
 
 def steady_rate(rates: Vector) -> Wide:
-    """|Omega| (rad/s)."""
+    """The magnitude |Omega| of an angular velocity (rad/s)."""
     return Wide(np.sqrt(sum(Wide(rate) ** 2 for rate in rates)))
 
 
 def steady_spin(rates: Vector, t: Array) -> tuple[Array, Array]:
-    """Attitudes (4, n), up to a constant rotation, and body rates (3, n) of a body that spins steadily."""
+    """Attitudes (4, n), up to a constant rotation, and angular velocities (3, n) of a steady spin at times t (n,), s."""
     speed = steady_rate(rates)
     turn, _ = remainder(speed * t.astype(Wide), 4 * PI)
     axis = np.array(rates) / float(speed) if speed > 0 else np.zeros(3)
@@ -195,7 +248,7 @@ def steady_spin(rates: Vector, t: Array) -> tuple[Array, Array]:
 
 
 def tumbling(motion: Polhode, t: Array) -> tuple[Array, Array]:
-    """Attitudes (4, n), up to a constant rotation, and body rates (3, n) of a body that does not spin steadily."""
+    """Attitudes (4, n), up to a constant rotation, and angular velocities (3, n) of a body on a polhode at times t (n,), s."""
     turn = precession(motion)
     wide = t.astype(Wide)
     u, half_periods = remainder(motion.start + motion.rate * wide, 2 * motion.quarter)
@@ -206,15 +259,15 @@ def tumbling(motion: Polhode, t: Array) -> tuple[Array, Array]:
     elliptic[motion.p], elliptic[2 - motion.p] = dn, parity * cn
 
     axes = (1, turn.g, turn.f)
-    # Angular momentum is an axial vector: along a left-handed order of axes it has the opposite sign.
+    # Angular momentum is an axial vector: its components along a left-handed order of axes have the opposite sign.
     handedness = motion.handedness if turn.g == 2 else -motion.handedness
     middle, g, f = (handedness * float(motion.sign[n] * motion.size[n] / motion.momentum) * elliptic[n] for n in axes)
-    # From the ratio of the amplitudes, which has its digits even where both are below the smallest normal number.
+    # psi is computed from the ratio of the amplitudes, which is accurate even where both are below the smallest normal number.
     slope = handedness * motion.sign[1] * float(motion.size[1] / motion.size[turn.g])
     psi = np.arctan2(slope * elliptic[1], handedness * motion.sign[turn.g] * elliptic[turn.g])
     phi = secular + turn.sense * phase
     across, along = np.hypot(middle, g), 1 + np.abs(f)
-    # tan(theta/2) in the form that does not cancel on this side of the equator.
+    # tan(theta/2) has two forms; this is the one without cancellation for the sign of cos(theta).
     half_sine, half_cosine = np.where(f > 0, (across, along), (along, across)) / np.hypot(across, along)
     half_sum, half_difference = (phi + psi) / 2, (phi - psi) / 2
     vector = (half_sine * np.cos(half_difference), half_sine * np.sin(half_difference), half_cosine * np.sin(half_sum))
