@@ -1,4 +1,4 @@
-"""SciPy's DOP853 driven near machine precision, landing on every requested instant instead of interpolating to it."""
+"""SciPy's DOP853 near machine precision, with a step that ends at every requested instant."""
 
 import math
 from collections.abc import Callable
@@ -10,32 +10,73 @@ from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
+#: The right-hand side of y' = f(t, y).
 Derivative = Callable[[float, Array], Array]
 
-#: The tightest that DOP853 accepts: 100 rounding units.
+#: Relative tolerance of a step: the smallest that DOP853 accepts, 100 times the machine epsilon.
 RELATIVE_TOLERANCE = 2.3e-14
 
-#: Relative to the scale of each component, so that components passing through zero do not stop the integration.
+#: Absolute tolerance of a step, relative to the typical size of each component, so that the steps do not become arbitrarily
+#: small where a component passes through zero.
 ABSOLUTE_TOLERANCE = 1e-15
 
-#: Steps after which an integration is given up: about 1.5e5 turns, some minutes.
+#: Largest number of steps of one integration, which is about 1.5e5 turns of a body and takes a few minutes.
 MAX_STEPS = 1_000_000
 
 
 def dop853(derivative: Derivative, start: float, state: Array, end: float, scale: Array, **steps: Any) -> Any:
-    """SciPy's solver at the tolerances above; steps: its own arguments for the length of steps.
+    """SciPy's DOP853 solver with the tolerances of this module.
 
-    The stubs of SciPy know neither real equations nor a tolerance for each component.
+    Parameters
+    ----------
+    derivative
+        Right-hand side of the equations.
+    start
+        Initial value of the independent variable.
+    state
+        (k,) initial state.
+    end
+        Value of the independent variable at which the integration ends.
+    scale
+        (k,) typical sizes of the components of the state.
+    **steps
+        Arguments of SciPy's solver for the size of its steps, such as `max_step`.
+
+    Returns
+    -------
+    scipy.integrate.DOP853
+        The solver.
     """
-    # Imported when it is needed: `scipy.integrate` is slow to import, and Taylor's method does without it.
+    # Imported here because `scipy.integrate` is slow to import and Taylor's method does not need it.
     from scipy.integrate import DOP853
 
+    # SciPy's type stubs admit neither real equations nor one tolerance for each component.
     solver: Any = DOP853
     return solver(derivative, start, state, end, rtol=RELATIVE_TOLERANCE, atol=ABSOLUTE_TOLERANCE * scale, **steps)
 
 
 def advance(solver: Any, taken: int, time: float, end: float) -> int:
-    """Let a solver take one step, from a time to an end (s), and count it. Raises `OutOfReach`."""
+    """Take one step of a solver.
+
+    Parameters
+    ----------
+    solver
+        The solver, from `dop853`.
+    taken
+        Number of steps before this one.
+    time, end
+        Time before the step, and end of the integration (s), for error messages.
+
+    Returns
+    -------
+    int
+        Number of steps including this one.
+
+    Raises
+    ------
+    OutOfReach
+        If the step fails, the state is not finite, or there are more than `MAX_STEPS` steps.
+    """
     message = solver.step()
     if solver.status == "failed" or not np.isfinite(solver.y).all():
         raise OutOfReach(f"the integration cannot go on at t = {time:.6g} s: {message}")
@@ -52,12 +93,35 @@ def solve(
     after_step: Callable[[Array], tuple[Derivative, Array] | None] = lambda y: None,
     at_sample: Callable[[], None] = lambda: None,
 ) -> Array:
-    """Solutions (n, k) of y' = derivative(t, y), y(0) = start, at ascending times (n,) >= 0.
+    """Solve y' = derivative(t, y), y(0) = start.
 
-    scale: typical sizes (k,) of the components. after_step may answer a step's result with a new equation and the same
-    state in its coordinates; at_sample is called as each row is taken.
+    A step ends at each instant, because the dense output of DOP853 is one order lower than its steps.
 
-    Dense output is one order lower than the steps themselves, so each instant is the end of a step.
+    Parameters
+    ----------
+    derivative
+        Right-hand side of the equations.
+    start
+        (k,) initial state.
+    times
+        (n,) ascending times >= 0.
+    scale
+        (k,) typical sizes of the components of the state.
+    after_step
+        Called with the state after each step. It may return a new right-hand side and the same state in the coordinates of
+        that, with which the integration continues.
+    at_sample
+        Called when each row is stored.
+
+    Returns
+    -------
+    Array
+        (n, k) states at the times.
+
+    Raises
+    ------
+    OutOfReach
+        If the integration fails or takes too many steps.
     """
     rows = np.empty((len(times), len(start)))
     time, state, stride, taken = 0.0, start, None, 0
@@ -82,7 +146,10 @@ def solve(
 
 
 def scales(scene: Scene, times: Array) -> tuple[float, float, float, float]:
-    """Typical sizes of position (m), angle (rad), velocity (m/s) and angular velocity (rad/s) in a free flight; none is 0."""
+    """Typical sizes of position (m), angle (rad), velocity (m/s) and angular velocity (rad/s) of a flight until the last time.
+
+    A size that would be zero is 1.
+    """
     reach = float(times[-1]) if len(times) else 0.0
     speed = math.hypot(*scene.initial.velocity) + scene.gravity * reach
     length = math.hypot(*scene.initial.position) + speed * reach

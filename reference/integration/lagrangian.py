@@ -1,10 +1,10 @@
 """Euler-Lagrange equations of a free rigid body in the book's Euler angles [G 2.37, 2.44, 2.45].
 
-Coordinates q = (x, y, z, theta, phi, psi), the order of [G 2.37]. The 12 first-order equations are for (q, dq/dt).
-[G 2.44] is used in its corrected form, M q'' + M' q' - dT/dq + dV/dq = Q: the book's printed middle term omits -dT/dq.
+The coordinates are q = (x, y, z, theta, phi, psi), in the order of [G 2.37]. The 12 first-order equations are for (q, dq/dt).
+[G 2.44] is used in its corrected form, M q'' + M' q' - dT/dq + dV/dq = Q; the printed equation omits the term -dT/dq.
 
-The angles are singular where sin(theta) = 0. There the body axes are relabelled: in chart k the axes (I, J, K) are the
-body's own axes shifted cyclically by k, so that another axis takes the part of K. Of three perpendicular axes at least one
+The angles are singular where sin(theta) = 0. Near there the body axes are relabelled: in chart k the axes (I, J, K) are the
+body's own axes shifted cyclically by k, so that another axis takes the role of K. Of three perpendicular axes at least one
 is more than 54 degrees away from the vertical, so that a chart with sin(theta) >= 0.81 always exists.
 """
 
@@ -28,20 +28,35 @@ from bodycheck.reference.kinematics import (
 from bodycheck.reference.scene import Scene, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: A chart is left where sin(theta) falls below this: far from the singularity compared with the turn of one step.
+#: A chart is changed where sin(theta) is below this; the distance to the singularity is then still large compared with the
+#: rotation of one step.
 MIN_CHART_SINE = 0.5
 
-#: Chart k's axes in the body's own: the identity and the two turns by 120 degrees about (1, 1, 1).
+#: Quaternions (w, x, y, z) that rotate components along the axes of charts 0, 1, 2 to components along the body's own axes:
+#: no rotation, and the two rotations by 120 degrees about (1, 1, 1).
 RELABELLINGS = np.array([[1.0, 0.0, 0.0, 0.0], [0.5, 0.5, 0.5, 0.5], [0.5, -0.5, -0.5, -0.5]])
 
 
 def relabel(vector: Floats[Float], chart: int) -> Floats[Float]:
-    """Components (..., 3) along the chart's axes of a vector given along the body's own; chart -k undoes chart k."""
+    """Components (..., 3) along the axes of a chart, from components along the body's own axes; chart -k inverts chart k."""
     return np.roll(vector, -chart, axis=-1)
 
 
 def rotational_mass_matrix(moments: Vector, theta: float, psi: float) -> Array:
-    """The lower right 3 x 3 block of [G 2.37], in the order theta, phi, psi (kg m^2)."""
+    """The rotational block of the mass matrix [G 2.37].
+
+    Parameters
+    ----------
+    moments
+        Principal moments A, B, C (kg m^2).
+    theta, psi
+        Euler angles (rad).
+
+    Returns
+    -------
+    Array
+        (3, 3) block for theta, phi, psi, in this order (kg m^2).
+    """
     a, b, c = moments
     st, ct, sp, cp = math.sin(theta), math.cos(theta), math.sin(psi), math.cos(psi)
     coupling = (a - b) * st * sp * cp
@@ -57,9 +72,24 @@ def rotational_mass_matrix(moments: Vector, theta: float, psi: float) -> Array:
 def angular_accelerations(
     moments: Vector, theta: float, psi: float, dtheta: float, dphi: float, dpsi: float
 ) -> tuple[float, float, float]:
-    """Second derivatives of (theta, phi, psi) without generalized forces: [G 2.45d-f] solved for them.
+    """Second derivatives of the Euler angles without generalized forces: [G 2.45d-f], solved for them.
 
-    psi'' is eliminated first; the remaining 2 x 2 system in theta'', phi'' has the determinant A B sin^2(theta).
+    psi'' is eliminated first; the remaining 2 x 2 system in theta'' and phi'' has the determinant A B sin^2(theta), so that
+    the result is singular where sin(theta) = 0.
+
+    Parameters
+    ----------
+    moments
+        Principal moments A, B, C (kg m^2).
+    theta, psi
+        Euler angles (rad); phi has no effect.
+    dtheta, dphi, dpsi
+        Rates of the angles (rad/s).
+
+    Returns
+    -------
+    tuple of float
+        theta'', phi'', psi'' (rad/s^2).
     """
     a, b, c = moments
     st, ct, sp, cp = math.sin(theta), math.cos(theta), math.sin(psi), math.cos(psi)
@@ -83,7 +113,10 @@ def angular_accelerations(
 
 
 def equations(moments: Array, gravity: float) -> Derivative:
-    """The 12 first-order equations of a body in free flight; the mass divides out of [G 2.45a-c]."""
+    """The 12 first-order equations of a body in free flight; the mass cancels in [G 2.45a-c].
+
+    moments: (3,) principal moments, along the axes of the chart (kg m^2). gravity: m/s^2.
+    """
     a, b, c = moments.tolist()
 
     def derivative(_t: float, y: Array) -> Array:
@@ -95,21 +128,41 @@ def equations(moments: Array, gravity: float) -> Derivative:
 
 
 def best_chart(quaternion: Array) -> int:
-    """The chart whose K is nearest to the horizontal plane."""
+    """The chart (0, 1 or 2) whose axis K is closest to horizontal, for a quaternion (4,), body to world."""
     w, x, y, z = quaternion
     vertical = np.abs([w * w - x * x - y * y + z * z, 2 * (x * z - w * y), 2 * (y * z + w * x)])  # k.K, k.I, k.J
     return int(np.argmin(vertical))
 
 
 def to_coordinates(chart: int, position: Array, quaternion: Array, velocity: Array, rates: Array) -> Array:
-    """The 12 coordinates and velocities of one state in a chart."""
+    """The coordinates and velocities of one state in a chart.
+
+    Parameters
+    ----------
+    chart
+        The chart.
+    position, velocity
+        (3,) position (m) and velocity (m/s) of the centre of mass, world frame.
+    quaternion
+        (4,) attitude w, x, y, z, body to world.
+    rates
+        (3,) angular velocity along the body's own principal axes (rad/s).
+
+    Returns
+    -------
+    Array
+        (12,) x, y, z, theta, phi, psi and their rates.
+    """
     phi, theta, psi = euler_from_quaternion(multiply(quaternion, RELABELLINGS[chart]))
     dphi, dtheta, dpsi = euler_rates(theta, psi, relabel(rates, chart))
     return np.array([*position, theta, phi, psi, *velocity, dtheta, dphi, dpsi])
 
 
 def to_states(y: Array, charts: NDArray[np.int_]) -> tuple[Array, Array, Array, Array]:
-    """Positions, quaternions, velocities and body rates of coordinates (n, 12), each row in the chart of that row."""
+    """Positions (n, 3), quaternions (n, 4), velocities (n, 3) and angular velocities (n, 3) along the body's own axes.
+
+    y: (n, 12) coordinates and their rates. charts: (n,) the chart of each row.
+    """
     theta, phi, psi = y[:, 3], y[:, 4], y[:, 5]
     quaternion = quaternion_from_euler(phi, theta, psi)
     rates = body_rates(theta, psi, y[:, 10], y[:, 9], y[:, 11])
@@ -121,9 +174,11 @@ def to_states(y: Array, charts: NDArray[np.int_]) -> tuple[Array, Array, Array, 
 
 
 def integrate(scene: Scene, times: Array) -> Trajectory:
-    """The motion of a body in free flight at ascending times (n,) >= 0 s, from the Euler-Lagrange equations.
+    """The motion of a body in free flight at ascending times (n,) >= 0, s, from the Euler-Lagrange equations.
 
-    Raises `OutOfReach` where the integration takes too many steps or cannot go on.
+    The scene must be along the principal axes of its body; its drag and its plane are ignored.
+
+    Raises `OutOfReach` if the integration fails or takes too many steps.
     """
     initial = [np.array(part) for part in astuple(scene.initial)]
     lengths, angles, speeds, rates = scales(scene, times)

@@ -1,6 +1,7 @@
-"""Euler's equations for the body rates with a quaternion for the attitude: the way that is independent of Euler angles.
+"""Euler's equations of a free rigid body, with a quaternion for the attitude. They do not use Euler angles.
 
-A dOmega_X/dt = (B - C) Omega_Y Omega_Z and cyclically; dq/dt = q Omega / 2.
+A dOmega_X/dt = (B - C) Omega_Y Omega_Z and cyclically; dq/dt = q Omega / 2. The components of the angular velocity are
+quasi-coordinates: they are not the rates of any coordinates.
 """
 
 from dataclasses import astuple
@@ -14,7 +15,11 @@ from bodycheck.reference.trajectory import Array, Trajectory
 
 
 def equations(moments: Vector, gravity: float) -> Derivative:
-    """The 13 first-order equations of a body in free flight, y = (position, quaternion, velocity, body rates)."""
+    """The 13 first-order equations of a body in free flight, for y = (position, quaternion, velocity, angular velocity).
+
+    moments: principal moments A, B, C (kg m^2). gravity: m/s^2. Position and velocity are in the world frame (m, m/s), the
+    quaternion is body to world, and the angular velocity is along the principal axes (rad/s).
+    """
     a, b, c = moments
 
     def derivative(_t: float, y: Array) -> Array:
@@ -41,9 +46,11 @@ def equations(moments: Vector, gravity: float) -> Derivative:
 
 
 def integrate(scene: Scene, times: Array) -> Trajectory:
-    """The motion of a body in free flight at ascending times (n,) >= 0 s, from Euler's equations.
+    """The motion of a body in free flight at ascending times (n,) >= 0, s, from Euler's equations.
 
-    Raises `OutOfReach` where the integration takes too many steps or cannot go on.
+    The scene must be along the principal axes of its body; its drag and its plane are ignored.
+
+    Raises `OutOfReach` if the integration fails or takes too many steps.
     """
     rows = solve(
         equations(scene.body.moments, scene.gravity),

@@ -1,4 +1,4 @@
-"""How far an error is carried along a motion: the variational equations of a free rigid body, integrated by heyoka."""
+"""Growth of an error along a motion, from the variational equations of a free rigid body, integrated with heyoka."""
 
 from dataclasses import dataclass
 
@@ -10,20 +10,28 @@ from bodycheck.reference.kinematics import conjugate, multiply, normalise
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
-#: Size of the variations at the start. Being linear, they may have any; small ones leave the steps to the motion itself.
+#: Initial size of the variations. They are linear, so that any size is possible; with a small one the motion itself, and not
+#: its variations, determines the size of the steps.
 VARIATION_SIZE = 2.0**-40
 
-#: Instants, evenly spaced from 0 to the last one asked for, at which an error is thought to be made.
+#: Number of instants, evenly spaced from 0 to the last requested time, at which an error is assumed to be made.
 ERROR_INSTANTS = 200
 
 
 @dataclass(frozen=True, eq=False)
 class Growth:
-    """Attitude error (rad) at n instants per unit of relative error made earlier: an error eps becomes about eps times this.
+    """Attitude error (rad) at n instants per unit of relative error made earlier: an error eps grows to about eps times this.
 
-    The unit is one rad of attitude and, at the same time, |Omega| rad/s of body rates, in the worst direction.
-    of_initial: (n,) of an error in the initial state. of_any: (n,) of an error made at the worst moment until then, as rounding
-    errors are. Both are at least 1. A flip undoes much of what it does to an initial error, not of one made in its middle.
+    One unit is an error of one rad in the attitude together with one of |Omega| rad/s in the angular velocity, in the worst
+    direction. Both attributes are at least 1. A flip undoes much of the growth of an initial error, but not that of an error
+    made in the middle of the flip.
+
+    Attributes
+    ----------
+    of_initial
+        (n,) growth of an error in the initial state.
+    of_any
+        (n,) growth of an error made at the worst moment until then; rounding errors are made at all moments.
     """
 
     of_initial: Array
@@ -31,19 +39,23 @@ class Growth:
 
 
 def variational_equations() -> Equations:
-    """`euler_equations` and the derivatives of their 7 variables, in turn, with respect to the 3 initial body rates."""
+    """`euler_equations`, and the equations for the derivatives of their 7 variables with respect to the 3 initial body rates.
+
+    The derivatives of one variable are consecutive.
+    """
     return list(hy.var_ode_sys(euler_equations(), hy.make_vars("x", "y", "z")).sys)
 
 
 def growth(scene: Scene, times: Array) -> Growth:
-    """How much of an earlier error is found in the attitude of a free body at times (n,) >= 0 s.
+    """The growth of an error in the attitude of a free body until times (n,) >= 0, s, in any order.
 
-    The state-transition matrix of (turn in the world frame, body rates) from 0 to t is [[1, J(t)], [0, M(t)]]: an initial
-    turn turns the whole motion. That from s to t has the corner (J(t) - J(s)) / M(s). `of_initial` is the largest singular
-    value of [1, |Omega(0)| J(t)], and `of_any` that of [1, |Omega(s)| (J(t) - J(s)) / M(s)] for the worst s, but with the
-    Frobenius norm of the second block, at most sqrt(3) times too large.
+    The scene must be along the principal axes of its body. The state-transition matrix of (rotation in the world frame, angular
+    velocity in the body frame) from 0 to t is [[1, J(t)], [0, M(t)]], because an initial rotation rotates the whole motion.
+    That from s to t has the upper right block (J(t) - J(s)) / M(s). `of_initial` is the largest singular value of
+    [1, |Omega(0)| J(t)]. `of_any` is that of [1, |Omega(s)| (J(t) - J(s)) / M(s)] for the worst s, but with the Frobenius norm
+    of the second block, which is at most sqrt(3) times too large.
 
-    Raises `OutOfReach` where the integration takes too many steps or cannot go on.
+    Raises `OutOfReach` if the integration fails or takes too many steps.
     """
     start, parameters = euler_start(scene, np.float64)
     variations = np.zeros((7, 3))
@@ -62,7 +74,8 @@ def growth(scene: Scene, times: Array) -> Growth:
     j, m = np.swapaxes(turns, 1, 2), derivatives[:, 4:]
     speeds = np.linalg.norm(solution[:, 4:7], axis=1)
 
-    # Euler's flow keeps volumes: det M = 1, and the rows of the inverse are cross products of columns.
+    # Euler's equations conserve volume in the space of rates, so that det M = 1 and the rows of the inverse of M are cross
+    # products of its columns.
     inverse = np.swapaxes(np.cross(np.roll(m, -1, axis=2), np.roll(m, -2, axis=2), axis=1), 1, 2)
 
     n = len(times)

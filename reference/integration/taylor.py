@@ -1,19 +1,19 @@
-"""The rotation of a free rigid body by Taylor's method in 80-bit and 128-bit arithmetic, two ways (heyoka; Linux only).
+"""The rotation of a free rigid body by Taylor's method in 80-bit and 128-bit arithmetic, in two forms (heyoka; Linux only).
 
-The Euler-Lagrange equations are not written here: heyoka derives them from the rotational Lagrangian [G 2.33, 2.34].
-Euler's equations with a quaternion are the way that is independent of Euler angles.
+The Euler-Lagrange equations are not written here: heyoka derives them from the rotational Lagrangian [G 2.33, 2.34]. The second
+form is Euler's equations with a quaternion, which does not use Euler angles.
 
-The angles are taken about the angular momentum, not about the vertical, for a body without torque does not know where the
-vertical is. K is the axis of the largest or of the smallest moment, whichever stays farther from the angular momentum.
-Then theta stays between 45 and 135 degrees for good: one chart serves the whole of any motion, and sin(theta) = 0 is never
-near. (On a polhode the greatest cos^2(theta) of each of the two axes is reached where the momentum along the third axis is
-zero. There the two add up to 1, so that one of them is at most 1/2.) The equations know nothing of this choice: they conserve
-the momentum only as far as they are solved.
+The Euler angles are defined about the angular momentum and not about the vertical, since without torque no direction in space
+is special. K is the axis of the largest or of the smallest moment, whichever stays farther from the angular momentum. Then
+theta always stays between 45 and 135 degrees, so that one chart is enough for the whole of any motion and sin(theta) = 0 is
+never near. (On a polhode the largest cos^2(theta) of each of the two axes is reached where the momentum along the third axis
+is zero. There the two values add up to 1, so that one of them is at most 1/2.) The equations do not use this choice: they
+conserve the angular momentum only as accurately as they are solved.
 
-The unit of time is a power of two near 1 / |Omega|, so that the tolerance means the same for every body and nothing is
-rounded. Quaternions and body rates are formed in the wide type; rounding to double comes last.
+The unit of time is a power of two near 1 / |Omega|, so that the tolerance has the same meaning for every body and no rounding
+occurs in the conversion. Quaternions and angular velocities are computed in the wide type and rounded to double at the end.
 
-heyoka keeps compiled code in memory and, for other processes, on disk (`$XDG_CACHE_HOME/heyoka` or `$HEYOKA_CACHE_DIR`).
+heyoka caches compiled code in memory and, for other processes, on disk (`$XDG_CACHE_HOME/heyoka` or `$HEYOKA_CACHE_DIR`).
 """
 
 import functools
@@ -43,39 +43,49 @@ from bodycheck.reference.kinematics import (
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
-#: 80-bit `np.longdouble`, unit roundoff 5e-20, or 128-bit `heyoka.real128`, unit roundoff 1e-34 and some 40 times slower.
+#: "extended" is the 80-bit `np.longdouble` with a unit roundoff of 5e-20. "quadruple" is the 128-bit `heyoka.real128` with a
+#: unit roundoff of 1e-34; it is about 40 times slower.
 Precision = Literal["extended", "quadruple"]
 
-#: heyoka has no type of its own where `long double` has 128 bits already (64-bit ARM).
+#: The 128-bit type. heyoka has no type of its own where `long double` already has 128 bits (64-bit ARM).
 QUADRUPLE = getattr(hy, "real128", np.longdouble)
 
+#: The floating-point type of each precision.
 FLOAT_TYPES = {"extended": np.longdouble, "quadruple": QUADRUPLE}
 
+#: Size of a floating-point type in bits, by the number of bits of its mantissa.
 BITS_BY_MANTISSA = {63: 80, 112: 128}
-#: By the bits of the significand; what users see.
+
+#: Name of the backend in results, for each precision.
 BACKEND_NAMES: dict[Precision, str] = {
     "extended": f"heyoka-{BITS_BY_MANTISSA[np.finfo(np.longdouble).nmant]}-bit",
     "quadruple": "heyoka-128-bit",
 }
 
-#: Remainder of the series in a step: a few roundings of each type, since less would be lost among them.
+#: Tolerance for the remainder of the series in a step, for each type: a few roundings, in which a smaller remainder would be
+#: lost.
 STEP_TOLERANCES = {np.float64: 2.0**-50, np.longdouble: 2.0**-60, QUADRUPLE: 2.0**-109}
 
-#: An array of a wide type; `heyoka.real128` is none of NumPy's own floating types.
+#: An array of a wide type; `heyoka.real128` is not one of NumPy's own floating-point types.
 WideArray = NDArray[Any]
 
-#: First-order equations as heyoka takes them: pairs of a variable and the expression of its derivative.
+#: First-order equations in heyoka's form: pairs of a variable and the expression for its derivative.
 Equations = list[tuple[Any, Any]]
 
-#: A compiled integrator carries its state with it and serves the whole process.
-_in_use = threading.Lock()
+#: Held while an integrator runs: a compiled integrator contains its state and is shared by all threads of the process.
+_integrator_lock = threading.Lock()
 
 
 @dataclass(frozen=True, eq=False)
 class Rotation:
-    """Attitudes and body rates at n instants, in a wide type.
+    """Attitudes and angular velocities at n instants, in a wide type.
 
-    quaternion: (n, 4) unit, w x y z, body to world. angular_velocity: (n, 3) body, rad/s.
+    Attributes
+    ----------
+    quaternion
+        (n, 4) unit quaternions w, x, y, z, body to world.
+    angular_velocity
+        (n, 3) angular velocities along the principal axes (rad/s).
     """
 
     quaternion: WideArray
@@ -83,11 +93,12 @@ class Rotation:
 
 
 def lagrange_equations() -> Equations:
-    """The equations that heyoka derives from L = (A Omega_X^2 + B Omega_Y^2 + C Omega_Z^2) / C, that is 2T / C [G 2.34].
+    """The equations that heyoka derives from L = (A Omega_X^2 + B Omega_Y^2 + C Omega_Z^2) / C, which is 2T / C [G 2.34].
 
-    State: psi, phi, theta and their rates. Parameters: (A + B) / 2C and (A - B) / 2C. By [G 2.21a], with s = dphi sin(theta),
-    Omega_X^2 + Omega_Y^2 = s^2 + dtheta^2 and Omega_X^2 - Omega_Y^2 = (dtheta^2 - s^2) cos(2 psi) + 2 s dtheta sin(2 psi).
-    In these two, L leads to a third fewer operations than in Omega_X and Omega_Y themselves.
+    The state is psi, phi, theta and their rates. The parameters are (A + B) / 2C and (A - B) / 2C. By [G 2.21a], with
+    s = dphi sin(theta), Omega_X^2 + Omega_Y^2 = s^2 + dtheta^2 and
+    Omega_X^2 - Omega_Y^2 = (dtheta^2 - s^2) cos(2 psi) + 2 s dtheta sin(2 psi). Written with these two expressions, L leads to
+    a third fewer operations than when written with Omega_X and Omega_Y.
     """
     angles, rates = hy.make_vars("psi", "phi", "theta"), hy.make_vars("dpsi", "dphi", "dtheta")
     (psi, _, theta), (dpsi, dphi, dtheta) = angles, rates
@@ -99,9 +110,10 @@ def lagrange_equations() -> Equations:
 
 
 def euler_equations() -> Equations:
-    """Euler's equations with dq/dt = q Omega / 2. State: w, i, j, k of the quaternion and the body rates x, y, z.
+    """Euler's equations together with dq/dt = q Omega / 2.
 
-    Parameters: (B - C) / A, (C - A) / B, (A - B) / C.
+    The state is w, i, j, k of the quaternion and the angular velocity x, y, z along the principal axes. The parameters are
+    (B - C) / A, (C - A) / B and (A - B) / C.
     """
     w, i, j, k, x, y, z = hy.make_vars("w", "i", "j", "k", "x", "y", "z")
     return [
@@ -117,9 +129,10 @@ def euler_equations() -> Equations:
 
 @functools.cache
 def _prepare_heyoka() -> None:
-    """Keeps compiled code on disk only where no one else can write: whoever can, can run code here.
+    """Let heyoka cache compiled code on disk only where no other user can write, since cached code is executed.
 
-    heyoka goes on without a folder that is full or corrupt, but says so on standard output, which is for results.
+    heyoka continues without a cache folder that is full or corrupt, but reports this on standard output, which is reserved for
+    results; so its log is limited to critical messages.
     """
     hy.set_logger_level_critical()
     folder = hy.llvm_state.get_diskcache_path()
@@ -139,7 +152,7 @@ def is_private(path: Path) -> bool:
 
 @functools.cache
 def integrator(equations: Callable[[], Equations], dtype: Any) -> Any:
-    """heyoka's integrator of some equations in a floating type, compiled or taken from heyoka's cache."""
+    """heyoka's integrator of the given equations in a floating-point type, compiled or taken from heyoka's cache."""
     _prepare_heyoka()
     system = equations()
     return hy.taylor_adaptive(
@@ -148,17 +161,18 @@ def integrator(equations: Callable[[], Equations], dtype: Any) -> Any:
         pars=np.zeros(len(hy.get_params([derivative for _, derivative in system])), dtype=dtype),
         tol=dtype(STEP_TOLERANCES[dtype]),
         fp_type=dtype,
-        # Unrolled code is a tenth faster and takes ten times as long to compile.
+        # Code that is not compact runs 10 % faster and takes ten times as long to compile.
         compact_mode=True,
     )
 
 
 @functools.cache
 def _quaternion_and_rates(dtype: Any) -> Any:
-    """Compiled function from states of `lagrange_equations` (6, n) to quaternions and body rates (7, n) of Euler's axes.
+    """Compiled function from states of `lagrange_equations` (6, n) to quaternions and angular velocities (7, n).
 
-    [G 2.14] and [G 2.21a], the latter as Omega = dphi k + dtheta N + dpsi K with the vertical k and the line of nodes N taken
-    out of the quaternion. NumPy's sines and cosines of 80-bit numbers take twice as long.
+    Both refer to the frame and the axes of the Euler angles. The function uses [G 2.14] and [G 2.21a], the latter in the form
+    Omega = dphi k + dtheta N + dpsi K with the vertical k and the line of nodes N computed from the quaternion. NumPy's sines
+    and cosines of 80-bit numbers would take twice as long.
     """
     _prepare_heyoka()
     state = psi, phi, theta, dpsi, dphi, dtheta = hy.make_vars("psi", "phi", "theta", "dpsi", "dphi", "dtheta")
@@ -172,14 +186,34 @@ def _quaternion_and_rates(dtype: Any) -> Any:
 
 
 def solve(solver: Any, start: WideArray, parameters: WideArray, times: Array, angles: tuple[str, ...] = ()) -> WideArray:
-    """Solutions (n, k) of an integrator's equations at times (n,) >= 0, from the state `start` (k,) at t = 0.
+    """Solve the equations of an integrator.
 
-    The variables named in `angles` are kept within [0, 2 pi): they would lose digits as they grow.
-    Raises `OutOfReach` where the integration takes too many steps or cannot go on.
+    Parameters
+    ----------
+    solver
+        The integrator, from `integrator`.
+    start
+        (k,) state at t = 0.
+    parameters
+        Parameters of the equations.
+    times
+        (n,) times >= 0 in any order, in the unit of time of the equations.
+    angles
+        Names of variables that are reduced to [0, 2 pi), since they would lose digits as they grow.
+
+    Returns
+    -------
+    array
+        (n, k) states at the times, in the type of `start`.
+
+    Raises
+    ------
+    OutOfReach
+        If the integration fails or takes too many steps.
     """
     instants, rows = np.unique(np.append(0.0, times), return_inverse=True)
     reducer = hy.callback.angle_reducer(hy.make_vars(*angles)) if angles else None
-    with _in_use:
+    with _integrator_lock:
         solver.time = start.dtype.type(0)
         solver.state[:] = start
         solver.pars[:] = parameters
@@ -191,18 +225,36 @@ def solve(solver: Any, start: WideArray, parameters: WideArray, times: Array, an
 
 
 def unit_of_rate(scene: Scene) -> np.float64:
-    """A power of two some four times the initial body rates (rad/s): dividing by it does not round.
+    """The unit of angular velocity (rad/s): a power of two, four to eight times the largest initial component.
 
-    Rates in this unit stay below the angles, which thus set the tolerance of a step.
+    Dividing by it does not round. Rates in this unit stay smaller than the angles, which therefore determine the tolerance of a
+    step.
     """
     _, exponent = np.frexp(np.abs(scene.initial.angular_velocity).max())
     return np.float64(np.ldexp(4.0, exponent))
 
 
 def euler_lagrange(scene: Scene, times: Array, precision: Precision = "extended") -> Rotation:
-    """The rotation of a free body at times (n,) >= 0 s, from the Euler-Lagrange equations.
+    """The rotation of a free body, from the Euler-Lagrange equations.
 
-    Raises `OutOfReach` where the integration takes too many steps or cannot go on.
+    Parameters
+    ----------
+    scene
+        The scene, along the principal axes of its body; only the rotation is computed.
+    times
+        (n,) times >= 0 in any order (s).
+    precision
+        The arithmetic.
+
+    Returns
+    -------
+    Rotation
+        Attitudes and angular velocities at the times.
+
+    Raises
+    ------
+    OutOfReach
+        If the integration fails or takes too many steps.
     """
     dtype, unit = FLOAT_TYPES[precision], unit_of_rate(scene)
     moments = _wide(scene.body.moments, dtype)
@@ -227,15 +279,32 @@ def euler_lagrange(scene: Scene, times: Array, precision: Precision = "extended"
         angles=("psi", "phi"),
     )
     turned = _quaternion_and_rates(dtype)(np.ascontiguousarray(solution.T)).T
-    # The turns of frame and axes are linear in the quaternion between them: one matrix for all instants.
+    # Converting the frame and the axes is linear in the quaternion, so that one matrix serves all instants.
     to_world = multiply(multiply(from_frame, _wide(np.eye(4), dtype)), conjugate(axes))
     return Rotation(turned[:, :4] @ to_world, relabel(turned[:, 4:], -chart) * unit)
 
 
 def quasi_coordinates(scene: Scene, times: Array, precision: Precision = "extended") -> Rotation:
-    """The rotation of a free body at times (n,) >= 0 s, from Euler's equations.
+    """The rotation of a free body, from Euler's equations with a quaternion.
 
-    Raises `OutOfReach` where the integration takes too many steps or cannot go on.
+    Parameters
+    ----------
+    scene
+        The scene, along the principal axes of its body; only the rotation is computed.
+    times
+        (n,) times >= 0 in any order (s).
+    precision
+        The arithmetic.
+
+    Returns
+    -------
+    Rotation
+        Attitudes and angular velocities at the times.
+
+    Raises
+    ------
+    OutOfReach
+        If the integration fails or takes too many steps.
     """
     unit = unit_of_rate(scene)
     start, parameters = euler_start(scene, FLOAT_TYPES[precision])
@@ -244,7 +313,7 @@ def quasi_coordinates(scene: Scene, times: Array, precision: Precision = "extend
 
 
 def euler_start(scene: Scene, dtype: Any) -> tuple[WideArray, WideArray]:
-    """Initial state and parameters of `euler_equations`, rates in the scene's `unit_of_rate`."""
+    """Initial state (7,) and parameters (3,) of `euler_equations` in a floating-point type, with rates in `unit_of_rate`."""
     a, b, c = _wide(scene.body.moments, dtype)
     attitude = normalise(_wide(scene.initial.quaternion, dtype))
     rates = _wide(scene.initial.angular_velocity, dtype) / unit_of_rate(scene)
@@ -252,24 +321,29 @@ def euler_start(scene: Scene, dtype: Any) -> tuple[WideArray, WideArray]:
 
 
 def attitude_difference(p: WideArray, q: WideArray) -> Array:
-    """Geodesic angle (n,) in rad between quaternions (n, 4), each double, 80-bit or 128-bit, formed in 128 bits."""
+    """Angle (n,), rad, between attitudes (n, 4) in double, 80-bit or 128-bit precision, computed in 128 bits."""
     return np.asarray(geodesic_angle(_quadruple(p), _quadruple(q)).astype(float))
 
 
 def _wide(values: Any, dtype: Any) -> WideArray:
+    """Numbers in double precision, converted to a wide type."""
     return np.asarray(values, dtype=float).astype(dtype)
 
 
 def _quadruple(values: WideArray) -> WideArray:
+    """Numbers of any of the types, converted to the 128-bit type without loss."""
     if values.dtype == QUADRUPLE:
         return values
-    # heyoka converts from double alone; two doubles hold every digit of an 80-bit number.
+    # heyoka converts only from double precision; two doubles hold all digits of an 80-bit number.
     head = values.astype(float)
     return _wide(head, QUADRUPLE) + _wide(values - head, QUADRUPLE)
 
 
 def axis_across(moments: WideArray, momentum: WideArray) -> int:
-    """The principal axis, of the largest or smallest moment, that never comes within 45 degrees of the angular momentum."""
+    """Index of the axis of the largest or smallest moment that always stays at least 45 degrees from the angular momentum.
+
+    moments: (3,) principal moments. momentum: (3,) initial angular momentum along the principal axes, in any unit.
+    """
     mobility = 1 / moments
     spread = mobility.max() - mobility.min()
     if spread == 0:
