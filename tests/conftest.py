@@ -9,7 +9,7 @@ from hypothesis import settings
 
 from bodycheck import Case, load
 from bodycheck.casefile.case import shipped
-from tests.support import MINIATURES
+from tests.support import MINIATURES, processes
 from tests.support import browser as browsing
 
 # No deadline: the first example pays for imports, and machines that run tests are slow at times.
@@ -24,6 +24,13 @@ def miniatures(monkeypatch: pytest.MonkeyPatch) -> Path:
     """Puts the miniature engines on the path, where the registry finds them by their entry points."""
     monkeypatch.syspath_prepend(MINIATURES)
     return MINIATURES
+
+
+@pytest.fixture
+def calls_here() -> Iterator[None]:
+    """Runs in the process of the test: for tests that are not about worker processes, of engines that neither die nor hang."""
+    with processes.calls_here():
+        yield
 
 
 @pytest.fixture(params=shipped())

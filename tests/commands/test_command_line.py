@@ -1,7 +1,6 @@
 """The command line, as a user calls it."""
 
 import json
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -13,49 +12,27 @@ import pytest
 from bodycheck import load, truth
 from bodycheck.adapters import offers, registry
 from bodycheck.casefile.case import shipped
+from tests.support.cases import a_case, expecting
+from tests.support.commands import bodycheck, bodycheck_process
 
-SHORT = """\
-format = 1
-name = "short"
-title = "A short one"
-[body]
-shape = "sphere"
-radius = 0.1
-mass = 1.0
-[initial]
-angular_velocity = [0.0, 0.0, 5.0]
-[scene]
-gravity = 9.81
-[run]
-duration = 0.5
-samples = 6
-[[expect]]
-engine = "mujoco"
-integrator = "RK4"
-timestep = 0.002
-position_error = 1e-9
-"""
+GRAVITY = {"gravity": 9.81}
 
 
-def bodycheck(*arguments: object, prelude: str = "") -> subprocess.CompletedProcess[str]:
-    """The command in a process of its own; prelude is run before it."""
-    start = "import sys\nsys.argv = ['bodycheck', *sys.argv[1:]]\nfrom bodycheck.commands.command_line import main\nmain()"
-    code = f"{prelude}\n{start}"
-    command = [sys.executable, "-c", code, *map(str, arguments)]
-    # As wide as a file, whatever the terminal that runs the tests.
-    return subprocess.run(command, capture_output=True, text=True, env=os.environ | {"COLUMNS": "200"})
+def short_case(position_error: float = 1e-9) -> str:
+    """A sphere that spins and falls, and how far RK4 may be off (m); it integrates a parabola without error."""
+    return a_case("short", scene=GRAVITY, expect=[expecting("mujoco", "RK4", 0.002, position_error=position_error)])
 
 
 @pytest.fixture
 def short(tmp_path: Path) -> Path:
     path = tmp_path / "short.case.toml"
-    path.write_text(SHORT)
+    path.write_text(short_case())
     return path
 
 
 def test_run_writes_everything_it_promises(short: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    done = bodycheck("run", short, "projectile", "--out", out, "--jobs", 2)
+    done = bodycheck_process("run", short, "projectile", "--out", out, "--jobs", 2)
     assert done.returncode == 0, done.stderr
     names = {"results.csv", "results.parquet", "results.json", "trajectories", "report.html", "report.md", "run.jsonl"}
     assert {path.name for path in out.iterdir()} == names
@@ -71,13 +48,13 @@ def test_run_writes_everything_it_promises(short: Path, tmp_path: Path) -> None:
     assert "runs: " in done.stdout
 
 
-def test_without_out_nothing_is_written(short: Path, tmp_path: Path) -> None:
-    done = bodycheck("run", short, "--engine", "mujoco", prelude=f"import os; os.chdir({str(tmp_path)!r})")
+def test_without_out_nothing_is_written(calls_here: None, short: Path, tmp_path: Path) -> None:
+    done = bodycheck("run", short, "--engine", "mujoco", folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert [path.name for path in tmp_path.iterdir()] == [short.name]
 
 
-def test_run_prints_json(short: Path) -> None:
+def test_run_prints_json(calls_here: None, short: Path) -> None:
     options = ("--engine", "mujoco", "--integrator", "RK4", "--timestep", "0.002", "--timestep", "0.001", "--json")
     done = bodycheck("run", short, *options)
     rows = json.loads(done.stdout)
@@ -85,8 +62,8 @@ def test_run_prints_json(short: Path) -> None:
     assert [row["passed"] for row in rows] == [True, None]
 
 
-def test_a_broken_expectation_exits_1(short: Path) -> None:
-    short.write_text(SHORT.replace("1e-9", "1e-30"))
+def test_a_broken_expectation_exits_1(calls_here: None, short: Path) -> None:
+    short.write_text(short_case(position_error=1e-30))
     done = bodycheck("run", short, "--engine", "mujoco")
     assert done.returncode == 1
     assert "position_error is" in done.stdout
@@ -95,7 +72,7 @@ def test_a_broken_expectation_exits_1(short: Path) -> None:
 
 def test_a_broken_case_among_good_ones_exits_2_before_simulating(short: Path, tmp_path: Path) -> None:
     bad, worse = tmp_path / "bad.case.toml", tmp_path / "worse.case.toml"
-    bad.write_text(SHORT.replace("mass = 1.0", "mass = -1.0").replace("samples = 6", "samples = 0"))
+    bad.write_text(short_case().replace("mass = 1.0", "mass = -1.0").replace("samples = 6", "samples = 0"))
     worse.write_text("= 3")
     out = tmp_path / "out"
     done = bodycheck("run", short, bad, "projectile", worse, "--out", out)
@@ -110,19 +87,19 @@ def test_a_broken_case_among_good_ones_exits_2_before_simulating(short: Path, tm
 @pytest.mark.parametrize(("package", "engine"), [("mujoco", "mujoco"), ("pinocchio", "pinocchio")])
 def test_with_one_engine_absent_the_other_runs(short: Path, tmp_path: Path, package: str, engine: str) -> None:
     absent = f"import sys; sys.modules[{package!r}] = None"
-    done = bodycheck("run", short, "--out", tmp_path / "out", prelude=absent)
+    done = bodycheck_process("run", short, "--out", tmp_path / "out", prelude=absent)
     assert done.returncode == 0, done.stderr
     assert f"{engine} is not installed" in done.stderr
     results = pd.read_csv(tmp_path / "out" / "results.csv")
     assert set(results.engine) == {"mujoco", "pinocchio"} - {engine}
     assert f"{engine} is not installed" in (tmp_path / "out" / "report.md").read_text()
-    asked_for = bodycheck("run", short, "--engine", engine, prelude=absent)
+    asked_for = bodycheck_process("run", short, "--engine", engine, prelude=absent)
     assert asked_for.returncode == 2
     assert f"{engine} is not installed" in asked_for.stderr
 
 
-def test_what_is_not_modelled_yet_is_unsupported(short: Path) -> None:
-    short.write_text(SHORT.replace("[run]", "[scene.plane]\nfriction = 0.5\n[run]").split("[[expect]]")[0])
+def test_what_is_not_modelled_yet_is_unsupported(calls_here: None, short: Path) -> None:
+    short.write_text(a_case("short", scene=GRAVITY | {"plane": {"friction": 0.5}}))
     done = bodycheck("run", short, "--json")
     assert done.returncode == 0
     rows = json.loads(done.stdout)
@@ -180,7 +157,7 @@ def test_lists() -> None:
 
 def test_validate(short: Path, tmp_path: Path) -> None:
     assert bodycheck("validate", short).returncode == 0
-    short.write_text(SHORT.replace("mass", "mas"))
+    short.write_text(short_case().replace("mass", "mas"))
     done = bodycheck("validate", short)
     assert done.returncode == 2
     assert f"{short}:7:1: body.mas: read 1.0; unknown key; allowed: mass, inertia, shape, radius" in done.stderr
@@ -199,7 +176,7 @@ def test_help_imports_nothing_heavy() -> None:
 
 def test_results_of_workers_that_print_stay_readable(short: Path, miniatures: Path) -> None:
     prelude = f"import sys; sys.path.insert(0, {str(miniatures)!r})"
-    done = bodycheck("run", short, "--engine", "printing", "--json", prelude=prelude)
+    done = bodycheck_process("run", short, "--engine", "printing", "--json", prelude=prelude)
     assert [row["engine"] for row in json.loads(done.stdout)] == ["printing"]
     assert "an engine that talks" in done.stderr
     assert "one that talks from C" in done.stderr

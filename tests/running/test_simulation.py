@@ -2,17 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from bodycheck import load, simulate
-from bodycheck.adapters import registry
+from bodycheck import compare, load, simulate, truth
+from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Engine, Integrator, Method
 from bodycheck.errors import BadInput
-from bodycheck.reference.scene import Plane, Scene
-from bodycheck.running.outcome import Crashed
+from bodycheck.reference.scene import Plane, Scene, State
+from bodycheck.running.outcome import Completed, Crashed, Diverged
+from bodycheck.running.smoke import check
+from tests.support.cases import STEADY_SPIN, shortened
 
 SLIDE = replace(load("sliding-brick"), samples=3, expectations=())
 EVERYTHING = frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"})
@@ -91,3 +94,67 @@ def test_an_adapter_without_its_record_is_missing(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(registry, "entry_points", lambda **_: [Point()])
     with pytest.raises(registry.EngineMissing, match="halfway has no adapter: object lacks `engine` or `prepare`"):
         registry.load("halfway")
+
+
+def test_a_wrong_engine_is_measured_and_an_adapter_like_it_is_found_out(miniatures: Path) -> None:
+    maxima = compare(truth(STEADY_SPIN), simulate(STEADY_SPIN, "wrong", "closed-form", 0.1)).maxima()
+    assert maxima["position_error"] == pytest.approx(1.0, abs=1e-12)
+    assert maxima["angular_velocity_error"] == pytest.approx(0.5, abs=1e-12)
+    assert check("exact") == []
+    assert any("its position is" in fault for fault in check("wrong"))
+    assert all("RuntimeError" in fault for fault in check("raising"))
+
+
+def test_simulate_answers_failures_with_outcomes(miniatures: Path) -> None:
+    assert isinstance(simulate(STEADY_SPIN, "raising", "closed-form", 0.1).outcome, Crashed)
+    assert isinstance(simulate(STEADY_SPIN, "exploding", "closed-form", 0.1).outcome, Diverged)
+    with pytest.raises(ValueError, match="no trajectory to compare, its status is crashed"):
+        compare(truth(STEADY_SPIN), simulate(STEADY_SPIN, "raising", "closed-form", 0.1))
+    with pytest.raises(registry.EngineMissing, match=r"there is no engine 'nobody'; there are: .*mujoco"):
+        simulate(STEADY_SPIN, "nobody", "closed-form")
+
+
+def test_any_time_step_is_sampled_at_its_own_instants() -> None:
+    case = shortened(load("free-brick"), 1.0, 11)
+    run = simulate(case, "mujoco", "RK4", 0.03)
+    assert isinstance(run.outcome, Completed)
+    assert np.abs(run.outcome.trajectory.t - case.instants).max() <= 0.015 + 1e-12
+    assert compare(truth(case), run).maxima()["attitude_error"] < 1e-4
+    coarse = simulate(case, "mujoco", "RK4", 0.4).outcome
+    assert isinstance(coarse, Completed)
+    np.testing.assert_allclose(coarse.trajectory.t, [0.0, 0.4, 0.8])
+
+
+BRICK = load("resting-brick").scene
+AT_REST = BRICK.initial
+
+
+@pytest.mark.parametrize(
+    ("initial", "surroundings", "status"),
+    [
+        (State(), {}, "ok"),
+        (State(), {"gravity": 9.81}, "diverged"),
+        (AT_REST, {"gravity": 9.81, "plane": BRICK.plane}, "ok"),
+        (replace(AT_REST, velocity=(1.0, 0.0, 0.0)), {"gravity": 9.81, "plane": BRICK.plane}, "diverged"),
+        (State(velocity=(0.0, 1e-3, 0.0)), {}, "diverged"),
+        (State(velocity=(0.0, 1e-3, 0.0)), {"gravity": 9.81, "drag": 1.0}, "diverged"),
+        (State(angular_velocity=(0.0, 0.0, 1e-2)), {}, "diverged"),
+        # Two whole turns from sample to sample, after which a quaternion is the same again: nothing can be told.
+        (State(angular_velocity=(0.0, 0.0, 40 * np.pi)), {}, "ok"),
+        # 0.1 nm in a step, a kilometre away: single precision could not tell.
+        (State(position=(1e3, 0.0, 0.0), velocity=(1e-9, 0.0, 0.0)), {}, "ok"),
+    ],
+)
+def test_what_stands_still_is_frozen_only_where_it_ought_to_move(
+    miniatures: Path, initial: State, surroundings: dict[str, Any], status: str
+) -> None:
+    case = replace(STEADY_SPIN, scene=Scene(BRICK.body, initial, **surroundings))
+    assert simulate(case, "frozen", "closed-form", 0.1).outcome.status == status
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "pinocchio"])
+def test_bodies_at_rest_and_spheres_that_spin_are_not_frozen(engine: str) -> None:
+    sphere = load("projectile").scene.body
+    for scene in (Scene(sphere, State()), Scene(sphere, State(angular_velocity=(0.0, 0.0, 5.0))), BRICK):
+        for integrator in offers.offered(registry.load(engine).engine, scene):
+            assert simulate(replace(STEADY_SPIN, scene=scene), engine, integrator, 0.1).outcome.status == "ok"

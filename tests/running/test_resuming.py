@@ -2,6 +2,7 @@
 
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -14,110 +15,18 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from bodycheck import load
-from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Method
-from bodycheck.errors import BadInput
+from bodycheck.adapters.method import Method
 from bodycheck.judging import judgement
 from bodycheck.running import campaign, journal, store
 from bodycheck.running.plan import Task
-from tests.commands.test_command_line import SHORT, bodycheck
 from tests.support import MINIATURES
-from tests.support.cases import shortened
+from tests.support.campaigns import TIMINGS, header
+from tests.support.cases import STEADY_SPIN, a_case, shortened
+from tests.support.commands import bodycheck
+from tests.support.processes import calls_here
 
-HEADER = {"identity": "the same", "text": "Größe"}
-
-SPIN = shortened(load("osrf-boxes-simple"), 1.0, 11)
 ENGINES = ("exact", "drifting", "not-a-number", "raising")
-TASKS = [Task(SPIN, engine, Method.parse("closed-form", step)) for step in (0.1, 0.05) for engine in ENGINES]
-TIMINGS = ["wall_time", "time_per_step", "realtime_factor"]
-
-
-def written(path: Path, header: dict[str, Any], *records: dict[str, Any]) -> bytes:
-    with journal.begin(path, header) as opened:
-        for record in records:
-            opened.add(record)
-    return path.read_bytes()
-
-
-def test_a_journal_is_read_as_it_was_written(tmp_path: Path) -> None:
-    path = tmp_path / "new" / "folder" / "journal.jsonl"
-    written(path, HEADER, {"one": 1}, {"two": [2.0, None, "zwölf"]})
-    expected = journal.Contents({"record": "header", **HEADER}, ({"one": 1}, {"two": [2.0, None, "zwölf"]}), complete=True)
-    assert journal.read(path) == expected
-
-
-def test_a_journal_cut_anywhere_is_gone_on_with(tmp_path: Path) -> None:
-    """At every byte, those within a letter of two bytes too."""
-    path = tmp_path / "journal.jsonl"
-    records = [{"number": number, "letter": "ü"} for number in range(3)]
-    whole = written(path, HEADER, *records)
-    ends = [place + 1 for place, byte in enumerate(whole) if byte == ord("\n")]
-    for cut in range(len(whole)):
-        path.write_bytes(whole[:cut])
-        lines = sum(end <= cut for end in ends)
-        if lines:
-            contents = journal.read(path)
-            assert (list(contents.records), contents.complete) == (records[: lines - 1], False)
-        with journal.resume(path, HEADER) as resumed:
-            assert list(resumed.records) == records[: max(0, lines - 1)]
-            for record in records[len(resumed.records) :]:
-                resumed.add(record)
-        assert path.read_bytes() == whole
-
-
-@pytest.mark.parametrize("header", [HEADER, HEADER | {"identity": "another"}])
-def test_what_is_complete_or_other_work_is_begun_anew(tmp_path: Path, header: dict[str, Any]) -> None:
-    path = tmp_path / "journal.jsonl"
-    whole = written(path, HEADER, {"number": 1})
-    if header != HEADER:
-        path.write_bytes(whole[: whole.rindex(b'{"record": "footer"')])
-    with journal.resume(path, header | {"text": "new"}) as resumed:
-        assert resumed.records == ()
-    assert journal.read(path) == journal.Contents({"record": "header", **header, "text": "new"}, (), complete=True)
-
-
-def test_a_journal_whose_writer_fails_is_interrupted(tmp_path: Path) -> None:
-    path = tmp_path / "journal.jsonl"
-    with pytest.raises(TypeError), journal.begin(path, HEADER) as opened:
-        list(map(opened.add, ({"number": 1}, {"number": 2j})))
-    assert not journal.read(path).complete
-    with journal.resume(path, HEADER) as resumed:
-        assert resumed.records == ({"number": 1},)
-
-
-def test_nobody_else_writes_a_journal_that_is_being_written(tmp_path: Path) -> None:
-    path = tmp_path / "journal.jsonl"
-    with journal.begin(path, HEADER) as opened:
-        opened.add({"number": 1})
-        for other in (journal.begin, journal.resume):
-            with pytest.raises(journal.BadJournal, match="another process is writing it"):
-                other(path, HEADER)
-    assert journal.read(path).records == ({"number": 1},)
-
-
-@pytest.mark.parametrize(
-    "content",
-    [
-        b"",
-        b"half a line",
-        b'{"no": "header"}\n',
-        b"[]\n",
-        b'{"record": "header"}\nnonsense\n',
-        b'{"record": "header"}\n3\n',
-        b'{"record": "header"}\n' + b"[" * 100_000 + b"\n",
-        b"\xff\n",
-    ],
-)
-def test_what_is_no_journal_is_bad_input(tmp_path: Path, content: bytes) -> None:
-    path = tmp_path / "journal.jsonl"
-    path.write_bytes(content)
-    with pytest.raises(BadInput, match="no journal"):
-        journal.read(path)
-    with journal.resume(path, HEADER) as begun:
-        assert begun.records == ()
-    with pytest.raises(BadInput, match="no journal"):
-        journal.read(tmp_path / "absent.jsonl")
+TASKS = [Task(STEADY_SPIN, engine, Method.parse("closed-form", step)) for step in (0.1, 0.05) for engine in ENGINES]
 
 
 @dataclass
@@ -129,8 +38,7 @@ class Study:
     def run(self, tasks: list[Task] = TASKS, **options: Any) -> pd.DataFrame:
         self.done: list[str] = []
         self.already = 0
-        head = campaign.header([], {name: registry.load(name).engine.version for name in ENGINES}, {})
-        with campaign.results(tasks, self.folder, head, progress=self._advance, **options) as results:
+        with calls_here(), campaign.results(tasks, self.folder, header(*ENGINES), progress=self._advance, **options) as results:
             assert results.complete
             table = judgement.table(judgement.judge(results))
         return table.drop(columns=TIMINGS)
@@ -163,7 +71,6 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, pd.D
 @pytest.fixture
 def interrupted(whole: tuple[Path, pd.DataFrame], miniatures: Path, tmp_path: Path) -> Callable[[int], Study]:
     """A copy of that study as it was after so many records and half a further one."""
-    import shutil
 
     def interrupt(count: int) -> Study:
         study = Study(tmp_path / str(count))
@@ -200,7 +107,7 @@ def test_a_complete_study_is_done_anew(interrupted: Callable[[int], Study], whol
 @pytest.mark.parametrize("difference", ["a task less", "another order", "another case", "another limit"])
 def test_other_work_is_begun_anew(interrupted: Callable[[int], Study], difference: str) -> None:
     study = interrupted(5)
-    case = shortened(SPIN, 0.5, 6)
+    case = shortened(STEADY_SPIN, 0.5, 6)
     tasks: dict[str, list[Task]] = {
         "a task less": TASKS[1:],
         "another order": TASKS[::-1],
@@ -227,7 +134,7 @@ def test_what_has_lost_its_trajectory_is_done_again(
 
 def test_what_was_written_and_never_told_of_is_removed(interrupted: Callable[[int], Study]) -> None:
     study = interrupted(2)
-    half, untold = (study.folder / store.TRAJECTORIES / SPIN.name / name for name in ("exact.part", "exact.parquet"))
+    half, untold = (study.folder / store.TRAJECTORIES / STEADY_SPIN.name / name for name in ("exact.part", "exact.parquet"))
     half.write_bytes(b"PAR1")
     untold.write_bytes(b"PAR1")
     study.run()
@@ -237,8 +144,7 @@ def test_what_was_written_and_never_told_of_is_removed(interrupted: Callable[[in
 
 def test_what_is_made_of_results_belongs_to_the_run(miniatures: Path, tmp_path: Path) -> None:
     """Whoever was killed while the report was being written goes on with the report."""
-    head = campaign.header([], dict.fromkeys(ENGINES, "1.0"), {})
-    with pytest.raises(ZeroDivisionError), campaign.results(TASKS, tmp_path / "out", head):
+    with calls_here(), pytest.raises(ZeroDivisionError), campaign.results(TASKS, tmp_path / "out", header(*ENGINES)):
         raise ZeroDivisionError
     assert not store.read(tmp_path / "out").complete
     study = Study(tmp_path / "out")
@@ -247,9 +153,9 @@ def test_what_is_made_of_results_belongs_to_the_run(miniatures: Path, tmp_path: 
     assert store.read(tmp_path / "out").complete
 
 
-def test_the_command_goes_on_too(tmp_path: Path) -> None:
+def test_the_command_goes_on_too(calls_here: None, tmp_path: Path) -> None:
     case, out = tmp_path / "short.case.toml", tmp_path / "out"
-    case.write_text(SHORT)
+    case.write_text(a_case("short"))
     command = ("run", case, "--engine", "mujoco", "--out", out)
     assert bodycheck(*command).returncode == 0
     undisturbed = pd.read_csv(out / "results.csv")
@@ -361,5 +267,5 @@ def test_studies_that_are_killed_come_to_the_same(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_studies_that_are_killed_twenty_times_come_to_the_same(tmp_path: Path) -> None:
-    """Two minutes: `pytest -m slow tests/test_resume.py`."""
+    """Two minutes: `pytest -m slow tests/running/test_resuming.py`."""
     kill_studies(20, seed=2, tmp_path=tmp_path)

@@ -1,0 +1,106 @@
+"""Campaigns with miniature engines that fail on purpose: each failure is told of, and none harms another run."""
+
+import random
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from bodycheck import load
+from bodycheck.judging import judgement
+from bodycheck.running.plan import plan
+from bodycheck.running.store import Results
+from tests.support import campaigns
+from tests.support.campaigns import TIMINGS, adapters, run_all
+from tests.support.cases import STEADY_SPIN, shortened
+from tests.support.processes import stopped_when_last
+
+#: Bytes a call, far less than any machine has: the engine that allocates without end soon comes to it.
+MEMORY = 512 << 20
+
+#: Seconds a call, by a clock that stands still until only the call that hangs is left.
+LIMIT = 15.0
+
+STEPS = (0.1, 0.05)
+INNOCENT = ("exact", "drifting", "printing", "mujoco")
+GUILTY = {
+    "segfaulting": ("crashed", "its process died of signal SIGSEGV"),
+    "hanging": ("timeout", f"stopped after {LIMIT:g} s"),
+    "dying": ("crashed", "its process exited with code 3"),
+    "vanishing": ("crashed", "its process exited with code 0"),
+    "exiting": ("crashed", "SystemExit: the miniature engine has had enough"),
+    "allocating": ("crashed", "it ran out of its memory of 0.5 GiB: Unable to allocate 16.0 MiB"),
+    "raising": ("crashed", "RuntimeError: the miniature engine gives up"),
+    "shapeless": ("crashed", "ValueError: its states have the shape (1, 11, 1, 12), not (1, 11, 1, 13)"),
+    "not-a-number": ("diverged", "not a number at t = 0.5 s"),
+    "frozen": ("diverged", "the state never changes although the body moves"),
+}
+
+
+def table_of(results: Results) -> pd.DataFrame:
+    return judgement.table(judgement.judge(results))
+
+
+def study(engines: tuple[str, ...], folder: Path) -> pd.DataFrame:
+    """The table of a study in two processes whose tasks were shuffled, so that all share processes with all."""
+    everything = plan([STEADY_SPIN], adapters(*engines), (), STEPS)
+    tasks = [task for task in everything if task.engine in INNOCENT or task.method.timestep == STEPS[0]]
+    random.Random(1).shuffle(tasks)
+    with stopped_when_last(len(tasks) + len(STEPS)) as clock:  # a truth for each step too
+        results = campaigns.results(tasks, folder, jobs=2, limit=LIMIT, memory=MEMORY, progress=clock.advance)
+    table = table_of(results)
+    assert len(table) == len(tasks)
+    return table.sort_values(["engine", "integrator", "timestep"]).reset_index(drop=True)
+
+
+def test_engines_that_fail_take_nothing_with_them(miniatures: Path, tmp_path: Path) -> None:
+    undisturbed = study(INNOCENT, tmp_path / "innocent")
+    table = study((*INNOCENT, *GUILTY), tmp_path / "all")
+    innocent = table[table.engine.isin(INNOCENT)].reset_index(drop=True)
+    assert list(innocent.reason) == [""] * len(innocent)
+    pd.testing.assert_frame_equal(innocent.drop(columns=TIMINGS), undisturbed.drop(columns=TIMINGS), check_exact=True)
+    rows = table.set_index("engine")
+    for engine, (status, reason) in GUILTY.items():
+        row = rows.loc[engine]
+        assert (row.status, row.reason[: len(reason)]) == (status, reason)
+        assert row[list(judgement.COLUMNS[8:])].isna().all()
+
+
+FAILING = {
+    "raising": ("crashed", "RuntimeError: the miniature engine gives up"),
+    "dying": ("crashed", "its process exited with code 3"),
+    "hanging": ("timeout", "stopped after 15 s"),
+    "not-a-number": ("diverged", "not a number at t = 0.5 s"),
+    "exploding": ("diverged", "times the most possible at t = "),
+}
+
+
+def test_each_failure_has_its_own_status_and_harms_no_other_run(miniatures: Path, tmp_path: Path) -> None:
+    engines = ["exact", *FAILING, "printing", "drifting"]
+    with stopped_when_last(len(engines) + 1) as clock:  # the truth too
+        results = run_all(STEADY_SPIN, engines, tmp_path / "out", jobs=2, limit=LIMIT, progress=clock.advance)
+    assert results.complete
+    table = table_of(results).set_index("engine")
+    assert list(table.index) == engines
+    assert list(table.loc[["exact", "printing", "drifting"], "status"]) == ["ok"] * 3
+    for engine, (status, reason) in FAILING.items():
+        row = table.loc[engine]
+        assert (row.status, row.passed) == (status, False)
+        assert reason in row.reason
+        # A run that is not ok has empty errors, never numbers.
+        assert row[list(judgement.COLUMNS[8:])].isna().all()
+    assert table.attitude_error["exact"] < 1e-14
+    assert table.rotational_energy_drift["exact"] < 1e-15
+    # (1 + 1e-3)^2 - 1, for 1 s of one per mille a second.
+    assert table.rotational_energy_drift["drifting"] == pytest.approx(2.001e-3, rel=1e-9)
+    assert table.angular_momentum_drift["drifting"] == pytest.approx(1e-3, rel=1e-9)
+
+
+def test_the_number_of_processes_changes_nothing(tmp_path: Path) -> None:
+    """Nor whether there are any, which bears out the tests that make their runs in their own process."""
+    case = shortened(load("free-brick"), 1.0, 11)
+    none, one, three = (
+        table_of(run_all(case, ["mujoco"], tmp_path / str(jobs), jobs=jobs)).drop(columns=TIMINGS) for jobs in (0, 1, 3)
+    )
+    pd.testing.assert_frame_equal(one, none, check_exact=True)
+    pd.testing.assert_frame_equal(one, three, check_exact=True)

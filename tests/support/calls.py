@@ -1,0 +1,97 @@
+"""What worker processes are made to do in tests. They import this module, which therefore imports nothing that is slow."""
+
+import ctypes
+import os
+import signal
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+#: What a call keeps when it has returned.
+KEPT: list[bytearray] = []
+
+#: Set when a process in which `poisoned` was called with "poison" makes its next call.
+_next_call = threading.Event()
+_poisoned = False
+
+
+def poisoned(argument: str) -> str:
+    """Poison leaves a thread behind that ends the process while it makes the next call."""
+    global _poisoned
+    if argument == "poison":
+        _poisoned = True
+        threading.Thread(target=lambda: _next_call.wait() and os._exit(7), daemon=True).start()
+    elif _poisoned:
+        _next_call.set()
+        time.sleep(600)
+    return argument
+
+
+def keeping(size: int) -> int:
+    """Keep so many bytes for good."""
+    KEPT.append(bytearray(size))
+    return size
+
+
+def without_looking(size: int) -> None:
+    """What C code does that does not look at what malloc answers."""
+    libc = ctypes.CDLL(None)
+    libc.malloc.restype = ctypes.c_void_p
+    libc.malloc.argtypes = (ctypes.c_size_t,)
+    ctypes.memset(libc.malloc(size), 1, size)
+
+
+def aborting(name: str) -> None:
+    os.kill(os.getpid(), getattr(signal, name))
+
+
+class Treacherous:
+    """Can be sent, but not received."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return int, ("no number",)
+
+
+def misbehaving(how: str) -> Any:
+    if how == "closes its files":
+        os.closerange(3, 256)
+    if how == "closes its files and goes on":
+        os.closerange(3, 256)
+        time.sleep(600)
+    if how == "cannot be sent":
+        return lambda: None
+    if how == "cannot be received":
+        return Treacherous()
+    if how == "speaks in no encoding":
+        raise OSError(os.fsdecode(b"\xff"))
+    return how
+
+
+def holding_the_interpreter(pids: str) -> None:
+    """Hangs in C with the lock of the interpreter held, so that no other thread of the process runs."""
+    with open(pids, "a") as file:
+        file.write(f"{os.getpid()}\n")
+    ctypes.PyDLL(None).sleep(600)
+
+
+def hanging_or_not(pids: str) -> None:
+    if pids:
+        holding_the_interpreter(pids)
+
+
+def pids_in(path: str | Path, count: int, patience: float = 60.0) -> list[int]:
+    """The processes in which `holding_the_interpreter` was called, once there are so many; a busy machine has a minute."""
+    deadline = time.monotonic() + patience
+    while len(pids := Path(path).read_text().split() if Path(path).exists() else []) < count:
+        assert time.monotonic() < deadline, f"after {patience:g} s there are {len(pids)} processes of {count}"
+        time.sleep(0.01)
+    return list(map(int, pids))
+
+
+def is_running(pid: int) -> bool:
+    """Whether a process is there and has not ended."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False

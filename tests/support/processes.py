@@ -1,0 +1,66 @@
+"""Worker processes for the tests that are about processes, and none for the others."""
+
+import pickle
+import time
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from bodycheck.running import pool
+from bodycheck.running.outcome import crash
+
+
+@contextmanager
+def calls_here() -> Iterator[None]:
+    """Make the calls of `bodycheck.running.pool` in this process, which has imported and compiled what they need already.
+
+    For runs that neither die nor hang: nothing limits their time or memory. Arguments and results are pickled, as for a pipe.
+    """
+
+    def call(function: Callable[[Any], Any], argument: Any) -> Any:
+        try:
+            result = function(pickle.loads(pickle.dumps(argument)))
+        except Exception as error:  # as a worker process does
+            result = crash(error)
+        return pickle.loads(pickle.dumps(result))
+
+    def call_all(
+        function: Callable[[Any], Any], arguments: Sequence[Any], jobs: int, limit: float, memory: int = pool.MEMORY
+    ) -> Generator[tuple[Any, Any], None, None]:
+        for argument in arguments:
+            yield argument, call(function, argument)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pool, "call_all", call_all)
+        yield
+
+
+@dataclass
+class Countdown:
+    """A clock for `bodycheck.running.pool` that stands still until so many calls are done, and is then an hour ahead.
+
+    With it a call that hangs is stopped as soon as it is the last, and no other one is, however slow the machine.
+    """
+
+    left: int
+    ahead: float = 3600.0
+
+    def advance(self, done: str, count: int = 1, /) -> None:
+        """Count what is done; the progress that campaigns and studies report."""
+        self.left -= count
+
+    def monotonic(self) -> float:
+        return 0.0 if self.left > 0 else self.ahead
+
+
+@contextmanager
+def stopped_when_last(calls: int) -> Iterator[Countdown]:
+    """A clock for so many calls of which the last one hangs."""
+    clock = Countdown(calls - 1)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pool, "time", SimpleNamespace(monotonic=clock.monotonic, sleep=time.sleep))
+        yield clock
