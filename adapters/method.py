@@ -9,6 +9,9 @@ from dataclasses import dataclass, replace
 
 from bodycheck.errors import BadInput
 
+#: The time step (s) where none is given: MuJoCo's default.
+DEFAULT_TIMESTEP = 0.002
+
 #: Spellings that earlier versions of bodycheck wrote into results folders and baselines, with their present spellings.
 FORMER_SPELLINGS = {
     **{f"{name}-fluid": f"{name}:drag=fluid" for name in ("Euler", "RK4", "implicit", "implicitfast", "discrete")},

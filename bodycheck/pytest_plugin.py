@@ -193,7 +193,7 @@ class Broken(Exception):
 
 
 def _told(judged: "Judged", place: str) -> Iterator[str]:
-    from bodycheck.columns import EXPECTED
+    from bodycheck.figures.columns import EXPECTED
 
     expectation = judged.expectation
     for breach in judged.breaches:

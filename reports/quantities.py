@@ -5,9 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context
 
-from bodycheck.columns import COLUMNS
-from bodycheck.judging.discrepancy import COLUMNS as DISCREPANCIES
-from bodycheck.judging.discrepancy import FURTHER_COLUMNS
+from bodycheck.figures.columns import COLUMNS, FIGURES
 
 
 @dataclass(frozen=True)
@@ -32,20 +30,14 @@ class Quantity:
 QUANTITIES = {
     name: Quantity(name, column.title, column.unit or column.counts, f"{column.meaning[0].upper()}{column.meaning[1:]}.")
     for name, column in COLUMNS.items()
-    if name in (*DISCREPANCIES, *FURTHER_COLUMNS) and name != "truth_error"
+    if name in FIGURES and not FIGURES[name].of_truth
 }
 
 #: The columns of a case's table; the results file has the rest.
-TABLED = tuple(name for name in QUANTITIES if name != "angular_velocity_error")
+TABLED = tuple(name for name in QUANTITIES if FIGURES[name].tabled)
 
-#: What is drawn over time, where it was measured.
-PLOTTED = (
-    "attitude_error",
-    "position_error",
-    *("energy_drift", "energy_error"),
-    *("angular_momentum_drift", "angular_momentum_error"),
-    *("penetration", "tilt"),
-)
+#: What is drawn over time, where it was measured: the attitude error first, which tells most of a turning body.
+PLOTTED = tuple(sorted((name for name in QUANTITIES if FIGURES[name].plotted), key=lambda name: name != "attitude_error"))
 
 
 def number(value: float | None, digits: int = 4) -> str:

@@ -9,7 +9,7 @@ from pydantic import TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
-from bodycheck.casefile import grammar
+from bodycheck.casefile import grammar, values
 from bodycheck.casefile.case import SUFFIX
 from bodycheck.errors import BadInput
 
@@ -23,9 +23,9 @@ TEMPLATE_NAME = "my-case"
 def new(name: str, folder: Path) -> Path:
     """Write a commented case of this name into a folder and give the file's path. Raises `BadInput`."""
     try:
-        TypeAdapter(grammar.Name).validate_python(name)
+        TypeAdapter(values.Name).validate_python(name)
     except ValidationError as error:
-        most = grammar.LONGEST_NAME
+        most = values.LONGEST_NAME
         raise BadInput(f"name: read {name!r}; allowed: small letters, digits and hyphens, at most {most}") from error
     path = folder / (name + SUFFIX)
     try:

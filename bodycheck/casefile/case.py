@@ -16,10 +16,12 @@ from pydantic import ValidationError
 
 from bodycheck.adapters.method import Method, current
 from bodycheck.casefile import grammar
+from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.contradictions import contradictions
 from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
 from bodycheck.casefile.toml_positions import Path, Position, positions
 from bodycheck.errors import BadInput
+from bodycheck.figures.columns import LIMITED
 from bodycheck.reference.inertia import MassProperties, composite, particles, principal_axes, principal_moments, solid
 from bodycheck.reference.kinematics import body_rates, euler_from_quaternion, normalise, quaternion_from_euler
 from bodycheck.reference.planar import resting_height
@@ -297,7 +299,7 @@ def _case(table: grammar.CaseTable, text: str) -> Case:
         drag=table.scene.drag.quadratic if table.scene.drag else 0.0,
     )
     extremes = tuple((name, values) for name, values in table.extremes if values is not None)
-    if faults := [(("extremes", name), fault) for name, _ in extremes if (fault := _missing(name, scene))]:
+    if faults := [(("extremes", name), fault) for name, _ in extremes if (fault := AXES[name].missing(scene))]:
         raise _Unfit(*faults)
     return Case(
         name=table.name,
@@ -311,22 +313,6 @@ def _case(table: grammar.CaseTable, text: str) -> Case:
         extremes=extremes,
         text=text,
     )
-
-
-def _missing(axis: str, scene: Scene) -> str | None:
-    """What an axis of the extremes needs of a scene and does not find, in words."""
-    initial, moments = scene.initial, scene.body.moments
-    if axis in ("spin", "separatrix") and not any(initial.angular_velocity):
-        return "the body has no angular velocity that could be scaled"
-    if axis == "speed" and not any(initial.velocity):
-        return "the body has no velocity that could be scaled"
-    if axis == "friction" and scene.plane is None:
-        return "the scene has no plane"
-    if axis in ("moment_ratio", "separatrix") and scene.plane is not None:
-        return "a body that lies on a plane"
-    if axis == "separatrix" and len(set(moments)) < 3:
-        return f"the body has no axis of a middle moment: {moments}"
-    return None
 
 
 def _body(table: grammar.AnyBody) -> Body:
@@ -403,7 +389,7 @@ def _wide(values: Sequence[float]) -> Iterator[NDArray[np.longdouble]]:
 
 
 def _expectation(table: grammar.ExpectTable) -> Expectation:
-    limits = tuple(_limit(name, limit) for name in grammar.LIMITS if (limit := getattr(table, name)) is not None)
+    limits = tuple(_limit(name, limit) for name in LIMITED if (limit := getattr(table, name)) is not None)
     until = date.fromisoformat(table.until) if table.until is not None else None
     status = table.status or OK
     method = Method.parse(table.integrator, table.timestep)

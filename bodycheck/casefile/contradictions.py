@@ -6,8 +6,11 @@ from typing import Any, get_args
 
 import numpy as np
 
-from bodycheck.casefile.grammar import LARGEST, LIMITS, MOST_POINTS, MOST_STEPS, Status, shape_of, with_shape
+from bodycheck.casefile.axes import AXES
+from bodycheck.casefile.grammar import Status, shape_of, with_shape
 from bodycheck.casefile.toml_positions import Path
+from bodycheck.casefile.values import LARGEST, MOST_POINTS, MOST_STEPS
+from bodycheck.figures.columns import LIMITED
 from bodycheck.reference.inertia import satisfies_triangle_inequality
 
 PART_SIZES = {
@@ -40,10 +43,10 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
 
 
 def _expect_contradictions(expectation: dict[str, Any], duration: float) -> Iterator[tuple[Path, str]]:
-    limits = [name for name in LIMITS if name in expectation]
+    limits = [name for name in LIMITED if name in expectation]
     status = expectation.get("status", "ok")
     if not limits and "status" not in expectation:
-        yield (), f"expects nothing; give at least one of status, {', '.join(LIMITS)}"
+        yield (), f"expects nothing; give at least one of status, {', '.join(LIMITED)}"
     if limits and status in get_args(Status) and status != "ok":
         yield (limits[0],), f"a run that is {status} has no figures; give status alone"
     for name in limits:
@@ -68,14 +71,12 @@ def _extremes_contradictions(extremes: dict[str, Any], duration: float) -> Itera
     points = sum(lengths.values())
     if points > MOST_POINTS:
         yield ("extremes",), f"makes {points} points; at most {MOST_POINTS} are allowed"
-    for name, allowed, least, most in (
-        ("timestep", "a step must divide the duration into 1 to {:.0e} steps", duration / MOST_STEPS, duration),
-        ("steps", "from 1 to {:.0e} are allowed", 1.0, MOST_STEPS),
-    ):
+    for name, axis in AXES.items():
         values = extremes.get(name)
         for index, value in enumerate(values if isinstance(values, list) else []):
-            if (number := _number(value)) > 0 and duration > 0 and not least <= number <= most:
-                yield ("extremes", name, index), allowed.format(MOST_STEPS)
+            number = _number(value)
+            if number > 0 and duration > 0 and (rule := axis.refused(number, duration)) is not None:
+                yield ("extremes", name, index), rule
 
 
 def _body_contradictions(body: dict[str, Any]) -> Iterator[tuple[Path, str]]:

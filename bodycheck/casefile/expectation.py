@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from datetime import date
 
 from bodycheck.adapters.method import Method
-from bodycheck.columns import UNITS
+from bodycheck.figures import columns
 
-#: Of the attitude error in the time step: expected like a figure of the results, from a step, its half and its quarter.
-ORDER = "order"
+#: Name of the limit on the observed order of convergence.
+ORDER = columns.ORDER.name
 
 #: The status of a run that came to its end, which is expected where no other is.
 OK = "ok"
@@ -16,7 +16,7 @@ OK = "ok"
 
 def unit(name: str) -> str:
     """The unit of a column as it follows a number."""
-    return f" {UNITS[name]}" if name in UNITS else ""
+    return f" {columns.UNITS[name]}" if name in columns.UNITS else ""
 
 
 @dataclass(frozen=True)

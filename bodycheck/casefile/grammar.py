@@ -5,60 +5,30 @@ with the faults of single keys.
 """
 
 from datetime import date
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, create_model
 
-from bodycheck.adapters.method import Method
+from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.errors import BadInput
+from bodycheck.casefile.values import (
+    MOST_EXPECTATIONS,
+    MOST_PARTS,
+    MOST_SAMPLES,
+    MOST_TAGS,
+    Label,
+    Name,
+    NonNegative,
+    Number,
+    Positive,
+    PositiveVector,
+    Spelling,
+    Text,
+    Vector,
+)
+from bodycheck.figures.columns import LIMITED
 
 FORMAT = 1
-MOST_SAMPLES = 100_001
-MOST_STEPS = 1e9
-MOST_PARTS = 1000
-LONGEST_NAME = 100
-LONGEST_TEXT = 1000
-MOST_TAGS = 50
-MOST_EXPECTATIONS = 1000
-MOST_VALUES = 50
-MOST_POINTS = 500
-#: No number of a case may exceed this in size, nor, other than zero, fall below its inverse: squares and products exist.
-LARGEST = 1e100
-
-
-def _not_vanishing(value: float) -> float:
-    if 0 < abs(value) < 1 / LARGEST:
-        raise ValueError(f"should be 0, or at least {1 / LARGEST:g} in size")
-    return value
-
-
-def _printable(value: str) -> str:
-    if not value.isprintable():
-        raise ValueError("should be printable, on one line")
-    return value
-
-
-def _spelling(value: str) -> str:
-    try:
-        Method.parse(value, 0.0)
-    except BadInput as error:
-        raise ValueError(str(error)) from error
-    return value
-
-
-Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-Number = Annotated[Finite, Field(ge=-LARGEST, le=LARGEST), AfterValidator(_not_vanishing)]
-Positive = Annotated[Finite, Field(gt=0, le=LARGEST), AfterValidator(_not_vanishing)]
-NonNegative = Annotated[Finite, Field(ge=0, le=LARGEST), AfterValidator(_not_vanishing)]
-Ratio = Annotated[Finite, Field(ge=1e-20, le=1)]
-Factor = Annotated[Finite, Field(ge=1e-10, le=1e10)]
-Text = Annotated[str, Field(strict=True, max_length=LONGEST_TEXT), AfterValidator(_printable)]
-Name = Annotated[str, Field(strict=True, pattern=r"^[a-z0-9-]+$", max_length=LONGEST_NAME)]
-Label = Annotated[str, Field(strict=True, min_length=1, max_length=LONGEST_NAME), AfterValidator(_printable)]
-Spelling = Annotated[Label, AfterValidator(_spelling)]
-Vector = tuple[Number, Number, Number]
-PositiveVector = tuple[Positive, Positive, Positive]
 
 
 def _kind_of_inertia(value: Any) -> str:
@@ -244,73 +214,43 @@ AnyLimit = Annotated[Annotated[NonNegative, Tag("limit")] | Annotated[RangeTable
 Status = Literal["ok", "unsupported", "diverged", "crashed", "timeout"]
 
 
-def limit(description: str) -> Any:
-    """The field of a figure that may be limited."""
-    return Field(default=None, description=description)
+def optional(kind: Any, description: str) -> Any:
+    """Return the definition of a key that may be absent, as `pydantic.create_model` wants it."""
+    return kind | None, Field(default=None, description=description)
 
 
-class ExpectTable(Table):
-    """What must hold of one method: a figure's largest value over all samples is at most a number, or within a range."""
+class MethodTable(Table):
+    """The method of which something is expected, and how its run must end."""
 
     engine: Label = Field(description="its name, as `bodycheck engines` lists it")
     integrator: Spelling = Field(description="by the engine's own name; options behind a colon, as in Euler:cone=elliptic")
     timestep: Positive = Field(description="s")
-    status: Status | None = limit("how the run must end; default ok")
-    position_error: AnyLimit | None = limit("m")
-    velocity_error: AnyLimit | None = limit("m/s")
-    attitude_error: AnyLimit | None = limit("rad")
-    angular_velocity_error: AnyLimit | None = limit("rad/s")
-    energy_drift: AnyLimit | None = limit("relative")
-    rotational_energy_drift: AnyLimit | None = limit("relative")
-    angular_momentum_drift: AnyLimit | None = limit("relative")
-    energy_error: AnyLimit | None = limit("relative, with friction or drag")
-    rotational_energy_error: AnyLimit | None = limit("relative, with friction or drag")
-    angular_momentum_error: AnyLimit | None = limit("relative, with friction or drag")
-    stop_time_error: AnyLimit | None = limit("s, of a body that slides to rest")
-    stop_position_error: AnyLimit | None = limit("m")
-    stop_yaw_error: AnyLimit | None = limit("rad")
-    creep: AnyLimit | None = limit("m/s, after the stop")
-    penetration: AnyLimit | None = limit("m, into the plane")
-    tilt: AnyLimit | None = limit("rad, of K from the vertical")
-    order: AnyLimit | None = limit("of the attitude error, from this step, its half and its quarter; a number within a quarter")
+    status: Status | None = Field(default=None, description="how the run must end; default ok")
+
+
+if TYPE_CHECKING:  # type checkers cannot see the keys of a table that is made while the program runs
+    LimitsTable = MethodTable
+    AxesTable = Table
+else:
+    LimitsTable = create_model(
+        "LimitsTable",
+        __base__=MethodTable,
+        **{name: optional(AnyLimit, column.description) for name, column in LIMITED.items()},
+    )
+    AxesTable = create_model(
+        "AxesTable", __base__=Table, **{name: optional(axis.values, axis.description) for name, axis in AXES.items()}
+    )
+
+
+class ExpectTable(LimitsTable):
+    """What must hold of one method: a figure's largest value over all samples is at most a number, or within a range."""
+
     known: Label | None = Field(default=None, description="where a discrepancy is discussed that breaks this")
     until: Annotated[Text, AfterValidator(_is_date)] | None = Field(default=None, description="last day on which it may")
 
 
-LIMITS = tuple(
-    name for name in ExpectTable.model_fields if name not in ("engine", "integrator", "timestep", "status", "known", "until")
-)
-
-
-def _distinct(values: tuple[float, ...]) -> tuple[float, ...]:
-    if not values:
-        raise ValueError("has no values")
-    if len(set(values)) < len(values):
-        raise ValueError("has a value twice")
-    return values
-
-
-Several, Distinct = Field(max_length=MOST_VALUES), AfterValidator(_distinct)
-Values = Annotated[tuple[Positive, ...], Several, Distinct]
-NonNegativeValues = Annotated[tuple[NonNegative, ...], Several, Distinct]
-Ratios = Annotated[tuple[Ratio, ...], Several, Distinct]
-Factors = Annotated[tuple[Factor, ...], Several, Distinct]
-
-
-class ExtremesTable(Table):
+class ExtremesTable(AxesTable):
     """How far the case may be pushed: axes, each with the values at which it is tried."""
-
-    spin: Values | None = Field(default=None, description="size of the initial angular velocity, rad/s")
-    timestep: Values | None = Field(default=None, description="s; with spin, every spin is tried with every step")
-    steps: Values | None = Field(default=None, description="how many steps of 2 ms the run takes")
-    moment_ratio: Ratios | None = Field(default=None, description="C / (A + B), stretched along K: 1 a disc, 0 a needle")
-    mass: Values | None = Field(default=None, description="kg, the moments in proportion")
-    size: Factors | None = Field(default=None, description="factor of all lengths of the body at its density")
-    distance: Values | None = Field(default=None, description="how far the start is moved from the origin, along x, m")
-    gravity: NonNegativeValues | None = Field(default=None, description="m/s^2")
-    friction: NonNegativeValues | None = Field(default=None, description="Coulomb's coefficient of the plane")
-    speed: Values | None = Field(default=None, description="size of the initial velocity, m/s")
-    separatrix: Ratios | None = Field(default=None, description="wobble of a spin about the middle axis, relative to it")
 
 
 class CaseTable(Table):
@@ -342,7 +282,7 @@ TABLES: dict[Path, type[Table]] = {
     ("run",): RunTable,
     ("extremes",): ExtremesTable,
     ("expect",): ExpectTable,
-    **{("expect", name): RangeTable for name in LIMITS},
+    **{("expect", name): RangeTable for name in LIMITED},
 }
 
 

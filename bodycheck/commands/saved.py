@@ -13,7 +13,7 @@ from typing import Any, get_args
 
 from bodycheck.adapters.method import current
 from bodycheck.casefile.case import CaseFaults
-from bodycheck.columns import COLUMNS
+from bodycheck.figures.columns import COLUMNS
 from bodycheck.reports.runs.results_json import HEADER
 from bodycheck.reports.study import StudyReport
 from bodycheck.running import journal, store

@@ -11,7 +11,8 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
-from bodycheck.judging.discrepancy import drifts
+from bodycheck.figures.conservation import angular_momentum, rotational_energy, total_energy
+from bodycheck.figures.definition import Comparison
 from bodycheck.judging.expectation_writer import Change
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.certificate import Certificate
@@ -153,7 +154,10 @@ def print_certificate(certificate: Certificate) -> None:
     print_table(("ways", *(f"until {t[i]:g} s" for i in chosen)), rows)
     if certificate.growth is not None:
         print(f"an error made on the way grows up to {certificate.growth.max():.2g}-fold")
-    energy, rotational, momentum = (f"{values.max():.1e}" for values in drifts(truth.trajectory, truth))
+    compared = Comparison(truth, truth.trajectory)
+    energy, rotational, momentum = (
+        f"{compute(compared).max():.1e}" for compute in (total_energy, rotational_energy, angular_momentum)
+    )
     print(f"drifts of the truth itself, relative: energy {energy}, rotational energy {rotational}, angular momentum {momentum}")
 
 

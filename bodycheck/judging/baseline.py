@@ -18,8 +18,9 @@ from bodycheck.adapters.method import Method, current
 from bodycheck.casefile.expectation import unit
 from bodycheck.casefile.identity import identity
 from bodycheck.errors import BadInput
+from bodycheck.figures.columns import FIGURES as ALL_FIGURES
+from bodycheck.figures.columns import distance_from_ideal
 from bodycheck.judging import judgement, rounding
-from bodycheck.judging.discrepancy import COLUMNS, FURTHER_COLUMNS, distance_from_ideal
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.truth import Truth
 from bodycheck.running import campaign, pool
@@ -42,7 +43,7 @@ ALLOWANCE = "_allowance"
 #: Of the runs that were made of a row (s).
 FASTEST, SLOWEST = "time_per_step_low", "time_per_step_high"
 
-FIGURES = tuple(name for name in (*COLUMNS, *FURTHER_COLUMNS) if name != "truth_error")
+FIGURES = tuple(name for name, figure in ALL_FIGURES.items() if not figure.of_truth)
 
 NEARLY_SAME = 1.01
 

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from bodycheck.adapters.contract import Strides
-from bodycheck.judging.discrepancy import sizes
+from bodycheck.figures.conservation import angular_momentum_size, energy_size
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.observables import observe
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -147,7 +147,8 @@ def _keys(t: Array, longest: float) -> Strides:
 
 def measured(truth: Truth, trajectory: Trajectory) -> dict[str, Array]:
     """The values (n, k) of each of `UNITS`."""
-    energy, _, momentum = sizes(truth.scene, observe(truth.scene, truth.trajectory))
+    reference = observe(truth.scene, truth.trajectory)
+    energy, momentum = energy_size(reference), angular_momentum_size(truth.scene, reference)
     seen = observe(truth.scene, trajectory)
     return {
         "attitude": normalise(trajectory.quaternion),

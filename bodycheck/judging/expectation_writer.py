@@ -12,25 +12,21 @@ from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
 from pathlib import Path
 
-import numpy as np
 import tomlkit
 from tomlkit.items import Float, Integer
 
 from bodycheck.adapters.contract import Adapter
+from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case, parse, shipped
-from bodycheck.casefile.grammar import LIMITS
 from bodycheck.casefile.toml_positions import entries, positions
-from bodycheck.columns import UNITS
 from bodycheck.errors import BadInput
-from bodycheck.judging.discrepancy import CONSERVED, sizes
-from bodycheck.judging.judgement import Verdict, truth_bounds
-from bodycheck.reference.observables import observe
-from bodycheck.reference.trajectory import Array
+from bodycheck.figures.columns import FIGURES, LIMITED, truth_bounds
+from bodycheck.figures.scales import in_scene
+from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.truth import Truth
 from bodycheck.running import plan as planned
 from bodycheck.running.outcome import Crashed, TimedOut, Unsupported
 from bodycheck.running.plan import Task
-from bodycheck.running.simulation import DEFAULT_TIMESTEP
 from bodycheck.running.store import Results
 
 #: A figure below this part of what it is the difference of is nothing but rounding, as one below the truth's own bound is.
@@ -70,29 +66,15 @@ def measure(verdict: Verdict, truth: Truth | Unsupported) -> Measurement:
     if verdict.discrepancy is None or isinstance(truth, Unsupported):
         return Measurement(verdict, {}, {})
     maxima = verdict.discrepancy.maxima()
-    figures = {name: maxima[name] for name in LIMITS if name in maxima}
+    figures = {name: maxima[name] for name in LIMITED if name in maxima}
     return Measurement(verdict, figures, floors(truth, figures))
 
 
 def floors(truth: Truth, names: Iterable[str]) -> dict[str, float]:
     """What rounding may come to in figures, in their units."""
-    scene, trajectory = truth.scene, truth.trajectory
-    duration = float(trajectory.t[-1])
-    length = max(_largest(trajectory.position), float(np.sqrt(max(scene.body.moments) / scene.body.mass)))
-    spin = max(_largest(trajectory.angular_velocity), 1 / duration)
-    scales = {"m": length, "rad": spin * duration, "rad/s": spin, "s": duration}
-    scales["m/s"] = max(_largest(trajectory.velocity), length / duration)
-    seen = observe(scene, trajectory)
-    energy = float((seen.kinetic_energy + np.abs(seen.potential_energy)).max())
-    largest = energy, float(seen.rotational_energy.max()), _largest(seen.angular_momentum)
-    for conserved, most, size in zip(CONSERVED, largest, sizes(scene, seen), strict=True):
-        scales |= {f"{conserved}_{kind}": max(most / size, 1.0) for kind in ("drift", "error")}
+    scales = in_scene(truth)
     bounds = {name: float(bound.max()) for name, bound in truth_bounds(truth).items()}
-    return {name: max(ROUNDING * scales[UNITS.get(name, name)], bounds.get(name, 0.0)) for name in names}
-
-
-def _largest(vectors: Array) -> float:
-    return float(np.linalg.norm(vectors, axis=1).max())
+    return {name: max(ROUNDING * FIGURES[name].scale(scales), bounds.get(name, 0.0)) for name in names}
 
 
 def check_margin(margin: float) -> None:

@@ -13,18 +13,17 @@ import pandas as pd
 
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
+from bodycheck.figures.columns import ALWAYS_TABLED, FURTHER, truth_bounds
 from bodycheck.judging.convergence import attitude_order
-from bodycheck.judging.discrepancy import COLUMNS as DISCREPANCIES
-from bodycheck.judging.discrepancy import FURTHER_COLUMNS, Discrepancy, compare
-from bodycheck.reference.trajectory import Array
+from bodycheck.judging.discrepancy import Discrepancy, compare
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Outcome, Run, Unsupported
 from bodycheck.running.store import Results
 
-#: Of every table of results. Those of `FURTHER_COLUMNS` that any run has follow.
+#: Of every table of results. Those of `FURTHER` that any run has follow.
 COLUMNS = (
     *("case", "engine", "version", "integrator", "timestep", "status", "passed", "reason"),
-    *DISCREPANCIES,
+    *ALWAYS_TABLED,
     *("steps", "wall_time", "time_per_step", "realtime_factor"),
 )
 
@@ -133,7 +132,7 @@ def verdict(case: Case, truth: Truth | Unsupported, run: Run, finer: Sequence[Ru
 def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     """The rows of results with all of `COLUMNS`, in their order; None where a run has no figure."""
     rows = [verdict.row() for verdict in verdicts]
-    more = [name for name in FURTHER_COLUMNS if any(name in row for row in rows)]
+    more = [name for name in FURTHER if any(name in row for row in rows)]
     labels = (LABEL,) if any(LABEL in row for row in rows) else ()
     return [dict.fromkeys((*labels, *COLUMNS, *more)) | row for row in rows]
 
@@ -152,11 +151,6 @@ def write(verdicts: Iterable[Verdict], folder: Path) -> None:
     frame = table(verdicts)
     frame.to_csv(folder / "results.csv", index=False)
     frame.to_parquet(folder / "results.parquet", index=False)
-
-
-def truth_bounds(truth: Truth) -> dict[str, Array]:
-    """The bounds (n,) of the truth's own errors, by the column of the figure that is held against it."""
-    return {"attitude_error": truth.error, "position_error": truth.position_error}
 
 
 def broken(

@@ -16,11 +16,10 @@ from dataclasses import replace
 import numpy as np
 
 from bodycheck.casefile.case import Case
-from bodycheck.columns import UNITS
-from bodycheck.judging.discrepancy import compare, sizes
-from bodycheck.judging.judgement import truth_bounds
+from bodycheck.figures.columns import FIGURES, truth_bounds
+from bodycheck.figures.scales import in_run, largest
+from bodycheck.judging.discrepancy import compare
 from bodycheck.reference.kinematics import multiply, normalise
-from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import State, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
@@ -55,10 +54,10 @@ def nudged(case: Case, run: Run, seed: int) -> Case:
     turn = multiply(np.concatenate([[1.0], step(about, 0.5)]), np.array(initial.quaternion))
     w, x, y, z = normalise(turn).tolist()
     state = State(
-        _vector(np.array(initial.position) + step(within, _largest(trajectory.position))),
+        _vector(np.array(initial.position) + step(within, largest(trajectory.position))),
         (w, x, y, z),
-        _vector(np.array(initial.velocity) + step(within, _largest(trajectory.velocity))),
-        _vector(np.array(initial.angular_velocity) + step(about, _largest(trajectory.angular_velocity))),
+        _vector(np.array(initial.velocity) + step(within, largest(trajectory.velocity))),
+        _vector(np.array(initial.angular_velocity) + step(about, largest(trajectory.angular_velocity))),
     )
     return replace(case, scene=replace(case.scene, initial=state), expectations=())
 
@@ -82,33 +81,12 @@ def unamplified(truth: Truth, run: Run, names: Iterable[str]) -> dict[str, float
     assert isinstance(run.outcome, Completed)
     trajectory = run.outcome.trajectory
     all_one_way = run.outcome.steps * _unit_of_rounding(trajectory)
-    bounds, numbers = truth_bounds(truth), _sizes(truth, trajectory)
+    bounds, scales = truth_bounds(truth), in_run(truth, trajectory)
     found = {}
     for name in names:
         bound = float(bounds[name].max()) if name in bounds else 0.0
-        found[name] = MARGIN * all_one_way * numbers.get(name, numbers[UNITS.get(name, "")]) + bound
+        found[name] = MARGIN * all_one_way * FIGURES[name].scale(scales) + bound
     return found
-
-
-def _sizes(truth: Truth, trajectory: Trajectory) -> dict[str, float]:
-    """Of the numbers that figures are differences of, by the figures' names where they are known, else by their units."""
-    seen, scene = observe(truth.scene, trajectory), truth.scene
-    energy, rotational_energy, momentum = sizes(scene, observe(scene, truth.trajectory))
-    relative = {
-        "energy": float((seen.kinetic_energy + abs(seen.potential_energy)).max()) / energy,
-        "rotational_energy": float(seen.rotational_energy.max()) / rotational_energy,
-        "angular_momentum": _largest(seen.angular_momentum) / momentum,
-    }
-    duration, rate = float(trajectory.t[-1]), _largest(trajectory.angular_velocity)
-    return {
-        **{f"{name}_{suffix}": size for name, size in relative.items() for suffix in ("drift", "error")},
-        "m": _largest(trajectory.position),
-        "m/s": _largest(trajectory.velocity),
-        "rad": max(1.0, rate * duration),
-        "rad/s": rate,
-        "s": duration,
-        "": 1.0,
-    }
 
 
 def _unit_of_rounding(trajectory: Trajectory) -> float:
@@ -117,10 +95,6 @@ def _unit_of_rounding(trajectory: Trajectory) -> float:
     with np.errstate(over="ignore"):
         single = np.array_equal(states.astype(np.float32), states)
     return 2.0**-24 if single else 2.0**-53
-
-
-def _largest(vectors: Array) -> float:
-    return float(np.linalg.norm(vectors, axis=1).max())
 
 
 def _vector(values: Array) -> Vector:

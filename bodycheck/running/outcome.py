@@ -4,19 +4,11 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Literal
 
 from bodycheck.adapters.contract import Method
+from bodycheck.figures.definition import Load
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.running.key import RunKey
 from bodycheck.running.limits import shortage
-
-
-@dataclass(frozen=True)
-class Load:
-    """What the plane bore while a body slid: mean and peak in weights of the body, and the part of the steps with any."""
-
-    mean_load: float
-    peak_load: float
-    time_in_contact: float
 
 
 @dataclass(frozen=True, eq=False)

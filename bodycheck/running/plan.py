@@ -6,12 +6,12 @@ from itertools import product
 
 from bodycheck.adapters import offers
 from bodycheck.adapters.contract import Adapter, Engine, Method
+from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.expectation import REFINEMENTS
-from bodycheck.casefile.grammar import MOST_STEPS
+from bodycheck.casefile.values import MOST_STEPS
 from bodycheck.errors import BadInput
 from bodycheck.running.key import RunKey
-from bodycheck.running.simulation import DEFAULT_TIMESTEP
 from bodycheck.suggestion import did_you_mean
 
 

@@ -18,17 +18,16 @@ from bodycheck.adapters.contract import (
     Simulation,
     Strides,
 )
+from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case
+from bodycheck.figures.definition import Load
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.inertia import angular_momentum
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import missing_model
-from bodycheck.running.outcome import Completed, Diverged, Load, Outcome, Run, Unsupported, crash
-
-#: MuJoCo's default (s).
-DEFAULT_TIMESTEP = 0.002
+from bodycheck.running.outcome import Completed, Diverged, Outcome, Run, Unsupported, crash
 
 #: Steps over which the load of a contact is watched at most: it takes some ten times as long as stepping alone.
 WATCHED_STEPS = 20_000

@@ -19,13 +19,14 @@ import pyarrow.parquet as pq
 
 from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.errors import BadInput
+from bodycheck.figures.definition import Load
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.running import journal
 from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed, Crashed, Diverged, Load, Run, TimedOut, Unsupported
+from bodycheck.running.outcome import Completed, Crashed, Diverged, Run, TimedOut, Unsupported
 
 FORMAT = 1
 RECORDS = "run.jsonl"

@@ -13,7 +13,7 @@ from statistics import median
 from typing import Any
 
 from bodycheck.casefile.identity import differences
-from bodycheck.judging.discrepancy import distance_from_ideal
+from bodycheck.figures.columns import distance_from_ideal
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.judging.rounding import unamplified

@@ -8,10 +8,9 @@ import math
 from collections.abc import Sequence
 from typing import Any, get_args
 
-from bodycheck.columns import COLUMNS, Column
+from bodycheck.figures.columns import COLUMNS, FIGURES, FURTHER
+from bodycheck.figures.definition import Column
 from bodycheck.judging import judgement
-from bodycheck.judging.discrepancy import COLUMNS as DISCREPANCIES
-from bodycheck.judging.discrepancy import FURTHER_COLUMNS
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.runs.contents import Contents
 from bodycheck.running.outcome import Completed, Outcome
@@ -30,7 +29,7 @@ HEADER = {
 }
 
 #: Figures that every run that is ok has.
-ALWAYS = tuple(name for name in DISCREPANCIES if not name.endswith("_drift"))
+ALWAYS = tuple(name for name, figure in FIGURES.items() if figure.presence == "every run")
 
 Schema = dict[str, Any]
 
@@ -114,7 +113,7 @@ def schema() -> str:
 
 def _run() -> Schema:
     """A row of results: a run that is ok has its errors, one that is not has no figures."""
-    figures = (*judgement.COLUMNS[judgement.COLUMNS.index("reason") + 1 :], *FURTHER_COLUMNS)
+    figures = (*judgement.COLUMNS[judgement.COLUMNS.index("reason") + 1 :], *FURTHER)
     properties = {name: _column(column) for name, column in COLUMNS.items()}
     run = _object(properties, "One engine with one method on one case.") | {"required": list(judgement.COLUMNS)}
     measured = {name: {"type": "number"} for name in (*ALWAYS, "steps", "wall_time")}
@@ -129,7 +128,7 @@ def _column(column: Column) -> Schema:
     """A column; what a run does not have is null."""
     told = f"{column.told[0].upper()}{column.told[1:]}."
     if column.kind in ("number", "integer"):
-        told = f"{told} Unit: {column.unit or column.counts or 'relative'}."
+        told = f"{told} Unit: {column.in_unit}."
     made: Schema = {"description": told}
     if column.name == "status":
         return made | {"enum": [kind.status for kind in get_args(Outcome)]}

@@ -15,9 +15,10 @@ from jsonschema import Draft202012Validator
 from bodycheck import Case, CaseFaults, load, simulate, truth
 from bodycheck.casefile.authoring import SCHEMA_FILE, new, schema, template
 from bodycheck.casefile.case import SUFFIX, parse, shipped
-from bodycheck.casefile.grammar import LARGEST, LIMITS
+from bodycheck.casefile.values import LARGEST
 from bodycheck.commands.command_line import app
 from bodycheck.errors import BadInput
+from bodycheck.figures.columns import LIMITED
 from bodycheck.judging import judgement
 from bodycheck.judging.expectation_writer import Measurement, floors, measure, rewrite
 from bodycheck.suggestion import did_you_mean
@@ -147,7 +148,7 @@ def test_shipped_cases_fit_the_schema_and_tell_editors_of_it(name: str, validato
 
 
 LIMIT = re.compile(
-    rf"(?:{'|'.join(LIMITS)}) = (?P<limit>\S+) +# (?P<margin>\S+) x (?P<measured>[\d.e-]+)[ ,].*measured with \w+ [\d.]+"
+    rf"(?:{'|'.join(LIMITED)}) = (?P<limit>\S+) +# (?P<margin>\S+) x (?P<measured>[\d.e-]+)[ ,].*measured with \w+ [\d.]+"
 )
 
 
@@ -155,7 +156,7 @@ LIMIT = re.compile(
 def test_limits_of_shipped_cases_say_what_they_were_set_from(name: str) -> None:
     """None is looser than three times what was measured."""
     lines = (CASES / (name + SUFFIX)).read_text("utf-8").partition("[[expect]]")[2].splitlines()
-    limited = [line for line in lines if line.startswith(tuple(set(LIMITS) - {"order"})) and "{" not in line]
+    limited = [line for line in lines if line.startswith(tuple(set(LIMITED) - {"order"})) and "{" not in line]
     assert limited
     for line in limited:
         found = LIMIT.match(line)

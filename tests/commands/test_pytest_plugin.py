@@ -12,8 +12,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from bodycheck import columns
-from bodycheck.casefile.grammar import LIMITS
+from bodycheck.figures import columns
 from bodycheck.running import pool
 from bodycheck.running.outcome import Crashed, TimedOut
 
@@ -101,7 +100,7 @@ def test_an_item_a_method_and_every_expectation_of_it_counts(repository: pytest.
 
 
 def test_whatever_may_be_expected_has_a_meaning() -> None:
-    assert {"status", *LIMITS} <= columns.EXPECTED.keys()
+    assert {"status", *columns.LIMITED} <= columns.EXPECTED.keys()
 
 
 def test_an_order_is_seen_from_finer_runs(repository: pytest.Pytester) -> None:

@@ -11,13 +11,15 @@ import pytest
 from bodycheck import CaseFaults, compare, load, simulate, truth
 from bodycheck.adapters import registry
 from bodycheck.casefile.case import parse
+from bodycheck.figures import contact
+from bodycheck.figures.definition import Comparison
 from bodycheck.judging import judgement
 from bodycheck.judging.attribution import Attribution, attribute
-from bodycheck.judging.discrepancy import stop_figures
 from bodycheck.reference.contact_observables import penetration, tilt
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Body, Brick, Scene, State
 from bodycheck.reference.trajectory import Trajectory
+from bodycheck.reference.truth import Truth
 from bodycheck.running import campaign, store
 from bodycheck.running.plan import plan
 from tests.support.cases import shortened
@@ -42,6 +44,14 @@ def slowed(rate: float, end: float) -> tuple[np.ndarray, np.ndarray]:
     """Way and speed of something that slows evenly to a stop."""
     now = np.minimum(T, end)
     return rate * (now - now**2 / (2 * end)), np.maximum(rate * (1 - T / end), 0.0)
+
+
+def stop_figures(scene: Scene, expected: Stop, trajectory: Trajectory) -> dict[str, float]:
+    """The figures of the stop of a trajectory, by name, where the truth is the same motion with this stop."""
+    zero = np.zeros(len(trajectory))
+    compared = Comparison(Truth(scene, trajectory, zero, zero, "made up", "made up", "none", stop=expected), trajectory)
+    values = {figure.name: figure.compute(compared) for figure in contact.STOP}
+    return {name: value for name, value in values.items() if isinstance(value, float)}
 
 
 def test_a_stop_between_samples_is_found_where_it_is() -> None:

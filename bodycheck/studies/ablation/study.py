@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from bodycheck.adapters.contract import Adapter, Method, Model, Models
+from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import offered
 from bodycheck.casefile.case import Case
 from bodycheck.errors import BadInput
@@ -21,7 +22,6 @@ from bodycheck.running import campaign, pool
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed
 from bodycheck.running.plan import Task, check
-from bodycheck.running.simulation import DEFAULT_TIMESTEP
 from bodycheck.running.store import Results
 from bodycheck.studies import cost
 from bodycheck.studies.ablation.rows import Change, ModelRow

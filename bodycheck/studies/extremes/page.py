@@ -4,27 +4,13 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from bodycheck.casefile.axes import AXES
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import count, listing, milliseconds, number
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.studies.extremes.outcome_map import outcome_map
 from bodycheck.studies.extremes.rows import HEALTHY, STATUSES, Limit, Row
-
-#: Axes as the report calls them, and their units.
-AXES = {
-    "spin": ("Spin", "rad/s"),
-    "timestep": ("Time step", "s"),
-    "steps": ("Steps", ""),
-    "moment_ratio": ("C / (A + B)", ""),
-    "mass": ("Mass", "kg"),
-    "size": ("Size, times that of the case", ""),
-    "distance": ("Distance from the origin", "m"),
-    "gravity": ("Gravity", "m/s²"),
-    "friction": ("Friction", ""),
-    "speed": ("Speed", "m/s"),
-    "separatrix": ("Wobble, relative to the spin", ""),
-}
 
 #: Values that are listed one by one.
 MOST_VALUES = 4
@@ -247,17 +233,23 @@ def _method(row: Row | Limit) -> str:
 
 
 def _axis(axis: str) -> str:
-    return AXES[axis][0].lower() if axis != "moment_ratio" else AXES[axis][0]
+    """Return the title of an axis inside a sentence; a title that begins with a symbol keeps its capitals."""
+    title = AXES[axis].title
+    return title.lower() if title[:2].isalpha() else title
+
+
+def _unit(axis: str) -> str:
+    return AXES[axis].unit.replace("^2", "²")
 
 
 def _value(row: Row) -> str:
-    return f"{_figure(row.value)} {AXES[row.axis][1]}".rstrip()
+    return f"{_figure(row.value)} {_unit(row.axis)}".rstrip()
 
 
 def _values(rows: Sequence[Row]) -> str:
     """The values of some runs, and their time steps where these are several."""
     values = sorted({row.value for row in rows})
-    unit = AXES[rows[0].axis][1]
+    unit = _unit(rows[0].axis)
     told = listing([_figure(value) for value in values]) if len(values) <= MOST_VALUES else _range(values)
     steps = sorted({row.timestep for row in rows})
     at = f", {milliseconds(steps[0])} to {milliseconds(steps[-1])}" if len(steps) > 1 and rows[0].axis != "timestep" else ""

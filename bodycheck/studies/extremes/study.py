@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 
 from bodycheck.adapters.contract import Adapter, Method
+from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import chosen
 from bodycheck.casefile.case import Case
 from bodycheck.errors import BadInput
@@ -26,10 +27,10 @@ from bodycheck.reference.truth import Backend, Truth, distance, truth
 from bodycheck.running import journal, plan, pool
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Outcome, TimedOut, Unsupported
-from bodycheck.running.simulation import DEFAULT_TIMESTEP, run
-from bodycheck.studies.extremes.axes import Point, points
+from bodycheck.running.simulation import run
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, states
 from bodycheck.studies.extremes.growth import growth
+from bodycheck.studies.extremes.points import Point, points
 from bodycheck.studies.extremes.rows import NOTHING, Limit, Row
 from bodycheck.studies.extremes.stability import bracket, stable, turning
 from bodycheck.studies.extremes.symptoms import energy_change

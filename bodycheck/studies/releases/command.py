@@ -122,9 +122,9 @@ def bisect(
     """
     from dataclasses import asdict
 
+    from bodycheck.adapters.method import DEFAULT_TIMESTEP
     from bodycheck.console import terminal
     from bodycheck.console.arguments import check_engine, load_cases, processes
-    from bodycheck.running.simulation import DEFAULT_TIMESTEP
     from bodycheck.studies.releases import bisection, printing
 
     check_engine(engine)

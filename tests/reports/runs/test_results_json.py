@@ -9,9 +9,8 @@ from typing import Any
 import pytest
 from jsonschema import Draft202012Validator
 
-from bodycheck import columns
+from bodycheck.figures import columns
 from bodycheck.judging import judgement
-from bodycheck.judging.discrepancy import FURTHER_COLUMNS
 from bodycheck.reports.runs import results_json
 from bodycheck.running import store
 from tests.support import ROOT, saved_results
@@ -104,7 +103,7 @@ def test_the_schema_is_strict(document: Document, schema: Document) -> None:
         del value["surprise"]
         for name in list(value):
             kept = value.pop(name)
-            assert bool(faults(schema, small)) == (name not in ("set", *FURTHER_COLUMNS)), name
+            assert bool(faults(schema, small)) == (name not in ("set", *columns.FURTHER)), name
             value[name] = kept
     for name in free:
         own["header"][name]["surprise"] = "1"
@@ -136,7 +135,7 @@ def test_the_schema_refuses(status: str, name: str, value: object, document: Doc
 def test_every_column_is_described_with_its_unit(schema: Document) -> None:
     described = schema["$defs"]["run"]["properties"]
     assert list(described) == list(columns.COLUMNS)
-    assert {"set", *judgement.COLUMNS, *FURTHER_COLUMNS} == set(described)
+    assert {"set", *judgement.COLUMNS, *columns.FURTHER} == set(described)
     for name, column in columns.COLUMNS.items():
         text = described[name]["description"]
         if column.kind in ("number", "integer"):

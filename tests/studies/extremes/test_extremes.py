@@ -23,10 +23,10 @@ from bodycheck.reference.scene import State
 from bodycheck.running import campaign, journal
 from bodycheck.running.outcome import Completed, Unsupported
 from bodycheck.studies.extremes import study as extremes
-from bodycheck.studies.extremes.axes import points
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose
 from bodycheck.studies.extremes.outcome_map import LETTERS
 from bodycheck.studies.extremes.page import present
+from bodycheck.studies.extremes.points import points
 from bodycheck.studies.extremes.rows import STATUSES, Limit, Row
 from bodycheck.studies.extremes.study import follow
 from tests.support.cases import shortened
@@ -329,7 +329,7 @@ def test_witnesses_bear_the_closed_form_out_wherever_they_can_follow(point: extr
 def longest(steps: float) -> tuple[int, int]:
     """The samples of a run, and the most memory (bytes) that a process of its own ever had for it."""
     code = (
-        "import resource\nfrom bodycheck import load, simulate\nfrom bodycheck.studies.extremes.axes import steps\n"
+        "import resource\nfrom bodycheck import load, simulate\nfrom bodycheck.casefile.axes import steps\n"
         f"case = steps(load('extreme-spin'), {steps!r})\nrun = simulate(case, 'mujoco', 'implicitfast')\n"
         "print(len(run.outcome.trajectory), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
     )

@@ -1,0 +1,310 @@
+"""The axes along which a case is pushed until engines break, for the study of extremes.
+
+A new axis is one entry of `AXES`: the grammar of case files, their JSON Schema and their checks, the study, its pages and the
+table in docs/cases.md follow. Two files are renewed by commands:
+
+    bodycheck schema > cases/case.schema.json
+    python docs/tables.py
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from bodycheck.adapters.method import DEFAULT_TIMESTEP
+from bodycheck.casefile.values import MOST_STEPS, Factors, NonNegativeValues, Ratios, Values
+from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere, State, Vector
+
+if TYPE_CHECKING:  # a case is read by the grammar, which is made from the axes
+    from bodycheck.casefile.case import Case
+
+
+@dataclass(frozen=True)
+class Axis:
+    """An axis of the study of extremes.
+
+    Attributes
+    ----------
+    name
+        The key in the table `[extremes]` of a case file, and the value of the column `axis`.
+    title
+        The axis as reports call it.
+    meaning
+        What the values of the axis are, as a phrase.
+    values
+        The annotation of the values in the grammar of case files.
+    change
+        Function from a case and a value to the case that has this value.
+    unit
+        The SI unit, empty for a pure number.
+    remark
+        What else the grammar and the documentation say, for example what stays the same.
+    missing
+        Function from a scene to what the axis needs of it and does not find, in words; None where nothing is missing.
+    refused
+        Function from a value and the duration (s) of the case to the rule that the value breaks; None where it breaks none.
+    """
+
+    name: str
+    title: str
+    meaning: str
+    values: Any
+    change: Callable[["Case", float], "Case"]
+    unit: str = ""
+    remark: str = ""
+    missing: Callable[[Scene], str | None] = lambda _: None
+    refused: Callable[[float, float], str | None] = lambda _value, _duration: None
+
+    @property
+    def description(self) -> str:
+        """The meaning with the unit and the remark."""
+        return "".join((self.meaning, self.unit and f", {self.unit}", self.remark and f"; {self.remark}"))
+
+
+def spin(case: "Case", value: float) -> "Case":
+    """The initial angular velocity at this size (rad/s), its direction kept."""
+    initial = case.scene.initial
+    return _with_state(case, replace(initial, angular_velocity=_scaled(initial.angular_velocity, value)))
+
+
+def speed(case: "Case", value: float) -> "Case":
+    """The initial velocity at this size (m/s), its direction kept."""
+    initial = case.scene.initial
+    return _with_state(case, replace(initial, velocity=_scaled(initial.velocity, value)))
+
+
+def steps(case: "Case", value: float) -> "Case":
+    """As many steps of the default time step as this."""
+    return replace(case, duration=round(value) * DEFAULT_TIMESTEP)
+
+
+def distance(case: "Case", value: float) -> "Case":
+    """The start moved away from the origin by this along x (m)."""
+    initial = case.scene.initial
+    x, y, z = initial.position
+    return _with_state(case, replace(initial, position=(x + value, y, z)))
+
+
+def gravity(case: "Case", value: float) -> "Case":
+    """Another gravity (m/s^2)."""
+    return replace(case, scene=replace(case.scene, gravity=value))
+
+
+def friction(case: "Case", value: float) -> "Case":
+    """Another coefficient of friction of the plane."""
+    assert case.scene.plane is not None  # a case file that has this axis without a plane is refused
+    return replace(case, scene=replace(case.scene, plane=replace(case.scene.plane, friction=value)))
+
+
+def mass(case: "Case", value: float) -> "Case":
+    """Another mass (kg) of the same shape: the moments in proportion."""
+    body = case.scene.body
+    return _with_body(case, replace(body, mass=value, moments=_times(body.moments, value / body.mass)))
+
+
+def size(case: "Case", value: float) -> "Case":
+    """All lengths of the body times this at the same density: its mass goes with the cube, its moments with the fifth power.
+
+    A body on a plane still lies on it.
+    """
+    body, initial = case.scene.body, case.scene.initial
+    shape = None if body.shape is None else _grown(body.shape, value)
+    if case.scene.plane is not None:
+        x, y, z = initial.position
+        case = _with_state(case, replace(initial, position=(x, y, z * value)))
+    return _with_body(case, Body(body.mass * value**3, _times(body.moments, value**5), shape, body.axes))
+
+
+def moment_ratio(case: "Case", value: float) -> "Case":
+    """The body stretched along its principal axis K until C / (A + B) is this: 1 for a disc across K, towards 0 for a needle.
+
+    With the second moments S_x, S_y, S_z of the mass, A = S_y + S_z, B = S_x + S_z and C = S_x + S_y: a stretch changes S_z
+    alone, and no value breaks A + B >= C. The shape, which free flight does not know, is dropped.
+    """
+    body = case.scene.body
+    a, b, c = body.moments
+    along = c / 2 * (1 / value - 1)
+    return _with_body(case, replace(body, moments=((c + a - b) / 2 + along, (c + b - a) / 2 + along, c), shape=None))
+
+
+def separatrix(case: "Case", value: float) -> "Case":
+    """A spin of the same size about the axis of the middle moment, and a wobble of this part of it about that of the least.
+
+    The closer to 0, the closer to the separatrix: the time between flips grows as ln(1 / value).
+    """
+    body, initial = case.scene.body, case.scene.initial
+    least, middle, _ = sorted(range(3), key=body.moments.__getitem__)
+    rates = np.zeros(3)
+    rates[middle] = math.hypot(*initial.angular_velocity)
+    rates[least] = value * rates[middle]
+    x, y, z = rotate(np.array(body.axes), rates).tolist()
+    return _with_state(case, replace(initial, angular_velocity=(x, y, z)))
+
+
+def _without_spin(scene: Scene) -> str | None:
+    return None if any(scene.initial.angular_velocity) else "the body has no angular velocity that could be scaled"
+
+
+def _without_speed(scene: Scene) -> str | None:
+    return None if any(scene.initial.velocity) else "the body has no velocity that could be scaled"
+
+
+def _without_plane(scene: Scene) -> str | None:
+    return "the scene has no plane" if scene.plane is None else None
+
+
+def _on_plane(scene: Scene) -> str | None:
+    return "a body that lies on a plane" if scene.plane is not None else None
+
+
+def _without_middle_moment(scene: Scene) -> str | None:
+    moments = scene.body.moments
+    return f"the body has no axis of a middle moment: {moments}" if len(set(moments)) < 3 else None
+
+
+def _long_or_short(timestep: float, duration: float) -> str | None:
+    fits = duration / MOST_STEPS <= timestep <= duration
+    return None if fits else f"a step must divide the duration into 1 to {MOST_STEPS:.0e} steps"
+
+
+def _few_or_many(steps: float, _: float) -> str | None:
+    return None if 1 <= steps <= MOST_STEPS else f"from 1 to {MOST_STEPS:.0e} are allowed"
+
+
+#: All axes by name, in the order of the grammar.
+AXES: dict[str, Axis] = {
+    axis.name: axis
+    for axis in (
+        Axis(
+            name="spin",
+            title="Spin",
+            meaning="size of the initial angular velocity",
+            unit="rad/s",
+            remark="its direction is kept",
+            values=Values,
+            change=spin,
+            missing=_without_spin,
+        ),
+        Axis(
+            name="timestep",
+            title="Time step",
+            meaning="time step",
+            unit="s",
+            remark="with spin, every spin is tried with every step",
+            values=Values,
+            change=lambda case, _: case,  # the time step belongs to the method
+            refused=_long_or_short,
+        ),
+        Axis(
+            name="steps",
+            title="Steps",
+            meaning=f"length of the run in steps of {DEFAULT_TIMESTEP * 1e3:g} ms",
+            remark=f"at most {MOST_STEPS:.0e}",
+            values=Values,
+            change=steps,
+            refused=_few_or_many,
+        ),
+        Axis(
+            name="moment_ratio",
+            title="C / (A + B)",
+            meaning="C / (A + B), changed by stretching the body along its principal axis K",
+            remark="1 is a disc across K, towards 0 a needle, at least 1e-20; C and the mass are kept",
+            values=Ratios,
+            change=moment_ratio,
+            missing=_on_plane,
+        ),
+        Axis(
+            name="mass",
+            title="Mass",
+            meaning="mass",
+            unit="kg",
+            remark="the moments change in proportion",
+            values=Values,
+            change=mass,
+        ),
+        Axis(
+            name="size",
+            title="Size, times that of the case",
+            meaning="factor of all lengths of the body at the same density",
+            remark="from 1e-10 to 1e10; the mass goes with the cube, the moments with the fifth power",
+            values=Factors,
+            change=size,
+        ),
+        Axis(
+            name="distance",
+            title="Distance from the origin",
+            meaning="distance by which the start is moved from the origin along x",
+            unit="m",
+            values=Values,
+            change=distance,
+        ),
+        Axis(
+            name="gravity",
+            title="Gravity",
+            meaning="gravity",
+            unit="m/s^2",
+            values=NonNegativeValues,
+            change=gravity,
+        ),
+        Axis(
+            name="friction",
+            title="Friction",
+            meaning="Coulomb's coefficient of the plane",
+            values=NonNegativeValues,
+            change=friction,
+            missing=_without_plane,
+        ),
+        Axis(
+            name="speed",
+            title="Speed",
+            meaning="size of the initial velocity",
+            unit="m/s",
+            remark="its direction is kept",
+            values=Values,
+            change=speed,
+            missing=_without_speed,
+        ),
+        Axis(
+            name="separatrix",
+            title="Wobble, relative to the spin",
+            meaning="wobble about the axis of the least moment, relative to a spin about the axis of the middle moment",
+            remark="the spin is that of the case; the time between flips grows as the logarithm of the inverse wobble",
+            values=Ratios,
+            change=separatrix,
+            missing=lambda scene: _without_spin(scene) or _on_plane(scene) or _without_middle_moment(scene),
+        ),
+    )
+}
+
+
+def _with_state(case: "Case", initial: State) -> "Case":
+    return replace(case, scene=replace(case.scene, initial=initial))
+
+
+def _with_body(case: "Case", body: Body) -> "Case":
+    return replace(case, scene=replace(case.scene, body=body))
+
+
+def _scaled(vector: Vector, size: float) -> Vector:
+    return _times(vector, size / math.hypot(*vector))
+
+
+def _times(vector: Vector, factor: float) -> Vector:
+    x, y, z = vector
+    return x * factor, y * factor, z * factor
+
+
+def _grown(shape: Shape, factor: float) -> Shape:
+    match shape:
+        case Brick(semi_axes):
+            return Brick(_times(semi_axes, factor))
+        case Ellipsoid(semi_axes):
+            return Ellipsoid(_times(semi_axes, factor))
+        case Cylinder(radius, half_length):
+            return Cylinder(radius * factor, half_length * factor)
+        case Sphere(radius):
+            return Sphere(radius * factor)

@@ -1,0 +1,101 @@
+"""The columns of results, from which every table, schema, plot and message takes names, titles, units and meanings.
+
+A new figure of a run is one entry, `Figure`, in one of the modules beside this one, in one of the groups that `FIGURES` joins.
+The grammar of case files, both JSON Schemas, the results, the baseline, the reports and the table in docs/cases.md follow.
+Three files are renewed by commands:
+
+    bodycheck schema > cases/case.schema.json
+    bodycheck schema results > reports/results.schema.json
+    python docs/tables.py
+"""
+
+from bodycheck.figures import conservation, contact, motion
+from bodycheck.figures.definition import Column, Figure
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truth import Truth
+
+#: Figures of a run by name, in the order in which they are computed.
+FIGURES: dict[str, Figure] = {
+    figure.name: figure
+    for figure in (
+        *motion.ERRORS,
+        *conservation.DRIFTS,
+        *conservation.ERRORS,
+        motion.TRUTH_ERROR,
+        *contact.STOP,
+        *contact.POSE,
+        *contact.LOAD,
+    )
+}
+
+#: Figures with a column in every table, and figures with a column only where a run has a value.
+ALWAYS_TABLED = tuple(figure.name for figure in FIGURES.values() if figure.presence != "where measured")
+FURTHER = tuple(figure.name for figure in FIGURES.values() if figure.presence == "where measured")
+
+RUN_COLUMNS = (
+    Column("set", "string", "Set", "label of the results that the run is from, where several are in one table"),
+    Column("case", "string", "Case", "name of the case"),
+    Column("engine", "string", "Engine", "name of the engine"),
+    Column("version", "string", "Version", "version of the engine"),
+    Column("integrator", "string", "Integrator", "name of the integrator, its options behind a colon"),
+    Column("timestep", "number", "Time step", "time step", "s"),
+    Column("status", "string", "Status", "how the run ended"),
+    Column("passed", "boolean", "Passed", "whether what the case expects of the run holds; empty where it expects nothing"),
+    Column("reason", "string", "Reason", "why the run is not ok, or which expectation does not hold"),
+)
+
+COST_COLUMNS = (
+    Column("steps", "integer", "Steps", "steps taken", counts="steps"),
+    Column("wall_time", "number", "Wall time", "time that the steps took", "s"),
+    Column("time_per_step", "number", "Time per step", "time that a step took", "s"),
+    Column(
+        "realtime_factor",
+        "number",
+        "Real-time factor",
+        "time in the scene over the time that it took",
+        counts="times real time",
+    ),
+)
+
+#: All columns by name, in the order of tables.
+COLUMNS: dict[str, Column] = {
+    column.name: column
+    for column in (
+        *RUN_COLUMNS,
+        *(FIGURES[name] for name in ALWAYS_TABLED),
+        *COST_COLUMNS,
+        *(FIGURES[name] for name in FURTHER),
+    )
+}
+
+#: The observed order of convergence: a case file may limit it, but it is a figure of three runs and no column.
+ORDER = Column(
+    "order",
+    "number",
+    "Order",
+    "power of the time step with which the attitude error falls, seen at this step, its half and its quarter",
+    remark="a number holds within 0.25",
+)
+
+#: Figures that a case file may limit, by name, in the order of its grammar.
+LIMITED: dict[str, Column] = {figure.name: figure for figure in FIGURES.values() if figure.limited} | {ORDER.name: ORDER}
+
+#: What messages about a broken expectation may name.
+EXPECTED = COLUMNS | LIMITED
+
+#: Units of the columns that have one.
+UNITS = {column.name: column.unit for column in COLUMNS.values() if column.unit}
+
+
+def distance_from_ideal(name: str, value: float) -> float:
+    """Return how far the value of a figure is from the value of a run without any error.
+
+    That is the value itself where the ideal value is 0, and for every name that is no figure.
+    """
+    ideal = FIGURES[name].ideal if name in FIGURES else 0.0
+    return abs(value - ideal) if ideal else value
+
+
+def truth_bounds(truth: Truth) -> dict[str, Array]:
+    """Return the known bounds (n,) of the truth's own errors, by the names of the figures that they limit the meaning of."""
+    return {figure.name: figure.bound(truth) for figure in FIGURES.values() if figure.bound is not None}

@@ -1,0 +1,147 @@
+"""Figures of what free flight conserves: total energy, rotational energy and angular momentum.
+
+In a scene that conserves them a figure is a drift, the distance from the run's own initial value. Where friction or drag act it
+is an error, the distance from the truth's value at the same instant. Both are relative to a size that is never zero.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from bodycheck.figures.definition import Comparison, Figure
+from bodycheck.reference.observables import Observables
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truth import distance
+
+
+def total_energy(compared: Comparison) -> Array:
+    """Return how far (n,) the total energy is from its initial value or from that of the truth, relative."""
+    size = energy_size(compared.expected)
+    return _relative(compared, compared.seen.total_energy[:, None], compared.expected.total_energy[:, None], size)
+
+
+def rotational_energy(compared: Comparison) -> Array:
+    """Return how far (n,) the rotational energy is from its initial value or from that of the truth, relative."""
+    size = rotational_energy_size(compared.expected)
+    return _relative(compared, compared.seen.rotational_energy[:, None], compared.expected.rotational_energy[:, None], size)
+
+
+def angular_momentum(compared: Comparison) -> Array:
+    """Return how far (n,) the angular momentum in the world frame is from its initial value or that of the truth, relative."""
+    size = angular_momentum_size(compared.scene, compared.expected)
+    return _relative(compared, compared.seen.angular_momentum, compared.expected.angular_momentum, size)
+
+
+def energy_size(reference: Observables) -> float:
+    """Return the size (J) that a total energy is relative to, from the truth's values.
+
+    It is the initial total energy or, where that is zero, the largest kinetic energy.
+    """
+    return abs(float(reference.total_energy[0])) or _largest_kinetic_energy(reference)
+
+
+def rotational_energy_size(reference: Observables) -> float:
+    """Return the size (J) that a rotational energy is relative to, from the truth's values.
+
+    It is the initial rotational energy or, where that is zero, the largest kinetic energy.
+    """
+    return abs(float(reference.rotational_energy[0])) or _largest_kinetic_energy(reference)
+
+
+def angular_momentum_size(scene: Scene, reference: Observables) -> float:
+    """Return the size (kg m^2/s) that an angular momentum is relative to, from the truth's values.
+
+    It is the initial angular momentum or, where that is zero, the one that the largest kinetic energy would give to the largest
+    moment of the body.
+    """
+    kinetic = _largest_kinetic_energy(reference)
+    return float(np.linalg.norm(reference.angular_momentum[0])) or float(np.sqrt(2 * kinetic * max(scene.body.moments)))
+
+
+def _largest_kinetic_energy(reference: Observables) -> float:
+    return float(reference.kinetic_energy.max()) or 1.0
+
+
+def _relative(compared: Comparison, values: Array, expected: Array, size: float) -> Array:
+    return distance(values, values[:1] if compared.scene.conserves else expected) / size
+
+
+Compute = Callable[[Comparison], Array | None]
+
+
+def _where(conserves: bool, compute: Callable[[Comparison], Array]) -> Compute:
+    """Return a function that computes a figure in scenes that conserve energy and angular momentum, or in the others."""
+    return lambda compared: compute(compared) if compared.scene.conserves == conserves else None
+
+
+#: In scenes that conserve energy and angular momentum.
+DRIFTS = (
+    Figure(
+        name="energy_drift",
+        title="Energy drift",
+        meaning="change of the energy, which mechanics keeps, relative to its size",
+        largest=True,
+        remark="without friction and drag",
+        compute=_where(True, total_energy),
+        scale=lambda scales: scales.energy,
+        presence="every table",
+        plotted=True,
+    ),
+    Figure(
+        name="rotational_energy_drift",
+        title="Rotational energy drift",
+        meaning="change of the energy of rotation, which mechanics keeps, relative to its size",
+        largest=True,
+        remark="without friction and drag",
+        compute=_where(True, rotational_energy),
+        scale=lambda scales: scales.rotational_energy,
+        presence="every table",
+    ),
+    Figure(
+        name="angular_momentum_drift",
+        title="Angular momentum drift",
+        meaning=(
+            "change of the angular momentum about the centre of mass, a vector, which mechanics keeps, relative to its size"
+        ),
+        largest=True,
+        remark="without friction and drag",
+        compute=_where(True, angular_momentum),
+        scale=lambda scales: scales.angular_momentum,
+        presence="every table",
+        plotted=True,
+    ),
+)
+
+#: In scenes with friction or drag.
+ERRORS = (
+    Figure(
+        name="energy_error",
+        title="Energy error",
+        meaning="difference of the energy from that of mechanics, relative to its size",
+        largest=True,
+        remark="with friction or drag",
+        compute=_where(False, total_energy),
+        scale=lambda scales: scales.energy,
+        plotted=True,
+    ),
+    Figure(
+        name="rotational_energy_error",
+        title="Rotational energy error",
+        meaning="difference of the energy of rotation from that of mechanics, relative to its size",
+        largest=True,
+        remark="with friction or drag",
+        compute=_where(False, rotational_energy),
+        scale=lambda scales: scales.rotational_energy,
+    ),
+    Figure(
+        name="angular_momentum_error",
+        title="Angular momentum error",
+        meaning="difference of the angular momentum, a vector, from that of mechanics, relative to its size",
+        largest=True,
+        remark="with friction or drag",
+        compute=_where(False, angular_momentum),
+        scale=lambda scales: scales.angular_momentum,
+        plotted=True,
+    ),
+)

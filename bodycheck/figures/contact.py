@@ -1,0 +1,142 @@
+"""Figures of a body on a plane: its stop, its creep after it, its penetration and tilt, and the load that the plane bears."""
+
+import math
+from collections.abc import Callable
+
+from bodycheck.figures.definition import Comparison, Figure, Load
+from bodycheck.reference import contact_observables
+from bodycheck.reference.planar import Stop
+from bodycheck.reference.trajectory import Array
+
+
+def creep(compared: Comparison) -> float | None:
+    """Return the mean speed (m/s) of the centre of mass along the plane after the run's stop.
+
+    Returns None where the truth does not stop.
+    """
+    if compared.truth.stop is None:
+        return None
+    stop, trajectory = compared.stop, compared.trajectory
+    later = float(trajectory.t[-1]) - stop.time
+    crept = math.dist(trajectory.position[-1, :2], stop.position[:2])
+    return crept / later if later > 0 else 0.0
+
+
+def penetration(compared: Comparison) -> Array | None:
+    """Return the depth (n,), m, of the lowest point of the body below the plane; None where there is no plane."""
+    return contact_observables.penetration(compared.scene, compared.trajectory) if compared.scene.plane is not None else None
+
+
+def tilt(compared: Comparison) -> Array | None:
+    """Return the angle (n,), rad, between the body axis K and the vertical; None where there is no plane."""
+    return contact_observables.tilt(compared.trajectory) if compared.scene.plane is not None else None
+
+
+def _of_stops(difference: Callable[[Stop, Stop], float]) -> Callable[[Comparison], float | None]:
+    """Return a function that computes a figure from the stops of the run and of the truth, if the truth has one."""
+
+    def compute(compared: Comparison) -> float | None:
+        return None if compared.truth.stop is None else difference(compared.stop, compared.truth.stop)
+
+    return compute
+
+
+def _of_load(part: Callable[[Load], float]) -> Callable[[Comparison], float | None]:
+    """Return a function that takes a figure from the load of a run, if the load was measured."""
+    return lambda compared: None if compared.load is None else part(compared.load)
+
+
+STOP = (
+    Figure(
+        name="stop_time_error",
+        title="Stop time error",
+        meaning="how far the time at which the body comes to rest is from that of mechanics",
+        unit="s",
+        remark="of a body that slides to rest",
+        compute=_of_stops(lambda seen, expected: abs(seen.time - expected.time)),
+        scale=lambda scales: scales.duration,
+    ),
+    Figure(
+        name="stop_position_error",
+        title="Stop position error",
+        meaning="how far the place at which the body comes to rest is from that of mechanics",
+        unit="m",
+        remark="of a body that slides to rest",
+        compute=_of_stops(lambda seen, expected: math.dist(seen.position[:2], expected.position[:2])),
+        scale=lambda scales: scales.length,
+    ),
+    Figure(
+        name="stop_yaw_error",
+        title="Stop yaw error",
+        meaning="how far the angle at which the body comes to rest is from that of mechanics",
+        unit="rad",
+        remark="of a body that slides to rest",
+        compute=_of_stops(lambda seen, expected: abs(seen.yaw - expected.yaw)),
+        scale=lambda scales: scales.angle,
+    ),
+    Figure(
+        name="creep",
+        title="Creep",
+        meaning="mean speed after the stop, where mechanics has the body at rest",
+        unit="m/s",
+        remark="of a body that slides to rest",
+        compute=creep,
+        scale=lambda scales: scales.speed,
+    ),
+)
+
+POSE = (
+    Figure(
+        name="penetration",
+        title="Penetration",
+        meaning="depth to which the body goes into the plane",
+        unit="m",
+        largest=True,
+        remark="on a plane",
+        compute=penetration,
+        scale=lambda scales: scales.length,
+        plotted=True,
+    ),
+    Figure(
+        name="tilt",
+        title="Tilt",
+        meaning="angle by which the body tilts off the plane",
+        unit="rad",
+        largest=True,
+        remark="on a plane",
+        compute=tilt,
+        scale=lambda scales: scales.angle,
+        plotted=True,
+    ),
+)
+
+#: Without an error the plane bears the weight of the body, in every step.
+LOAD = (
+    Figure(
+        name="mean_load",
+        title="Mean load",
+        meaning="what the plane bears on the average until the stop",
+        counts="weights",
+        compute=_of_load(lambda load: load.mean_load),
+        limited=False,
+        ideal=1.0,
+    ),
+    Figure(
+        name="peak_load",
+        title="Peak load",
+        meaning="the most that the plane bears in a step until the stop",
+        counts="weights",
+        compute=_of_load(lambda load: load.peak_load),
+        limited=False,
+        ideal=1.0,
+    ),
+    Figure(
+        name="time_in_contact",
+        title="In contact",
+        meaning="part of the steps until the stop in which the plane bears anything",
+        counts="of the steps",
+        compute=_of_load(lambda load: load.time_in_contact),
+        limited=False,
+        ideal=1.0,
+    ),
+)

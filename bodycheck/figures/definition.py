@@ -1,0 +1,174 @@
+"""What a column of results and a figure of a run are: their names, units and meanings, and how a figure is computed."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+from bodycheck.reference.contact_observables import measured_stop
+from bodycheck.reference.observables import Observables, observe
+from bodycheck.reference.planar import Stop
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import Truth
+
+#: Types of values, as JSON Schema calls them.
+Kind = Literal["string", "boolean", "integer", "number"]
+
+#: Where the column of a figure is: a value in every completed run, a column in every table, or a column only in tables with a
+#: run that has a value.
+Presence = Literal["every run", "every table", "where measured"]
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of results.
+
+    Attributes
+    ----------
+    name, kind
+        The key in tables and files, and the type of its values.
+    title
+        The head of a table or the title of an axis.
+    meaning
+        A phrase for readers who know nothing of bodycheck.
+    unit
+        The SI unit, empty for a pure number.
+    counts
+        What a number without a unit counts, for example steps. A number without a unit that counts nothing is relative.
+    largest
+        Whether the value is the largest one over the sampled instants.
+    remark
+        What else the grammar of case files says, for example in which scenes the value exists.
+    """
+
+    name: str
+    kind: Kind
+    title: str
+    meaning: str
+    unit: str = ""
+    counts: str = ""
+    largest: bool = False
+    remark: str = ""
+
+    @property
+    def told(self) -> str:
+        """The meaning, with the word "largest" where the column has the largest value over the instants."""
+        return f"largest {self.meaning}" if self.largest else self.meaning
+
+    @property
+    def in_unit(self) -> str:
+        """The unit, or what a number without a unit counts, or the word "relative"."""
+        return self.unit or self.counts or "relative"
+
+    @property
+    def description(self) -> str:
+        """The meaning with the unit and the remark."""
+        return "".join((self.told, self.unit and f", {self.unit}", self.remark and f"; {self.remark}"))
+
+
+@dataclass(frozen=True)
+class Load:
+    """The load on the plane while a body slides: mean and peak in weights of the body, and the part of the steps with any."""
+
+    mean_load: float
+    peak_load: float
+    time_in_contact: float
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """A run's trajectory beside the truth at the same instants: what figures are computed from.
+
+    Attributes
+    ----------
+    truth
+        The truth of the scene, at the instants of the trajectory.
+    trajectory
+        The states of the run at n instants.
+    load
+        The load on the plane; None where there is no plane or the engine does not measure it.
+    """
+
+    truth: Truth
+    trajectory: Trajectory
+    load: Load | None = None
+
+    @property
+    def scene(self) -> Scene:
+        """The scene of the truth."""
+        return self.truth.scene
+
+    @cached_property
+    def seen(self) -> Observables:
+        """Energies and angular momenta of the run."""
+        return observe(self.scene, self.trajectory)
+
+    @cached_property
+    def expected(self) -> Observables:
+        """Energies and angular momenta of the truth."""
+        return observe(self.scene, self.truth.trajectory)
+
+    @cached_property
+    def stop(self) -> Stop:
+        """The stop of the run."""
+        return measured_stop(self.scene, self.trajectory)
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Sizes of the numbers that figures are differences of, by which the effect of rounding is estimated.
+
+    Attributes
+    ----------
+    length, speed, angle, rate, duration
+        Sizes of positions (m), velocities (m/s), angles (rad), angular velocities (rad/s) and times (s).
+    energy, rotational_energy, angular_momentum
+        Largest energies and angular momentum, divided by the sizes that their drifts and errors are relative to.
+    """
+
+    length: float
+    speed: float
+    angle: float
+    rate: float
+    duration: float
+    energy: float
+    rotational_energy: float
+    angular_momentum: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figure(Column):
+    """A column with a figure of a run: everything that bodycheck knows about it.
+
+    Attributes
+    ----------
+    compute
+        Function from a comparison to the figure: an array (n,) of values that are never negative where `largest` is set, else a
+        number. It returns None where the figure does not exist in the scene or was not measured.
+    scale
+        Function to the size of the numbers that the figure is a difference of, in the figure's unit.
+    limited
+        Whether a case file may limit the figure.
+    presence
+        Where its column is.
+    ideal
+        The value of a run without any error.
+    bound
+        Function from a truth to the bound (n,) of the truth's own error in the figure; None where no bound is known.
+    of_truth
+        Whether the figure tells of the truth and not of the engine.
+    tabled, plotted
+        Whether a report has the figure in the table of a case, and draws it over time.
+    """
+
+    kind: Kind = "number"
+    compute: Callable[[Comparison], Array | float | None]
+    scale: Callable[[Scales], float] = lambda _: 1.0
+    limited: bool = True
+    presence: Presence = "where measured"
+    ideal: float = 0.0
+    bound: Callable[[Truth], Array] | None = None
+    of_truth: bool = False
+    tabled: bool = True
+    plotted: bool = False

@@ -1,0 +1,89 @@
+"""Figures of the motion: how far position, velocity, attitude and angular velocity are from the truth."""
+
+from bodycheck.figures.definition import Comparison, Figure
+from bodycheck.reference.kinematics import geodesic_angle, normalise
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truth import distance
+
+
+def position_error(compared: Comparison) -> Array:
+    """Return the distance (n,), m, of the centre of mass from that of the truth."""
+    return distance(compared.trajectory.position, compared.truth.trajectory.position)
+
+
+def velocity_error(compared: Comparison) -> Array:
+    """Return the Euclidean distance (n,), m/s, of the velocity in the world frame from that of the truth."""
+    return distance(compared.trajectory.velocity, compared.truth.trajectory.velocity)
+
+
+def attitude_error(compared: Comparison) -> Array:
+    """Return the angle (n,), rad, of the single rotation between the attitude of the run and that of the truth."""
+    return geodesic_angle(compared.truth.trajectory.quaternion, normalise(compared.trajectory.quaternion))
+
+
+def angular_velocity_error(compared: Comparison) -> Array:
+    """Return the Euclidean distance (n,), rad/s, of the angular velocity in the body frame from that of the truth."""
+    return distance(compared.trajectory.angular_velocity, compared.truth.trajectory.angular_velocity)
+
+
+ERRORS = (
+    Figure(
+        name="position_error",
+        title="Position error",
+        meaning="distance of the centre of mass from where mechanics has it",
+        unit="m",
+        largest=True,
+        compute=position_error,
+        scale=lambda scales: scales.length,
+        presence="every run",
+        bound=lambda truth: truth.position_error,
+        plotted=True,
+    ),
+    Figure(
+        name="velocity_error",
+        title="Velocity error",
+        meaning="difference of the velocity from that of mechanics",
+        unit="m/s",
+        largest=True,
+        compute=velocity_error,
+        scale=lambda scales: scales.speed,
+        presence="every run",
+    ),
+    Figure(
+        name="attitude_error",
+        title="Attitude error",
+        meaning="angle between the body's attitude and that of mechanics",
+        unit="rad",
+        largest=True,
+        compute=attitude_error,
+        scale=lambda scales: scales.angle,
+        presence="every run",
+        bound=lambda truth: truth.error,
+        plotted=True,
+    ),
+    Figure(
+        name="angular_velocity_error",
+        title="Angular velocity error",
+        meaning="difference of the angular velocity, along the body's axes, from that of mechanics",
+        unit="rad/s",
+        largest=True,
+        compute=angular_velocity_error,
+        scale=lambda scales: scales.rate,
+        presence="every run",
+        tabled=False,
+    ),
+)
+
+#: The bound of the truth's own attitude error. It is no figure of the engine, and no table of a report or baseline has it.
+TRUTH_ERROR = Figure(
+    name="truth_error",
+    title="Truth error",
+    meaning="error that the truth's own attitude may have, below which an attitude error says nothing",
+    unit="rad",
+    largest=True,
+    compute=lambda compared: compared.truth.error,
+    scale=lambda scales: scales.angle,
+    limited=False,
+    presence="every run",
+    of_truth=True,
+)
