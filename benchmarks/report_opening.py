@@ -19,9 +19,8 @@ from bodycheck.adapters.contract import Method
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import campaign, plan, store
-from bodycheck.running.outcome import Unsupported
 from bodycheck.running.store import Results
 
 CASES, METHODS = 100, 20
@@ -69,7 +68,7 @@ class Copies(Results):
 
     source: Results
 
-    def truth(self, case: str, timestep: float) -> Truth | Unsupported:
+    def truth(self, case: str, timestep: float) -> Truth | NoTruth:
         return self.source.truth(case.rpartition("-")[0], timestep)
 
 

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from bodycheck.casefile.case import Case, CaseFaults, load
-    from bodycheck.judging.discrepancy import Discrepancy, compare
+    from bodycheck.judging.comparison import compare
+    from bodycheck.judging.discrepancy import Discrepancy
     from bodycheck.reference.truth import Truth
     from bodycheck.running.outcome import Run
     from bodycheck.running.simulation import simulate
@@ -25,7 +26,7 @@ HOMES = {
     "CaseFaults": "casefile.case",
     "load": "casefile.case",
     "Discrepancy": "judging.discrepancy",
-    "compare": "judging.discrepancy",
+    "compare": "judging.comparison",
     "Run": "running.outcome",
     "simulate": "running.simulation",
     "Truth": "reference.truth",

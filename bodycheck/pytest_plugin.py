@@ -210,9 +210,9 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
     from bodycheck.adapters import registry
     from bodycheck.casefile.expectation import REFINEMENTS
     from bodycheck.judging.judgement import verdict
-    from bodycheck.reference.truth import Truth
+    from bodycheck.reference.truth import NoTruth, Truth
     from bodycheck.running.campaign import TruthTask
-    from bodycheck.running.outcome import Run, Unsupported
+    from bodycheck.running.outcome import Run
     from bodycheck.running.plan import Task
 
     def run(method: "Method") -> Run:
@@ -224,7 +224,7 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
     finer = REFINEMENTS if any(expectation.needs_order for expectation in concerned) else ()
     return verdict(
         case,
-        truth if isinstance(truth, Truth) else Unsupported(f"the reference: {truth.reason}"),
+        truth if isinstance(truth, Truth) else NoTruth(f"the reference: {truth.reason}"),
         run(method),
         [run(method.at(method.timestep / by)) for by in finer],
     )

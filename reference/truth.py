@@ -75,6 +75,19 @@ class Truth:
 
 
 @dataclass(frozen=True)
+class NoTruth:
+    """The answer where the reference has no truth.
+
+    Attributes
+    ----------
+    reason
+        Why there is none.
+    """
+
+    reason: str
+
+
+@dataclass(frozen=True)
 class Backend:
     """A solver of two forms of the equations of motion of a body in free flight.
 

@@ -13,12 +13,13 @@ from typing import Any, get_args
 
 from bodycheck.adapters.method import current
 from bodycheck.casefile.case import CaseFaults
+from bodycheck.errors import BadFolder
 from bodycheck.figures.columns import COLUMNS
 from bodycheck.reports.runs.results_json import HEADER
 from bodycheck.reports.study import StudyReport
 from bodycheck.running import journal, store
 from bodycheck.running.key import RunKey
-from bodycheck.running.store import BadFolder, Results
+from bodycheck.running.store import Results
 from bodycheck.studies.ablation import page as ablation
 from bodycheck.studies.ablation.rows import Change, ModelRow
 from bodycheck.studies.extremes import page as extremes

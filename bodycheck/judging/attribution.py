@@ -10,8 +10,7 @@ add up.
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, fields, replace
-from functools import cache
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 import numpy as np
@@ -19,13 +18,12 @@ import pandas as pd
 
 from bodycheck.judging.judgement import LABEL, Verdict
 from bodycheck.reference.contact_observables import measured_stop
-from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.planar import Stop, yaw
-from bodycheck.reference.scene import Scene
-from bodycheck.reference.truth import truth
+from bodycheck.reference.scene import Plane, Scene
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.store import Results
+from bodycheck.running.truths import stop_under
 
 #: s, m from the start, rad from the start.
 QUANTITIES = ("stop_time", "stop_distance", "stop_yaw")
@@ -57,9 +55,12 @@ COLUMNS = tuple(field.name for field in fields(Attribution))
 def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution]:
     """The parts of every completed run on a plane whose truth stops.
 
+    The stops under the laws of friction are read from the results. Those of earlier versions, and interrupted ones, lack
+    these records: their stops are computed here, once for each case and law.
+
     The limit of a vanishing step is Richardson's, for a discrepancy of first order, from a method's two smallest steps.
     """
-    exact = cache(_exact)
+    stops = dict(results.stops)
     methods: dict[RunKey, dict[float, Run]] = defaultdict(dict)
     for run in (verdict.run for verdict in verdicts if isinstance(verdict.outcome, Completed)):
         if results.cases[run.case].scene.plane is not None:
@@ -68,9 +69,7 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
     for key, by_step in methods.items():
         case = key.case
         scene = results.cases[case].scene
-        law = next(iter(by_step.values())).contact_law
-        duration = results.cases[case].duration
-        asked, implied = exact(scene, duration), exact(replace(scene, plane=law), duration) if law is not None else None
+        asked, implied = (_exact(results, case, law, stops) for law in (scene.plane, next(iter(by_step.values())).contact_law))
         if asked is None:
             continue
         seen = {
@@ -113,13 +112,17 @@ def table(attributions: Iterable[Attribution]) -> pd.DataFrame:
     return pd.DataFrame([asdict(attribution) for attribution in attributions], columns=list(COLUMNS))
 
 
-def _exact(scene: Scene, duration: float) -> dict[str, float] | None:
-    """The quantities of a scene's truth; None where it does not stop within a hundred times the duration (s)."""
-    try:
-        stop = truth(scene, np.array([0.0, 100 * duration])).stop
-    except (NotModelled, OutOfReach):
+def _exact(
+    results: Results, name: str, law: Plane | None, stops: dict[tuple[str, Plane], Stop | None]
+) -> dict[str, float] | None:
+    """The quantities of the truth of a case under a law, None where it does not stop; a stop that is missing is added."""
+    if law is None:
         return None
-    return None if stop is None else _quantities(scene, stop)
+    case = results.cases[name]
+    if (name, law) not in stops:
+        stops[name, law] = stop_under(case, law)
+    stop = stops[name, law]
+    return None if stop is None else _quantities(case.scene, stop)
 
 
 def _quantities(scene: Scene, stop: Stop) -> dict[str, float]:

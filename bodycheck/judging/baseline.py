@@ -22,7 +22,7 @@ from bodycheck.figures.columns import FIGURES as ALL_FIGURES
 from bodycheck.figures.columns import distance_from_ideal
 from bodycheck.judging import judgement, rounding
 from bodycheck.judging.judgement import Verdict
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import campaign, pool
 from bodycheck.running.key import RunKey
 from bodycheck.running.machine import SPEED_TOLERANCE
@@ -246,11 +246,10 @@ def _measured(results: Results, verdicts: Sequence[Verdict], jobs: int, progress
     ]
     answers: dict[RunKey, list[Run]] = defaultdict(list)
     found = {}
-    with closing(pool.call_all(campaign.perform, tasks, jobs, campaign.TIME_LIMIT)) as calls:
+    with closing(pool.call_all(campaign.perform_run, tasks, jobs, campaign.TIME_LIMIT)) as calls:
         for task, answer in calls:
             progress(f"{task.case.name} · {task.engine} {task.method}, nudged")
             key = task.key
-            assert not isinstance(answer, Truth)  # none was asked for
             answers[key].append(answer if isinstance(answer, Run) else replace(waiting[key], outcome=answer))
             if len(answers[key]) == rounding.NUDGES:
                 run = waiting.pop(key)
@@ -258,7 +257,7 @@ def _measured(results: Results, verdicts: Sequence[Verdict], jobs: int, progress
     return found
 
 
-def _row_of(truth: Truth | Unsupported, run: Run, others: Sequence[Run]) -> Row:
+def _row_of(truth: Truth | NoTruth, run: Run, others: Sequence[Run]) -> Row:
     assert isinstance(truth, Truth)  # the run has a discrepancy
     allowed = {f"{name}{ALLOWANCE}": value for name, value in rounding.allowances(truth, run, others).items()}
     completed = [one.outcome for one in (run, *others) if isinstance(one.outcome, Completed)]

@@ -12,6 +12,26 @@ from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Run
 
 
+@dataclass(frozen=True)
+class Summary:
+    """The figures of a discrepancy without its series over time.
+
+    Attributes
+    ----------
+    largest
+        The largest value of every column, and the figures that are one number, by their names.
+    instants
+        When each series first reaches its largest value (s), by the name of its column.
+    """
+
+    largest: Mapping[str, float]
+    instants: Mapping[str, float]
+
+    def maxima(self) -> dict[str, float]:
+        """Return the largest value of every column, and the figures that are one number, by their names."""
+        return dict(self.largest)
+
+
 @dataclass(frozen=True, eq=False)
 class Discrepancy:
     """The figures of a run, by the names of their columns.
@@ -34,16 +54,23 @@ class Discrepancy:
         """The largest value of every series, and the figures that are one number, by their names."""
         return {name: float(values.max()) for name, values in self.series.items()} | dict(self.figures)
 
+    def summary(self) -> Summary:
+        """Return the figures without the series, whose size does not depend on the number of instants."""
+        return Summary(self.maxima(), {name: float(self.t[int(np.argmax(values))]) for name, values in self.series.items()})
+
 
 def compare(truth: Truth, run: Run) -> Discrepancy:
-    """The discrepancy of a completed run from the truth of its case, at the run's own instants.
+    """Return the discrepancy of a completed run from the truth of its case at the same instants.
 
-    Raises `ValueError` for a run that has no trajectory.
+    Nothing is integrated here; `bodycheck.judging.comparison.compare` also takes a truth at other instants. Raises
+    `ValueError` for a run that has no trajectory, and for a truth that is not at the instants of the run.
     """
     if not isinstance(run.outcome, Completed):
         raise ValueError(f"the run has no trajectory to compare, its status is {run.outcome.status}: {run.outcome.reason}")
     trajectory = run.outcome.trajectory
-    compared = Comparison(truth.at(trajectory.t), trajectory, run.outcome.load)
+    if not np.array_equal(truth.trajectory.t, trajectory.t):
+        raise ValueError("the truth is not at the instants of the run; `Truth.at` computes it there")
+    compared = Comparison(truth, trajectory, run.outcome.load)
     series: dict[str, Array] = {}
     figures: dict[str, float] = {}
     for name, figure in FIGURES.items():

@@ -23,9 +23,9 @@ from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES, LIMITED, truth_bounds
 from bodycheck.figures.scales import in_scene
 from bodycheck.judging.judgement import Verdict
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import plan as planned
-from bodycheck.running.outcome import Crashed, TimedOut, Unsupported
+from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.running.plan import Task
 from bodycheck.running.store import Results
 
@@ -61,9 +61,9 @@ class Change:
     done: bool = True
 
 
-def measure(verdict: Verdict, truth: Truth | Unsupported) -> Measurement:
+def measure(verdict: Verdict, truth: Truth | NoTruth) -> Measurement:
     """The figures of a run, none where it is not ok. truth: of its scene, at its instants."""
-    if verdict.discrepancy is None or isinstance(truth, Unsupported):
+    if verdict.discrepancy is None or isinstance(truth, NoTruth):
         return Measurement(verdict, {}, {})
     maxima = verdict.discrepancy.maxima()
     figures = {name: maxima[name] for name in LIMITED if name in maxima}

@@ -1,22 +1,21 @@
 """What stored runs are worth: discrepancies from the truth, expectations, and one row of results a run."""
 
 import math
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime
-from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
 from bodycheck.figures.columns import ALWAYS_TABLED, FURTHER, truth_bounds
 from bodycheck.judging.convergence import attitude_order
-from bodycheck.judging.discrepancy import Discrepancy, compare
-from bodycheck.reference.truth import Truth
+from bodycheck.judging.discrepancy import Summary, compare
+from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running.outcome import Completed, Outcome, Run, Unsupported
 from bodycheck.running.store import Results
 
@@ -58,16 +57,31 @@ class Judged:
 
 @dataclass(frozen=True, eq=False)
 class Verdict:
-    """A run, judged. discrepancy: None for a run that is not ok. passed: None where nothing was expected of it.
+    """A run and its judgement. The verdict on a stored run keeps figures and no series over time.
 
-    reason: why it is not ok, which expectation does not hold, or what is to be said of a discrepancy that is known.
-    known: whether one was. judged: what was expected of it, in the order of the case.
-    label: of the results that the run is from, where several are looked at together.
+    Attributes
+    ----------
+    run
+        The run.
+    outcome
+        The outcome of the run; `Unsupported` for a completed run that has no truth to be compared with.
+    discrepancy
+        The figures of the run; None for a run that is not ok.
+    passed
+        Whether every expectation holds; None where nothing was expected of the run.
+    reason
+        Why the run is not ok, which expectation does not hold, or which discrepancy is known.
+    known
+        Whether a discrepancy was known.
+    judged
+        The judgement on each expectation, in the order of the case.
+    label
+        The label of the results that the run is from, where several are judged together.
     """
 
     run: Run
     outcome: Outcome
-    discrepancy: Discrepancy | None
+    discrepancy: Summary | None
     passed: bool | None
     reason: str
     known: bool = False
@@ -97,29 +111,57 @@ class Verdict:
 
 
 def judge(results: Results, today: date | None = None) -> list[Verdict]:
-    """The verdicts on all runs of a results folder, in the order of its cases, as of a day."""
-    truths = cache(results.truth)
-    runs = list(results.runs())
-    return [
-        verdict(results.cases[run.case], truths(run.case, run.method.timestep), run, _finer(run, runs), today) for run in runs
-    ]
+    """Return the verdicts on all runs of a results folder, in the order of the plan, as of a day.
+
+    The cost grows with the number of runs: each truth is read once, each trajectory once, and again where the order of a
+    coarser run is expected. One truth and the trajectories of one run are in memory at a time.
+    """
+    groups: dict[tuple[str, float], list[tuple[int, Run]]] = defaultdict(list)
+    for place, run in enumerate(results.runs()):
+        groups[run.case, run.method.timestep].append((place, run))
+    found: dict[int, Verdict] = {}
+    for (name, timestep), runs in groups.items():
+        case, truth = results.cases[name], results.truth(name, timestep)
+        for place, run in runs:
+            finer = _finer(run, results) if any(e.needs_order for e in _concerning(case, run)) else ()
+            found[place] = verdict(case, truth, run, finer, today)
+    return [found[place] for place in range(len(found))]
 
 
-def verdict(case: Case, truth: Truth | Unsupported, run: Run, finer: Sequence[Run] = (), today: date | None = None) -> Verdict:
-    """The verdict on one run against the truth at its instants; a run without a truth counts as unsupported.
+def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] = (), today: date | None = None) -> Verdict:
+    """Return the verdict on one run; a completed run without a truth counts as unsupported.
 
-    finer: those of the same method with a half and a quarter of its time step, for expectations of an order.
-    today: the day by which a known discrepancy may be over; this day by default.
+    Parameters
+    ----------
+    case
+        The case of the run, with its expectations.
+    truth
+        The truth of the case at the instants of the run, or why there is none.
+    run
+        The run.
+    finer
+        The runs of the same method with a half and a quarter of its time step, for expectations of an order.
+    today
+        The day from which on a known discrepancy may no longer be tolerated; by default the present day (UTC).
+
+    Raises
+    ------
+    ValueError
+        If the truth is not at the instants of the run.
+    BadFolder
+        If the trajectory of a stored run cannot be read.
     """
     outcome: Outcome = run.outcome
-    if isinstance(outcome, Completed) and isinstance(truth, Unsupported):
-        outcome = truth
-    discrepancy = compare(truth, run) if isinstance(outcome, Completed) and isinstance(truth, Truth) else None
-    expectations = [e for e in case.expectations if e.concerns(run.engine, run.method)]
+    discrepancy = None
+    if isinstance(outcome, Completed) and isinstance(truth, NoTruth):
+        outcome = Unsupported(truth.reason)
+    elif isinstance(outcome, Completed) and isinstance(truth, Truth):
+        discrepancy = compare(truth, run).summary()
+    expectations = _concerning(case, run)
     if not expectations:
         return Verdict(run, outcome, discrepancy, False if outcome.failed else None, outcome.reason)
     order = _order(truth, (run, *finer)) if any(expectation.needs_order for expectation in expectations) else None
-    bounds = {} if isinstance(truth, Unsupported) else {name: float(b.max()) for name, b in truth_bounds(truth).items()}
+    bounds = {} if isinstance(truth, NoTruth) else {name: float(b.max()) for name, b in truth_bounds(truth).items()}
     judged = tuple(
         settle(expectation, broken(expectation, outcome, discrepancy, order, bounds), today or datetime.now(UTC).date())
         for expectation in expectations
@@ -156,7 +198,7 @@ def write(verdicts: Iterable[Verdict], folder: Path) -> None:
 def broken(
     expectation: Expectation,
     outcome: Outcome,
-    discrepancy: Discrepancy | None,
+    discrepancy: Summary | None,
     order: float | None,
     bounds: Mapping[str, float],
 ) -> tuple[Breach, ...]:
@@ -177,14 +219,14 @@ def broken(
     )
 
 
-def _breach(limit: Limit, measured: Mapping[str, float], discrepancy: Discrepancy, bounds: Mapping[str, float]) -> Breach:
+def _breach(limit: Limit, measured: Mapping[str, float], discrepancy: Summary, bounds: Mapping[str, float]) -> Breach:
     name = limit.name
     if name not in measured:
         missing = "the runs with finer steps are not there" if name == ORDER else "it is not measured in this scene"
         return Breach(name, "unknown", limit.text, (missing,))
     notes = []
-    if name in discrepancy.series:
-        notes.append(f"worst at t = {discrepancy.t[int(np.argmax(discrepancy.series[name]))]:.6g} s")
+    if name in discrepancy.instants:
+        notes.append(f"worst at t = {discrepancy.instants[name]:.6g} s")
     if name in bounds:
         notes.append(f"the truth's own error is at most {bounds[name]:.2g}{unit(name)}")
     return Breach(name, f"{measured[name]:.4g}{unit(name)}", limit.text, tuple(notes))
@@ -203,16 +245,19 @@ def settle(expectation: Expectation, breaches: tuple[Breach, ...], today: date) 
     return Judged(expectation, breaches, tolerated, f"{told} {expectation.until.isoformat()} ({expectation.known}): {text}")
 
 
-def _finer(run: Run, runs: Sequence[Run]) -> list[Run]:
-    def is_finer(other: Run, by: int) -> bool:
-        return run.key.over_steps == other.key.over_steps and run.method.is_at(other.method.timestep * by)
-
-    return [other for by in REFINEMENTS for other in runs if is_finer(other, by)]
+def _concerning(case: Case, run: Run) -> list[Expectation]:
+    return [expectation for expectation in case.expectations if expectation.concerns(run.engine, run.method)]
 
 
-def _order(truth: Truth | Unsupported, runs: Sequence[Run]) -> float | None:
+def _finer(run: Run, results: Results) -> list[Run]:
+    """The runs of the same method with a half and a quarter of the time step, as far as there are any."""
+    finer = (results.run(replace(run.key, method=run.method.at(run.method.timestep / by))) for by in REFINEMENTS)
+    return [one for one in finer if one is not None]
+
+
+def _order(truth: Truth | NoTruth, runs: Sequence[Run]) -> float | None:
     """The observed order in attitude; None where not all the runs are there."""
-    trajectories = [(run.method.timestep, run.outcome.trajectory) for run in runs if isinstance(run.outcome, Completed)]
-    if len(trajectories) != 1 + len(REFINEMENTS) or isinstance(truth, Unsupported):
+    completed = [(run.method.timestep, run.outcome) for run in runs if isinstance(run.outcome, Completed)]
+    if len(completed) != 1 + len(REFINEMENTS) or isinstance(truth, NoTruth):
         return None
-    return attitude_order(trajectories, truth)
+    return attitude_order([(timestep, outcome.trajectory) for timestep, outcome in completed], truth)

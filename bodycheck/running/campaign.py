@@ -12,14 +12,16 @@ from typing import Any, Protocol
 
 from bodycheck.casefile.case import Case
 from bodycheck.reference.errors import NotModelled, OutOfReach
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.planar import Stop
+from bodycheck.reference.scene import Plane
+from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import pool, store
 from bodycheck.running.machine import fingerprint
-from bodycheck.running.outcome import Crashed, Run, TimedOut, Unsupported
+from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
 from bodycheck.running.plan import Task
 from bodycheck.running.simulation import run, sampling_steps
 from bodycheck.running.store import Results, Writer
-from bodycheck.running.truths import truth
+from bodycheck.running.truths import stop_under, truth
 
 #: Seconds that one run, or one truth, may take.
 TIME_LIMIT = 300.0
@@ -41,6 +43,14 @@ class TruthTask:
 
     case: Case
     timestep: float
+
+
+@dataclass(frozen=True)
+class StopTask:
+    """The stop of the body of a case if a law of friction acts on its plane."""
+
+    case: Case
+    law: Plane
 
 
 def header(command: Sequence[str], engines: Mapping[str, str], missing: Mapping[str, str]) -> dict[str, Any]:
@@ -101,9 +111,19 @@ def results(
                         writer.add_run(Run(case.name, engine, head["engines"][engine], method, result), places[argument])
                     case TruthTask(case, timestep), Truth():
                         writer.add_truth(case, timestep, result)
-                    case TruthTask(case, timestep), Unsupported() | Crashed() | TimedOut():
+                    case TruthTask(case, timestep), NoTruth() | Crashed() | TimedOut():
                         writer.add_missing_truth(case, timestep, f"the reference: {result.reason}")
                 progress(_name(argument))
+        needed = _stop_tasks({case.name: case for case in cases}, store.read(folder).runs())
+        stops = [task for task in needed if not writer.has_stop(task.case.name, task.law)]
+        with closing(pool.call_all(perform_stop, stops, jobs, limit, memory)) as found:
+            for task, stop in found:
+                match stop:
+                    case Stop() | None:
+                        writer.add_stop(task.case.name, task.law, stop)
+                    case Crashed() | TimedOut():
+                        writer.add_stop(task.case.name, task.law, None, stop.reason)
+                progress(_name(task), 0)
         yield replace(store.read(folder), complete=True)
 
 
@@ -125,20 +145,45 @@ def _truth_tasks(tasks: Sequence[Task]) -> tuple[TruthTask, ...]:
     return tuple(dict.fromkeys(TruthTask(task.case, task.method.timestep) for task in tasks))
 
 
-def perform(argument: TruthTask | Task) -> Run | Truth | Unsupported:
-    """The run, or the truth, that is asked for; `Unsupported` where there is no truth."""
+def _stop_tasks(cases: Mapping[str, Case], runs: Sequence[Run]) -> tuple[StopTask, ...]:
+    """The stops that attribution needs: under the law of the case, and under the laws of the engines' contacts.
+
+    They are known after the runs, as an engine tells the law of its contacts in the process of its run.
+    """
+    found: dict[StopTask, None] = {}
+    for made in runs:
+        case = cases[made.case]
+        if case.scene.plane is not None and isinstance(made.outcome, Completed):
+            found |= {StopTask(case, law): None for law in (case.scene.plane, made.contact_law) if law is not None}
+    return tuple(found)
+
+
+def perform_run(task: Task) -> Run:
+    """Return the run that is asked for."""
+    return run(task.case, task.engine, task.method)
+
+
+def perform_stop(task: StopTask) -> Stop | None:
+    """Return the stop that is asked for, None if the reference knows none."""
+    return stop_under(task.case, task.law)
+
+
+def perform(argument: TruthTask | Task) -> Run | Truth | NoTruth:
+    """Return the run or the truth that is asked for; `NoTruth` if the reference has none."""
     if isinstance(argument, Task):
-        return run(argument.case, argument.engine, argument.method)
+        return perform_run(argument)
     case, timestep = argument.case, argument.timestep
     try:
         return truth(case, sampling_steps(case.instants, timestep) * timestep)
     except (NotModelled, OutOfReach) as error:
-        return Unsupported(str(error))
+        return NoTruth(str(error))
 
 
-def _name(argument: TruthTask | Task) -> str:
+def _name(argument: TruthTask | StopTask | Task) -> str:
     match argument:
         case Task(case, engine, method):
             return f"{case.name} · {engine} {method}"
         case TruthTask(case, timestep):
             return f"{case.name} · truth {timestep:g} s"
+        case StopTask(case, law):
+            return f"{case.name} · stop under the law {law.law}, {law.pressure} pressure"

@@ -1,7 +1,7 @@
 """How a run ended: a closed family of frozen types that answer the same questions."""
 
 from dataclasses import dataclass, field
-from typing import ClassVar, Literal
+from typing import ClassVar, Literal, Protocol
 
 from bodycheck.adapters.contract import Method
 from bodycheck.figures.definition import Load
@@ -11,11 +11,30 @@ from bodycheck.running.key import RunKey
 from bodycheck.running.limits import shortage
 
 
+class Stored(Protocol):
+    """A trajectory that is kept outside memory."""
+
+    def read(self) -> Trajectory:
+        """Return the trajectory. Raises `BadFolder` if it cannot be read."""
+
+
 @dataclass(frozen=True, eq=False)
 class Completed:
-    """The engine stepped to the end. steps taken, and the wall time of stepping alone (s)."""
+    """The engine stepped to the end.
 
-    trajectory: Trajectory
+    Attributes
+    ----------
+    states
+        The trajectory of a run made in this process, or where that of stored results can be read.
+    steps
+        Number of steps taken.
+    wall_time
+        Wall time of stepping alone (s).
+    load
+        The load of the contact; None in free flight, and where the engine does not report it.
+    """
+
+    states: Trajectory | Stored
     steps: int
     wall_time: float
     load: Load | None = None
@@ -23,10 +42,15 @@ class Completed:
     failed: ClassVar[bool] = False
     reason: ClassVar[str] = ""
 
+    @property
+    def trajectory(self) -> Trajectory:
+        """The states at the sampled instants; those of stored results are read from disk each time and not kept."""
+        return self.states if isinstance(self.states, Trajectory) else self.states.read()
+
 
 @dataclass(frozen=True)
 class Unsupported:
-    """The engine, or the truth, cannot model what the scene requires."""
+    """The engine cannot model what the scene requires; also the outcome of a run that has no truth to be compared with."""
 
     reason: str
     status: ClassVar[str] = "unsupported"

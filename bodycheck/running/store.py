@@ -1,42 +1,31 @@
-"""A results folder: what was run, raw, so that every figure and report is computed from it without simulating again.
+"""A results folder: the raw results of runs, from which every figure and report is computed without simulating again.
 
-`run.jsonl` is a journal with a record of each truth and each run as they finish; without its footer it tells of an interrupted
-run. `trajectories/` holds the states. The case files are in the header as they were read.
+`run.jsonl` is a journal with a record of each truth, each run and each stop under a law of friction, written as they finish;
+without its footer the run was interrupted. `trajectories/` holds the states. The header holds the case files as they were read.
 """
 
-import os
 import shutil
-from collections.abc import Collection, Iterator
+from bisect import bisect_left
+from collections import defaultdict
+from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
-
-import numpy as np
-import pyarrow as pa
-import pyarrow.parquet as pq
 
 from bodycheck.casefile.case import Case, parse_stored
-from bodycheck.errors import BadInput
+from bodycheck.errors import BadFolder
 from bodycheck.figures.definition import Load
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
-from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth
-from bodycheck.running import journal
+from bodycheck.reference.truth import NoTruth, Truth
+from bodycheck.running import journal, trajectory_files
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Run, TimedOut, Unsupported
+from bodycheck.running.trajectory_files import TRAJECTORIES, StoredTrajectory, run_path, truth_path
 
 FORMAT = 1
 RECORDS = "run.jsonl"
-TRAJECTORIES = "trajectories"
-TRUTH = "truth"
-STATE_COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz")
-
-
-class BadFolder(BadInput):
-    """A folder is not what it should be; the text says why."""
 
 
 class Writer:
@@ -51,7 +40,9 @@ class Writer:
         texts = [{"name": case.name, "text": case.text} for case in cases]
         self.folder = folder
         self.journal = journal.resume(folder / RECORDS, {"format": FORMAT, **header, "cases": texts})
-        self.done = {_path_of(record) for record in self.journal.records if _is_stored(folder, record)}
+        records = self.journal.records
+        self.stops = {_law_of(record) for record in records if record["record"] == "stop"}
+        self.done = {_path_of(record) for record in records if record["record"] != "stop" and _is_stored(folder, record)}
         _remove_all_but(self.done, folder)
 
     def __enter__(self) -> "Writer":
@@ -63,15 +54,19 @@ class Writer:
 
     def has_truth(self, case: str, timestep: float) -> bool:
         """Whether that of a case for a time step (s) was there already, or the reason why there is none."""
-        return _trajectory_path(case, TRUTH, "", timestep) in self.done
+        return truth_path(case, timestep) in self.done
 
     def has_run(self, key: RunKey) -> bool:
         """Whether a run was there already, however it ended."""
-        return _trajectory_path(key.case, key.engine, key.method.name, key.method.timestep) in self.done
+        return run_path(key.case, key.engine, key.method.name, key.method.timestep) in self.done
+
+    def has_stop(self, case: str, law: Plane) -> bool:
+        """Return whether the folder already had a record of the stop of a case under a law of friction."""
+        return (case, law) in self.stops
 
     def add_truth(self, case: Case, timestep: float, truth: Truth) -> None:
-        path = _trajectory_path(case.name, TRUTH, "", timestep)
-        self._save(path, truth.trajectory, {"truth_error": truth.error, "truth_position_error": truth.position_error})
+        bounds = dict(zip(trajectory_files.BOUND_COLUMNS, (truth.error, truth.position_error), strict=True))
+        trajectory_files.write(self.folder / truth_path(case.name, timestep), truth.trajectory, bounds)
         record: dict[str, Any] = {"case": case.name, "timestep": timestep, "model": truth.model, "why": truth.reason}
         record |= {"backend": truth.backend, "witnesses": truth.witnesses}
         if truth.stop is not None:
@@ -95,23 +90,32 @@ class Writer:
             "contact_law": asdict(run.contact_law) if run.contact_law is not None else None,
         }
         match run.outcome:
-            case Completed(trajectory, steps, wall_time, load):
-                self._save(_path_of(record), trajectory, {})
-                record |= {"steps": steps, "wall_time": wall_time, "load": asdict(load) if load is not None else None}
+            case Completed() as done:
+                trajectory_files.write(self.folder / _path_of(record), done.trajectory, {})
+                load = asdict(done.load) if done.load is not None else None
+                record |= {"steps": done.steps, "wall_time": done.wall_time, "load": load}
             case TimedOut(limit):
                 record |= {"limit": limit}
             case outcome:
                 record |= {"reason": outcome.reason}
         self.journal.add(record)
 
-    def _save(self, path: Path, trajectory: Trajectory, more: dict[str, Array]) -> None:
-        states = np.hstack([trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity])
-        columns = {"t": trajectory.t, **dict(zip(STATE_COLUMNS, states.T, strict=True)), **more}
-        file = self.folder / path
-        file.parent.mkdir(parents=True, exist_ok=True)
-        part = file.with_suffix(".part")
-        pq.write_table(pa.table(columns), part, compression="zstd", use_dictionary=False, use_byte_stream_split=True)
-        os.replace(part, file)  # whole or not at all, and there before its record is
+    def add_stop(self, case: str, law: Plane, stop: Stop | None, reason: str = "") -> None:
+        """Record where a case's body stops if a law of friction acts on its plane.
+
+        Parameters
+        ----------
+        case
+            Name of the case.
+        law
+            The plane with the law of friction.
+        stop
+            Where and when the body stops; None if it does not, or if the reference has no truth under this law.
+        reason
+            Why there is no stop, if the computation failed.
+        """
+        record = {"record": "stop", "case": case, "law": asdict(law), "stop": None if stop is None else asdict(stop)}
+        self.journal.add(record | ({"reason": reason} if reason else {}))
 
 
 @dataclass(frozen=True)
@@ -128,43 +132,75 @@ class Results:
         """The cases that were run, by name."""
         return {entry["name"]: parse_stored(entry["text"], entry["name"]) for entry in self.header["cases"]}
 
-    def runs(self) -> Iterator[Run]:
-        """All runs in the order of the plan, their trajectories read from disk as they come."""
+    def runs(self) -> Sequence[Run]:
+        """Return all runs in the order of the plan; their trajectories are read from disk each time that they are needed."""
+        return self._runs
+
+    def run(self, key: RunKey) -> Run | None:
+        """Return the run with a key, or None if there is none; its time step may differ by the rounding of a quotient."""
+        steps, runs = self._by_method.get(key.over_steps, ((), ()))
+        place = bisect_left(steps, key.method.timestep)
+        near = range(max(place - 1, 0), min(place + 1, len(steps)))
+        return next((runs[at] for at in near if key.method.is_at(steps[at])), None)
+
+    def truth(self, case: str, timestep: float) -> Truth | NoTruth:
+        """Return the truth for the runs of a case with one time step (s), read from disk, or why there is none.
+
+        Raises `BadFolder` if its file is missing or damaged.
+        """
+        record = self._truths.get((case, timestep))
+        if record is None:
+            return NoTruth("the reference was interrupted")
+        if "reason" in record:
+            return NoTruth(record["reason"])
+        trajectory, error, position_error = trajectory_files.read_truth(self.folder / _path_of(record))
+        return Truth(
+            self.cases[case].scene,
+            trajectory,
+            error,
+            position_error,
+            model=record["model"],
+            reason=record["why"],
+            backend=record["backend"],
+            witnesses=tuple(record["witnesses"]),
+            stop=_stop(record.get("stop")),
+        )
+
+    @cached_property
+    def stops(self) -> dict[tuple[str, Plane], Stop | None]:
+        """Where and when the body of a case stops under a law of friction, by the case's name and the plane with the law.
+
+        None where the reference knows no stop. Results that were interrupted lack some, those of earlier versions all.
+        """
+        return {_law_of(record): _stop(record["stop"]) for record in self.records if record["record"] == "stop"}
+
+    @cached_property
+    def _truths(self) -> dict[tuple[str, float], dict[str, Any]]:
+        """The records of the truths by case and time step (s)."""
+        return {(record["case"], record["timestep"]): record for record in self.records if record["record"] == "truth"}
+
+    @cached_property
+    def _runs(self) -> tuple[Run, ...]:
         records = [record for record in self.records if record["record"] == "run"]
-        yield from map(self._run, sorted(records, key=lambda record: int(record["place"])))
+        return tuple(self._run_of(record) for record in sorted(records, key=lambda record: int(record["place"])))
 
-    def truth(self, case: str, timestep: float) -> Truth | Unsupported:
-        """The truth that the runs of a case with one time step are held against, or why there is none."""
-        for record in self.records:
-            if record["record"] == "truth" and record["case"] == case and record["timestep"] == timestep:
-                if "reason" in record:
-                    return Unsupported(record["reason"])
-                bounds = ("truth_error", "truth_position_error")
-                table = _read_columns(self.folder / _path_of(record), bounds)
-                error, position_error = (table[bound].to_numpy() for bound in bounds)
-                stop = record.get("stop")
-                return Truth(
-                    self.cases[case].scene,
-                    _trajectory(table),
-                    error,
-                    position_error,
-                    model=record["model"],
-                    reason=record["why"],
-                    backend=record["backend"],
-                    witnesses=tuple(record["witnesses"]),
-                    stop=Stop(stop["time"], tuple(stop["position"]), stop["yaw"]) if stop else None,
-                )
-        return Unsupported("the reference was interrupted")
+    @cached_property
+    def _by_method(self) -> dict[RunKey, tuple[list[float], list[Run]]]:
+        """The time steps (s) of each method on each case, ascending, and the runs with them."""
+        found: dict[RunKey, list[Run]] = defaultdict(list)
+        for run in sorted(self._runs, key=lambda run: run.method.timestep):
+            found[run.key.over_steps].append(run)
+        return {key: ([run.method.timestep for run in runs], runs) for key, runs in found.items()}
 
-    def _run(self, record: dict[str, Any]) -> Run:
+    def _run_of(self, record: dict[str, Any]) -> Run:
         key = RunKey.of_row(record)
         law = record["contact_law"]
         run = Run(key.case, key.engine, record["version"], key.method, Unsupported(""), Plane(**law) if law else None)
         match record["status"]:
             case Completed.status:
-                table = _read_columns(self.folder / _path_of(record))
+                states = StoredTrajectory(self.folder / _path_of(record))
                 load = Load(**record["load"]) if record["load"] else None
-                return replace(run, outcome=Completed(_trajectory(table), record["steps"], record["wall_time"], load))
+                return replace(run, outcome=Completed(states, record["steps"], record["wall_time"], load))
             case TimedOut.status:
                 return replace(run, outcome=TimedOut(record["limit"]))
             case status:
@@ -179,47 +215,38 @@ def read(folder: Path) -> Results:
         if contents.header["format"] != FORMAT:
             raise ValueError(f"its format is {contents.header['format']!r}, not {FORMAT}")
         # What was done again, because its trajectory was lost, is told of by its later record.
-        records = {_path_of(record): record for record in contents.records}
+        records = {_identity_of(record): record for record in contents.records}
     except (journal.BadJournal, ValueError, KeyError, TypeError) as error:
         raise BadFolder(f"{folder}: no readable results: {error}") from error
     return Results(folder, contents.header, tuple(records.values()), contents.complete)
 
 
+def _identity_of(record: dict[str, Any]) -> Path | tuple[str, Plane]:
+    """What a record is about; of two records about the same the later one is valid."""
+    return _law_of(record) if record["record"] == "stop" else _path_of(record)
+
+
+def _law_of(record: dict[str, Any]) -> tuple[str, Plane]:
+    """The case and the law of friction of the record of a stop."""
+    return record["case"], Plane(**record["law"])
+
+
+def _stop(told: dict[str, Any] | None) -> Stop | None:
+    return None if told is None else Stop(told["time"], tuple(told["position"]), told["yaw"])
+
+
 def _path_of(record: dict[str, Any]) -> Path:
     """The file of the trajectory of a record, named after the method as it was spelled when it was written."""
     if record["record"] == "truth":
-        return _trajectory_path(record["case"], TRUTH, "", record["timestep"])
-    return _trajectory_path(record["case"], record["engine"], record["integrator"], record["timestep"])
+        return truth_path(record["case"], record["timestep"])
+    return run_path(record["case"], record["engine"], record["integrator"], record["timestep"])
 
 
 def _is_stored(folder: Path, record: dict[str, Any]) -> bool:
-    """Whether the trajectory of which a record tells is there and can be read; also where there is none to be."""
+    """Whether the trajectory of a record can be read; True where the record has none."""
     if "reason" in record or record.get("status", Completed.status) != Completed.status:
         return True
-    try:
-        pq.read_table(folder / _path_of(record))
-    except (OSError, pa.ArrowException):
-        return False
-    return True
-
-
-def _trajectory_path(case: str, engine: str, spelling: str, timestep: float) -> Path:
-    # The spelling of a method may come from a stranger's case file: quoted, it cannot lead out of the folder.
-    name = quote("-".join(filter(None, (engine, spelling, f"{timestep!r}s"))), safe=" =,")
-    return Path(TRAJECTORIES, case, f"{name}.parquet")
-
-
-def _read_columns(path: Path, more: tuple[str, ...] = ()) -> pa.Table:
-    """The file of a trajectory. more: columns beside the states. Raises `BadFolder` where it is lost or damaged."""
-    try:
-        return pq.read_table(path, columns=["t", *STATE_COLUMNS, *more])
-    except (OSError, pa.ArrowException) as error:
-        raise BadFolder(f"{path}: a trajectory that the results tell of cannot be read: {error}") from error
-
-
-def _trajectory(table: pa.Table) -> Trajectory:
-    states = np.column_stack([table[name].to_numpy() for name in STATE_COLUMNS])
-    return Trajectory(table["t"].to_numpy(), states[:, :3], states[:, 3:7], states[:, 7:10], states[:, 10:])
+    return trajectory_files.is_readable(folder / _path_of(record))
 
 
 def _refuse_other_things(folder: Path) -> None:

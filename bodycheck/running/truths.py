@@ -1,5 +1,6 @@
 """The truth of a case."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,9 +9,15 @@ from numpy.typing import ArrayLike
 from bodycheck.casefile.case import Case
 from bodycheck.reference import certificate
 from bodycheck.reference.certificate import Certificate
+from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.planar import Stop
+from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
 from bodycheck.reference.truth import truth as truth_of_scene
+
+#: Durations of a case after which a body that still slides counts as one that does not stop.
+STOP_HORIZON = 100
 
 
 def truth(case: Case, times: ArrayLike | None = None) -> Truth:
@@ -25,6 +32,17 @@ def truth(case: Case, times: ArrayLike | None = None) -> Truth:
 def certify(case: Case, times: ArrayLike | None = None) -> Certificate:
     """Every way to the truth of a case held against every other, at the instants and with the errors raised of `truth`."""
     return certificate.certify(case.scene, _instants(case, times))
+
+
+def stop_under(case: Case, law: Plane) -> Stop | None:
+    """Return where and when the body of a case stops if a law of friction acts on its plane.
+
+    None if it does not stop within `STOP_HORIZON` times the duration of the case, or if the reference has no truth there.
+    """
+    try:
+        return truth_of_scene(replace(case.scene, plane=law), np.array([0.0, STOP_HORIZON * case.duration])).stop
+    except (NotModelled, OutOfReach):
+        return None
 
 
 def _instants(case: Case, times: ArrayLike | None) -> Array:

@@ -108,8 +108,8 @@ def _failure(verdict: Verdict, lines: Mapping[Key, Line]) -> Failure:
 def _section(shown: Shown, lines: Mapping[Key, Line], points: int, room: int) -> Section:
     case, verdicts, labels = shown.case, shown.verdicts, [one.label for one in shown.sets]
     timesteps = dict.fromkeys(verdict.run.method.timestep for verdict in verdicts)
-    truths = [(timestep, one.results.truth(case.name, timestep)) for one in shown.sets for timestep in timesteps]
-    known = {timestep: truth for timestep, truth in truths if isinstance(truth, Truth)}
+    truths = {(one.label, timestep): one.results.truth(case.name, timestep) for one in shown.sets for timestep in timesteps}
+    known = {key: truth for key, truth in truths.items() if isinstance(truth, Truth)}
     parts = {one.label: [part for part in one.parts if part.case == case.name] for one in shown.sets}
     drawn = sorted((v for v in verdicts if v.discrepancy is not None), key=lambda verdict: labels.index(verdict.label))
     return Section(
@@ -117,11 +117,16 @@ def _section(shown: Shown, lines: Mapping[Key, Line], points: int, room: int) ->
         title=shown.title,
         source=case.source,
         tags=case.tags,
-        facts=describe(case, [truth for _, truth in truths]),
+        facts=describe(case, list(truths.values())),
         table=_table(verdicts) if verdicts else None,
         origins=origins(parts),
         curves=curves.draw({lines[key_of(verdict)].label: verdict for verdict in drawn}, known, points),
-        playback=playback(case.scene, {lines[key_of(verdict)]: verdict for verdict in verdicts}, known, room),
+        playback=playback(
+            case.scene,
+            {lines[key_of(verdict)]: verdict for verdict in verdicts},
+            {timestep: truth for (_, timestep), truth in known.items()},
+            room,
+        ),
     )
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from bodycheck.judging.discrepancy import compare
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.observables import Observables, observe
 from bodycheck.reference.truth import Truth
@@ -46,8 +47,21 @@ class Curves:
     momentum: str
 
 
-def draw(verdicts: Mapping[str, Verdict], truths: Mapping[float, Truth], points: int) -> Curves:
-    """The curves of completed runs, by the label of their method, and of the truths, by time step (s)."""
+def draw(verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Truth], points: int) -> Curves:
+    """Return the curves of completed runs and of their truths.
+
+    The trajectory of each run is read and compared with its truth again, one run at a time, as verdicts keep no series.
+
+    Parameters
+    ----------
+    verdicts
+        Verdicts on runs of one case, by the label of their method.
+    known
+        The truths of the case, by the label of their set of results and the time step (s).
+    points
+        Points of one curve.
+    """
+    truths = {timestep: truth for (_, timestep), truth in known.items()}
     datasets: dict[str, list[dict[str, Any]]] = {"times": [], "series": [], "floor": [], "momentum": []}
     peaks: dict[str, dict[str, float]] = {}
     for timestep, truth in truths.items():
@@ -56,8 +70,9 @@ def draw(verdicts: Mapping[str, Verdict], truths: Mapping[float, Truth], points:
     every = max(1, points * len(verdicts) // MOST_FOUND)
     for label, verdict in verdicts.items():
         row: dict[str, Any] = {"method": label, "timestep": verdict.run.method.timestep, "every": every}
+        series = compare(known[verdict.label, verdict.run.method.timestep], verdict.run).series
         for name in PLOTTED:
-            if verdict.discrepancy is not None and (values := verdict.discrepancy.series.get(name)) is not None:
+            if (values := series.get(name)) is not None:
                 told = np.where(values < SMALLEST, 0.0, values)
                 row[name] = rounded(envelope(told, points))
                 peaks.setdefault(name, {})[label] = float(told.max())

@@ -17,12 +17,11 @@ from bodycheck.figures.columns import distance_from_ideal
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.judging.rounding import unamplified
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number
 from bodycheck.reports.runs.comparison import Comparison, Shown, method
 from bodycheck.running.machine import SPEED_TOLERANCE
-from bodycheck.running.outcome import Unsupported
 
 #: Runs whose change gets a sentence.
 MOST_CHANGES = 5
@@ -38,7 +37,7 @@ HONESTLY = (
 )
 
 Method = tuple[str, str, float]
-Truths = Callable[[str, float], Truth | Unsupported]
+Truths = Callable[[str, float], Truth | NoTruth]
 
 
 @dataclass(frozen=True)

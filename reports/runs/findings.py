@@ -6,7 +6,7 @@ from itertools import combinations
 from statistics import median
 
 from bodycheck.judging.attribution import Attribution
-from bodycheck.judging.discrepancy import Discrepancy
+from bodycheck.judging.discrepancy import Summary
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reports.finding import MOST_NAMES, TELLING, TELLING_POSITION, Finding
 from bodycheck.reports.lines import Key, Line
@@ -35,7 +35,7 @@ class Measured:
 
     line: Line
     verdict: Verdict
-    discrepancy: Discrepancy
+    discrepancy: Summary
     maxima: Mapping[str, float]
 
     @property
@@ -233,8 +233,7 @@ def _names(runs: Sequence[Measured]) -> str:
 
 
 def _when(run: Measured, name: str) -> str:
-    instant = float(run.discrepancy.t[run.discrepancy.series[name].argmax()])
-    return f"at t\u00a0=\u00a0{number(instant)}\u00a0s"  # not to be broken over lines
+    return f"at t\u00a0=\u00a0{number(run.discrepancy.instants[name])}\u00a0s"  # not to be broken over lines
 
 
 def _by_line(runs: Sequence[Measured]) -> dict[Line, list[Measured]]:

@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 from bodycheck.casefile.case import Case
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reports.quantities import bound, number
-from bodycheck.running.outcome import Unsupported
 
 
 @dataclass(frozen=True)
@@ -19,7 +18,7 @@ class Fact:
     text: str
 
 
-def describe(case: Case, truths: Sequence[Truth | Unsupported]) -> tuple[Fact, ...]:
+def describe(case: Case, truths: Sequence[Truth | NoTruth]) -> tuple[Fact, ...]:
     """The facts of a case; truths: those its runs are held against, one a time step."""
     scene, body, start = case.scene, case.scene.body, case.scene.initial
     spin, speed = math.hypot(*start.angular_velocity), math.hypot(*start.velocity)
@@ -40,7 +39,7 @@ def describe(case: Case, truths: Sequence[Truth | Unsupported]) -> tuple[Fact, .
     )
 
 
-def _stop(truths: Sequence[Truth | Unsupported]) -> tuple[Fact, ...]:
+def _stop(truths: Sequence[Truth | NoTruth]) -> tuple[Fact, ...]:
     """Where and when the body comes to rest; the same for every time step."""
     for truth in truths:
         if isinstance(truth, Truth) and truth.stop is not None:
@@ -68,12 +67,12 @@ def _vector(components: Sequence[float]) -> str:
     return f"({', '.join(map(number, components))})"
 
 
-def _truth(truths: Sequence[Truth | Unsupported]) -> str:
+def _truth(truths: Sequence[Truth | NoTruth]) -> str:
     known = [truth for truth in truths if isinstance(truth, Truth)]
     if known:
         sources = " and ".join(dict.fromkeys(f"{truth.model} ({truth.reason}) by {truth.backend}" for truth in known))
         witnesses = "; ".join(dict.fromkeys(witness for truth in known for witness in truth.witnesses))
         held = f", held against {witnesses}" if witnesses else ""
         return f"{sources}{held}, its own attitude error at most {bound(max(float(truth.error.max()) for truth in known))} rad"
-    reasons = dict.fromkeys(truth.reason for truth in truths if isinstance(truth, Unsupported))
+    reasons = dict.fromkeys(truth.reason for truth in truths if isinstance(truth, NoTruth))
     return f"none: {'; '.join(reasons)}"

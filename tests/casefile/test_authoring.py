@@ -21,7 +21,9 @@ from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
 from bodycheck.judging import judgement
 from bodycheck.judging.expectation_writer import Measurement, floors, measure, rewrite
+from bodycheck.reference.truth import NoTruth
 from bodycheck.suggestion import did_you_mean
+from tests.support.truths import truth_for_runs
 
 CASES = resources.files("bodycheck.cases")
 DIRECTIVE = f"#:schema ./{SCHEMA_FILE}\n"
@@ -262,7 +264,7 @@ def test_the_command_line_asks_for_what_was_meant(arguments: tuple[str, ...], me
 
 
 def measured(case: Case, engine: str = "mujoco", integrator: str = "Euler", timestep: float = 0.01) -> Measurement:
-    reference = truth(case)
+    reference = truth_for_runs(case, timestep)
     return measure(judgement.verdict(case, reference, simulate(case, engine, integrator, timestep)), reference)
 
 
@@ -310,7 +312,7 @@ def test_a_new_table_stands_at_the_end_and_limits_all_figures() -> None:
     for limit in added.limits:
         taken = max(measurement.figures[limit.name], measurement.floors[limit.name])
         assert 2 * taken / 1.1 <= (limit.at_most or 0) <= 2 * taken
-    assert judgement.verdict(parse(text, "f"), truth(case), measurement.verdict.run).passed is True
+    assert judgement.verdict(parse(text, "f"), truth_for_runs(case, 0.01), measurement.verdict.run).passed is True
 
 
 def test_tables_between_expectations_stay_where_they_are() -> None:
@@ -352,7 +354,7 @@ def test_a_run_that_is_not_ok_is_expected_to_end_like_that() -> None:
         TUMBLING.split("[[expect]]")[0] + "[scene]\ndrag = {quadratic = 0.1}\nplane = {}\n[body]" + TUMBLING.split("[body]")[1]
     )
     case = parse(text, "f")
-    reference = judgement.Unsupported("no model")
+    reference = NoTruth("no model")
     measurement = measure(judgement.verdict(case, reference, simulate(case, "mujoco", "Euler", 0.01)), reference)
     written, (change,) = rewrite(case, [measurement], 3.0)
     (expectation,) = parse(written, "f").expectations

@@ -15,7 +15,7 @@ import pyarrow.compute as pc
 import pyarrow.parquet as pq
 import pytest
 
-from bodycheck import Case, compare, load, simulate, truth
+from bodycheck import Case, compare, load, simulate
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import parse
@@ -29,6 +29,7 @@ from bodycheck.running import campaign
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.plan import plan
+from tests.support.truths import truth_for_runs
 
 WHOLE = load("intermediate-axis-flip").text.partition("[[expect]]")[0]
 #: Half of it, with nothing expected.
@@ -118,7 +119,7 @@ def another_machine(case: Case, run: Run, seed: int) -> Run:
     t = run.outcome.trajectory.t
     states = np.array(rows)[np.rint(t / run.method.timestep).astype(int)]
     trajectory = Trajectory(t, states[:, :3], states[:, 3:7], states[:, 7:10], states[:, 10:])
-    return replace(run, outcome=replace(run.outcome, trajectory=trajectory))
+    return replace(run, outcome=replace(run.outcome, states=trajectory))
 
 
 @pytest.mark.parametrize(
@@ -127,7 +128,7 @@ def another_machine(case: Case, run: Run, seed: int) -> Run:
 )
 def test_another_machine_has_not_changed_anything(engine: str, integrator: str) -> None:
     """Each step's rounding errors are carried by the flip, which makes of them what it would on a real machine."""
-    run, reference = simulate(FLIP, engine, integrator, STEP), truth(FLIP)
+    run, reference = simulate(FLIP, engine, integrator, STEP), truth_for_runs(FLIP, STEP)
     nudged = [simulate(rounding.nudged(FLIP, run, seed), engine, integrator, STEP) for seed in range(rounding.NUDGES)]
     allowed = rounding.allowances(reference, run, nudged)
     figures = compare(reference, run).maxima()
@@ -152,11 +153,11 @@ def test_an_allowance_is_what_the_motion_makes_of_rounding(base: Baseline) -> No
 
 
 def test_single_precision_is_allowed_its_own_rounding() -> None:
-    run, reference = simulate(FLIP, "mujoco", "RK4", STEP), truth(FLIP)
+    run, reference = simulate(FLIP, "mujoco", "RK4", STEP), truth_for_runs(FLIP, STEP)
     assert isinstance(run.outcome, Completed)
     parts = ("position", "quaternion", "velocity", "angular_velocity")
     single = {part: getattr(run.outcome.trajectory, part).astype(np.float32).astype(float) for part in parts}
-    coarse = replace(run, outcome=replace(run.outcome, trajectory=replace(run.outcome.trajectory, **single)))
+    coarse = replace(run, outcome=replace(run.outcome, states=replace(run.outcome.trajectory, **single)))
     moves = [
         np.linalg.norm(np.subtract(rounding.nudged(FLIP, of, 0).scene.initial.velocity, FLIP.scene.initial.velocity))
         for of in (run, coarse)
@@ -312,6 +313,6 @@ def test_run_saves(tmp_path: Path) -> None:
 
 def test_what_rounding_decides_is_not_held_against_anyone() -> None:
     """Where nudged runs do not all end, nothing can be said of the figures."""
-    run, reference = simulate(FLIP, "mujoco", "RK4", STEP), truth(FLIP)
+    run, reference = simulate(FLIP, "mujoco", "RK4", STEP), truth_for_runs(FLIP, STEP)
     other = replace(run, method=Method.parse("RK4", STEP), outcome=campaign.Crashed("it died"))
     assert set(rounding.allowances(reference, run, [run, other]).values()) == {np.inf}

@@ -4,11 +4,12 @@ from datetime import date
 
 import pytest
 
-from bodycheck import Case, CaseFaults, load, simulate, truth
+from bodycheck import Case, CaseFaults, load, simulate
 from bodycheck.casefile.case import parse
 from bodycheck.casefile.expectation import Limit
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
+from tests.support.truths import truth_for_runs
 
 DAY = date(2027, 1, 1)
 BEGINNING = load("free-brick").text.partition("[[expect]]")[0]
@@ -20,7 +21,7 @@ def expecting(*lines: str, integrator: str = "Euler") -> Case:
 
 
 def judged(case: Case, integrator: str = "Euler", today: date = DAY) -> Verdict:
-    return judgement.verdict(case, truth(case), simulate(case, "mujoco", integrator, 0.01), today=today)
+    return judgement.verdict(case, truth_for_runs(case, 0.01), simulate(case, "mujoco", integrator, 0.01), today=today)
 
 
 @pytest.fixture(scope="module")

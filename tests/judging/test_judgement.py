@@ -12,7 +12,7 @@ from bodycheck.casefile.case import parse
 from bodycheck.casefile.expectation import Expectation, Limit
 from bodycheck.judging import judgement
 from bodycheck.reference.scene import Plane
-from bodycheck.running.outcome import Unsupported
+from bodycheck.reference.truth import NoTruth
 from bodycheck.running.plan import plan
 from tests.support import campaigns
 from tests.support.campaigns import adapters
@@ -60,12 +60,12 @@ def test_an_expectation_of_a_run_that_is_not_ok_fails() -> None:
     case = expecting(shortened(load("free-brick"), 1.0, 11), attitude_error=1.0)
     unmodelled = replace(case, scene=replace(case.scene, plane=Plane(0.5)))
     run = simulate(unmodelled, "mujoco", "RK4", 0.1)
-    verdict = judgement.verdict(unmodelled, Unsupported("the reference does not model contact"), run)
+    verdict = judgement.verdict(unmodelled, NoTruth("the reference does not model contact"), run)
     assert (verdict.passed, verdict.outcome.status) == (False, "unsupported")
 
 
 def test_a_run_without_a_truth_is_unsupported() -> None:
     case = shortened(load("free-brick"), 1.0, 11)
-    verdict = judgement.verdict(case, Unsupported("out of reach"), simulate(case, "mujoco", "RK4", 0.1))
+    verdict = judgement.verdict(case, NoTruth("out of reach"), simulate(case, "mujoco", "RK4", 0.1))
     assert (verdict.passed, verdict.row()["status"], verdict.reason) == (None, "unsupported", "out of reach")
     assert "attitude_error" not in verdict.row()

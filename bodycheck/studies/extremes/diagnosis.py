@@ -11,7 +11,7 @@ import numpy as np
 
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Outcome, TimedOut, Unsupported
 from bodycheck.studies.extremes.rows import HEALTHY, NOTHING, STATUSES
 from bodycheck.studies.extremes.symptoms import errors, of_itself, of_truth, restart
@@ -26,12 +26,12 @@ class Diagnosis:
     detail: str
 
 
-def diagnose(scene: Scene, outcome: Outcome, truth: Truth | Unsupported) -> Diagnosis:
+def diagnose(scene: Scene, outcome: Outcome, truth: Truth | NoTruth) -> Diagnosis:
     """The diagnosis of a run of a scene; truth: at the run's own instants, or why there is none."""
     with np.errstate(all="ignore"):  # what overflows is a symptom
         match outcome:
-            case Completed(trajectory):
-                return _completed(scene, trajectory, truth)
+            case Completed():
+                return _completed(scene, outcome.trajectory, truth)
             case Diverged():
                 return _diverged(scene, outcome)
             case Crashed(reason):
@@ -40,7 +40,7 @@ def diagnose(scene: Scene, outcome: Outcome, truth: Truth | Unsupported) -> Diag
                 return Diagnosis(outcome.status, NOTHING, outcome.reason)
 
 
-def _completed(scene: Scene, trajectory: Trajectory, truth: Truth | Unsupported) -> Diagnosis:
+def _completed(scene: Scene, trajectory: Trajectory, truth: Truth | NoTruth) -> Diagnosis:
     symptoms = list(of_itself(scene, trajectory))
     if isinstance(truth, Truth):
         symptoms += of_truth(scene, trajectory, truth)
@@ -50,7 +50,7 @@ def _completed(scene: Scene, trajectory: Trajectory, truth: Truth | Unsupported)
         nothing = f"judged by what is conserved alone: {truth.reason}"
     status = max((symptom.status for symptom in symptoms), key=STATUSES.index, default="ok")
     texts = [symptom.text for symptom in symptoms]
-    if not symptoms or isinstance(truth, Unsupported):
+    if not symptoms or isinstance(truth, NoTruth):
         texts.append(nothing)
     return Diagnosis(status, HEALTHY, "; ".join(texts))
 
@@ -73,8 +73,8 @@ def _diverged(scene: Scene, outcome: Diverged) -> Diagnosis:
 def states(outcome: Outcome) -> Trajectory | None:
     """The states of a run that its engine stands by: all of one that completed, those before the end of one that diverged."""
     match outcome:
-        case Completed(trajectory):
-            return trajectory
+        case Completed():
+            return outcome.trajectory
         case Diverged(trajectory=Trajectory() as trajectory):
             numbers = np.isfinite(np.hstack([trajectory.position, trajectory.velocity, trajectory.angular_velocity]))
             sound = numbers.all(axis=1)

@@ -23,10 +23,10 @@ from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import Backend, Truth, distance, truth
+from bodycheck.reference.truth import Backend, NoTruth, Truth, distance, truth
 from bodycheck.running import journal, plan, pool
 from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed, Crashed, Outcome, TimedOut, Unsupported
+from bodycheck.running.outcome import Completed, Crashed, Outcome, TimedOut
 from bodycheck.running.simulation import run
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, states
 from bodycheck.studies.extremes.growth import growth
@@ -143,7 +143,7 @@ def results(
         yield rows, limits
 
 
-def follow(scene: Scene, times: Array) -> Truth | Unsupported:
+def follow(scene: Scene, times: Array) -> Truth | NoTruth:
     """The truth of a scene however far it goes, or why there is none.
 
     In flight it is the closed form, whose cost is the same near and far, without the witnesses that would have to be integrated
@@ -152,9 +152,9 @@ def follow(scene: Scene, times: Array) -> Truth | Unsupported:
     try:
         return truth(scene, times, ALONE)
     except NotModelled as error:
-        return Unsupported(f"the reference does not model {error}")
+        return NoTruth(f"the reference does not model {error}")
     except (OutOfReach, ValueError, OverflowError) as error:  # the last two where a closed form runs out of numbers
-        return Unsupported(f"the reference cannot follow: {error}")
+        return NoTruth(f"the reference cannot follow: {error}")
 
 
 def write(rows: Iterable[Row], limits: Iterable[Limit], folder: Path) -> None:
@@ -215,11 +215,11 @@ def _limits(
     return [_limit(search, versions[search.engine], known.stable, known.unstable) for search, known in brackets.items()]
 
 
-def _try(trial: Trial) -> tuple[Outcome, Truth | Unsupported]:
+def _try(trial: Trial) -> tuple[Outcome, Truth | NoTruth]:
     point = trial.point
     outcome = run(point.case, trial.engine, trial.method).outcome
     if not isinstance(outcome, Completed):
-        return outcome, Unsupported("the run did not end")
+        return outcome, NoTruth("the run did not end")
     return outcome, follow(point.case.scene, outcome.trajectory.t)
 
 
@@ -230,7 +230,7 @@ def _probe(probe: Probe) -> bool:
     return stable(case.scene, outcome)
 
 
-def _row(trial: Trial, version: str, answer: tuple[Outcome, Truth | Unsupported] | Crashed | TimedOut) -> Row:
+def _row(trial: Trial, version: str, answer: tuple[Outcome, Truth | NoTruth] | Crashed | TimedOut) -> Row:
     point = trial.point
     scene = point.case.scene
     if isinstance(answer, Crashed | TimedOut):

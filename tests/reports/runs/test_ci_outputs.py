@@ -11,12 +11,13 @@ from xml.etree import ElementTree
 
 import pytest
 
-from bodycheck import Case, simulate, truth
+from bodycheck import Case, simulate
 from bodycheck.casefile.case import parse
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reports.runs import github, junit
 from bodycheck.running.outcome import Crashed
+from tests.support.truths import truth_for_runs
 
 SPIN = """\
 format = 1
@@ -42,14 +43,16 @@ HOSTILE = "\x00\x1b[2J]]>&<\"'\x85\ud800\ufffe\n::error::x%0A,:\r"
 
 def judged(text: str) -> tuple[Case, Verdict]:
     case = parse(SPIN + text, "spin")
-    return case, judgement.verdict(case, truth(case), simulate(case, "mujoco", "RK4", 0.01), today=date(2026, 12, 1))
+    return case, judgement.verdict(
+        case, truth_for_runs(case, 0.01), simulate(case, "mujoco", "RK4", 0.01), today=date(2026, 12, 1)
+    )
 
 
 def crashed(reason: str) -> Verdict:
     """A verdict on a run of which nothing was expected."""
     case, verdict = judged("")
     run = replace(verdict.run, outcome=Crashed(reason))
-    return judgement.verdict(case, truth(case), run)
+    return judgement.verdict(case, truth_for_runs(case, 0.01), run)
 
 
 def read(verdicts: list[Verdict]) -> ElementTree.Element:

@@ -30,7 +30,7 @@ def ran(case: str, engine: str = "mujoco", integrator: str = "Euler", timestep: 
     series = {name: np.array([0.0, value]) for name, value in (ERRORS | figures).items()}
     outcome = Completed(None, 10, 1e-4)  # type: ignore[arg-type]  # nobody asks for the trajectory
     run = Run(case, engine, "1", Method.parse(integrator, timestep), outcome)
-    return Verdict(run, outcome, Discrepancy(np.array([0.0, 1.0]), series, {}), None, "")
+    return Verdict(run, outcome, Discrepancy(np.array([0.0, 1.0]), series, {}).summary(), None, "")
 
 
 def ended(verdict: Verdict, passed: bool | None, reason: str = "", **values: Any) -> Verdict:

@@ -26,6 +26,7 @@ from bodycheck.reports.runs.playback import MOST_CHARACTERS, MOST_SHOWN, Playbac
 from bodycheck.reports.runs.summary import key_of
 from bodycheck.running.outcome import Completed
 from tests.support.cases import shortened
+from tests.support.truths import truth_for_runs
 
 FLIP, SLIDE, SHAPELESS, STILL = "intermediate-axis-flip", "curling-brick", "dumbbell", "projectile"
 METHODS = {
@@ -152,15 +153,15 @@ def test_a_track_is_checked_at_both_ends_and_evenly(samples: int) -> None:
 
 def runs_of(name: str, duration: float, samples: int, *timesteps: float) -> Played:
     case = shortened(load(name), duration, samples)
-    exact = truth(case)
+    exact = {timestep: truth_for_runs(case, timestep) for timestep in timesteps}
     judged = [
-        verdict(case, exact, simulate(case, engine, integrator, timestep))
+        verdict(case, exact[timestep], simulate(case, engine, integrator, timestep))
         for timestep in timesteps
         for engine, integrators in METHODS.items()
         for integrator in integrators
     ]
     lines = assign(map(key_of, judged))
-    return {lines[key_of(one)]: one for one in judged}, dict.fromkeys(timesteps, exact)
+    return {lines[key_of(one)]: one for one in judged}, exact
 
 
 @pytest.fixture(scope="module")
@@ -242,7 +243,7 @@ def astray(one: Verdict, by: float) -> Verdict:
     assert isinstance(one.outcome, Completed)
     motion = one.outcome.trajectory
     moved = replace(motion, position=motion.position + np.linspace(0, by, len(motion))[:, None])
-    return replace(one, outcome=replace(one.outcome, trajectory=moved))
+    return replace(one, outcome=replace(one.outcome, states=moved))
 
 
 def test_a_hundred_cases_of_twenty_methods_stay_small(flips: Played) -> None:
@@ -311,7 +312,7 @@ def test_where_nothing_turns_nothing_is_played() -> None:
 def test_a_truth_that_is_too_fast_is_told_of() -> None:
     """Four rad from sample to sample."""
     case = shortened(load("extreme-spin"), 4.0, 11)
-    exact = truth(case)
+    exact = truth_for_runs(case, 0.002)
     one = verdict(case, exact, simulate(case, "mujoco", "RK4", 0.002))
     line = assign([key_of(one)])[key_of(one)]
     found = playback(case.scene, {line: one}, {0.002: exact}, MOST_CHARACTERS)

@@ -9,6 +9,7 @@ import pytest
 from bodycheck import load
 from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import NoTruth
 from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose
 from bodycheck.studies.extremes.growth import growth
@@ -109,7 +110,7 @@ def test_a_position_is_measured_against_the_way_travelled() -> None:
 
 
 def reset(signal: str, motion: Trajectory) -> Diagnosis:
-    return diagnose(SCENE, Diverged("the engine's words", signal, motion), Unsupported("it did not end"))
+    return diagnose(SCENE, Diverged("the engine's words", signal, motion), NoTruth("it did not end"))
 
 
 def head(motion: Trajectory, rows: int) -> Trajectory:
@@ -140,14 +141,14 @@ def test_a_silent_reset_takes_both_the_signal_and_the_states() -> None:
 def test_what_ended_a_run_is_told_with_what_went_before() -> None:
     growing = replace(MOTION, angular_velocity=MOTION.angular_velocity * np.exp(T[:, None]))
     broken = replace(growing, position=after(3.0, np.nan * MOTION.position, MOTION.position))
-    found = diagnose(SCENE, Diverged("not a number at t = 3.01 s", trajectory=broken), Unsupported("it did not end"))
+    found = diagnose(SCENE, Diverged("not a number at t = 3.01 s", trajectory=broken), NoTruth("it did not end"))
     assert (found.status, found.engine_said) == ("diverged", "healthy")
     # exp(2 * 3 s): the last sound state.
     assert "not a number at t = 3.01 s; before, energy of rotation 403 times" in found.detail
 
 
 def test_what_has_no_states() -> None:
-    nothing = Unsupported("it did not end")
+    nothing = NoTruth("it did not end")
     assert diagnose(SCENE, TimedOut(5.0), nothing) == Diagnosis("timeout", "nothing", "stopped after 5 s")
     assert diagnose(SCENE, Unsupported("too light"), nothing) == Diagnosis("unsupported", "nothing", "too light")
     assert diagnose(SCENE, Crashed("ValueError: no"), nothing).status == "crashed"
@@ -155,7 +156,7 @@ def test_what_has_no_states() -> None:
 
 
 def test_without_a_truth_a_run_is_judged_by_what_is_conserved_and_says_so() -> None:
-    why = Unsupported("the reference does not model that")
+    why = NoTruth("the reference does not model that")
     lost = replace(MOTION, quaternion=turned(3 * T / 4))
     found = diagnose(SCENE, Completed(lost, 400, 1.0), why)
     assert found == Diagnosis("ok", "healthy", "judged by what is conserved alone: the reference does not model that")

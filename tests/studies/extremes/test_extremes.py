@@ -20,8 +20,9 @@ from bodycheck.adapters import registry
 from bodycheck.casefile.case import shipped
 from bodycheck.errors import BadInput
 from bodycheck.reference.scene import State
+from bodycheck.reference.truth import NoTruth
 from bodycheck.running import campaign, journal
-from bodycheck.running.outcome import Completed, Unsupported
+from bodycheck.running.outcome import Completed
 from bodycheck.studies.extremes import study as extremes
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose
 from bodycheck.studies.extremes.outcome_map import LETTERS
@@ -40,7 +41,7 @@ def silent(done: str, count: int = 1, /) -> None:
 
 def run(case: Case, engine: str, integrator: str, timestep: float = 0.002) -> Diagnosis:
     outcome = simulate(case, engine, integrator, timestep).outcome
-    exact = follow(case.scene, outcome.trajectory.t) if isinstance(outcome, Completed) else Unsupported("it did not end")
+    exact = follow(case.scene, outcome.trajectory.t) if isinstance(outcome, Completed) else NoTruth("it did not end")
     return diagnose(case.scene, outcome, exact)
 
 
@@ -304,7 +305,7 @@ def test_the_report_begins_with_what_engines_take_for_healthy() -> None:
 def test_the_truth_follows_to_every_shipped_corner_or_says_why_not(name: str) -> None:
     for point in points(load(name)):
         found = follow(point.case.scene, point.case.instants)
-        if isinstance(found, Unsupported):
+        if isinstance(found, NoTruth):
             assert "a body that would tip" in found.reason
         else:
             # Attitudes to a billionth, far below what is called lost.

@@ -1,0 +1,31 @@
+"""The public comparison of a run with a truth, which is computed at the instants of the run if it is at others."""
+
+from bodycheck.judging import discrepancy
+from bodycheck.judging.discrepancy import Discrepancy
+from bodycheck.reference.truth import Truth
+from bodycheck.running.outcome import Completed, Run
+
+
+def compare(truth: Truth, run: Run) -> Discrepancy:
+    """Return the discrepancy of a completed run from the truth of its case, at the run's own instants.
+
+    Where the truth is at other instants, it is first computed at those of the run, which may integrate equations of motion;
+    `bodycheck.judging.discrepancy.compare` never does.
+
+    Parameters
+    ----------
+    truth
+        The truth of the case, at any instants.
+    run
+        The run.
+
+    Raises
+    ------
+    ValueError
+        If the run has no trajectory.
+    bodycheck.reference.errors.OutOfReach
+        If the truth cannot be computed at the instants of the run.
+    """
+    if isinstance(run.outcome, Completed):
+        truth = truth.at(run.outcome.trajectory.t)
+    return discrepancy.compare(truth, run)
