@@ -400,7 +400,8 @@ def test_expect_measures_and_writes(tmp_path: Path) -> None:
     assert content.count(b"\n") == content.count(b"\r\n")
     assert content.count(b"# 2.5 x ") > 10
     case = load(path)
-    assert [e.method.timestep for e in case.expectations] == [0.01, 0.002, 0.002], "none for the finer steps that an order needs"
+    steps = [expectation.method.timestep for expectation in case.expectations]
+    assert steps == [0.01, 0.002, 0.002], "none for the finer steps that an order needs"
     done = bodycheck("run", path.name, "--integrator", "Euler", "--integrator", "rk4", folder=tmp_path)
     assert done.returncode == 0, done.stdout
     assert "3 passed, 0 failed" in done.stdout
