@@ -1,0 +1,85 @@
+"""The documents: every link, path and option in them exists, and their examples run."""
+
+import functools
+import re
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Adapter
+from bodycheck.casefile.case import load
+from bodycheck.commands.command_line import app
+from bodycheck.running import smoke
+from tests.support import ROOT
+
+DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
+
+#: Folders of the repository; a document that names a file in one of them names a file that exists.
+FOLDERS = ("adapters", "benchmarks", "bodycheck", "cases", "docs", "reference", "reports", "tests")
+
+
+def blocks(document: Path, language: str) -> list[str]:
+    """The fenced blocks of a document in a language."""
+    return re.findall(rf"```{language}\n(.*?)```", document.read_text(encoding="utf-8"), re.DOTALL)
+
+
+@functools.cache
+def options(command: str) -> frozenset[str]:
+    """The options of a command of bodycheck."""
+    return frozenset(name for argument in app[command].assemble_argument_collection() for name in argument.names)
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_links_lead_to_files_and_headings(document: Path) -> None:
+    for link in re.findall(r"\]\(([^)\s]+)\)", document.read_text(encoding="utf-8")):
+        if "://" in link:
+            continue
+        place, _, heading = link.partition("#")
+        target = document.parent / place if place else document
+        assert target.exists(), link
+        if heading:
+            titles = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), re.MULTILINE)
+            assert heading in {re.sub(r"[^\w -]", "", title.lower()).replace(" ", "-") for title in titles}, link
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_paths_name_files(document: Path) -> None:
+    if document.name == "CHANGELOG.md":
+        pytest.skip("it also names files of earlier versions")
+    text = document.read_text(encoding="utf-8")
+    for path in re.findall(rf"`((?:{'|'.join(FOLDERS)})/[\w./-]*)(?:::\w+)?`", text):
+        assert "NAME" in path or (ROOT / path).exists(), path
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
+def test_commands_have_the_options_that_documents_name(document: Path) -> None:
+    commands = {name for name in app if not name.startswith("-")}
+    # Code within a paragraph may go on in the next line.
+    text = re.sub(r"(?<!`)`[^`]+`", lambda code: code[0].replace("\n", " "), document.read_text(encoding="utf-8"))
+    for command, rest in re.findall(r"bodycheck (\w+)((?: [^`\n#;|]*)?)", text):
+        if command in commands:
+            for option in re.findall(r"(?<![\w-])--[a-z][a-z-]*", rest):
+                assert option in options(command), f"bodycheck {command} {option}"
+
+
+def test_the_case_of_the_readme_is_valid(tmp_path: Path) -> None:
+    (text,) = blocks(ROOT / "README.md", "toml")
+    (tmp_path / "my-case.case.toml").write_text(text, encoding="utf-8")
+    assert load(tmp_path / "my-case.case.toml").name == "my-case"
+
+
+def test_the_python_of_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    (code,) = blocks(ROOT / "README.md", "python")
+    exec(code, {})
+    assert float(capsys.readouterr().out) == pytest.approx(17.3, abs=0.05)
+
+
+def test_the_adapter_of_the_contributing_guide_passes_the_checks(monkeypatch: pytest.MonkeyPatch) -> None:
+    (code,) = blocks(ROOT / "CONTRIBUTING.md", "python")
+    toy = ModuleType("toy_engine")
+    exec(code, vars(toy))
+    assert isinstance(toy, Adapter)
+    monkeypatch.setattr(registry, "load", {"toy": toy}.__getitem__)
+    assert smoke.check("toy") == []
