@@ -19,6 +19,9 @@ DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 #: Folders of the repository; a document that names a file in one of them names a file that exists.
 FOLDERS = ("adapters", "benchmarks", "bodycheck", "cases", "docs", "reference", "reports", "tests")
 
+#: Names in documents that stand for names which readers choose.
+PLACEHOLDERS = ("NAME", "my-case")
+
 
 def blocks(document: Path, language: str) -> list[str]:
     """The fenced blocks of a document in a language."""
@@ -49,8 +52,8 @@ def test_paths_name_files(document: Path) -> None:
     if document.name == "CHANGELOG.md":
         pytest.skip("it also names files of earlier versions")
     text = document.read_text(encoding="utf-8")
-    for path in re.findall(rf"`((?:{'|'.join(FOLDERS)})/[\w./-]*)(?:::\w+)?`", text):
-        assert "NAME" in path or (ROOT / path).exists(), path
+    for path in re.findall(rf"(?<=[\s`])(?:{'|'.join(FOLDERS)})/[\w/-]*(?:\.\w+)*", text):
+        assert any(word in path for word in PLACEHOLDERS) or (ROOT / path).exists(), path
 
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: path.name)
