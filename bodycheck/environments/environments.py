@@ -15,7 +15,7 @@ import shutil
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import cache
@@ -25,6 +25,7 @@ from pathlib import Path
 from subprocess import CompletedProcess
 from typing import TYPE_CHECKING
 
+from filelock import BaseFileLock, FileLock
 from packaging.version import InvalidVersion, Version
 from platformdirs import user_cache_path
 
@@ -37,9 +38,6 @@ from bodycheck.running.outcome import Crashed, TimedOut
 
 if TYPE_CHECKING:  # the processes that question releases need not import what a campaign does
     from bodycheck.running.campaign import Advance
-
-if sys.platform != "win32":
-    import fcntl
 
 CACHE_VARIABLE = "BODYCHECK_CACHE"
 
@@ -92,7 +90,7 @@ def obtain(engine: str, version: str) -> Environment:
     """Return the environment of a release, which is made if there is none. Raises `Unobtainable`."""
     release = _release(engine, version)
     folder = _folder(release)
-    with _alone_with(folder):
+    with _lock(folder):
         _remove_unfinished(folder)
         if not ((folder / MARKER).is_file() and making.is_intact(folder, release)):
             _remove(folder)
@@ -164,7 +162,7 @@ def remove(engine: str, versions: Sequence[str]) -> tuple[str, ...]:
     for version in versions:
         folder_of_version = _folder(_release(engine, version)).parent
         for folder in sorted(path.parent for path in folder_of_version.glob(f"*/{MARKER}")):
-            with _alone_with(folder):
+            with _lock(folder):
                 _remove_unfinished(folder)
                 _remove(folder)
             removed.append(version)
@@ -288,18 +286,14 @@ def _fit() -> str:
     return f"{abi}-{sha256(fits.encode()).hexdigest()[:12]}"
 
 
-@contextlib.contextmanager
-def _alone_with(folder: Path) -> Iterator[None]:
-    """Wait until no other process works on an environment, and keep others from it in this context."""
+def _lock(folder: Path) -> BaseFileLock:
+    """Return the lock of an environment, which a process holds while it works on it and loses when it ends."""
     folder.parent.mkdir(parents=True, exist_ok=True)
-    with folder.with_name(f"{folder.name}.lock").open("a") as lock:
-        if sys.platform != "win32":
-            fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
+    return FileLock(folder.with_name(f"{folder.name}.lock"))
 
 
 def _remove_unfinished(folder: Path) -> None:
-    """Remove what installations that were killed have left. The caller must be alone with the folder."""
+    """Remove what installations that were killed have left. The caller must hold the lock."""
     for left in folder.parent.glob(f"{folder.name}{UNFINISHED}*"):
         shutil.rmtree(left, ignore_errors=True)
 

@@ -1,5 +1,7 @@
 """Journals are read as they were written, and gone on with wherever they were cut."""
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -72,6 +74,31 @@ def test_nobody_else_writes_a_journal_that_is_being_written(tmp_path: Path) -> N
             with pytest.raises(journal.BadJournal, match="another process is writing it"):
                 other(path, HEADER)
     assert journal.read(path).records == ({"number": 1},)
+    assert list(tmp_path.iterdir()) == [path]
+
+
+WRITER = """
+import sys, time
+from pathlib import Path
+from bodycheck.running import journal
+opened = journal.begin(Path(sys.argv[1]), {"identity": "the same"})
+print("open", flush=True)
+time.sleep(600)
+"""
+
+
+def test_the_lock_of_a_process_ends_with_it(tmp_path: Path) -> None:
+    path = tmp_path / "journal.jsonl"
+    with subprocess.Popen([sys.executable, "-c", WRITER, path], stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "open\n"
+        with pytest.raises(journal.BadJournal, match="another process is writing it"):
+            journal.resume(path, HEADER)
+        process.kill()
+    with journal.resume(path, HEADER) as resumed:
+        resumed.add({"number": 1})
+    assert journal.read(path).complete
+    assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.mark.parametrize(
