@@ -3,13 +3,11 @@
 Nothing is simulated, and no engine need be installed.
 """
 
-import csv
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
-from types import UnionType
-from typing import Any, get_args
+from typing import Any
 
 from bodycheck.adapters.method import current
 from bodycheck.casefile.case import CaseFaults
@@ -17,7 +15,7 @@ from bodycheck.errors import BadFolder
 from bodycheck.figures.columns import COLUMNS
 from bodycheck.reports.runs.results_json import HEADER
 from bodycheck.reports.study import StudyReport
-from bodycheck.running import journal, store
+from bodycheck.running import csv_tables, journal, store
 from bodycheck.running.key import RunKey
 from bodycheck.running.store import Results
 from bodycheck.studies.ablation import page as ablation
@@ -27,12 +25,13 @@ from bodycheck.studies.extremes.rows import Limit, Row
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff import page as tradeoff
 
-Parse = Callable[[str], Any]
-
 EXTREMES = "extremes.jsonl"
 
-#: Columns of tradeoff.csv beside those of results that are no decimal numbers.
-TRADEOFF = {"evaluations": int}
+#: How to read a column of results by its kind in `bodycheck.columns`.
+PARSERS: dict[str, csv_tables.Parser] = {"string": str, "boolean": csv_tables.truth_value, "integer": int, "number": float}
+
+#: How to read the columns that tradeoff.csv has besides those of results and that do not hold decimal numbers.
+TRADEOFF_PARSERS: dict[str, csv_tables.Parser] = {"evaluations": int}
 
 INTERRUPTED = "was interrupted before it had anything to report; start it again with the same --out, and it goes on"
 
@@ -87,15 +86,15 @@ def _study(results: Results) -> StudyReport | None:
 
 
 def _tradeoff(results: Results) -> StudyReport:
-    kinds: dict[str, Parse] = {name: _PARSERS[column.kind] for name, column in COLUMNS.items()}
-    rows = _table(results.folder / "tradeoff.csv", kinds | TRADEOFF)
+    parsers = {name: PARSERS[column.kind] for name, column in COLUMNS.items()}
+    rows = _rows(results.folder / "tradeoff.csv", parsers | TRADEOFF_PARSERS)
     _check(results, "tradeoff.csv", {RunKey.of_row(row) for row in rows}, {RunKey.of_row(run) for run in _runs(results)})
-    orders = _table(results.folder / "orders.csv", _kinds(Order))
+    orders = _rows(results.folder / "orders.csv", csv_tables.parsers_of(Order))
     return tradeoff.present(results.header, rows, [Order(**order) for order in orders])
 
 
 def _ablation(results: Results) -> StudyReport:
-    rows = _table(results.folder / "ablation.csv", _kinds(ModelRow))
+    rows = _rows(results.folder / "ablation.csv", csv_tables.parsers_of(ModelRow))
     made = {RunKey.of_row(run) for run in _runs(results)}
     told = {RunKey.of_row(row | {"integrator": _spelled(row["integrator"], row["model"])}) for row in rows}
     _check(results, "ablation.csv", told, told & made)
@@ -107,8 +106,8 @@ def _extremes(folder: Path) -> StudyReport:
     _check_header(contents.header)
     if not contents.complete:
         raise BadFolder(f"{folder}: the study {INTERRUPTED}")
-    rows = [Row(**row) for row in _table(folder / "extremes.csv", _kinds(Row))]
-    limits = [Limit(**limit) for limit in _table(folder / "limits.csv", _kinds(Limit))]
+    rows = [Row(**row) for row in _rows(folder / "extremes.csv", csv_tables.parsers_of(Row))]
+    limits = [Limit(**limit) for limit in _rows(folder / "limits.csv", csv_tables.parsers_of(Limit))]
     runs = [record["row"] for record in contents.records if record["record"] == "run"]
     made = [Row(**row | {"integrator": current(row["integrator"])}) for row in runs]
     if set(rows) != set(made):
@@ -145,27 +144,6 @@ def _spelled(integrator: str, model: str) -> str:
     return current(f"{integrator}{',' if ':' in integrator else ':'}model={model}")
 
 
-def _truth_value(text: str) -> bool:
-    return {"True": True, "False": False}[text]
-
-
-_PARSERS: Mapping[str, Parse] = {"string": str, "boolean": _truth_value, "integer": int, "number": float}
-
-
-def _kinds(row: type) -> dict[str, Parse]:
-    """How the fields of a dataclass of rows are read, but for decimal numbers."""
-    types = {field.name: get_args(field.type) if isinstance(field.type, UnionType) else (field.type,) for field in fields(row)}
-    return {name: kind for name, allowed in types.items() for kind in (str, int) if kind in allowed}
-
-
-def _table(path: Path, kinds: Mapping[str, Parse]) -> list[dict[str, Any]]:
-    """The rows of a CSV file. kinds: how columns are read; all others are decimal numbers. None where an entry is empty."""
-
-    def value(name: str, text: str) -> Any:
-        parse = kinds.get(name, float)
-        return parse(text) if text or parse is str else None
-
-    with path.open(encoding="utf-8", newline="") as stream:
-        rows = [{name: value(name, text) for name, text in row.items()} for row in csv.DictReader(stream)]
-    # Earlier versions of bodycheck spelled some methods otherwise.
-    return [row | {"integrator": current(row["integrator"])} for row in rows]
+def _rows(path: Path, parsers: Mapping[str, csv_tables.Parser]) -> list[dict[str, Any]]:
+    """Return the rows of a table, with the present spelling of methods that earlier versions of bodycheck spelled otherwise."""
+    return [row | {"integrator": current(row["integrator"])} for row in csv_tables.read(path, parsers)]

@@ -14,12 +14,12 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from bodycheck.judging.judgement import LABEL, Verdict
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.planar import Stop, yaw
 from bodycheck.reference.scene import Plane, Scene
+from bodycheck.running import csv_tables
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.store import Results
@@ -98,18 +98,15 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
 
 
 def write(attributions: Mapping[str, Iterable[Attribution]], folder: Path) -> None:
-    """attribution.csv in a folder, where there are any, by the label of their set of results; the only one has none."""
-    told = [(label, part) for label, own in attributions.items() for part in own]
-    frame = table(part for _, part in told)
-    if len(attributions) > 1:
-        frame.insert(0, LABEL, [label for label, _ in told])
-    if told:
-        frame.to_csv(folder / "attribution.csv", index=False)
+    """Write attribution.csv into a folder if there are any attributions.
 
-
-def table(attributions: Iterable[Attribution]) -> pd.DataFrame:
-    """A row a method, step and quantity, in the columns `COLUMNS`."""
-    return pd.DataFrame([asdict(attribution) for attribution in attributions], columns=list(COLUMNS))
+    They are given by the label of their set of results, which is a column of the table if there are several sets.
+    """
+    rows = [{LABEL: label} | asdict(part) for label, own in attributions.items() for part in own]
+    if len(attributions) == 1:
+        rows = [{name: row[name] for name in COLUMNS} for row in rows]
+    if rows:
+        csv_tables.write(folder / "attribution.csv", list(rows[0]), rows)
 
 
 def _exact(

@@ -16,6 +16,7 @@ from bodycheck.figures.columns import ALWAYS_TABLED, FURTHER, truth_bounds
 from bodycheck.judging.convergence import attitude_order
 from bodycheck.judging.discrepancy import Summary, compare
 from bodycheck.reference.truth import NoTruth, Truth
+from bodycheck.running import csv_tables
 from bodycheck.running.outcome import Completed, Outcome, Run, Unsupported
 from bodycheck.running.store import Results
 
@@ -181,7 +182,10 @@ def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
 
 def table(verdicts: Iterable[Verdict]) -> pd.DataFrame:
     """One row a run, in the columns and order of `records`."""
-    rows = records(verdicts)
+    return _frame(records(verdicts))
+
+
+def _frame(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     columns = list(rows[0]) if rows else list(COLUMNS)
     frame = pd.DataFrame(rows, columns=columns)
     figures = dict.fromkeys(columns[columns.index("reason") + 1 :], "Float64")
@@ -189,9 +193,10 @@ def table(verdicts: Iterable[Verdict]) -> pd.DataFrame:
 
 
 def write(verdicts: Iterable[Verdict], folder: Path) -> None:
-    """results.csv and results.parquet in a folder."""
-    frame = table(verdicts)
-    frame.to_csv(folder / "results.csv", index=False)
+    """Write results.csv and results.parquet into a folder."""
+    rows = records(verdicts)
+    frame = _frame(rows)
+    csv_tables.write(folder / "results.csv", list(frame.columns), rows)
     frame.to_parquet(folder / "results.parquet", index=False)
 
 

@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from bodycheck.adapters.contract import Adapter, Method, Model, Models
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
@@ -18,7 +17,7 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import distance
-from bodycheck.running import campaign, pool
+from bodycheck.running import campaign, csv_tables, pool
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed
 from bodycheck.running.plan import Task, check
@@ -181,8 +180,9 @@ def largest(values: Array) -> float:
 
 
 def write(rows: Sequence[ModelRow], folder: Path) -> None:
-    """ablation.csv in a folder."""
-    pd.DataFrame(records(rows)).to_csv(folder / "ablation.csv", index=False)
+    """Write ablation.csv into a folder."""
+    table = records(rows)
+    csv_tables.write(folder / "ablation.csv", list(table[0]), table)
 
 
 def records(rows: Sequence[ModelRow]) -> list[dict[str, Any]]:

@@ -3,7 +3,6 @@
 Every run is made in a process of its own and journalled as it is done, so that a study that was killed is gone on with.
 """
 
-import csv
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
@@ -24,7 +23,7 @@ from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Backend, NoTruth, Truth, distance, truth
-from bodycheck.running import journal, plan, pool
+from bodycheck.running import csv_tables, journal, plan, pool
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Outcome, TimedOut
 from bodycheck.running.simulation import run
@@ -158,12 +157,9 @@ def follow(scene: Scene, times: Array) -> Truth | NoTruth:
 
 
 def write(rows: Iterable[Row], limits: Iterable[Limit], folder: Path) -> None:
-    """extremes.csv and limits.csv in a folder."""
-    for name, kind, found in (("extremes", Row, rows), ("limits", Limit, limits)):
-        with (folder / f"{name}.csv").open("w", encoding="utf-8", newline="") as stream:
-            writer = csv.DictWriter(stream, [field.name for field in fields(kind)], lineterminator="\n")
-            writer.writeheader()
-            writer.writerows(asdict(row) for row in found)
+    """Write extremes.csv and limits.csv into a folder."""
+    csv_tables.write(folder / "extremes.csv", [field.name for field in fields(Row)], map(asdict, rows))
+    csv_tables.write(folder / "limits.csv", [field.name for field in fields(Limit)], map(asdict, limits))
 
 
 def _no_witness(scene: Scene, times: Array) -> NoReturn:

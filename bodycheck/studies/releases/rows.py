@@ -4,7 +4,6 @@ A folder keeps them as `releases.csv` and `changes.csv` for people and tables, a
 tells of the machine, for `read`.
 """
 
-import csv
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -13,7 +12,7 @@ from typing import Any
 from bodycheck.adapters.method import current
 from bodycheck.errors import BadInput
 from bodycheck.judging.judgement import COLUMNS
-from bodycheck.running import journal
+from bodycheck.running import csv_tables, journal
 from bodycheck.running.outcome import Unsupported
 
 RECORDS = "releases.jsonl"
@@ -119,8 +118,8 @@ def write(found: Found, folder: Path) -> None:
                 log.add({"record": "change", "change": asdict(change)})
             further = dict.fromkeys(name for row in found.rows for name in row if name not in COLUMNS)
             names = sorted(further, key=lambda name: name.endswith(ALLOWANCE))
-            _table(folder / "releases.csv", (*COLUMNS, *names), found.rows)
-            _table(folder / "changes.csv", [field.name for field in fields(Change)], map(asdict, found.changes))
+            csv_tables.write(folder / "releases.csv", (*COLUMNS, *names), found.rows)
+            csv_tables.write(folder / "changes.csv", [field.name for field in fields(Change)], map(asdict, found.changes))
     except OSError as error:
         raise BadInput(f"{folder}: cannot be written: {error}") from error
 
@@ -143,10 +142,3 @@ def read(folder: Path) -> Found:
 def _present(row: Row) -> dict[str, Any]:
     """A row with the present spelling of its method, which earlier versions of bodycheck spelled otherwise."""
     return {**row, "integrator": current(row["integrator"])}
-
-
-def _table(path: Path, names: Sequence[str], rows: Iterable[Row]) -> None:
-    with path.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.DictWriter(stream, names, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)

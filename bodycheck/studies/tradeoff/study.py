@@ -6,8 +6,6 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
 from bodycheck.adapters.contract import Adapter, Integrator, Method
 from bodycheck.adapters.offers import chosen, integrator_of
 from bodycheck.casefile.case import Case
@@ -15,7 +13,7 @@ from bodycheck.judging import judgement
 from bodycheck.judging.convergence import observe_convergence
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.truth import Truth
-from bodycheck.running import campaign, pool
+from bodycheck.running import campaign, csv_tables, pool
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed
 from bodycheck.running.plan import Task, check, refuse_nothing
@@ -88,15 +86,9 @@ def time_in_turn(stretches: Sequence[Stretch]) -> list[Cost]:
 
 
 def write(rows: Sequence[Mapping[str, Any]], orders: Iterable[Order], folder: Path) -> None:
-    """tradeoff.csv and orders.csv in a folder."""
-    pd.DataFrame(rows).astype({"steps": "Int64", "evaluations": "Int64"}).to_csv(folder / "tradeoff.csv", index=False)
-    table(orders).to_csv(folder / "orders.csv", index=False)
-
-
-def table(orders: Iterable[Order]) -> pd.DataFrame:
-    """A row a method and quantity."""
-    frame = pd.DataFrame([asdict(order) for order in orders], columns=[field.name for field in fields(Order)])
-    return frame.astype({"claimed": "Int64"})
+    """Write tradeoff.csv and orders.csv into a folder."""
+    csv_tables.write(folder / "tradeoff.csv", list(rows[0]), rows)
+    csv_tables.write(folder / "orders.csv", [field.name for field in fields(Order)], map(asdict, orders))
 
 
 def _task(case: Case, verdict: Verdict) -> Task:

@@ -1,0 +1,77 @@
+"""Tables as CSV files: how all of them are written and read.
+
+A file is UTF-8 text with a header line. Lines end in a line feed, decimal numbers have all the digits that identify them, truth
+values are `True` and `False`, and an entry without a value (None or NaN) is empty.
+"""
+
+import csv
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import fields
+from pathlib import Path
+from types import UnionType
+from typing import Any, get_args
+
+Parser = Callable[[str], Any]
+
+
+def write(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
+    """Write a table.
+
+    Parameters
+    ----------
+    path
+        The file, which is replaced if it exists.
+    columns
+        The names of the columns, in their order.
+    rows
+        The values of each row by column; a column that a row lacks is empty in it.
+
+    Raises
+    ------
+    OSError
+        The file cannot be written.
+    ValueError
+        A row has a value for a column that is not among `columns`.
+    """
+    with path.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.DictWriter(stream, columns, lineterminator="\n")
+        writer.writeheader()
+        # NaN is the only value that differs from itself.
+        writer.writerows({name: value if value == value else None for name, value in row.items()} for row in rows)
+
+
+def read(path: Path, parsers: Mapping[str, Parser]) -> list[dict[str, Any]]:
+    """Return the rows of a table, each with its values by column.
+
+    Parameters
+    ----------
+    path
+        The file.
+    parsers
+        How to read the columns that do not hold decimal numbers. An empty entry is None unless the parser is `str`.
+
+    Raises
+    ------
+    OSError
+        The file cannot be read.
+    ValueError
+        An entry cannot be parsed, or the file is not UTF-8.
+    """
+
+    def value(name: str, text: str) -> Any:
+        parser = parsers.get(name, float)
+        return parser(text) if text or parser is str else None
+
+    with path.open(encoding="utf-8", newline="") as stream:
+        return [{name: value(name, text) for name, text in row.items()} for row in csv.DictReader(stream)]
+
+
+def parsers_of(rows: type) -> dict[str, Parser]:
+    """Return the parsers for the fields of a dataclass of rows that hold text or integers."""
+    types = {field.name: get_args(field.type) if isinstance(field.type, UnionType) else (field.type,) for field in fields(rows)}
+    return {name: parser for name, allowed in types.items() for parser in (str, int) if parser in allowed}
+
+
+def truth_value(text: str) -> bool:
+    """Return the truth value that `write` writes as this text. Raises `KeyError` for any other text."""
+    return {"True": True, "False": False}[text]
