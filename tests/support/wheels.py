@@ -13,17 +13,20 @@ PLUGIN = '''
 import importlib
 import json
 import sys
+from dataclasses import replace
 
 import toy_engine
+from bodycheck.adapters.contract import Engine
 from miniature import Miniature, drifting, exact, wrong
 
 
 class Toy(Miniature):
-    def version(self) -> str:
-        return toy_engine.__version__
+    @property
+    def engine(self) -> Engine:
+        return replace(super().engine, distribution="toy_engine", version=toy_engine.__version__)
 
 
-ADAPTER = Toy({"exact": exact, "drifting": drifting, "wrong": wrong}[toy_engine.KIND])
+ADAPTER = Toy("toy", {"exact": exact, "drifting": drifting, "wrong": wrong}[toy_engine.KIND])
 
 if __name__ == "__main__":
     modules = {name: importlib.import_module(name) for name in sys.argv[1:]}
