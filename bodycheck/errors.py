@@ -1,11 +1,11 @@
-"""What a user can get wrong, and what a command ends in."""
+"""The exit codes of commands, and the exception for bad input."""
 
-#: Exit codes. FAILED: an expectation or a run.
+#: Exit codes of commands. FAILED means that an expectation or a run failed.
 OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 
 
 class BadInput(Exception):
-    """Bad input or usage: the text says what was read and what is allowed. The command line answers with exit code 2."""
+    """Bad input or usage. The text says what was read and what is allowed; the command line exits with code 2."""
 
 
 class BadFolder(BadInput):

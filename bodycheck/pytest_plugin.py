@@ -1,10 +1,9 @@
-"""The pytest plug-in: case files are tests, an item for each engine x method of which a case expects something.
+"""The pytest plug-in: it collects case files as tests, with one item for each engine and method with expectations.
 
-Everyone who has bodycheck installed loads this module with every run of pytest. Nothing but pytest is imported here before a
-case file is collected.
+Every run of pytest loads this module if bodycheck is installed, so it imports only pytest before it collects a case file.
 
-Engines run in a process of their own, which is kept for the session: a crash is a failed test, and only the first one waits for
-the imports.
+Engines run in one separate process per session. If it crashes, the test fails and the session continues; only the first test
+waits for the imports.
 """
 
 import keyword
@@ -28,18 +27,19 @@ if TYPE_CHECKING:
 
     Perform = Callable[[Task | TruthTask], Any]
 
+#: The end of the names of case files, which `bodycheck.casefile.case` defines too; it is repeated to avoid an import.
 SUFFIX = ".case.toml"
 OPTION = "--bodycheck-engine"
 MARKER = "bodycheck"
-#: Name of the property that tells of a known discrepancy.
-KNOWN = "known"
+#: Name of the user property of a test that describes a known discrepancy.
+KNOWN_PROPERTY = "known"
 
-#: Runs and truths that are kept, so that the items of a case share them.
-KEPT = 32
+#: Number of runs and truths that are cached, so that the items of a case share them.
+MAX_CACHED_RESULTS = 32
 
 OWN_MARKERS = pytest.StashKey[set[str]]()
-TAKEN_MARKERS = pytest.StashKey[set[str]]()
-PERFORM = pytest.StashKey["Perform"]()
+FOREIGN_MARKERS = pytest.StashKey[set[str]]()
+PERFORM_KEY = pytest.StashKey["Perform"]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -48,13 +48,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="append",
         default=[],
         metavar="ENGINE",
-        help="of the tests in case files, run only those of this engine; may be given several times",
+        help="Run only tests of this engine in case files. May be given several times.",
     )
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_configure(config: pytest.Config) -> None:
-    # Looked at before plug-ins add theirs: what is here is the user's own.
+    # This hook runs before plug-ins register their markers, so all markers are those of the user.
     config.stash[OWN_MARKERS] = _markers(config)
     config.addinivalue_line("markers", f"{MARKER}: a test in a case file of bodycheck")
     if engines := config.getoption(OPTION):
@@ -69,7 +69,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 def pytest_sessionstart(session: pytest.Session) -> None:
     own: set[str] = session.config.stash[OWN_MARKERS]
-    session.config.stash[TAKEN_MARKERS] = _markers(session.config) - own
+    session.config.stash[FOREIGN_MARKERS] = _markers(session.config) - own
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
@@ -86,7 +86,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    # As a marker, and before pytest looks at markers: then what is skipped is told with its place in the case file.
+    # The marker is added before pytest evaluates markers, so that skipped tests are reported with their line in the file.
     if isinstance(item, CaseItem) and (missing := _missing(item.engine)) is not None:
         item.add_marker(pytest.mark.skip(reason=missing))
 
@@ -96,22 +96,22 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
         (report.nodeid, text)
         for report in terminalreporter.getreports("passed")
         for name, text in report.user_properties
-        if name == KNOWN and report.nodeid.partition("::")[0].endswith(SUFFIX)
+        if name == KNOWN_PROPERTY and report.nodeid.partition("::")[0].endswith(SUFFIX)
     ]
     if told:
-        terminalreporter.section("discrepancies that the case files call known")
+        terminalreporter.section("known discrepancies according to the case files")
         for nodeid, text in told:
             terminalreporter.line(f"{nodeid}: {text}")
 
 
 class CaseFile(pytest.File):
-    """A case file."""
+    """The collector of one case file."""
 
     def collect(self) -> "Iterator[CaseItem]":
         from bodycheck.casefile.case import CaseFaults, load
         from bodycheck.casefile.toml_positions import positions
 
-        shown = _shown(self.path, self.config)
+        shown = _user_path(self.path, self.config)
         try:
             case = load(self.path)
         except CaseFaults as error:
@@ -119,7 +119,7 @@ class CaseFile(pytest.File):
             raise self.CollectError(faults) from error
         places = positions(case.text, [("expect", index) for index in range(len(case.expectations))])
         lines = [places["expect", index].line for index in range(len(case.expectations))]
-        marks = [tag for tag in case.tags if _may_be_marker(tag, self.config.stash[TAKEN_MARKERS])]
+        marks = [tag for tag in case.tags if _may_be_marker(tag, self.config.stash[FOREIGN_MARKERS])]
         for mark in marks:
             self.config.addinivalue_line("markers", f"{mark}: a tag of case files")
         methods: dict[tuple[str, Method], int] = {}
@@ -135,7 +135,10 @@ class CaseFile(pytest.File):
 
 
 class CaseItem(pytest.Item):
-    """What a case expects of one engine and method. line: of the first such expectation. lines: of all in the case."""
+    """A test of what a case expects of one engine and method.
+
+    `line` is the line of the first such expectation in the file, and `lines` are the lines of all expectations of the case.
+    """
 
     def __init__(self, *, case: "Case", engine: str, method: "Method", line: int, lines: list[int], **more: Any) -> None:
         super().__init__(**more)
@@ -147,7 +150,7 @@ class CaseItem(pytest.Item):
         offers.check(registry.load(self.engine).engine, self.method)
         verdict = _verdict(self.case, self.engine, self.method, _perform(self.config))
         figures = [(name, value) for name, value in verdict.row().items() if name not in ("passed", "reason")]
-        known = [(KNOWN, judged.text) for judged in verdict.judged if judged.expectation.known and judged.held]
+        known = [(KNOWN_PROPERTY, judged.text) for judged in verdict.judged if judged.expectation.known and judged.held]
         self.user_properties += [(name, _printable(str(value))) for name, value in figures + known]
         if not verdict.passed:
             raise Broken(verdict)
@@ -159,7 +162,7 @@ class CaseItem(pytest.Item):
             case Broken(verdict=verdict):
                 return self._explained(verdict)
             case BadInput() as error:
-                return f"{_shown(self.path, self.config)}:{self.line}: integrator: {error}"
+                return f"{_user_path(self.path, self.config)}:{self.line}: integrator: {error}"
         return super().repr_failure(excinfo)
 
     def reportinfo(self) -> tuple[Path, int, str]:
@@ -167,8 +170,8 @@ class CaseItem(pytest.Item):
         return self.path, self.line - 1, f"{self.case.name}: {method}"
 
     def _explained(self, verdict: "Verdict") -> str:
-        """A verdict in words that need no manual."""
-        run, shown = verdict.run, _shown(self.path, self.config)
+        """Return the message of a failed test: what was expected and measured, where, and how to see all figures."""
+        run, shown = verdict.run, _user_path(self.path, self.config)
         broken = [judged for judged in verdict.judged if not judged.held]
         method = f"integrator {run.method.name}, time step {run.method.timestep:g} s"
         command = ("bodycheck", "run", shown, "--engine", run.engine, "--integrator", run.method.name)
@@ -176,23 +179,23 @@ class CaseItem(pytest.Item):
             # The first line is what pytest's summary shows.
             "; ".join(f"{b.name} is {b.measured}, expected {b.expected}" for judged in broken for b in judged.breaches),
             "",
-            f"{self.case.name}, simulated by {run.engine} {run.version} ({method}) and held against mechanics:",
+            f"{self.case.name}, simulated by {run.engine} {run.version} ({method}) and compared with mechanics:",
         ]
         for judged in broken:
-            lines += ["", *_told(judged, f"{shown}:{self.lines[self.case.expectations.index(judged.expectation)]}")]
+            lines += ["", *_breach_lines(judged, f"{shown}:{self.lines[self.case.expectations.index(judged.expectation)]}")]
         lines += ["", f"All figures and curves: {shlex.join(command)} --timestep {run.method.timestep!r} --out results"]
         return "\n".join(map(_printable, lines))
 
 
 class Broken(Exception):
-    """A verdict that says that something expected does not hold."""
+    """Raised for a verdict according to which an expectation does not hold."""
 
     def __init__(self, verdict: "Verdict") -> None:
         super().__init__(verdict.reason)
         self.verdict = verdict
 
 
-def _told(judged: "Judged", place: str) -> Iterator[str]:
+def _breach_lines(judged: "Judged", place: str) -> Iterator[str]:
     from bodycheck.figures.columns import EXPECTED
 
     expectation = judged.expectation
@@ -206,7 +209,7 @@ def _told(judged: "Judged", place: str) -> Iterator[str]:
 
 
 def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") -> "Verdict":
-    """The verdict on a run that is made now, with the truth and the finer runs that it takes."""
+    """Make a run, its truth and, if an order is expected, runs with smaller time steps; return the verdict on the run."""
     from bodycheck.adapters import registry
     from bodycheck.casefile.expectation import REFINEMENTS
     from bodycheck.judging.judgement import verdict
@@ -231,20 +234,20 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
 
 
 def _perform(config: pytest.Config) -> "Perform":
-    """What makes runs and truths in the process that is kept for the session."""
-    if PERFORM not in config.stash:
+    """Return the function that makes runs and truths in the process of the session."""
+    if PERFORM_KEY not in config.stash:
         from bodycheck.running import campaign, pool
 
         stack = ExitStack()
         config.add_cleanup(stack.close)
         call = stack.enter_context(pool.caller(campaign.perform, campaign.TIME_LIMIT))
-        kept: Perform = lru_cache(KEPT)(call)
-        config.stash[PERFORM] = kept
-    return config.stash[PERFORM]
+        kept: Perform = lru_cache(MAX_CACHED_RESULTS)(call)
+        config.stash[PERFORM_KEY] = kept
+    return config.stash[PERFORM_KEY]
 
 
 def _missing(engine: str) -> str | None:
-    """Why an engine cannot be used here; None where it can."""
+    """Return why an engine cannot be used here; None if it can."""
     from bodycheck.adapters import registry
 
     try:
@@ -255,21 +258,21 @@ def _missing(engine: str) -> str | None:
 
 
 def _may_be_marker(tag: str, taken: set[str]) -> bool:
-    """Whether a tag of a case file may be a marker.
+    """Return whether a tag of a case file may become a marker.
 
-    Tags come from strangers, and some markers do things, such as skip and xfail. taken: those that pytest and its plug-ins
-    have registered; the user's own are not among them.
+    Case files may come from strangers, and some markers, such as skip and xfail, change the outcome of a test. Therefore tags
+    with names in `taken`, the markers that pytest and its plug-ins have registered, are not allowed; the user's markers are.
     """
     return tag.isidentifier() and not keyword.iskeyword(tag) and not tag.startswith("_") and tag not in taken
 
 
 def _markers(config: pytest.Config) -> set[str]:
-    """The names of all markers that are registered so far."""
+    """Return the names of all markers that are registered so far."""
     return {line.partition(":")[0].partition("(")[0].strip() for line in config.getini("markers")}
 
 
-def _shown(path: Path, config: pytest.Config) -> str:
-    """A path as the user would write it."""
+def _user_path(path: Path, config: pytest.Config) -> str:
+    """Return a path relative to the folder in which pytest was started."""
     try:
         return os.path.relpath(path, config.invocation_params.dir)
     except ValueError:  # on another drive
@@ -277,5 +280,5 @@ def _shown(path: Path, config: pytest.Config) -> str:
 
 
 def _printable(text: str) -> str:
-    """What an engine may have said, with no character that commands a terminal or breaks a file."""
+    """Return a text with control characters escaped, because an engine's messages may contain them."""
     return "".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode("ascii") for c in text)

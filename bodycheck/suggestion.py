@@ -1,18 +1,18 @@
-"""What somebody may have meant who wrote a name that nobody knows."""
+"""Suggest the closest known name for a misspelled one."""
 
 from collections.abc import Collection
 from difflib import get_close_matches
 
-#: A word beyond so many characters is like no name.
-LONGEST_WORD = 100
+#: Longer words get no suggestion, because the comparison would take too long.
+MAX_WORD_LENGTH = 100
 
 
 def did_you_mean(word: str, known: Collection[str]) -> str:
-    """The end of a message on an unknown word: a question for the nearest known one; empty where none is near.
+    """Return the end of a message about an unknown word, which suggests the closest known one; empty if none is close.
 
-    Capitals count only between names that differ in nothing else.
+    Upper and lower case matter only between known names that differ in nothing else.
     """
-    if len(word) > LONGEST_WORD:
+    if len(word) > MAX_WORD_LENGTH:
         return ""
     near = get_close_matches(word.casefold(), [name.casefold() for name in known], n=1)
     alike = [name for name in known if name.casefold() in near]

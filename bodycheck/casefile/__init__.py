@@ -1,0 +1,8 @@
+"""Case files: reading, checking and writing them.
+
+- `case` loads a case file and returns a `Case`, or all faults of the file with their lines. This is the entry point.
+- `grammar` defines the keys and the allowed values; `contradictions` checks rules that connect several keys.
+- `toml_positions` finds the line and column of a key. `identity` tells whether two cases describe the same physics.
+- `expectation` holds what a case expects of a method.
+- `authoring` writes new case files and the JSON Schema.
+"""

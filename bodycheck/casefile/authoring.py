@@ -1,4 +1,4 @@
-"""Help for those who write case files: a file to begin with, and what lets an editor complete and check one."""
+"""Write new case files, and the JSON Schema by which editors complete and check case files."""
 
 import json
 from importlib import resources
@@ -13,47 +13,51 @@ from bodycheck.casefile import grammar, values
 from bodycheck.casefile.case import SUFFIX
 from bodycheck.errors import BadInput
 
-#: Beside the shipped cases, whose first line tells editors of it.
+#: The file with the schema, beside the shipped cases; the first line of each case names it for editors.
 SCHEMA_FILE = "case.schema.json"
 
+#: The case file that `new` copies, and the name of its case.
 TEMPLATE_FILE = "template.toml"
 TEMPLATE_NAME = "my-case"
 
 
 def new(name: str, folder: Path) -> Path:
-    """Write a commented case of this name into a folder and give the file's path. Raises `BadInput`."""
+    """Write a commented case file with this name into a folder, and return its path.
+
+    Raises `BadInput` for a bad name, and if the file exists or cannot be written.
+    """
     try:
         TypeAdapter(values.Name).validate_python(name)
     except ValidationError as error:
-        most = values.LONGEST_NAME
+        most = values.MAX_NAME_LENGTH
         raise BadInput(f"name: read {name!r}; allowed: small letters, digits and hyphens, at most {most}") from error
     path = folder / (name + SUFFIX)
     try:
         with path.open("x", encoding="utf-8") as stream:
             stream.write(template().replace(f'name = "{TEMPLATE_NAME}"', f'name = "{name}"', 1))
     except FileExistsError as error:
-        raise BadInput(f"{path}: is there already") from error
+        raise BadInput(f"{path}: exists already") from error
     except OSError as error:
         raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
     return path
 
 
 def template() -> str:
-    """The text of the case that `new` writes."""
+    """Return the text of the case file that `new` copies."""
     return (resources.files("bodycheck.cases") / TEMPLATE_FILE).read_text("utf-8")
 
 
 def schema() -> str:
-    """The grammar of case files as a JSON Schema."""
+    """Return the JSON Schema of case files."""
     made = {"$schema": _Schema.schema_dialect, **grammar.CaseTable.model_json_schema(schema_generator=_Schema)}
     return json.dumps(made | {"title": f"Case file of bodycheck, format {grammar.FORMAT}"}, indent=2, ensure_ascii=False) + "\n"
 
 
 class _Schema(GenerateJsonSchema):
-    """Pydantic's JSON Schema in words that all editors know, of older drafts too."""
+    """A generator of JSON Schema with keywords that all editors support, including those of older drafts."""
 
     def nullable_schema(self, schema: core_schema.NullableSchema) -> JsonSchemaValue:
-        return self.generate_inner(schema["schema"])  # TOML knows no null: a key that is not there is left out
+        return self.generate_inner(schema["schema"])  # TOML has no null; an absent key is simply left out
 
     def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
         made = super().default_schema(schema)
@@ -64,7 +68,7 @@ class _Schema(GenerateJsonSchema):
     def tuple_schema(self, schema: core_schema.TupleSchema) -> JsonSchemaValue:
         made = super().tuple_schema(schema)
         items: list[Any] = made.pop("prefixItems", [])
-        return made | {"items": items[0]} if items else made  # all coordinates of a vector are alike
+        return made | {"items": items[0]} if items else made  # all items of a vector have the same schema
 
     def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> JsonSchemaValue:
         made = super().tagged_union_schema(schema)

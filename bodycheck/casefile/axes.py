@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
-from bodycheck.casefile.values import MOST_STEPS, Factors, NonNegativeValues, Ratios, Values
+from bodycheck.casefile.values import MAX_STEPS, Factors, NonNegativeValues, Ratios, Values
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere, State, Vector
 
@@ -42,11 +42,11 @@ class Axis:
     unit
         The SI unit, empty for a pure number.
     remark
-        What else the grammar and the documentation say, for example what stays the same.
+        Additional information for the grammar and the documentation, for example which quantities stay the same.
     missing
-        Function from a scene to what the axis needs of it and does not find, in words; None where nothing is missing.
+        Returns why a scene cannot be varied along the axis; None if it can.
     refused
-        Function from a value and the duration (s) of the case to the rule that the value breaks; None where it breaks none.
+        Returns the rule that a value breaks in a case of the given duration (s); None if it breaks none.
     """
 
     name: str
@@ -146,11 +146,11 @@ def separatrix(case: "Case", value: float) -> "Case":
 
 
 def _without_spin(scene: Scene) -> str | None:
-    return None if any(scene.initial.angular_velocity) else "the body has no angular velocity that could be scaled"
+    return None if any(scene.initial.angular_velocity) else "the body has no angular velocity to scale"
 
 
 def _without_speed(scene: Scene) -> str | None:
-    return None if any(scene.initial.velocity) else "the body has no velocity that could be scaled"
+    return None if any(scene.initial.velocity) else "the body has no velocity to scale"
 
 
 def _without_plane(scene: Scene) -> str | None:
@@ -158,21 +158,21 @@ def _without_plane(scene: Scene) -> str | None:
 
 
 def _on_plane(scene: Scene) -> str | None:
-    return "a body that lies on a plane" if scene.plane is not None else None
+    return "not possible for a body on a plane" if scene.plane is not None else None
 
 
 def _without_middle_moment(scene: Scene) -> str | None:
     moments = scene.body.moments
-    return f"the body has no axis of a middle moment: {moments}" if len(set(moments)) < 3 else None
+    return f"the body has no intermediate principal axis; its moments are {moments}" if len(set(moments)) < 3 else None
 
 
 def _long_or_short(timestep: float, duration: float) -> str | None:
-    fits = duration / MOST_STEPS <= timestep <= duration
-    return None if fits else f"a step must divide the duration into 1 to {MOST_STEPS:.0e} steps"
+    fits = duration / MAX_STEPS <= timestep <= duration
+    return None if fits else f"a step must divide the duration into 1 to {MAX_STEPS:.0e} steps"
 
 
 def _few_or_many(steps: float, _: float) -> str | None:
-    return None if 1 <= steps <= MOST_STEPS else f"from 1 to {MOST_STEPS:.0e} are allowed"
+    return None if 1 <= steps <= MAX_STEPS else f"from 1 to {MAX_STEPS:.0e} are allowed"
 
 
 #: All axes by name, in the order of the grammar.
@@ -203,7 +203,7 @@ AXES: dict[str, Axis] = {
             name="steps",
             title="Steps",
             meaning=f"length of the run in steps of {DEFAULT_TIMESTEP * 1e3:g} ms",
-            remark=f"at most {MOST_STEPS:.0e}",
+            remark=f"at most {MAX_STEPS:.0e}",
             values=Values,
             change=steps,
             refused=_few_or_many,

@@ -1,4 +1,4 @@
-"""A case: one data file, its scene, how long to look at it, and what must hold."""
+"""Load and check case files. A case contains a scene, the duration and the samples of a run, and expectations."""
 
 import re
 import tomllib
@@ -29,24 +29,27 @@ from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, S
 from bodycheck.reference.trajectory import Array
 from bodycheck.suggestion import did_you_mean
 
+#: The end of the names of case files.
 SUFFIX = ".case.toml"
-LARGEST_FILE = 1 << 18
-MOST_KEY_PARTS = 16
-MOST_DIGITS = 500
-MOST_FAULTS = 100
-LONGEST_QUOTE = 60
-LONGEST_MESSAGE = 200
+#: Limits of a case file's size, of the parts of a dotted key and of the digits of a number.
+MAX_FILE_BYTES = 1 << 18
+MAX_KEY_PARTS = 16
+MAX_DIGITS = 500
+#: The largest number of faults that are reported, and the longest quotation and message (characters).
+MAX_FAULTS = 100
+MAX_QUOTE_LENGTH = 60
+MAX_MESSAGE_LENGTH = 200
 
-#: An order that is expected as one number may differ by so much: it is read off three time steps, not at the limit.
+#: Allowed deviation from an order that is given as one number: it is measured at three time steps, not in the limit.
 ORDER_TOLERANCE = 0.25
 
-#: Least ratio of principal moments that particles or parts may have: less is rounding.
-SLENDER = 1e-15
+#: Smallest allowed ratio of the principal moments of particles or parts; a smaller ratio is rounding error.
+MIN_MOMENT_RATIO = 1e-15
 
 
 @dataclass(frozen=True)
 class Fault:
-    """One thing wrong with a case file: where, what was read, what is allowed."""
+    """One fault of a case file: its position, the value that was read, and what is allowed."""
 
     file: str
     message: str
@@ -59,15 +62,15 @@ class Fault:
 
 
 class CaseFaults(BadInput):
-    """Everything wrong with one or more case files, one line a fault."""
+    """All faults of one or more case files, one per line."""
 
     def __init__(self, faults: tuple[Fault, ...]) -> None:
         super().__init__("\n".join(map(str, faults)))
         self.faults = faults
 
 
-class _Unfit(Exception):
-    """The keys are allowed one by one, but what they make is not; faults: paths, and what is wrong there."""
+class _Inconsistent(Exception):
+    """Every key is allowed, but their combination is not. `faults` contains pairs of path and message."""
 
     def __init__(self, *faults: tuple[Path, str]) -> None:
         super().__init__(*faults)
@@ -76,7 +79,25 @@ class _Unfit(Exception):
 
 @dataclass(frozen=True)
 class Case:
-    """A validated case. extremes: axes by name, with the values to be tried. text: the file as it was read."""
+    """A validated case.
+
+    Parameters
+    ----------
+    name, title, source, tags
+        As in the file.
+    scene
+        The body, its initial state and its surroundings.
+    duration
+        The duration of a run (s).
+    samples
+        The number of sampling times, with both ends included.
+    expectations
+        What must hold of methods.
+    extremes
+        The names of axes, each with the values at which a study of extremes tries the case.
+    text
+        The text of the file.
+    """
 
     name: str
     title: str
@@ -91,20 +112,20 @@ class Case:
 
     @property
     def instants(self) -> Array:
-        """The case's sampling times (samples,), s."""
+        """Return the sampling times (samples,) of the case, in s."""
         return np.linspace(0.0, self.duration, self.samples)
 
 
 def shipped() -> tuple[str, ...]:
-    """Names of the cases that come with the package."""
+    """Return the names of the cases that come with the package."""
     entries = resources.files("bodycheck.cases").iterdir()
     return tuple(sorted(entry.name.removesuffix(SUFFIX) for entry in entries if entry.name.endswith(SUFFIX)))
 
 
 def load(case: str | FilePath) -> Case:
-    """A case by the name of a shipped one or by the path of a file.
+    """Load a case, given the name of a shipped case or the path of a case file.
 
-    Raises `CaseFaults` with every fault of the file, a file that cannot be read being one.
+    Raises `CaseFaults` with every fault of the file; a file that cannot be read has one fault.
     """
     if isinstance(case, str) and case in shipped():
         file = resources.files("bodycheck.cases") / (case + SUFFIX)
@@ -113,7 +134,7 @@ def load(case: str | FilePath) -> Case:
 
 
 def parse(text: str, file: str) -> Case:
-    """The case in the text of a case file; `file` is what faults call it. Raises `CaseFaults`."""
+    """Return the case in the text of a case file; `file` is its name in the faults. Raises `CaseFaults`."""
     return _parsed(_document(text, file), text, file)
 
 
@@ -131,43 +152,43 @@ def parse_stored(text: str, file: str) -> Case:
 
 
 def _parsed(document: dict[str, Any], text: str, file: str) -> Case:
-    errors, untold = list(contradictions(document)), 0
+    errors, unreported = list(contradictions(document)), 0
     try:
         table = grammar.CaseTable.model_validate(document)
     except ValidationError as error:
-        records = [record for record in error.errors(include_url=False) if not _misleads(record)]
-        errors += [_explain(record, document) for record in records[:MOST_FAULTS]]
-        untold += len(records[MOST_FAULTS:])
+        records = [record for record in error.errors(include_url=False) if not _is_misleading(record)]
+        errors += [_explain(record, document) for record in records[:MAX_FAULTS]]
+        unreported += len(records[MAX_FAULTS:])
     if not errors:
         try:
             return _case(table, text)
-        except _Unfit as error:
+        except _Inconsistent as error:
             errors += error.faults
-    untold += len(errors[MOST_FAULTS:])
-    places = positions(text, [path for path, _ in errors[:MOST_FAULTS]])
-    faults = [_locate(file, places, document, path, message) for path, message in errors[:MOST_FAULTS]]
+    unreported += len(errors[MAX_FAULTS:])
+    places = positions(text, [path for path, _ in errors[:MAX_FAULTS]])
+    faults = [_locate(file, places, document, path, message) for path, message in errors[:MAX_FAULTS]]
     faults.sort(key=lambda fault: fault.position or Position(0, 0))
-    raise CaseFaults((*faults, *([Fault(file, f"{untold} more faults")] if untold else [])))
+    raise CaseFaults((*faults, *([Fault(file, f"{unreported} more faults")] if unreported else [])))
 
 
-#: A part of a dotted key, up to its dot.
-DOTTED = r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)"""
+#: A pattern for a part of a dotted key with the dot after it.
+DOTTED_KEY_PART = r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+)"""
 
-#: What takes a parser of TOML long, or more than it can, and what there is to say of it.
-TOO_MUCH = {
-    f"{DOTTED}{{{MOST_KEY_PARTS}}}": f"a key of more than {MOST_KEY_PARTS} parts",
-    rf"(?<![\w-])(?:0[xob]|[0-9])[0-9A-Fa-f_.]{{{MOST_DIGITS}}}": f"a number of more than {MOST_DIGITS} digits",
+#: Patterns that make tomllib slow or exceed its recursion limit, with the error message for each.
+SLOW_PATTERNS = {
+    f"{DOTTED_KEY_PART}{{{MAX_KEY_PARTS}}}": f"a key of more than {MAX_KEY_PARTS} parts",
+    rf"(?<![\w-])(?:0[xob]|[0-9])[0-9A-Fa-f_.]{{{MAX_DIGITS}}}": f"a number of more than {MAX_DIGITS} digits",
 }
 
 
 def _document(text: str, file: str) -> dict[str, Any]:
-    for much, message in TOO_MUCH.items():
-        if (found := re.search(much, text)) is not None:
+    for pattern, message in SLOW_PATTERNS.items():
+        if (found := re.search(pattern, text)) is not None:
             raise CaseFaults((Fault(file, message, _position(text, found.start())),))
     try:
         return tomllib.loads(text)
     except RecursionError as error:
-        raise CaseFaults((Fault(file, "nested too deeply", _position(text, _deepest(text))),)) from error
+        raise CaseFaults((Fault(file, "nested too deeply", _position(text, _deepest_offset(text))),)) from error
     except tomllib.TOMLDecodeError as error:
         raise CaseFaults((_syntax_fault(file, text, str(error)),)) from error
 
@@ -176,8 +197,8 @@ def _position(text: str, offset: int) -> Position:
     return Position(text.count("\n", 0, offset) + 1, offset - text.rfind("\n", 0, offset))
 
 
-def _deepest(text: str) -> int:
-    """The offset at which most brackets are open."""
+def _deepest_offset(text: str) -> int:
+    """Return the offset at which the largest number of brackets is open."""
     depths = accumulate((character in "[{") - (character in "]}") for character in text)
     return max(enumerate(depths), key=lambda place: place[1])[0]
 
@@ -188,9 +209,9 @@ def _read(path: FilePath) -> str:
             known = f"there is no such file, and no shipped case of this name; shipped: {', '.join(shipped())}"
             raise CaseFaults((Fault(str(path), known + did_you_mean(str(path), shipped())),))
         with path.open("rb") as stream:
-            content = stream.read(LARGEST_FILE + 1)
-        if len(content) > LARGEST_FILE:
-            raise CaseFaults((Fault(str(path), f"larger than {LARGEST_FILE} bytes, the most that a case file may have"),))
+            content = stream.read(MAX_FILE_BYTES + 1)
+        if len(content) > MAX_FILE_BYTES:
+            raise CaseFaults((Fault(str(path), f"larger than {MAX_FILE_BYTES} bytes, the limit for case files"),))
         return content.decode("utf-8")
     except UnicodeDecodeError as error:
         read = error.object[: error.start].decode("utf-8")
@@ -201,23 +222,23 @@ def _read(path: FilePath) -> str:
 
 
 def _syntax_fault(file: str, text: str, message: str) -> Fault:
-    """A fault from tomllib's message, which ends in the place: "(at line 1, column 2)" or "(at end of document)"."""
+    """Return the fault for a message of tomllib, which ends in "(at line 1, column 2)" or "(at end of document)"."""
     what, _, place = message.rpartition(" (at ")
     numbers = [int(number) for number in re.findall(r"\d+", place)]
     position = Position(*numbers) if len(numbers) == 2 else _position(text, len(text.rstrip("\n")))
-    return Fault(file, f"not TOML: {(what or message)[:LONGEST_MESSAGE]}", position)
+    return Fault(file, f"not TOML: {(what or message)[:MAX_MESSAGE_LENGTH]}", position)
 
 
-#: What pydantic says in the words of Python, by the kind of its error.
-IN_TOML = {
+#: Messages in TOML's terms for errors that pydantic states in Python's terms, by the type of the error.
+TOML_WORDING = {
     **dict.fromkeys(("model_type", "model_attributes_type"), "should be a table"),
     "tuple_type": "should be an array",
     "string_type": "should be a string",
 }
 
 
-def _misleads(record: Any) -> bool:
-    """Whether an error is that there are too few items, where there are enough and some have faults of their own."""
+def _is_misleading(record: Any) -> bool:
+    """Return whether pydantic reports too few items only because some of them have faults of their own."""
     if record["type"] != "too_short":
         return False
     least: int = record["ctx"]["min_length"]
@@ -225,10 +246,10 @@ def _misleads(record: Any) -> bool:
 
 
 def _explain(record: Any, document: dict[str, Any]) -> tuple[Path, str]:
-    """The path in the document and what is allowed there, from one of pydantic's error records."""
+    """Return the path in the document and the message for one of pydantic's error records."""
     path = tuple(record["loc"])
     if path[:1] == ("body",):
-        # pydantic puts the members of its unions into the path
+        # Pydantic adds the names of union members to the path; they are not keys of the document.
         path = ("body", *(key for key in path[1:] if key not in (*grammar.SHAPE_TABLES, "moments", "tensor")))
     if path[:1] == ("expect",):
         path = tuple(key for key in path if key not in ("limit", "range"))
@@ -241,29 +262,43 @@ def _explain(record: Any, document: dict[str, Any]) -> tuple[Path, str]:
         return (*path, "shape"), _allowed(record["input"].get("shape"), grammar.SHAPE_TABLES)
     if kind == "extra_forbidden" and (table := grammar.table_at(path[:-1], document)) is not None:
         return path, f"unknown key; {_allowed(path[-1], table.model_fields)}"
-    message = IN_TOML.get(kind) or str(record["msg"]).removeprefix("Input ").removeprefix("Value error, ")
+    message = TOML_WORDING.get(kind) or str(record["msg"]).removeprefix("Input ").removeprefix("Value error, ")
     if kind in ("too_long", "too_short"):
         side, bound = ("most", "max_length") if kind == "too_long" else ("least", "min_length")
         message = f"has {len(record['input'])} items; allowed: at {side} {record['ctx'][bound]}"
     if kind == "literal_error":
-        message += _meant(record["input"], re.findall("'([^']*)'", record["ctx"]["expected"]))
+        message += _suggestion(record["input"], re.findall("'([^']*)'", record["ctx"]["expected"]))
     return path, message
 
 
 def _allowed(word: Any, known: Collection[str]) -> str:
-    return f"allowed: {', '.join(known)}{_meant(word, known)}"
+    return f"allowed: {', '.join(known)}{_suggestion(word, known)}"
 
 
-def _meant(word: Any, known: Collection[str]) -> str:
+def _suggestion(word: Any, known: Collection[str]) -> str:
     return did_you_mean(word, known) if isinstance(word, str) else ""
 
 
 def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], path: Path, message: str) -> Fault:
-    """A fault at the place of its key, or of the nearest table around a key that is not there."""
+    """Return a fault at the position of its key, or of the innermost table around a missing key.
+
+    Parameters
+    ----------
+    file
+        The name of the file.
+    places
+        The positions of paths in the file.
+    document
+        The parsed file.
+    path
+        The path of the key.
+    message
+        What is wrong, or what is allowed.
+    """
     place = path
     while place not in places:
         place = place[:-1]
-    key = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{_bare(part)}" for part in path).removeprefix(".")
+    key = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{_key_text(part)}" for part in path).removeprefix(".")
     value: Any = document
     for part in path:
         try:
@@ -275,18 +310,18 @@ def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], p
     return Fault(file, f"read {_quote(value)}; {message}", places[place], key)
 
 
-def _bare(key: str) -> str:
-    """A key as it may stand in a message: on one line."""
-    return key if re.fullmatch(f"[A-Za-z0-9_-]{{1,{LONGEST_QUOTE}}}", key) else _quote(key)
+def _key_text(key: str) -> str:
+    """Return a key for a message; a key with special characters is quoted."""
+    return key if re.fullmatch(f"[A-Za-z0-9_-]{{1,{MAX_QUOTE_LENGTH}}}", key) else _quote(key)
 
 
 def _quote(value: Any) -> str:
-    """The beginning of a value, on one line."""
+    """Return the beginning of a value, on one line."""
     try:
         quote = str(value) if isinstance(value, date | time) else repr(value)
     except RecursionError:
-        return "what is nested deeply"
-    return quote if len(quote) <= LONGEST_QUOTE else quote[: LONGEST_QUOTE - 1] + "…"
+        return "a deeply nested value"
+    return quote if len(quote) <= MAX_QUOTE_LENGTH else quote[: MAX_QUOTE_LENGTH - 1] + "…"
 
 
 def _case(table: grammar.CaseTable, text: str) -> Case:
@@ -300,7 +335,7 @@ def _case(table: grammar.CaseTable, text: str) -> Case:
     )
     extremes = tuple((name, values) for name, values in table.extremes if values is not None)
     if faults := [(("extremes", name), fault) for name, _ in extremes if (fault := AXES[name].missing(scene))]:
-        raise _Unfit(*faults)
+        raise _Inconsistent(*faults)
     return Case(
         name=table.name,
         title=table.title,
@@ -319,12 +354,14 @@ def _body(table: grammar.AnyBody) -> Body:
     if isinstance(table, grammar.ShapelessTable) and table.inertia is None:
         made = _composed(table)
         moments, axes = principal_axes(made.inertia)
-        if not min(moments) > SLENDER * max(moments):
-            slender = f"its principal moments are {moments}; a body on a line, with none about it, cannot be followed"
-            raise _Unfit((("body",), slender))
+        if not min(moments) > MIN_MOMENT_RATIO * max(moments):
+            slender = (
+                f"its principal moments are {moments}; a body on a line has no moment about that line, and cannot be simulated"
+            )
+            raise _Inconsistent((("body",), slender))
         return Body(made.mass, moments, None, axes)
     shape = _shape(table)
-    assert table.mass is not None  # the grammar requires it where it is not composed
+    assert table.mass is not None  # the grammar requires a mass unless the body is composed
     if table.inertia is None:
         assert shape is not None
         return Body(table.mass, principal_moments(shape, table.mass), shape)
@@ -362,29 +399,29 @@ def _composed(table: grammar.ShapelessTable) -> MassProperties:
 
 
 def _attitude(table: grammar.InitialTable | grammar.PartTable) -> NDArray[np.longdouble]:
-    """A unit quaternion from either way of giving it, in the widest float."""
+    """Return the unit quaternion from a quaternion or Euler angles, in extended precision."""
     if table.quaternion is not None:
         return normalise(np.array(table.quaternion, dtype=np.longdouble))
-    return quaternion_from_euler(*_wide(table.euler_zxz or (0.0, 0.0, 0.0)))
+    return quaternion_from_euler(*_widened(table.euler_zxz or (0.0, 0.0, 0.0)))
 
 
 def _state(table: grammar.InitialTable, body: Body, on_plane: bool) -> State:
-    """The initial state, formed in the widest float so that its doubles are the nearest ones to what the file says.
+    """Return the initial state, computed in extended precision so that its doubles are the closest to the file's values.
 
-    Where no position is given, a body with a flat face lies on the plane.
+    If no position is given, a body with a flat face lies on the plane.
     """
     lying = on_plane and isinstance(body.shape, Brick | Cylinder)
     position = table.position or (0.0, 0.0, resting_height(body.shape) if lying else 0.0)
     rates = table.angular_velocity or (0.0, 0.0, 0.0)
     if table.euler_rates is not None:
-        _, theta, psi = euler_from_quaternion(_attitude(table)) if table.quaternion else _wide(table.euler_zxz or (0, 0, 0))
-        x, y, z = body_rates(theta, psi, *_wide(table.euler_rates)).tolist()
+        _, theta, psi = euler_from_quaternion(_attitude(table)) if table.quaternion else _widened(table.euler_zxz or (0, 0, 0))
+        x, y, z = body_rates(theta, psi, *_widened(table.euler_rates)).tolist()
         rates = float(x), float(y), float(z)
     w, x, y, z = _attitude(table).astype(float).tolist()
     return State(position, (w, x, y, z), table.velocity, rates)
 
 
-def _wide(values: Sequence[float]) -> Iterator[NDArray[np.longdouble]]:
+def _widened(values: Sequence[float]) -> Iterator[NDArray[np.longdouble]]:
     return (np.asarray(np.longdouble(value)) for value in values)
 
 

@@ -1,4 +1,4 @@
-"""Faults of case files that lie between keys: what the grammar of single keys cannot say."""
+"""Check rules that connect several keys of a case file, which the grammar of single keys cannot express."""
 
 import math
 from collections.abc import Iterator
@@ -9,10 +9,11 @@ import numpy as np
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.grammar import Status, shape_of, with_shape
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import LARGEST, MOST_POINTS, MOST_STEPS
+from bodycheck.casefile.values import MAX_NUMBER, MAX_POINTS, MAX_STEPS
 from bodycheck.figures.columns import LIMITED
 from bodycheck.reference.inertia import satisfies_triangle_inequality
 
+#: The keys for the size of a part, by its shape.
 PART_SIZES = {
     "brick": ("semi_axes",),
     "ellipsoid": ("semi_axes",),
@@ -22,18 +23,18 @@ PART_SIZES = {
 
 
 def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
-    """Faults that lie between keys, as (path, what is allowed), of a raw document that may have any other faults too."""
+    """Yield the faults between keys, as pairs of path and message. The raw document may have any other faults too."""
     yield from _body_contradictions(_mapping(document.get("body")))
     initial = _mapping(document.get("initial"))
     for one, other in (("euler_zxz", "quaternion"), ("euler_rates", "angular_velocity")):
         if one in initial and other in initial:
-            yield ("initial", other), f"says again what {one} says; give one of the two"
+            yield ("initial", other), f"{one} is given too; give only one"
     quaternion = _numbers(initial.get("quaternion"), 4)
     if quaternion and not 0.999 < math.hypot(*quaternion) < 1.001:
         yield ("initial", "quaternion"), f"its length is {math.hypot(*quaternion):.6g}; must be 1 within 0.1 %"
     plane = _mapping(_mapping(document.get("scene")).get("plane"))
     if plane.get("law") == "decoupled" and plane.get("pressure") == "balanced":
-        yield ("scene", "plane", "pressure"), "the decoupled law knows no place of the load; allowed: uniform"
+        yield ("scene", "plane", "pressure"), "the decoupled law does not depend on where the load is; allowed: uniform"
     duration = _number(_mapping(document.get("run")).get("duration"))
     expectations = document.get("expect")
     for index, expectation in enumerate(expectations if isinstance(expectations, list) else []):
@@ -46,22 +47,22 @@ def _expect_contradictions(expectation: dict[str, Any], duration: float) -> Iter
     limits = [name for name in LIMITED if name in expectation]
     status = expectation.get("status", "ok")
     if not limits and "status" not in expectation:
-        yield (), f"expects nothing; give at least one of status, {', '.join(LIMITED)}"
+        yield (), f"contains no expectation; give at least one of status, {', '.join(LIMITED)}"
     if limits and status in get_args(Status) and status != "ok":
-        yield (limits[0],), f"a run that is {status} has no figures; give status alone"
+        yield (limits[0],), f"a run with the status {status} has no errors to limit; give status alone"
     for name in limits:
         allowed = expectation[name]
         if isinstance(allowed, dict):
             if not allowed:
-                yield (name,), "gives no range; allowed: at_least, at_most"
+                yield (name,), "contains no limit; allowed: at_least, at_most"
             if "at_most" in allowed and _number(allowed.get("at_least")) > _number(allowed["at_most"]):
-                yield (name,), "at_least is more than at_most"
+                yield (name,), "at_least is larger than at_most"
     for one, other in (("known", "until"), ("until", "known")):
         if one in expectation and other not in expectation:
-            yield (other,), f"is missing: {one} needs it"
+            yield (other,), f"is missing; {one} requires it"
     timestep = _number(expectation.get("timestep"))
-    if duration > 0 and timestep > 0 and duration / timestep > MOST_STEPS:
-        yield ("timestep",), f"makes {duration / timestep:.3g} steps; at most {MOST_STEPS:.0e} are allowed"
+    if duration > 0 and timestep > 0 and duration / timestep > MAX_STEPS:
+        yield ("timestep",), f"results in {duration / timestep:.3g} steps; at most {MAX_STEPS:.0e} are allowed"
 
 
 def _extremes_contradictions(extremes: dict[str, Any], duration: float) -> Iterator[tuple[Path, str]]:
@@ -69,8 +70,8 @@ def _extremes_contradictions(extremes: dict[str, Any], duration: float) -> Itera
     if "spin" in lengths and "timestep" in lengths:
         lengths["spin"] *= lengths.pop("timestep")
     points = sum(lengths.values())
-    if points > MOST_POINTS:
-        yield ("extremes",), f"makes {points} points; at most {MOST_POINTS} are allowed"
+    if points > MAX_POINTS:
+        yield ("extremes",), f"results in {points} points; at most {MAX_POINTS} are allowed"
     for name, axis in AXES.items():
         values = extremes.get(name)
         for index, value in enumerate(values if isinstance(values, list) else []):
@@ -91,24 +92,24 @@ def _body_contradictions(body: dict[str, Any]) -> Iterator[tuple[Path, str]]:
             if min(moments) <= 0:
                 yield ("body", "inertia"), f"its smallest principal moment is {min(moments):.6g}; all must be positive"
     if moments and min(moments) > 0 and not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
-        yield ("body", "inertia"), "no body has these moments: none may exceed the sum of the other two"
+        yield ("body", "inertia"), "no body has these moments: no moment may exceed the sum of the other two"
     if shape_of(with_shape(body)) == "none":
         made = [key for key in ("inertia", "particles", "parts") if key in body]
         if len(made) != 1:
-            yield ("body",), "a body without a shape needs one of inertia, particles, parts" + (" alone" if made else "")
+            yield ("body",), f"a body without a shape needs {'only ' if made else ''}one of inertia, particles, parts"
         if "inertia" in body and "mass" not in body:
             yield ("body", "mass"), "is missing"
         if made and "inertia" not in body and "mass" in body:
-            yield ("body", "mass"), f"says again what {made[0]} say; give one of the two"
+            yield ("body", "mass"), f"{made[0]} are given too; give only one"
     parts = body.get("parts")
     for index, part in enumerate(parts if isinstance(parts, list) else []):
         needs = PART_SIZES.get(shape_of(part), ())
         for key in ("semi_axes", "radius", "half_length"):
             if needs and (key in needs) != (key in part):
-                what = "is missing" if key in needs else f"a {part['shape']} has none; allowed: {', '.join(needs)}"
+                what = "is missing" if key in needs else f"does not apply to a {part['shape']}; allowed: {', '.join(needs)}"
                 yield ("body", "parts", index, key), what
         if "euler_zxz" in _mapping(part) and "quaternion" in part:
-            yield ("body", "parts", index, "quaternion"), "says again what euler_zxz says; give one of the two"
+            yield ("body", "parts", index, "quaternion"), "euler_zxz is given too; give only one"
 
 
 def _mapping(value: Any) -> dict[str, Any]:
@@ -116,14 +117,14 @@ def _mapping(value: Any) -> dict[str, Any]:
 
 
 def _number(value: Any) -> float:
-    """The value where it is a number within bounds, else 0: what else it may be is another fault."""
+    """Return the number, or 0.0 if it is invalid; the grammar reports invalid types."""
     return (_numbers([value], 1) or [0.0])[0]
 
 
 def _numbers(value: Any, length: int) -> list[float] | None:
-    """The value where it is a list of that many finite numbers, else None: what else it may be is another fault."""
+    """Return the list if it contains `length` finite numbers, else None; the grammar reports invalid types."""
     if not isinstance(value, list) or len(value) != length:
         return None
     if not all(isinstance(item, int | float) and not isinstance(item, bool) for item in value):
         return None
-    return [float(item) for item in value] if all(abs(item) <= LARGEST for item in value) else None
+    return [float(item) for item in value] if all(abs(item) <= MAX_NUMBER for item in value) else None

@@ -1,4 +1,4 @@
-"""What a case expects of a method."""
+"""The expectations of a case: limits and a status that must hold for the runs of one method."""
 
 import math
 from dataclasses import dataclass
@@ -7,43 +7,65 @@ from datetime import date
 from bodycheck.adapters.method import Method
 from bodycheck.figures import columns
 
-#: Name of the limit on the observed order of convergence.
+#: Name of the observed order of convergence of the attitude error, which can be limited like a column of results.
 ORDER = columns.ORDER.name
 
-#: The status of a run that came to its end, which is expected where no other is.
+#: The status of a completed run, which is expected by default.
 OK = "ok"
 
 
 def unit(name: str) -> str:
-    """The unit of a column as it follows a number."""
+    """Return the unit of a column with a space before it; empty if it has none."""
     return f" {columns.UNITS[name]}" if name in columns.UNITS else ""
 
 
 @dataclass(frozen=True)
 class Limit:
-    """The range that one figure must be in. name: a column of results, or `ORDER`. None where a side is open."""
+    """The allowed range of one figure of a run.
+
+    Parameters
+    ----------
+    name
+        A column of results, or `ORDER`.
+    at_least, at_most
+        The ends of the range, in the column's unit; None for no limit.
+    """
 
     name: str
     at_least: float | None
     at_most: float | None
 
     def holds(self, value: float) -> bool:
+        """Return whether a value is within the range."""
         at_least = -math.inf if self.at_least is None else self.at_least
         at_most = math.inf if self.at_most is None else self.at_most
         return at_least <= value <= at_most
 
     @property
     def text(self) -> str:
+        """The range in words, with units."""
         sides = (("at least", self.at_least), ("at most", self.at_most))
         return " and ".join(f"{side} {value:g}{unit(self.name)}" for side, value in sides if value is not None)
 
 
 @dataclass(frozen=True)
 class Expectation:
-    """What must hold of one method.
+    """What must hold of the runs of one method.
 
-    status: how its run must end. known: where a discrepancy is discussed that is known to break it; until: the last day on
-    which it may.
+    Parameters
+    ----------
+    engine
+        The name of the engine.
+    method
+        The integrator, its options and the time step.
+    limits
+        The allowed ranges of figures.
+    status
+        The status with which the run must end.
+    known
+        A reference to a known discrepancy that breaks the expectation; empty if there is none.
+    until
+        The last day on which a known discrepancy is tolerated.
     """
 
     engine: str
@@ -55,13 +77,14 @@ class Expectation:
 
     @property
     def needs_order(self) -> bool:
+        """Whether the order is limited, which needs runs with smaller time steps."""
         return any(limit.name == ORDER for limit in self.limits)
 
     def concerns(self, engine: str, method: Method) -> bool:
-        """Whether it is about this method of an engine."""
+        """Return whether the expectation is about this method of an engine."""
         same = (self.engine, self.method.name) == (engine, method.name)
         return same and self.method.is_at(method.timestep)
 
 
-#: What a time step is divided by to see the order at it.
+#: The divisors of a time step that give the smaller time steps from which its order is measured.
 REFINEMENTS = (2, 4)

@@ -1,7 +1,7 @@
-"""The grammar of case files, format 1, as pydantic models: what a key may hold, and nothing about what it means.
+"""The grammar of case files, format 1, as pydantic models: the allowed keys and values.
 
-Rules that join several keys stand in `contradictions`, which looks at the raw document, so that they are reported together
-with the faults of single keys.
+The module `contradictions` checks rules that connect several keys. It checks the raw document, so that their faults are
+reported together with the faults of single keys.
 """
 
 from datetime import date
@@ -12,10 +12,10 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Dis
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import (
-    MOST_EXPECTATIONS,
-    MOST_PARTS,
-    MOST_SAMPLES,
-    MOST_TAGS,
+    MAX_EXPECTATIONS,
+    MAX_PARTS,
+    MAX_SAMPLES,
+    MAX_TAGS,
     Label,
     Name,
     NonNegative,
@@ -40,7 +40,7 @@ Quaternion = tuple[Number, Number, Number, Number]
 
 
 class Table(BaseModel):
-    """A table whose unknown keys are faults."""
+    """A table that allows no unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -113,10 +113,10 @@ class ShapelessTable(Table):
     shape: Literal["none"] = "none"
     mass: Positive | None = Field(default=None, description="kg, with inertia")
     inertia: AnyInertia | None = Field(default=None, description=INERTIA)
-    particles: Annotated[tuple[ParticleTable, ...], Field(min_length=1, max_length=MOST_PARTS)] | None = Field(
+    particles: Annotated[tuple[ParticleTable, ...], Field(min_length=1, max_length=MAX_PARTS)] | None = Field(
         default=None, description="point masses that make it"
     )
-    parts: Annotated[tuple[PartTable, ...], Field(min_length=1, max_length=MOST_PARTS)] | None = Field(
+    parts: Annotated[tuple[PartTable, ...], Field(min_length=1, max_length=MAX_PARTS)] | None = Field(
         default=None, description="solids that make it"
     )
 
@@ -131,7 +131,7 @@ SHAPE_TABLES: dict[str, type[Table]] = {
 
 
 def with_shape(body: Any) -> Any:
-    """A body made of particles or parts needs no shape to be given."""
+    """Return a body table with `shape = "none"` added if it consists of particles or parts and gives no shape."""
     made = isinstance(body, dict) and "shape" not in body and ("particles" in body or "parts" in body)
     return {**body, "shape": "none"} if made else body
 
@@ -186,7 +186,7 @@ class RunTable(Table):
     """How long to look, and how often."""
 
     duration: Positive = Field(description="s")
-    samples: Annotated[int, Field(strict=True, ge=2, le=MOST_SAMPLES)] = Field(description="evenly spaced, both ends included")
+    samples: Annotated[int, Field(strict=True, ge=2, le=MAX_SAMPLES)] = Field(description="evenly spaced, both ends included")
 
 
 class RangeTable(Table):
@@ -260,13 +260,13 @@ class CaseTable(Table):
     name: Name = Field(description="unique among the cases of a run")
     title: Text = Field(description="what it is, in a few words")
     source: Text = Field(default="", description="where it comes from")
-    tags: Annotated[tuple[Label, ...], Field(max_length=MOST_TAGS)] = Field(default=(), description="to group cases by")
+    tags: Annotated[tuple[Label, ...], Field(max_length=MAX_TAGS)] = Field(default=(), description="to group cases by")
     body: AnyBody = Field(description="what moves")
     initial: InitialTable = InitialTable()
     scene: SceneTable = SceneTable()
     run: RunTable
     extremes: ExtremesTable = ExtremesTable()
-    expect: Annotated[tuple[ExpectTable, ...], Field(max_length=MOST_EXPECTATIONS)] = Field(
+    expect: Annotated[tuple[ExpectTable, ...], Field(max_length=MAX_EXPECTATIONS)] = Field(
         default=(), description="what must hold, a table a method"
     )
 
@@ -287,13 +287,13 @@ TABLES: dict[Path, type[Table]] = {
 
 
 def shape_of(body: Any) -> str:
-    """The shape of a body or part where it is a word, else none: what else it may be is another fault."""
+    """Return the shape of a body or part, or an empty text if it is invalid; the grammar reports invalid types."""
     shape = body.get("shape") if isinstance(body, dict) else None
     return shape if isinstance(shape, str) else ""
 
 
 def table_at(path: Path, document: dict[str, Any]) -> type[Table] | None:
-    """The grammar of the table at a path of a document; None where there is no table."""
+    """Return the grammar of the table at a path of a document; None if there is no table."""
     if path == ("body",):
         return SHAPE_TABLES.get(shape_of(with_shape(document.get("body"))))
     return TABLES.get(tuple(key for key in path if isinstance(key, str)))

@@ -1,4 +1,4 @@
-"""Where the keys and values of a TOML document stand, which `tomllib` does not tell."""
+"""Find the positions of keys and values in a TOML document, which `tomllib` does not report."""
 
 import tomllib
 from collections.abc import Iterable
@@ -18,23 +18,26 @@ class Position(NamedTuple):
 
 
 class Entry(NamedTuple):
-    """Nodes of a syntax tree: what names a table, key or array element, and the value of a key."""
+    """The nodes of a syntax tree that name a table, key or array element, and hold the value of a key."""
 
     name: Node
     value: Node | None = None
 
 
 def positions(text: str, paths: Iterable[Path]) -> dict[Path, Position]:
-    """Positions of the tables, keys and array elements at some paths of a valid TOML document, and of all that are around them.
+    """Return the positions of paths in a valid TOML document, and those of all tables and arrays around them.
 
-    What is not in the document is absent.
+    A path may lead to a table, a key or an array element. Paths that the document does not contain are absent.
     """
     content = text.encode()
     return {(): Position(1, 1)} | {path: _position(content, entry.name) for path, entry in entries(text, paths).items()}
 
 
 def entries(text: str, paths: Iterable[Path]) -> dict[Path, Entry]:
-    """The same, with the nodes themselves. Only what leads to the paths is looked at, as a document may be large."""
+    """Return the syntax nodes of paths in a TOML document, and those of all tables and arrays around them.
+
+    Other parts of the document, which may be large, are not searched.
+    """
     search = _Search({path[:length] for path in paths for length in range(1, len(path) + 1)})
     root = Parser(Language(tree_sitter_toml.language())).parse(text.encode()).root_node
     for node in root.named_children:
@@ -51,7 +54,11 @@ def _position(content: bytes, node: Node) -> Position:
 
 
 class _Search:
-    """wanted: paths, with all around them. lengths: of the arrays of tables seen so far."""
+    """A search for paths in a syntax tree.
+
+    `wanted` contains the paths and the paths of all tables around them; `lengths` counts the elements of the arrays of tables
+    found so far.
+    """
 
     def __init__(self, wanted: set[Path]) -> None:
         self.wanted = wanted
@@ -81,7 +88,7 @@ class _Search:
         self._value(value, path)
 
     def _inside(self, keys: Path) -> Path:
-        """The path of a table's parents: a parent that is an array of tables stands for its last element."""
+        """Return the path of a table's parents; a parent that is an array of tables means its last element."""
         path: Path = ()
         for key in keys:
             path = (*path, key)
@@ -103,7 +110,7 @@ class _Search:
                 self.pair(child, path)
 
     def _record(self, path: Path, entry: Entry) -> None:
-        # A dotted key or a header may name the same table again: the first place is where a reader looks.
+        # Dotted keys or headers may name a table several times; readers look for it at the first position.
         if path in self.wanted:
             self.found.setdefault(path, entry)
 

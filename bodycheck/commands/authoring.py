@@ -1,21 +1,20 @@
 """The commands for authors of case files: `bodycheck validate`, `new`, `schema` and `expect`.
 
-Each imports what it needs when it runs, so that `--help` answers at once.
+The imports are inside the functions, so that `--help` answers at once.
 """
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from bodycheck.console import arguments
 from bodycheck.console.options import Engines, Integrators, Jobs, Timesteps
 from bodycheck.errors import FAILED, OK, BadInput
 
-if TYPE_CHECKING:
-    pass
-
 
 def validate(*files: str) -> int:
-    """Check case files and show every fault: file, line, key, what was read, what is allowed.
+    """Check case files, and print every fault with its file, line and key, the value that was read, and the allowed values.
+
+    Exit codes: 0 all files are valid; 2 a file has a fault.
 
     Parameters
     ----------
@@ -30,12 +29,14 @@ def validate(*files: str) -> int:
 
 
 def new(name: str, /) -> int:
-    """Write NAME.case.toml, a commented case that runs as it is, into the working directory.
+    """Write a new case file, NAME.case.toml, into the working directory.
+
+    The file contains comments that explain every key, and runs without changes.
 
     Parameters
     ----------
     name
-        The name of the case: small letters, digits and hyphens.
+        The name of the case. It may contain small letters, digits and hyphens.
     """
     from bodycheck.casefile import authoring
 
@@ -44,12 +45,14 @@ def new(name: str, /) -> int:
 
 
 def schema(of: Literal["cases", "results"] = "cases", /) -> int:
-    """Print the JSON Schema of case files, by which editors complete and check them, or that of results.json.
+    """Print the JSON Schema of case files or of results.json.
+
+    Editors use the schema of case files to complete keys and to mark faults.
 
     Parameters
     ----------
     of
-        What the schema is of, case files by default.
+        Which schema to print: cases (the default) or results.
     """
     from bodycheck.casefile import authoring
     from bodycheck.reports.runs import results_json
@@ -66,16 +69,17 @@ def expect(
     timestep: Timesteps = (),
     jobs: Jobs = None,
 ) -> int:
-    """Measure what methods give, and write it into case files as what is expected of them from now on.
+    """Run cases, and write the measured errors, times a margin, into the case files as expectations.
 
-    Time steps are 2 ms by default, and those of the expectations that are there.
+    Existing expectations of the same engine and method are updated. The default time steps are 2 ms and those of the existing
+    expectations. Exit codes: 0 all expectations were written; 1 some could not be written.
 
     Parameters
     ----------
     files
         Paths of case files.
     margin
-        How many times what was measured is allowed, 3 by default; the limit is rounded down to two digits.
+        The limit divided by the measured value. The default is 3. Limits are rounded down to two digits.
     """
     from bodycheck.console import terminal
     from bodycheck.console.ran import Selection, ran

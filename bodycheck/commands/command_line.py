@@ -1,4 +1,4 @@
-"""The command line: all commands, and how errors become messages and exit codes."""
+"""The command line: it registers all commands, and turns errors into messages and exit codes."""
 
 import sys
 
@@ -18,8 +18,8 @@ from bodycheck.studies.tradeoff.command import recommend, tradeoff
 
 app = App(
     name="bodycheck",
-    help="Hold physics engines against rigid-body mechanics.",
-    help_epilogue="Exit codes: 0 everything held; 1 an expectation or a run failed; 2 bad input or usage.",
+    help="Compare physics engines with the exact mechanics of a rigid body.",
+    help_epilogue="Exit codes: 0 success; 1 an expectation or a run failed; 2 bad input or usage; 130 interrupted.",
     version_flags=["--version"],
     default_parameter=Parameter(negative=(), show_default=False),
 )
@@ -34,7 +34,7 @@ for command in COMMANDS:
 
 
 def main() -> None:
-    """The entry point of the command `bodycheck`."""
+    """Run the command line and exit with its code. This is the entry point of the command `bodycheck`."""
     try:
         code = app(exit_on_error=False, print_error=False, result_action="return_value")
     except (CycloptsError, BadInput) as error:

@@ -1,32 +1,31 @@
 """The command `bodycheck diff`.
 
-It imports what it needs when it runs, so that `--help` answers at once.
+Its imports are inside the function, so that `--help` answers at once.
 """
 
 import os
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from bodycheck.console.options import Json
 from bodycheck.errors import FAILED, OK
 
-if TYPE_CHECKING:
-    pass
-
 
 def diff(base: Path, now: Path, /, *, json: Json = False) -> int:
-    """Say what has changed between two baselines, beyond what rounding and the truth's own error explain; else say nothing.
+    """Compare two baselines, and print the changes that exceed the effect of rounding and the error of the truth.
 
-    Exit codes: 0 nothing got worse; 1 a figure or a status got worse, or a run is gone; 2 no baselines of the same cases.
-    What got better or is new is told, and what steps cost where both were made on one machine: neither fails.
+    The command prints nothing if there is no such change. It also prints improvements and new runs, and, if both baselines
+    were made on the same machine, changes of the time per step; these do not make it fail.
+
+    Exit codes: 0 nothing got worse; 1 an error or a status got worse, or a run is missing; 2 the files are not baselines of
+    the same cases.
 
     Parameters
     ----------
     base
-        What `bodycheck run --save` wrote before.
+        The older baseline: a file that `bodycheck run --save` wrote.
     now
-        What it wrote later, elsewhere, or with other versions.
+        The newer baseline, made later, on another machine, or with other versions.
     """
     from bodycheck.console import terminal
     from bodycheck.judging import baseline

@@ -1,16 +1,11 @@
 """The commands `bodycheck cases` and `bodycheck engines`.
 
-Each imports what it needs when it runs, so that `--help` answers at once.
+The imports are inside the functions, so that `--help` answers at once.
 """
-
-from typing import TYPE_CHECKING
 
 from bodycheck.console import arguments
 from bodycheck.console.options import Json
 from bodycheck.errors import FAILED, OK
-
-if TYPE_CHECKING:
-    pass
 
 
 def cases(*, requires: bool = False, json: Json = False) -> int:
@@ -19,7 +14,7 @@ def cases(*, requires: bool = False, json: Json = False) -> int:
     Parameters
     ----------
     requires
-        Show what each scene requires of a model.
+        Also print which properties a model needs to represent each scene exactly.
     """
     from dataclasses import asdict
 
@@ -46,12 +41,12 @@ def engines(
     check: bool = False,
     json: Json = False,
 ) -> int:
-    """List the engines, their versions and integrators.
+    """List the engines with their versions and integrators.
 
     Parameters
     ----------
     check
-        Also run each adapter through scenes with one obvious answer; exit 1 if one is wrong.
+        Also test each adapter with scenes whose solution is obvious. The exit code is 1 if a test fails.
     """
     from bodycheck.adapters import offers
     from bodycheck.console import terminal
@@ -73,5 +68,5 @@ def engines(
         rows = [(name, own.engine.version, ", ".join(offers.listed(own.engine))) for name, own in adapters.items()]
         terminal.print_table(("engine", "version", "integrators"), rows + [(name, "-", why) for name, why in missing.items()])
         for name, found in faults.items():
-            print("\n".join(found) if found else f"{name}: the adapter does what is obvious")
+            print("\n".join(found) if found else f"{name}: adapter check passed")
     return FAILED if any(faults.values()) else OK

@@ -1,6 +1,6 @@
 """The command `bodycheck report`.
 
-It imports what it needs when it runs, so that `--help` answers at once.
+Its imports are inside the function, so that `--help` answers at once.
 """
 
 import sys
@@ -18,18 +18,19 @@ if TYPE_CHECKING:
 
 
 def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit: JUnit = None) -> int:
-    """Make reports again from saved results, without simulating anything: of runs or of a study, as `--out` has written them.
+    """Write the report of saved results again, without new simulations. The results may be runs or a study.
 
-    Several folders of runs become one report, which says first what differs between them: those of two releases of an engine,
-    of two machines, or before and after a change of a case; so do several of `bodycheck releases`. What is interrupted is
-    reported as far as it went, with exit code 2.
+    Several folders of runs are compared in one report, for example those of two releases of an engine, of two machines, or
+    from before and after a change of a case. The report begins with the differences. Several folders of `bodycheck releases`
+    are also combined into one report. Interrupted runs are reported up to the interruption, with exit code 2.
 
     Parameters
     ----------
     folders
-        Folders of results; what is in each is found from its files.
+        Folders that `--out` of an earlier command wrote.
     out
-        The folder for the report and its tables. By default that of the results, where one is given.
+        The folder for the report and its tables. It may be omitted if there is only one folder of results; the report is then
+        written into that folder.
     """
     from bodycheck import reports
     from bodycheck.commands import saved
@@ -45,31 +46,34 @@ def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit
     arguments.make_folder("--out", into)
     if isinstance(found[0], StudyReport) and len(found) == 1:
         if junit is not None:
-            raise BadInput(f"--junit {junit}: {folders[0]} holds a study, of which nothing is expected")
+            raise BadInput(f"--junit {junit}: {folders[0]} contains a study, and studies have no expectations")
         reports.write_study(found[0], into, figures)
         print(f"report: {into / 'report.html'}", file=sys.stderr)
         return OK
     sets = []
     for folder, label, one in zip(folders, result_set.labels(folders), found, strict=True):
         if isinstance(one, StudyReport):
-            raise BadInput(f"{folder}: holds a study; several folders are compared in one report where all are of runs")
+            raise BadInput(f"{folder}: contains a study; only folders of runs can be compared in one report")
         with saved.undamaged(folder):
             sets.append(result_set.judged(one, label))
     write(sets, into, figures, junit)
     if interrupted := [str(one.results.folder) for one in sets if not one.results.complete]:
-        print(f"bodycheck: interrupted, and reported as far as it went: {', '.join(interrupted)}", file=sys.stderr)
+        print(
+            f"bodycheck: interrupted; the report contains the runs before the interruption: {', '.join(interrupted)}",
+            file=sys.stderr,
+        )
         return BAD_INPUT
     return FAILED if any(verdict.passed is False for one in sets for verdict in one.verdicts) else OK
 
 
 def _report_releases(folders: tuple[Path, ...], into: Path, figures: Figures, junit: Path | None) -> int:
-    """One report of studies of releases, made on several machines for one."""
+    """Write one report of several studies of releases, made for example on several machines."""
     from bodycheck import reports
     from bodycheck.studies.releases import rows as release_rows
     from bodycheck.studies.releases.page import present
 
     if junit is not None:
-        raise BadInput(f"--junit {junit}: {folders[0]} holds a study, of which nothing is expected")
+        raise BadInput(f"--junit {junit}: {folders[0]} contains a study, and studies have no expectations")
     found = [release_rows.read(folder) for folder in folders]
     arguments.make_folder("--out", into)
     reports.write_study(present(dict(zip(release_rows.labels(found), found, strict=True))), into, figures)
@@ -78,7 +82,19 @@ def _report_releases(folders: tuple[Path, ...], into: Path, figures: Figures, ju
 
 
 def write(sets: "Sequence[ResultSet]", out: Path | None, figures: Figures, junit: Path | None) -> None:
-    """Write the reports and tables of judged results: into the folder `out`, and as JUnit XML, each where it is asked for."""
+    """Write the report and the tables of judged results, and their JUnit XML.
+
+    Parameters
+    ----------
+    sets
+        The judged results; several are compared.
+    out
+        The folder for the report and the tables; None to write neither.
+    figures
+        The formats in which plots are written as files.
+    junit
+        The file for the JUnit XML; None to write none.
+    """
     from bodycheck import reports
     from bodycheck.judging import result_set
 

@@ -1,18 +1,14 @@
 """The command `bodycheck run`.
 
-It imports what it needs when it runs, so that `--help` answers at once.
+Its imports are inside the function, so that `--help` answers at once.
 """
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from bodycheck.console import arguments
 from bodycheck.console.options import CaseName, Engines, Figures, Integrators, Jobs, Json, JUnit, Out, Timesteps
 from bodycheck.errors import FAILED, OK
-
-if TYPE_CHECKING:
-    pass
 
 
 def run(
@@ -27,17 +23,20 @@ def run(
     jobs: Jobs = None,
     json: Json = False,
 ) -> int:
-    """Run cases through engines, compare them with mechanics and report.
+    """Run cases in engines, compare the motions with exact mechanics, and write a report.
 
-    Time steps are 2 ms by default, and what a case's expectations ask for. The tables are results.csv and results.parquet;
-    results.json has them too, and the findings.
-    In a workflow of GitHub, broken expectations are annotated in the case files, and the report is the summary of the step.
+    The default time steps are 2 ms and those of the expectations in the cases. The tables are results.csv and
+    results.parquet; results.json contains the same numbers and the findings. An interrupted run resumes when it is run again
+    with the same --out. In a GitHub workflow, failed expectations are annotated in the case files, and the report becomes the
+    summary of the step.
+
+    Exit codes: 0 all expectations hold; 1 an expectation failed; 2 bad input or usage.
 
     Parameters
     ----------
     save
-        A file (.parquet) for the results as a baseline, which `bodycheck diff` holds others against. Every run is made five
-        times, to see what rounding does to it.
+        A file (.parquet) to save the results as a baseline for `bodycheck diff`. Every run is made five times, to measure the
+        effect of rounding.
     """
     from bodycheck import reports
     from bodycheck.commands.report import write

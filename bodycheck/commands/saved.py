@@ -1,6 +1,6 @@
-"""What a folder of saved results holds: of runs, or of a study, which is found from what is in it.
+"""Read a folder of saved results, which contains runs or a study.
 
-Nothing is simulated, and no engine need be installed.
+The files in the folder tell which of the two it is. Nothing is simulated, and no engine needs to be installed.
 """
 
 from collections.abc import Iterator, Mapping
@@ -33,21 +33,24 @@ PARSERS: dict[str, csv_tables.Parser] = {"string": str, "boolean": csv_tables.tr
 #: How to read the columns that tradeoff.csv has besides those of results and that do not hold decimal numbers.
 TRADEOFF_PARSERS: dict[str, csv_tables.Parser] = {"evaluations": int}
 
-INTERRUPTED = "was interrupted before it had anything to report; start it again with the same --out, and it goes on"
+#: The predicate of messages about an interrupted study.
+INTERRUPTED = "was interrupted before its report was written; run it again with the same --out to resume it"
 
 
 def read(folder: Path) -> Results | StudyReport:
-    """The results of runs in a folder, or the report of the study in it.
+    """Return the results of the runs in a folder, or the report of the study in it.
 
-    Raises `BadFolder` for a folder that holds neither, or more than one, for a study that was interrupted, and for damage.
-    Results of runs may be interrupted: they say so.
+    Results of interrupted runs are returned with `complete` false. Raises `BadFolder` for a folder that contains neither runs
+    nor a study, or both, for an interrupted study, and for damaged files.
     """
     if not folder.is_dir():
         raise BadFolder(f"{folder}: there is no such folder" if not folder.exists() else f"{folder}: is not a folder")
     there = [name for name in (store.RECORDS, EXTREMES) if (folder / name).is_file()]
     if len(there) != 1:
         found = " and ".join(there) or f"neither {store.RECORDS} nor {EXTREMES}"
-        raise BadFolder(f"{folder}: no folder of results: has {found}, of which bodycheck writes one into each")
+        raise BadFolder(
+            f"{folder}: not a folder of results: it contains {found}; bodycheck writes exactly one of the two into each folder"
+        )
     with undamaged(folder):
         if there == [EXTREMES]:
             return _extremes(folder)
@@ -58,7 +61,7 @@ def read(folder: Path) -> Results | StudyReport:
 
 @contextmanager
 def undamaged(folder: Path) -> Iterator[None]:
-    """Raises `BadFolder` where what is read within the context is not what bodycheck has written."""
+    """Turn errors of reading a folder within the context into `BadFolder`: the files are not as bodycheck wrote them."""
     try:
         yield
     except CaseFaults as error:
@@ -68,18 +71,20 @@ def undamaged(folder: Path) -> Iterator[None]:
 
 
 def _check_header(header: Mapping[str, Any]) -> None:
-    """Raises `KeyError` where a header lacks what every report tells."""
+    """Raise `KeyError` if a header lacks an entry that every report contains."""
     for name in HEADER:
         header[name]
 
 
 def _study(results: Results) -> StudyReport | None:
-    """The report of the study of which there is a table beside the runs."""
+    """Return the report of the study whose table is beside the runs; None if there is no such table."""
     tables = [name for name in ("tradeoff.csv", "ablation.csv") if (results.folder / name).is_file()]
     if not tables:
         return None
     if len(tables) > 1:
-        raise BadFolder(f"{results.folder}: holds {' and '.join(tables)}, of which one is of other results; remove that")
+        raise BadFolder(
+            f"{results.folder}: contains {' and '.join(tables)}, but only one can belong to these results; remove the other"
+        )
     if not results.complete:
         raise BadFolder(f"{results.folder}: the study {INTERRUPTED}")
     return _tradeoff(results) if tables == ["tradeoff.csv"] else _ablation(results)
@@ -111,16 +116,16 @@ def _extremes(folder: Path) -> StudyReport:
     runs = [record["row"] for record in contents.records if record["record"] == "run"]
     made = [Row(**row | {"integrator": current(row["integrator"])}) for row in runs]
     if set(rows) != set(made):
-        raise BadFolder(f"{folder}: damaged: extremes.csv does not tell of the runs in {EXTREMES}")
+        raise BadFolder(f"{folder}: damaged: extremes.csv does not list the same runs as {EXTREMES}")
     return extremes.present(contents.header, rows, limits)
 
 
 def _check(results: Results, table: str, told: set[Any], made: set[Any]) -> None:
-    """Raises `BadFolder` where a table does not tell of the runs beside it."""
+    """Raise `BadFolder` if a table does not list the same runs as the records in its folder."""
     if not told or told != made:
         raise BadFolder(
-            f"{results.folder}: {table} does not tell of the runs in {store.RECORDS}: it is damaged, or of other results; in "
-            "that case remove it"
+            f"{results.folder}: {table} does not list the same runs as {store.RECORDS}: it is damaged, or it belongs to other "
+            "results and must be removed"
         )
 
 
@@ -140,7 +145,7 @@ def _runs(results: Results) -> Iterator[dict[str, Any]]:
 
 
 def _spelled(integrator: str, model: str) -> str:
-    """The present spelling of the method with which a model was run."""
+    """Return the present spelling of the method that selects a model."""
     return current(f"{integrator}{',' if ':' in integrator else ':'}model={model}")
 
 

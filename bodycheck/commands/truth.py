@@ -1,19 +1,16 @@
 """The command `bodycheck truth`.
 
-It imports what it needs when it runs, so that `--help` answers at once.
+Its imports are inside the function, so that `--help` answers at once.
 """
 
 import sys
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from cyclopts import Parameter
 
 from bodycheck.console import arguments
 from bodycheck.console.options import Json
 from bodycheck.errors import FAILED, OK, BadInput
-
-if TYPE_CHECKING:
-    pass
 
 
 def truth(
@@ -24,16 +21,16 @@ def truth(
     certify: bool = False,
     json: Json = False,
 ) -> int:
-    """Print the reference trajectory of a case and the bound of its error.
+    """Print the reference trajectory of a case, and a bound of its error.
 
     Parameters
     ----------
     case
         The name of a shipped case, or the path of a case file.
     at
-        Instants in s, in any order; the case's own by default.
+        Instants in s, in any order. By default, the sampling times of the case.
     certify
-        Also run every other way to the truth, 128-bit arithmetic among them, and print how far they are apart.
+        Also compute the trajectory by all other methods, including 128-bit arithmetic, and print how much they differ.
     """
     from bodycheck.console import terminal
     from bodycheck.reference.errors import NotModelled, OutOfReach

@@ -1,4 +1,4 @@
-"""What commands are given by name: cases and engines."""
+"""Load the cases and engines that a command names, and check paths and numbers of the command line."""
 
 import os
 import sys
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def load_cases(names: tuple[str, ...]) -> "list[Case]":
-    """The named cases, or all shipped ones. Raises `CaseFaults` with the faults of all files together."""
+    """Load the named cases; all shipped cases if none is named. Raises `CaseFaults` with the faults of all files."""
     from bodycheck.casefile.case import CaseFaults, Fault, load, shipped
 
     loaded: dict[str, Case] = {}
@@ -26,7 +26,7 @@ def load_cases(names: tuple[str, ...]) -> "list[Case]":
             faults += error.faults
             continue
         if case.name in loaded:
-            faults.append(Fault(name, f"another case that was given has the name {case.name!r} too"))
+            faults.append(Fault(name, f"another of these cases also has the name {case.name!r}"))
         loaded[case.name] = case
     if faults:
         raise CaseFaults(tuple(faults))
@@ -34,7 +34,11 @@ def load_cases(names: tuple[str, ...]) -> "list[Case]":
 
 
 def load_engines(names: tuple[str, ...]) -> "tuple[dict[str, Adapter], dict[str, str]]":
-    """The named adapters, or all, and why others cannot be used; a named one that is missing is bad usage."""
+    """Load the named engines; all engines if none is named.
+
+    Returns the adapters by name, and, if none is named, the reasons why the other engines cannot be used. Raises `BadInput` if
+    a named engine, or every engine, cannot be used.
+    """
     from bodycheck.adapters import registry
 
     adapters: dict[str, Adapter] = {}
@@ -48,14 +52,14 @@ def load_engines(names: tuple[str, ...]) -> "tuple[dict[str, Adapter], dict[str,
             if names:
                 raise BadInput(str(error)) from error
             missing[name] = str(error)
-            print(f"bodycheck: {error}; going on without it", file=sys.stderr)
+            print(f"bodycheck: {error}; continuing without it", file=sys.stderr)
     if not adapters:
         raise BadInput("no engine can be used")
     return adapters, missing
 
 
 def check_engine(name: str) -> None:
-    """Raises `BadInput` for an engine that has no adapter; whether it is installed is not asked."""
+    """Raise `BadInput` for an engine without an adapter. The engine itself need not be installed."""
     from bodycheck.adapters import registry
 
     if name not in (known := registry.names()):
@@ -63,7 +67,10 @@ def check_engine(name: str) -> None:
 
 
 def files_of(cases: "list[Case]", names: tuple[str, ...]) -> dict[str, Path]:
-    """The files of those loaded cases that were named by one, by the case's name."""
+    """Return the files of cases, by the name of the case; shipped cases have none.
+
+    `names` are the names and paths from which `load_cases` loaded the cases.
+    """
     from bodycheck.casefile.case import shipped
 
     given = zip(cases, dict.fromkeys(names or shipped()), strict=True)
@@ -71,39 +78,42 @@ def files_of(cases: "list[Case]", names: tuple[str, ...]) -> dict[str, Path]:
 
 
 def check_writable(option: str, path: Path | None) -> None:
-    """Raises `BadInput` where an option names a file that cannot be there: better before a long run than after it."""
+    """Raise `BadInput` if the file that an option names cannot be written. This is checked before a long run."""
     if path is not None and (path.is_dir() or not path.parent.is_dir()):
         raise BadInput(f"{option} {path}: {'is a folder' if path.is_dir() else f'there is no folder {path.parent}'}")
 
 
 def check_has_folder(figures: tuple[str, ...], out: Path | None) -> None:
-    """Raises `BadInput` where plots are asked for and there is no folder to write them into."""
+    """Raise `BadInput` if plots are requested without a folder to write them into."""
     if figures and out is None:
-        raise BadInput(f"--figures {figures[0]}: needs --out, a folder to write into")
+        raise BadInput(f"--figures {figures[0]}: needs --out, the folder to write into")
 
 
 def folder_for(folders: tuple[Path, ...], out: Path | None) -> Path:
-    """Where a report of the results in some folders goes. Raises `BadInput`."""
+    """Return the folder for the report of the results in some folders.
+
+    Raises `BadInput` if there is no folder, or if several are given without `--out` or with one of them as `--out`.
+    """
     if not folders:
         raise BadInput("report: give at least one folder of results")
     if out is None and len(folders) > 1:
-        raise BadInput("report: give --out, a folder for what is made of several folders")
+        raise BadInput("report: give --out, the folder for the report of several folders")
     if out is not None and len(folders) > 1 and out.resolve() in {folder.resolve() for folder in folders}:
-        raise BadInput(f"--out {out}: is one of the folders to be compared, and keeps its own report")
+        raise BadInput(f"--out {out}: is one of the folders to be compared; its own report must not be overwritten")
     return folders[0] if out is None else out
 
 
 def make_folder(option: str, path: Path | None) -> None:
-    """Make the folder that an option names, where it names one. Raises `BadInput` where it cannot be."""
+    """Make the folder that an option names; do nothing if it is None. Raises `BadInput` if the folder cannot be made."""
     try:
         if path is not None:
             path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise BadInput(f"{option} {path}: no folder can be made there: {error}") from error
+        raise BadInput(f"{option} {path}: the folder cannot be made: {error}") from error
 
 
 def processes(jobs: int | None) -> int:
-    """How many processes to use; as many as there are processors where none are given. Raises `BadInput`."""
+    """Return the number of processes to use; the number of processors if it is None. Raises `BadInput` for less than 1."""
     if jobs is not None and jobs < 1:
         raise BadInput(f"--jobs {jobs}: must be at least 1")
     return jobs or os.cpu_count() or 1

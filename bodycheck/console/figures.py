@@ -1,11 +1,11 @@
-"""Numbers as text for tables on the terminal."""
+"""Format numbers for tables on the terminal."""
 
 
 def scaled(scale: float, value: float | None) -> float | None:
-    """A value times a scale; None stays None."""
+    """Return a value times a scale; None if the value is None."""
     return None if value is None else scale * value
 
 
 def figure_text(value: float | None) -> str:
-    """A number with three significant digits; empty for None."""
+    """Return a number with three significant digits; an empty text if it is None."""
     return "" if value is None else f"{value:.3g}"

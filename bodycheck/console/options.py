@@ -5,28 +5,29 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-#: Of each of several cases.
-CaseName = Annotated[str, Parameter(help="Names of shipped cases, or paths of case files; all shipped cases if none is given.")]
+#: One of several cases.
+CaseName = Annotated[str, Parameter(help="Names of shipped cases, or paths of case files. Default: all shipped cases.")]
 
 Engines = Annotated[
-    tuple[str, ...], Parameter(help="An engine to use; may be given several times. All that are installed by default.")
+    tuple[str, ...], Parameter(help="An engine to use. May be given several times. Default: all installed engines.")
 ]
 
 Integrators = Annotated[
-    tuple[str, ...], Parameter(help="An integrator to use; may be given several times. By default all of each engine.")
+    tuple[str, ...],
+    Parameter(help="An integrator to use. May be given several times. Default: all integrators of each engine."),
 ]
 
-Timesteps = Annotated[tuple[float, ...], Parameter(help="A time step in s; may be given several times.")]
+Timesteps = Annotated[tuple[float, ...], Parameter(help="A time step in s. May be given several times.")]
 
-Out = Annotated[Path | None, Parameter(help="The folder for the tables, what they are made of, report.html and report.md.")]
+Out = Annotated[Path | None, Parameter(help="The folder for the tables, the recorded runs, report.html and report.md.")]
 
-Jobs = Annotated[int | None, Parameter(help="How many processes. By default as many as there are processors.")]
+Jobs = Annotated[int | None, Parameter(help="The number of processes. Default: the number of processors.")]
 
 Figures = Annotated[
     tuple[Literal["png", "svg"], ...],
-    Parameter(help="Also write every plot of the report into its folder figures/; may be given once for each."),
+    Parameter(help="Also write every plot of the report into the folder figures/. May be given once for each format."),
 ]
 
-JUnit = Annotated[Path | None, Parameter(help="A file (.xml) for the expectations as tests, as CI systems read them.")]
+JUnit = Annotated[Path | None, Parameter(help="A file (.xml) for the expectations as test results that CI systems can read.")]
 
-Json = Annotated[bool, Parameter(help="Print as JSON instead of tables.")]
+Json = Annotated[bool, Parameter(help="Print JSON instead of tables.")]

@@ -1,4 +1,4 @@
-"""What every command does that runs cases: load them and the engines, plan, run, and keep the results while it uses them."""
+"""Run cases for a command: load cases and engines, plan and make the runs, and keep the results while the command uses them."""
 
 import sys
 from collections.abc import Iterator
@@ -18,9 +18,20 @@ from bodycheck.running.store import Results
 
 @dataclass(frozen=True)
 class Selection:
-    """What a command was asked to run: names or paths of cases, names of engines and integrators, time steps (s).
+    """The runs that the user selects on the command line. An empty tuple stands for all, or for the default.
 
-    An empty tuple means all, or the default. jobs: the number of processes; None for one a processor.
+    Parameters
+    ----------
+    cases
+        Names of shipped cases and paths of case files.
+    engines
+        Names of engines.
+    integrators
+        Spellings of methods.
+    timesteps
+        Time steps (s).
+    jobs
+        The number of processes; None for the number of processors.
     """
 
     cases: tuple[str, ...]
@@ -32,7 +43,7 @@ class Selection:
 
 @dataclass(frozen=True)
 class Ran:
-    """Results, the cases that were run, and the adapters of the engines by name."""
+    """The results of a command's runs, the cases that were run, and the adapters of the engines by name."""
 
     results: Results
     cases: list[Case]
@@ -41,9 +52,21 @@ class Ran:
 
 @contextmanager
 def ran(selection: Selection, plan: Plan, out: Path | None) -> Iterator[Ran]:
-    """Run what a plan makes of a selection; the results last as long as the context, in `out` for good.
+    """Run the tasks that a plan makes of a selection, and provide the results.
 
-    Raises `BadInput` for cases, engines, methods or a folder that cannot be used.
+    Parameters
+    ----------
+    selection
+        The selected cases, engines, integrators and time steps.
+    plan
+        Returns the tasks for cases, adapters, integrators and time steps.
+    out
+        The folder for the results. If it is None, they are in a temporary folder that the end of the context deletes.
+
+    Raises
+    ------
+    BadInput
+        If a case, engine, method or folder cannot be used.
     """
     cases = load_cases(selection.cases)
     adapters, missing = load_engines(selection.engines)

@@ -1,4 +1,4 @@
-"""What the command line shows: results on stdout, progress on stderr."""
+"""Print results to stdout, and progress to stderr."""
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -23,25 +23,27 @@ from bodycheck.running.campaign import Advance
 if TYPE_CHECKING:
     from bodycheck.judging.baseline import Difference
 
-#: Columns of a table that goes into a file or a pipe.
-WIDTH_OF_A_FILE = 200
+#: Width in characters of a table that is printed into a file or a pipe.
+FILE_WIDTH = 200
 
 
 def print_json(value: Any) -> None:
+    """Print a value as JSON, on one line."""
     print(json.dumps(value, ensure_ascii=False))
 
 
 def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table with a header, as wide as the terminal."""
     table = Table(*header, box=None, header_style="bold", pad_edge=False)
     for row in rows:
         table.add_row(*map(escape, row))
     console = Console()
-    console.width = console.width if console.is_terminal else WIDTH_OF_A_FILE
+    console.width = console.width if console.is_terminal else FILE_WIDTH
     console.print(table)
 
 
 def print_requirements(needs: Mapping[str, Mapping[str, bool | str | int]]) -> None:
-    """A line a case: what it requires, by name."""
+    """Print one line per case with its requirements, which are given by their names."""
 
     def text(value: bool | str | int) -> str:
         return ("yes" if value else "-") if isinstance(value, bool) else str(value)
@@ -51,7 +53,7 @@ def print_requirements(needs: Mapping[str, Mapping[str, bool | str | int]]) -> N
 
 
 def print_results(verdicts: Sequence[Verdict]) -> None:
-    """A line a run, and how many of them passed and failed."""
+    """Print one line per run, and the numbers of runs that passed and failed."""
     header = (
         "case",
         "engine",
@@ -90,7 +92,7 @@ def _result(verdict: Verdict) -> tuple[str, ...]:
 
 
 def print_changes(changes: Sequence[Change]) -> None:
-    """A line a measurement: what became of it."""
+    """Print one line per measurement, saying whether its expectations were written."""
     rows = [
         (run.case, run.engine, run.method.name, f"{run.method.timestep:g}", change.text)
         for change in changes
@@ -100,7 +102,7 @@ def print_changes(changes: Sequence[Change]) -> None:
 
 
 def print_difference(found: "Difference") -> None:
-    """A line a change, times that changed, and what matters most as one sentence."""
+    """Print one line per change, the changes of the time per step, and a summary of the changes in one sentence."""
     if found.changes:
         header = ("case", "engine", "integrator", "step", "what", "base", "now", "explained", "change")
         rows = [
@@ -115,7 +117,7 @@ def print_difference(found: "Difference") -> None:
 
 
 def print_truth(truth: Truth, most_rows: int) -> None:
-    """The states at evenly chosen instants, and what made them."""
+    """Print the states at no more than `most_rows` evenly chosen instants, the model and the methods that computed them."""
     trajectory = truth.trajectory
     chosen = np.unique(np.linspace(0, len(trajectory) - 1, min(most_rows, len(trajectory))).astype(int))
 
@@ -136,11 +138,11 @@ def print_truth(truth: Truth, most_rows: int) -> None:
     left_out = f"; {len(chosen)} of {len(trajectory)} instants, --json prints all" if len(chosen) < len(trajectory) else ""
     print(f"model {truth.model} ({truth.reason}), backend {truth.backend}{left_out}")
     if truth.witnesses:
-        print(f"held against {'; '.join(truth.witnesses)}")
+        print(f"compared with {'; '.join(truth.witnesses)}")
 
 
 def print_certificate(certificate: Certificate) -> None:
-    """How far the ways to the truth have been apart until some instants, and what the truth itself conserves."""
+    """Print how much the methods of computing a truth differ up to some instants, and how well the truth conserves energy."""
     truth = certificate.truth
     t = truth.trajectory.t
     chosen = np.unique(np.searchsorted(t, np.linspace(0, t[-1], 5)[1:]))
@@ -153,7 +155,7 @@ def print_certificate(certificate: Certificate) -> None:
     rows += [("printed bound of the truth's error", *figures(truth.error)), ("certified bound", *figures(certificate.bound))]
     print_table(("ways", *(f"until {t[i]:g} s" for i in chosen)), rows)
     if certificate.growth is not None:
-        print(f"an error made on the way grows up to {certificate.growth.max():.2g}-fold")
+        print(f"an error at one instant grows up to {certificate.growth.max():.2g}-fold until a later one")
     compared = Comparison(truth, truth.trajectory)
     energy, rotational, momentum = (
         f"{compute(compared).max():.1e}" for compute in (total_energy, rotational_energy, angular_momentum)
@@ -163,7 +165,11 @@ def print_certificate(certificate: Certificate) -> None:
 
 @contextmanager
 def progress(title: str, total: int) -> Iterator[Advance]:
-    """A progress bar on stderr, gone when done; call what it gives with a word on what is done."""
+    """Show a progress bar on stderr while the context lasts.
+
+    The context provides a function that advances the bar. Its arguments are a text about the last task, and the number of
+    completed units (1 by default). `total` is the number of all units.
+    """
     columns = (TextColumn(title), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.fields[last]}"))
     console = Console(stderr=True)
     with Progress(*columns, console=console, transient=True) as bar:

@@ -9,7 +9,7 @@ from bodycheck.adapters.contract import Adapter, Engine, Method
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.expectation import REFINEMENTS
-from bodycheck.casefile.values import MOST_STEPS
+from bodycheck.casefile.values import MAX_STEPS
 from bodycheck.errors import BadInput
 from bodycheck.running.key import RunKey
 from bodycheck.suggestion import did_you_mean
@@ -73,11 +73,11 @@ def check(
     for spelling in integrators:
         check_method(spelling, [adapter.engine for adapter in engines.values()])
     for case, timestep in product(cases, timesteps):
-        if not 0 < timestep <= case.duration <= timestep * MOST_STEPS:
-            least = case.duration / MOST_STEPS
+        if not 0 < timestep <= case.duration <= timestep * MAX_STEPS:
+            least = case.duration / MAX_STEPS
             raise BadInput(
                 f"{case.name}: time step {timestep:g} s: must be positive, at most its duration, {case.duration:g} s, and at "
-                f"least {least:g} s, which makes {MOST_STEPS:.0e} steps"
+                f"least {least:g} s, which makes {MAX_STEPS:.0e} steps"
             )
 
 

@@ -103,7 +103,11 @@ def test_euler_rates_go_with_whichever_attitude_is_given() -> None:
     [
         ('shape = "none"\nmass = 1.0', "body", "needs one of inertia, particles, parts"),
         ('shape = "none"\ninertia = [1.0, 1.0, 1.0]', "body.mass", "is missing"),
-        ("mass = 1.0\n[[body.particles]]\nmass = 1.0\nposition = [0, 0, 1]", "body.mass", "says again what particles say"),
+        (
+            "mass = 1.0\n[[body.particles]]\nmass = 1.0\nposition = [0, 0, 1]",
+            "body.mass",
+            "particles are given too",
+        ),
         ("[[body.particles]]\nmass = 1.0\nposition = [0, 0, 1]", "body", "a body on a line"),
         ("[[body.particles]]\nmass = -1.0\nposition = [0, 0, 1]", "body.particles[1].mass", "greater than 0"),
         ('shape = "none"\nmass = 1.0\ninertia = [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]', "body.inertia", "symmetric"),
@@ -111,9 +115,17 @@ def test_euler_rates_go_with_whichever_attitude_is_given() -> None:
         ('shape = "none"\nmass = 1.0\ninertia = [[1, 0, 0], [0, 1, 0], [0, 0, 3]]', "body.inertia", "no body has these"),
         ('shape = "none"\nmass = 1.0\ninertia = [[1, 0, 0], [0, 1, 0]]', "body.inertia[3]", "is missing"),
         (PARTS.format(p="0, 0, 1").replace("radius = 1.0\n", ""), "body.parts[1].radius", "is missing"),
-        (PARTS.format(p="0, 0, 1") + "semi_axes = [1, 1, 1]", "body.parts[1].semi_axes", "a sphere has none; allowed: radius"),
+        (
+            PARTS.format(p="0, 0, 1") + "semi_axes = [1, 1, 1]",
+            "body.parts[1].semi_axes",
+            "not apply to a sphere; allowed: radius",
+        ),
         (PARTS.format(p="0, 0, 1") + "radus = 1", "body.parts[1].radus", "unknown key; allowed: shape, semi_axes"),
-        (PARTS.format(p="0, 0, 1") + "euler_zxz=[0,0,0]\nquaternion=[1,0,0,0]", "body.parts[1].quaternion", "says again"),
+        (
+            PARTS.format(p="0, 0, 1") + "euler_zxz=[0,0,0]\nquaternion=[1,0,0,0]",
+            "body.parts[1].quaternion",
+            "euler_zxz is given too",
+        ),
     ],
 )
 def test_faults_of_bodies(body: str, key: str, words: str) -> None:

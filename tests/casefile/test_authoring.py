@@ -15,7 +15,7 @@ from jsonschema import Draft202012Validator
 from bodycheck import Case, CaseFaults, load, simulate, truth
 from bodycheck.casefile.authoring import SCHEMA_FILE, new, schema, template
 from bodycheck.casefile.case import SUFFIX, parse, shipped
-from bodycheck.casefile.values import LARGEST
+from bodycheck.casefile.values import MAX_NUMBER
 from bodycheck.commands.command_line import app
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
@@ -125,7 +125,7 @@ def test_new_refuses_what_is_no_name(tmp_path: Path, name: str) -> None:
 
 def test_new_overwrites_nothing(tmp_path: Path) -> None:
     new("brick", tmp_path).write_text("mine")
-    with pytest.raises(BadInput, match="is there already"):
+    with pytest.raises(BadInput, match="exists already"):
         new("brick", tmp_path)
     assert (tmp_path / "brick.case.toml").read_text() == "mine"
     with pytest.raises(BadInput, match="cannot be written"):
@@ -180,7 +180,7 @@ def test_the_template_fits_the_schema(validator: Draft202012Validator) -> None:
         ("mass = 1.0", "mass = 0"),
         ("mass = 1.0", "mas = 1.0"),
         ("mass = 1.0", 'mass = "1"'),
-        ("mass = 1.0", f"mass = {10 * LARGEST:g}"),
+        ("mass = 1.0", f"mass = {10 * MAX_NUMBER:g}"),
         ('shape = "brick"', 'shape = "brik"'),
         ("[0.1, 0.2, 0.3]", "[0.1, 0.2]"),
         ("format = 1", "format = 2"),

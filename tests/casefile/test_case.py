@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bodycheck import Case, CaseFaults, load
-from bodycheck.casefile.case import LARGEST_FILE, Fault, parse, shipped
+from bodycheck.casefile.case import MAX_FILE_BYTES, Fault, parse, shipped
 from bodycheck.casefile.expectation import Limit
 from bodycheck.casefile.toml_positions import positions
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Sphere
@@ -169,7 +169,7 @@ def test_a_missing_coordinate_is_one_fault() -> None:
 
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     huge, binary = tmp_path / "huge.case.toml", tmp_path / "binary.case.toml"
-    huge.write_text("#" * (LARGEST_FILE + 1))
+    huge.write_text("#" * (MAX_FILE_BYTES + 1))
     binary.write_bytes(b"\xff\xfe\x00")
     for path, words in (
         (huge, "larger than"),

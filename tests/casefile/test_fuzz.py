@@ -19,7 +19,7 @@ from typing import Any
 import pytest
 
 from bodycheck import CaseFaults, load
-from bodycheck.casefile.case import LARGEST_FILE, shipped
+from bodycheck.casefile.case import MAX_FILE_BYTES, shipped
 from tests.support import ROOT
 
 #: How a program of its own imports this module.
@@ -164,7 +164,7 @@ def invalid_utf8(chance: random.Random, text: str) -> bytes:
 
 def fill(chance: random.Random, text: str) -> str:
     """As much of one thing as a file may hold, or somewhat more."""
-    room = chance.choice([1000, 20_000, LARGEST_FILE - len(text.encode()) - 100, LARGEST_FILE])
+    room = chance.choice([1000, 20_000, MAX_FILE_BYTES - len(text.encode()) - 100, MAX_FILE_BYTES])
     item, head, tail = chance.choice(FILLINGS)
     filled = head + item * (room // len(item)) + tail
     return filled + text if chance.random() < 0.5 else text + "\n" + filled
@@ -219,7 +219,7 @@ def mutants(seed: int, count: int) -> Any:
 
 def wrong(path: Path, content: bytes, error: CaseFaults) -> str:
     """What is wrong with what is said of a file; nothing where all is as it should be."""
-    readable = len(content) <= LARGEST_FILE
+    readable = len(content) <= MAX_FILE_BYTES
     lines = str(error).split("\n")
     if len(lines) != len(error.faults) or not error.faults:
         return "not one line a fault"
@@ -320,7 +320,7 @@ MALFORMED = {
     "digits": RICH.replace("9.81", "9" * 5000).encode(),
     "deep": ("x = " + "[" * 5000 + "]" * 5000 + "\n" + RICH).encode(),
     "dotted": ("x." * 100_000 + "x = 1\n" + RICH).encode(),
-    "large": RICH.encode() + b"#" * LARGEST_FILE,
+    "large": RICH.encode() + b"#" * MAX_FILE_BYTES,
     "samples": RICH.replace("samples = 101", "samples = 1000000000000").encode(),
     "duration": RICH.replace("duration = 1.0", "duration = 1e12").encode(),
 }

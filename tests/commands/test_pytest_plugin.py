@@ -68,7 +68,7 @@ def test_a_wrong_expectation_explains_itself(repository: pytest.Pytester) -> Non
     assert told == [
         "position_error is 1 m, expected at most 1e-09 m",
         "",
-        "spin, simulated by wrong 1.0 (integrator closed-form, time step 0.1 s) and held against mechanics:",
+        "spin, simulated by wrong 1.0 (integrator closed-form, time step 0.1 s) and compared with mechanics:",
         "",
         "spin.case.toml:15: position_error, largest distance of the centre of mass from where mechanics has it",
         "    expected  at most 1e-09 m",
@@ -139,7 +139,7 @@ def test_a_known_discrepancy_passes_until_its_day_and_is_told(repository: pytest
     result.stdout.fnmatch_lines(
         [
             "    known     https://example.org/7, tolerated until 2020-01-01",
-            "*discrepancies that the case files call known*",
+            "*known discrepancies according to the case files*",
             "mended.case.toml::wrong-closed-form-0.1: what is known to fail (https://example.org/7) holds now",
             "now.case.toml::wrong-closed-form-0.1: known until 2999-01-01 (https://example.org/7): position_error is 1 m, *",
         ]

@@ -82,18 +82,21 @@ def test_a_known_discrepancy_is_green_until_its_day_and_told_either_way(measured
 @pytest.mark.parametrize(
     ("lines", "fault"),
     [
-        (["attitude_error = {at_least = 2.0, at_most = 1.0}"], "expect[1].attitude_error: at_least is more than at_most"),
-        (["attitude_error = {}"], "gives no range; allowed: at_least, at_most"),
+        (["attitude_error = {at_least = 2.0, at_most = 1.0}"], "expect[1].attitude_error: at_least is larger than at_most"),
+        (["attitude_error = {}"], "contains no limit; allowed: at_least, at_most"),
         (["attitude_error = {at_last = 1.0}"], "unknown key; allowed: at_least, at_most"),
         (["attitude_error = {at_least = -1.0}"], "expect[1].attitude_error.at_least: read -1.0"),
         (["attitude_error = -1.0"], "expect[1].attitude_error: read -1.0"),
         (['attitude_error = "small"'], "expect[1].attitude_error: read 'small'"),
-        (['status = "diverged"', "attitude_error = 1.0"], "a run that is diverged has no figures; give status alone"),
+        (
+            ['status = "diverged"', "attitude_error = 1.0"],
+            "the status diverged has no errors to limit; give status alone",
+        ),
         (['status = "broken"'], "expect[1].status: read 'broken'"),
-        (["attitude_error = 1.0", 'known = "x"'], "expect[1].until: is missing: known needs it"),
-        (["attitude_error = 1.0", 'until = "2027-06-01"'], "expect[1].known: is missing: until needs it"),
+        (["attitude_error = 1.0", 'known = "x"'], "expect[1].until: is missing; known requires it"),
+        (["attitude_error = 1.0", 'until = "2027-06-01"'], "expect[1].known: is missing; until requires it"),
         (["attitude_error = 1.0", 'known = "x"', 'until = "June"'], 'should be a date such as "2027-06-01"'),
-        ([], "expects nothing; give at least one of status, position_error"),
+        ([], "contains no expectation; give at least one of status, position_error"),
     ],
 )
 def test_what_cannot_be_expected_is_refused(lines: list[str], fault: str) -> None:

@@ -1,6 +1,6 @@
 """The command `bodycheck ablate`.
 
-It imports what it needs when it runs, so that `--help` answers at once.
+Its imports are inside the function, so that `--help` answers at once.
 """
 
 import sys
@@ -17,7 +17,7 @@ def ablate(
     engine: Engines = (),
     integrator: Annotated[
         Integrators,
-        Parameter(help="An integrator to use; may be given several times. By default the first of each that has models."),
+        Parameter(help="An integrator to use. May be given several times. Default: the first of each engine that has models."),
     ] = (),
     timestep: Timesteps = (),
     out: Out = None,
@@ -25,9 +25,10 @@ def ablate(
     jobs: Jobs = None,
     json: Json = False,
 ) -> int:
-    """Measure what a scene does not require: the same case on models that grow step by step, their costs and their errors.
+    """Measure the cost and the effect of model parts that a case does not require.
 
-    The time step is 2 ms by default; half of it is run too. Costs are measured with one process. The table is ablation.csv.
+    The same case is run on models of growing size, from the smallest that represents it to one with everything computed. The
+    default time step is 2 ms; half of it is run too. Costs are measured with one process. The table is ablation.csv.
     """
     from bodycheck import reports
     from bodycheck.console import terminal

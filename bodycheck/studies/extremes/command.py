@@ -1,6 +1,6 @@
 """The command `bodycheck extremes`.
 
-It imports what it needs when it runs, so that `--help` answers at once.
+Its imports are inside the function, so that `--help` answers at once.
 """
 
 import sys
@@ -21,10 +21,10 @@ def extremes(
     jobs: Jobs = None,
     json: Json = False,
 ) -> int:
-    """Push cases and methods until they break, and say how they break.
+    """Push cases and methods to extreme values, and report where and how the methods fail.
 
-    Cases are those that have a table [extremes]. The tables are extremes.csv and limits.csv. A study that was killed is gone on
-    with when it is started again with the same --out.
+    By default, all shipped cases with a table [extremes] are run. The tables are extremes.csv and limits.csv. An interrupted
+    study resumes when it is run again with the same --out.
     """
     from dataclasses import asdict
 

@@ -1,6 +1,6 @@
 """The commands `bodycheck releases` and `bodycheck bisect`.
 
-Each imports what it needs when it runs, so that `--help` answers at once.
+The imports are inside the functions, so that `--help` answers at once.
 """
 
 import sys
@@ -18,7 +18,7 @@ def releases(
     *versions: str,
     case: Annotated[
         tuple[str, ...],
-        Parameter(help="A shipped case or the path of a case file; may be given several times. By default all shipped cases."),
+        Parameter(help="A shipped case or the path of a case file. May be given several times. Default: all shipped cases."),
     ] = (),
     integrator: Integrators = (),
     timestep: Timesteps = (),
@@ -29,21 +29,23 @@ def releases(
     jobs: Jobs = None,
     json: Json = False,
 ) -> int:
-    """Say what an upgrade of an engine changed: the same cases and methods in each of its releases, held against one another.
+    """Run the same cases in several releases of an engine, and report what changed from release to release.
 
-    Each release has an environment of its own, which is kept, and so is what was measured in it. Time steps are as in `run`.
-    The tables are releases.csv and changes.csv. Exit codes: 0 every release was measured, whatever changed; 1 one was not.
+    Each release is installed into an environment of its own. Environments and measurements are kept for later commands. Time
+    steps are those of `bodycheck run`. The tables are releases.csv and changes.csv.
+
+    Exit codes: 0 every release was measured, whether or not anything changed; 1 a release could not be measured.
 
     Parameters
     ----------
     engine
-        The engine.
+        The name of the engine.
     versions
-        Releases of it.
+        The releases to compare, for example 3.2.7 3.3.0.
     last
-        So many of its newest releases, besides those that are named.
+        The number of newest releases to compare, in addition to the named ones.
     remove
-        Instead of all this, delete the environments of the versions that are named; of all where none is.
+        Delete the environments of the named versions, or of all versions if none is named. Nothing is measured.
     """
     from dataclasses import asdict
 
@@ -58,7 +60,7 @@ def releases(
     check_engine(engine)
     if remove:
         if last is not None:
-            raise BadInput("--remove goes with versions, not with --last")
+            raise BadInput("--remove cannot be combined with --last; name the versions to remove")
         named = tuple(map(study.version, versions)) or tuple(study.kept(engine))
         removed = environments.remove(engine, named)
         terminal.print_json({"removed": removed}) if json else printing.print_removed(engine, removed)
@@ -95,30 +97,32 @@ def bisect(
     jobs: Jobs = None,
     json: Json = False,
 ) -> int:
-    """Find the release of an engine at which a figure broke a limit, with as few releases installed as possible.
+    """Find the release of an engine at which an error exceeded a limit, with as few installations as possible.
 
-    Either of the two releases may be the newer one. Releases that cannot be installed, or that lack the integrator, are stepped
-    around. Exit codes: 0 found; 1 one of the two cannot be told, or releases beside the one that was found; 2 the one that is
-    to be good is not, or the one that is to be bad is not bad, and bad usage.
+    Either of the two releases may be the newer one. Releases that cannot be installed, or that lack the integrator, are
+    skipped.
+
+    Exit codes: 0 the release was found; 1 one of the two releases could not be measured, or skipped releases leave several
+    possible answers; 2 the good release is not good, the bad one is not bad, or bad usage.
 
     Parameters
     ----------
     engine
-        The engine.
+        The name of the engine.
     good
         A release that keeps the limit.
     bad
-        A release that breaks it; a run that fails breaks it too.
+        A release that exceeds the limit, or in which the run fails.
     case
         The name of a shipped case, or the path of a case file.
     quantity
-        A column of results, attitude_error for one.
+        A column of results, for example attitude_error.
     limit
-        The most that the figure may be.
+        The largest allowed value of the quantity.
     integrator
-        The integrator. By default the first of the engine.
+        The integrator. Default: the first integrator of the engine.
     timestep
-        The time step in s, 0.002 by default.
+        The time step in s. Default: 0.002.
     """
     from dataclasses import asdict
 
@@ -134,7 +138,7 @@ def bisect(
     try:
         found, notice = bisection.find(engine, good, bad, observer)
     except bisection.Undecided as error:
-        print(f"bodycheck: cannot be told: {error}", file=sys.stderr)
+        print(f"bodycheck: the release cannot be determined: {error}", file=sys.stderr)
         return FAILED
     if notice:
         print(notice, file=sys.stderr)

@@ -1,6 +1,6 @@
 """The commands `bodycheck tradeoff` and `bodycheck recommend`.
 
-Each imports what it needs when it runs, so that `--help` answers at once.
+The imports are inside the functions, so that `--help` answers at once.
 """
 
 import sys
@@ -20,10 +20,11 @@ def tradeoff(
     jobs: Jobs = None,
     json: Json = False,
 ) -> int:
-    """Measure the trade of speed for accuracy: error and cost over a ladder of time steps, orders, and which scheme it is.
+    """Measure error and cost of every method over a range of time steps.
 
-    Time steps are by default a ladder that suits the case; orders need five or more. Costs are measured with one process. The
-    tables are tradeoff.csv and orders.csv.
+    The report also contains the order of convergence of every method and the textbook scheme that it agrees with. The default
+    time steps suit the case; orders need five or more time steps. Costs are measured with one process. The tables are
+    tradeoff.csv and orders.csv.
     """
     from dataclasses import asdict
 
@@ -65,18 +66,20 @@ def recommend(
     jobs: Jobs = None,
     json: Json = False,
 ) -> int:
-    """Find the cheapest methods that keep an error below a limit, all measured, none extrapolated.
+    """Find the cheapest methods that keep an error below a limit. All are measured; nothing is extrapolated.
 
-    Time steps are by default a ladder that suits the case. Costs are measured with one process.
+    The default time steps suit the case. Costs are measured with one process.
+
+    Exit codes: 0 a method was found; 1 no method keeps the limit; 2 bad input or usage.
 
     Parameters
     ----------
     case
         The name of a shipped case, or the path of a case file.
     error
-        The most that the error may be: in rad, m, or relative.
+        The largest allowed error, in rad for the attitude, in m for the position, and relative for the others.
     quantity
-        What the error is of.
+        The quantity whose error is limited. Default: attitude.
     """
     from dataclasses import asdict
 

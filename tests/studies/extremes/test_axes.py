@@ -161,9 +161,9 @@ def test_an_axis_needs_something_to_push() -> None:
     found = faults(still + "speed = [1.0]\nseparatrix = [1e-3]\n")
     assert set(found) == {"extremes.spin", "extremes.speed", "extremes.separatrix"}
     sphere = GOOD.replace('shape = "brick"\nsemi_axes = [0.1, 0.3, 0.2]', 'shape = "sphere"\nradius = 1.0')
-    assert "no axis of a middle moment" in faults(sphere + "separatrix = [1e-3]\n")["extremes.separatrix"]
+    assert "no intermediate principal axis" in faults(sphere + "separatrix = [1e-3]\n")["extremes.separatrix"]
 
 
 def test_the_number_of_points_is_bounded() -> None:
     many = f"spin = {[float(n) for n in range(1, 31)]}\ntimestep = {[n / 1000 for n in range(1, 31)]}"
-    assert faults(GOOD.replace("spin = [1, 1e6]", many)) == {"extremes": "makes 900 points; at most 500 are allowed"}
+    assert faults(GOOD.replace("spin = [1, 1e6]", many)) == {"extremes": "results in 900 points; at most 500 are allowed"}
