@@ -164,8 +164,8 @@ def lose_a_column(folder: Path) -> None:
     ("kind", "damage", "words"),
     [
         ("run", lambda folder: shutil.rmtree(folder), "there is no such folder"),
-        ("run", lambda folder: (folder / RECORDS).unlink(), "no folder of results"),
-        ("run", lambda folder: shutil.copy(folder / RECORDS, folder / EXTREMES), "of which bodycheck writes one into each"),
+        ("run", lambda folder: (folder / RECORDS).unlink(), "not a folder of results"),
+        ("run", lambda folder: shutil.copy(folder / RECORDS, folder / EXTREMES), "exactly one of the two"),
         ("run", spoil(RECORDS, '"status"', "status"), "no journal"),
         ("run", spoil(RECORDS, '"format": 1', '"format": 7'), "its format is 7, not 1"),
         ("run", spoil(RECORDS, '"integrator"', '"integrated"'), "'integrator'"),
