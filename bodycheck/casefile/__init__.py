@@ -2,6 +2,7 @@
 
 - `case` loads a case file and returns a `Case`, or all faults of the file with their lines. This is the entry point.
 - `grammar` defines the keys and the allowed values; `contradictions` checks rules that connect several keys.
+- `scenes` builds the scene of a case from its tables. `values` defines the types of values, and `axes` the axes of extremes.
 - `toml_positions` finds the line and column of a key. `identity` tells whether two cases describe the same physics.
 - `expectation` holds what a case expects of a method.
 - `authoring` writes new case files and the JSON Schema.

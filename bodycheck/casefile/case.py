@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import date, time
 from importlib import resources
@@ -11,7 +11,6 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import ValidationError
 
 from bodycheck.adapters.method import Method, current
@@ -19,13 +18,11 @@ from bodycheck.casefile import grammar
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.contradictions import contradictions
 from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
+from bodycheck.casefile.scenes import Inconsistent, build_scene
 from bodycheck.casefile.toml_positions import Path, Position, positions
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
-from bodycheck.reference.inertia import MassProperties, composite, particles, principal_axes, principal_moments, solid
-from bodycheck.reference.kinematics import body_rates, euler_from_quaternion, normalise, quaternion_from_euler
-from bodycheck.reference.planar import resting_height
-from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere, State
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.suggestion import did_you_mean
 
@@ -42,9 +39,6 @@ MAX_MESSAGE_LENGTH = 200
 
 #: Allowed deviation from an order that is given as one number: it is measured at three time steps, not in the limit.
 ORDER_TOLERANCE = 0.25
-
-#: Smallest allowed ratio of the principal moments of particles or parts; a smaller ratio is rounding error.
-MIN_MOMENT_RATIO = 1e-15
 
 
 @dataclass(frozen=True)
@@ -66,14 +60,6 @@ class CaseFaults(BadInput):
 
     def __init__(self, faults: tuple[Fault, ...]) -> None:
         super().__init__("\n".join(map(str, faults)))
-        self.faults = faults
-
-
-class _Inconsistent(Exception):
-    """Every key is allowed, but their combination is not. `faults` contains pairs of path and message."""
-
-    def __init__(self, *faults: tuple[Path, str]) -> None:
-        super().__init__(*faults)
         self.faults = faults
 
 
@@ -162,7 +148,7 @@ def _parsed(document: dict[str, Any], text: str, file: str) -> Case:
     if not errors:
         try:
             return _case(table, text)
-        except _Inconsistent as error:
+        except Inconsistent as error:
             errors += error.faults
     unreported += len(errors[MAX_FAULTS:])
     places = positions(text, [path for path, _ in errors[:MAX_FAULTS]])
@@ -325,17 +311,10 @@ def _quote(value: Any) -> str:
 
 
 def _case(table: grammar.CaseTable, text: str) -> Case:
-    body = _body(table.body)
-    scene = Scene(
-        body=body,
-        initial=_state(table.initial, body, table.scene.plane is not None),
-        gravity=table.scene.gravity,
-        plane=Plane(**table.scene.plane.model_dump()) if table.scene.plane else None,
-        drag=table.scene.drag.quadratic if table.scene.drag else 0.0,
-    )
+    scene = build_scene(table)
     extremes = tuple((name, values) for name, values in table.extremes if values is not None)
     if faults := [(("extremes", name), fault) for name, _ in extremes if (fault := AXES[name].missing(scene))]:
-        raise _Inconsistent(*faults)
+        raise Inconsistent(*faults)
     return Case(
         name=table.name,
         title=table.title,
@@ -348,81 +327,6 @@ def _case(table: grammar.CaseTable, text: str) -> Case:
         extremes=extremes,
         text=text,
     )
-
-
-def _body(table: grammar.AnyBody) -> Body:
-    if isinstance(table, grammar.ShapelessTable) and table.inertia is None:
-        made = _composed(table)
-        moments, axes = principal_axes(made.inertia)
-        if not min(moments) > MIN_MOMENT_RATIO * max(moments):
-            slender = (
-                f"its principal moments are {moments}; a body on a line has no moment about that line, and cannot be simulated"
-            )
-            raise _Inconsistent((("body",), slender))
-        return Body(made.mass, moments, None, axes)
-    shape = _shape(table)
-    assert table.mass is not None  # the grammar requires a mass unless the body is composed
-    if table.inertia is None:
-        assert shape is not None
-        return Body(table.mass, principal_moments(shape, table.mass), shape)
-    inertia = np.array(table.inertia)
-    moments, axes = principal_axes(np.diag(inertia) if inertia.ndim == 1 else inertia)
-    return Body(table.mass, moments, shape, axes)
-
-
-def _shape(table: grammar.AnyBody | grammar.PartTable) -> Shape | None:
-    match table:
-        case grammar.BrickTable(semi_axes=semi_axes) | grammar.PartTable(shape="brick", semi_axes=tuple(semi_axes)):
-            return Brick(semi_axes)
-        case grammar.EllipsoidTable(semi_axes=semi_axes) | grammar.PartTable(shape="ellipsoid", semi_axes=tuple(semi_axes)):
-            return Ellipsoid(semi_axes)
-        case (
-            grammar.CylinderTable(radius=radius, half_length=half_length)
-            | grammar.PartTable(shape="cylinder", radius=float(radius), half_length=float(half_length))
-        ):
-            return Cylinder(radius, half_length)
-        case grammar.SphereTable(radius=radius) | grammar.PartTable(shape="sphere", radius=float(radius)):
-            return Sphere(radius)
-        case _:
-            return None
-
-
-def _composed(table: grammar.ShapelessTable) -> MassProperties:
-    if table.particles is not None:
-        return particles([particle.mass for particle in table.particles], [particle.position for particle in table.particles])
-    solids = [
-        solid(shape, part.mass, part.position, _attitude(part).astype(float))
-        for part in table.parts or ()
-        if (shape := _shape(part)) is not None
-    ]
-    return composite(solids)
-
-
-def _attitude(table: grammar.InitialTable | grammar.PartTable) -> NDArray[np.longdouble]:
-    """Return the unit quaternion from a quaternion or Euler angles, in extended precision."""
-    if table.quaternion is not None:
-        return normalise(np.array(table.quaternion, dtype=np.longdouble))
-    return quaternion_from_euler(*_widened(table.euler_zxz or (0.0, 0.0, 0.0)))
-
-
-def _state(table: grammar.InitialTable, body: Body, on_plane: bool) -> State:
-    """Return the initial state, computed in extended precision so that its doubles are the closest to the file's values.
-
-    If no position is given, a body with a flat face lies on the plane.
-    """
-    lying = on_plane and isinstance(body.shape, Brick | Cylinder)
-    position = table.position or (0.0, 0.0, resting_height(body.shape) if lying else 0.0)
-    rates = table.angular_velocity or (0.0, 0.0, 0.0)
-    if table.euler_rates is not None:
-        _, theta, psi = euler_from_quaternion(_attitude(table)) if table.quaternion else _widened(table.euler_zxz or (0, 0, 0))
-        x, y, z = body_rates(theta, psi, *_widened(table.euler_rates)).tolist()
-        rates = float(x), float(y), float(z)
-    w, x, y, z = _attitude(table).astype(float).tolist()
-    return State(position, (w, x, y, z), table.velocity, rates)
-
-
-def _widened(values: Sequence[float]) -> Iterator[NDArray[np.longdouble]]:
-    return (np.asarray(np.longdouble(value)) for value in values)
 
 
 def _expectation(table: grammar.ExpectTable) -> Expectation:
