@@ -126,8 +126,8 @@ def test_a_release_that_fails_in_whatever_way_is_rows_that_say_so() -> None:
     }
     answers = {
         ("2.0", "spin"): Answer(status="crashed", failure="its process died of signal SIGSEGV"),
-        ("3.0", "spin"): Answer(("RK4",), (row("of itself"),)),
-        ("4.0", "spin"): Answer(("Euler", "RK4"), (row("4.0", integrator="Euler"), row("4.0"))),
+        ("3.0", "spin"): Answer(("RK4",), rows=(row("of itself"),)),
+        ("4.0", "spin"): Answer(("Euler", "RK4"), rows=(row("4.0", integrator="Euler"), row("4.0"))),
     }
     rows = list(releases.rows_of("mujoco", replace(FLIP, name="spin"), obtained, answers))
     assert [(one["integrator"], one["version"], one["status"]) for one in rows] == [
@@ -180,7 +180,7 @@ def test_what_is_written_is_read_again_and_its_columns_are_those_of_results(tmp_
 
 
 def test_half_an_answer_is_none(tmp_path: Path) -> None:
-    answer = Answer(("RK4",), (row("1.0"),))
+    answer = Answer(("RK4",), rows=(row("1.0"),))
     path = tmp_path / "deep" / "answer.json"
     assert stored(path) is None
     store(answer, path)
