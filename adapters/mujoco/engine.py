@@ -16,6 +16,7 @@ A body on a plane touches the plane by MuJoCo's own soft contact, whose options 
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import mujoco
 import numpy as np
@@ -158,10 +159,7 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Rollouts | Steps:
         moments=contact.numbers_written(*scene.body.moments),
         parts=scene_models.parts(scene, model, parts),
     )
-    try:
-        compiled = mujoco.MjModel.from_xml_string(xml)
-    except ValueError as error:
-        raise SceneUnsupported(f"MuJoCo refuses the model: {' '.join(str(error).split())}") from error
+    compiled = compiled_model(xml)
     data = mujoco.MjData(compiled)
     data.qpos[:], data.qvel[:] = joints.qpos, joints.qvel
     force = None
@@ -170,6 +168,19 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Rollouts | Steps:
     elif scene.drag and not fluid and model != "rotation":
         force = scene_models.drag_force(scene.drag, data)
     return stepping(compiled, data, joints, force)
+
+
+@lru_cache(maxsize=8)
+def compiled_model(xml: str) -> mujoco.MjModel:
+    """Return MuJoCo's model of an XML text. Raises `SceneUnsupported` if MuJoCo refuses it.
+
+    The initial state is in MuJoCo's data and nothing changes a model, so runs of one scene and method share theirs: timing and
+    the comparison of runs with perturbed initial states prepare the same model many times.
+    """
+    try:
+        return mujoco.MjModel.from_xml_string(xml)
+    except ValueError as error:
+        raise SceneUnsupported(f"MuJoCo refuses the model: {' '.join(str(error).split())}") from error
 
 
 def check_supported(scene: Scene, method: Method, model: str) -> None:

@@ -2,8 +2,6 @@
 
 import json
 import re
-import subprocess
-import sys
 import tomllib
 from importlib import resources
 from pathlib import Path
@@ -16,13 +14,13 @@ from bodycheck import Case, CaseFaults, load, simulate, truth
 from bodycheck.casefile.authoring import SCHEMA_FILE, new, schema, template
 from bodycheck.casefile.case import SUFFIX, parse, shipped
 from bodycheck.casefile.values import MAX_NUMBER
-from bodycheck.commands.command_line import app
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
 from bodycheck.judging import judgement
 from bodycheck.judging.expectation_writer import Measurement, floors, measure, rewrite
 from bodycheck.reference.truth import NoTruth
 from bodycheck.suggestion import did_you_mean
+from tests.support.commands import bodycheck, call
 from tests.support.truths import truth_for_runs
 
 CASES = resources.files("bodycheck.cases")
@@ -57,16 +55,6 @@ velocity = [1.0, 0.0, 0.0]
 # A comment after everything."""
 
 
-def bodycheck(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "bodycheck", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, cwd=folder)
-
-
-def call(*arguments: str) -> object:
-    """The command in this process: what it refuses it raises."""
-    return app(arguments, exit_on_error=False, print_error=False, result_action="return_value")
-
-
 @pytest.fixture(scope="module")
 def validator() -> Draft202012Validator:
     document = json.loads(schema())
@@ -74,7 +62,7 @@ def validator() -> Draft202012Validator:
     return Draft202012Validator(document)
 
 
-def test_what_new_writes_runs_as_it_is(tmp_path: Path) -> None:
+def test_what_new_writes_runs_as_it_is(calls_here: None, tmp_path: Path) -> None:
     done = bodycheck("new", "my-first-case", folder=tmp_path)
     assert (done.returncode, done.stdout) == (0, "my-first-case.case.toml\n")
     path = tmp_path / "my-first-case.case.toml"
@@ -385,7 +373,7 @@ def test_no_floor_vanishes() -> None:
     assert np.all([value >= 1e-14 for value in found.values()])
 
 
-def test_expect_measures_and_writes(tmp_path: Path) -> None:
+def test_expect_measures_and_writes(calls_here: None, tmp_path: Path) -> None:
     path = tmp_path / "tumbling.case.toml"
     path.write_bytes(TUMBLING.replace("\n", "\r\n").encode())
     options = ("--integrator", "Euler", "--integrator", "rk4", "--margin", "2.5", "--jobs", "2")
@@ -407,7 +395,7 @@ def test_expect_measures_and_writes(tmp_path: Path) -> None:
     assert "3 passed, 0 failed" in done.stdout
 
 
-def test_a_case_for_which_there_is_no_such_method_is_left(tmp_path: Path) -> None:
+def test_a_case_for_which_there_is_no_such_method_is_left(calls_here: None, tmp_path: Path) -> None:
     free, lying = tmp_path / "free.case.toml", tmp_path / "lying.case.toml"
     free.write_text(TUMBLING)
     lying.write_text(load("resting-brick").text.split("[extremes]")[0])

@@ -1,9 +1,6 @@
 """Baselines: what has changed is told, and what rounding does is not."""
 
 import json
-import os
-import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -29,6 +26,10 @@ from bodycheck.running import campaign
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.plan import plan
+from tests.support import campaigns
+from tests.support.campaigns import adapters
+from tests.support.commands import Done, bodycheck
+from tests.support.processes import calls_here
 from tests.support.truths import truth_for_runs
 
 WHOLE = load("intermediate-axis-flip").text.partition("[[expect]]")[0]
@@ -40,11 +41,9 @@ U = 2.0**-53
 
 
 def saved(path: Path, cases: list[Case], engines: tuple[str, ...] = ("mujoco",), integrators: tuple[str, ...] = ()) -> Path:
-    adapters = {name: registry.load(name) for name in engines}
-    tasks = plan(cases, adapters, integrators, (STEP,))
-    head = campaign.header([], {name: adapter.engine.version for name, adapter in adapters.items()}, {})
-    with campaign.results(tasks, path.with_suffix(""), head, jobs=2) as results:
-        baseline.save(path, results, judgement.judge(results), jobs=2)
+    with calls_here():
+        results = campaigns.results(plan(cases, adapters(*engines), integrators, (STEP,)), path.with_suffix(""))
+        baseline.save(path, results, judgement.judge(results), jobs=1)
     return path
 
 
@@ -59,10 +58,8 @@ def base(flips: Path) -> Baseline:
     return baseline.read(flips)
 
 
-def diff(*arguments: object, **environment: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "bodycheck", "diff", *map(str, arguments)]
-    outside = {name: value for name, value in os.environ.items() if not name.startswith("GITHUB_")}
-    return subprocess.run(command, capture_output=True, text=True, env=outside | environment)
+def diff(*arguments: object, **environment: str) -> Done:
+    return bodycheck("diff", *arguments, **environment)
 
 
 def edited(path: Path, to: Path, change: Callable[[pa.Table], pa.Table]) -> Path:
@@ -293,12 +290,9 @@ def test_what_is_no_baseline_is_refused(flips: Path, tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_run_saves(tmp_path: Path) -> None:
-    def run(*arguments: object) -> subprocess.CompletedProcess[str]:
-        chosen = ("projectile", "--engine", "mujoco", "--integrator", "RK4")
-        return subprocess.run(
-            [sys.executable, "-m", "bodycheck", "run", *chosen, *map(str, arguments)], capture_output=True, text=True
-        )
+def test_run_saves(calls_here: None, tmp_path: Path) -> None:
+    def run(*arguments: object) -> Done:
+        return bodycheck("run", "projectile", "--engine", "mujoco", "--integrator", "RK4", *arguments)
 
     done = run("--save", tmp_path / "base.parquet")
     assert done.returncode == 0, done.stderr
