@@ -8,6 +8,7 @@ from typing import Any
 
 from bodycheck.reports.lines import Line
 
+#: A Vega-Lite specification.
 Spec = dict[str, Any]
 
 #: The colour of the text around a chart.
@@ -17,7 +18,7 @@ INK = "currentColor"
 COMPONENT_COLOURS = ("#009e73", "#b35c8d", "#8c8500")
 
 #: Instructions for the reader of a `zoomable` chart.
-ZOOMING = "Drag to pan, zoom with Ctrl and the wheel or a pinch, double-click to reset."
+ZOOMING = "Drag a chart to pan it, zoom with a pinch or with Ctrl and the wheel, and double-click to reset."
 
 
 def without_legend(spec: Spec) -> Spec:

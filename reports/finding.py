@@ -6,10 +6,10 @@ from dataclasses import dataclass
 MOST_NAMES = 3
 
 #: Attitude errors are compared between methods only above this multiple of the truth's own error.
-TELLING = 100.0
+COMPARABLE_ATTITUDE = 100.0
 
 #: Position errors (m) are compared between methods only above this, which is far above rounding in scenes of human size.
-TELLING_POSITION = 1e-6
+COMPARABLE_POSITION_M = 1e-6
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,18 @@
-"""How a method is drawn: the hue tells the engine, the same in every chart; dash and shade the integrator, width the step."""
+"""The line that stands for a method in charts and legends.
+
+The hue shows the engine and is the same in every chart, dashes and shade show the integrator, and the width the time step.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 from bodycheck.reports.quantities import milliseconds
 
-#: engine, integrator, time step (s), label of the set of results; the last is empty where there is one set only
+#: Engine, integrator, time step (s) and label of the set of results; the label is empty if there is only one set.
 Key = tuple[str, str, float, str]
 
-#: Okabe and Ito's colours, which colour-blind readers tell apart, the palest deepened: all readable on white and on black.
+#: Two shades for each hue: the colours of Okabe and Ito, which colour-blind readers can distinguish, with the palest
+#: deepened so that all are readable on white and on black.
 HUES = (
     ("#0072b2", "#3d8fc6"),
     ("#d55e00", "#a84a00"),
@@ -19,23 +23,38 @@ HUES = (
     ("#777777", "#929292"),
 )
 
-#: Engines whose hue is the same in every report, whatever other engines it has.
+#: Engines that always have the first hues, so that these are the same in every report.
 FIRST = ("mujoco", "pinocchio")
 
+#: Lengths on and off, in pixels.
 DASHES: tuple[tuple[int, ...], ...] = ((1, 0), (7, 3), (2, 2), (9, 3, 2, 3), (4, 4), (12, 4), (6, 2, 2, 2, 2, 2), (1, 4))
+#: Pixels, from the largest time step to the smallest.
 WIDTHS = (2.0, 1.3, 0.8)
 
-#: Of several sets of results the last is drawn as one alone would be, each before it paler and as a broader band beneath.
-#:
-#: BAND: by so many of its widths a line is broader. PALE: the grey that is mixed in, of 255.
-BAND, PALE = 1.5, 200
+#: Of several sets of results the last has the usual lines. Each earlier set has paler lines that are broader by this many
+#: widths, so that they remain visible beneath.
+BAND = 1.5
+
+#: The grey (0 to 255) that is mixed into paler lines.
+PALE = 200
 
 
 @dataclass(frozen=True)
 class Line:
-    """One method: what it is called in this report and how it is drawn. dash: lengths on and off, in pixels.
+    """The name and the style of one method in a report.
 
-    timestep: in s, 0 for a line through all time steps. results: the label of the set that it is of.
+    Parameters
+    ----------
+    engine, integrator
+        The method.
+    timestep
+        Time step (s); 0 for a line through all time steps.
+    label
+        Name of the method in this report.
+    colour, dash, width
+        Style; the dash is lengths on and off, and lengths and width are in pixels.
+    results
+        Label of the set of results.
     """
 
     engine: str
@@ -49,9 +68,9 @@ class Line:
 
 
 def assign(keys: Iterable[Key]) -> dict[Key, Line]:
-    """A line for every method, engine by engine, otherwise in the order of first appearance.
+    """Return a line for every method, engine by engine and otherwise in the order of first appearance.
 
-    A label has the time step in it only where the report has several.
+    Labels contain the time step only if the methods have several.
     """
     given = list(dict.fromkeys(keys))
     engines = list(dict.fromkeys(engine for engine, *_ in given))
@@ -77,7 +96,7 @@ def assign(keys: Iterable[Key]) -> dict[Key, Line]:
 
 
 def paled(colour: str, times: int) -> str:
-    """A colour, mixed half and half with a light grey so many times."""
+    """Return a colour after mixing it half and half with a light grey so many times."""
     for _ in range(times):
         channels = (int(colour[place : place + 2], 16) for place in (1, 3, 5))
         colour = "#" + "".join(f"{(channel + PALE) // 2:02x}" for channel in channels)

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from bodycheck.reports.finding import Finding
-from bodycheck.reports.quantities import count
+from bodycheck.reports.quantities import count, verb
 from bodycheck.reports.study import StudyReport
 from bodycheck.reports.tables import Table
 
@@ -48,7 +48,8 @@ def fitted(parts: Iterable[str], header: Mapping[str, Any]) -> str:
         kept.append(part)
         room -= len(part) + 2
     if left_out:
-        kept.append(f"*Left out here for their size: {count(left_out, 'table')}; report.html has them.*")
+        left = f"{count(left_out, 'table')} {verb(left_out, 'was', 'were')} left out"
+        kept.append(f"*{left} to keep this text short. The file report.html contains all tables.*")
     return "\n\n".join([*kept, _footer(header)]) + "\n"
 
 

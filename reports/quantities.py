@@ -1,4 +1,4 @@
-"""The measured quantities as reports name them, and numbers as reports print them."""
+"""Names of the measured quantities in reports, and numbers, amounts and lists as text."""
 
 import math
 from collections.abc import Sequence
@@ -10,7 +10,19 @@ from bodycheck.figures.columns import COLUMNS, FIGURES
 
 @dataclass(frozen=True)
 class Quantity:
-    """A column of results. name: the column's. unit: "" for a pure number. meaning: one sentence for readers."""
+    """A measured quantity of results.
+
+    Parameters
+    ----------
+    name
+        Name of the column.
+    title
+        Name for readers.
+    unit
+        Unit; empty for a relative quantity.
+    meaning
+        Explanation for readers, one sentence.
+    """
 
     name: str
     title: str
@@ -19,11 +31,11 @@ class Quantity:
 
     @property
     def label(self) -> str:
-        """The title with its unit, as an axis or a table's head wants it."""
+        """Return the title with the unit, for an axis or the head of a table."""
         return f"{self.title}, {self.unit or 'relative'}"
 
     def with_unit(self, value: float) -> str:
-        """A value with its unit, to four digits."""
+        """Return a value with its unit, to four significant digits."""
         return f"{number(value)} {self.unit}".rstrip()
 
 
@@ -33,15 +45,15 @@ QUANTITIES = {
     if name in FIGURES and not FIGURES[name].of_truth
 }
 
-#: The columns of a case's table; the results file has the rest.
+#: Quantities in the table of a case; the file of results has all.
 TABLED = tuple(name for name in QUANTITIES if FIGURES[name].tabled)
 
-#: What is drawn over time, where it was measured: the attitude error first, which tells most of a turning body.
+#: Quantities that are drawn over time if they were measured; the attitude error, which matters most, comes first.
 PLOTTED = tuple(sorted((name for name in QUANTITIES if FIGURES[name].plotted), key=lambda name: name != "attitude_error"))
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """A number to so many significant digits, its exponent without padding; a dash for what is not there."""
+    """Return a number with so many significant digits and an exponent without padding; a dash for None and NaN."""
     if value is None or math.isnan(value):
         return "–"
     mantissa, e, exponent = f"{value:.{digits}g}".partition("e")
@@ -49,22 +61,27 @@ def number(value: float | None, digits: int = 4) -> str:
 
 
 def bound(value: float, digits: int = 4) -> str:
-    """A number that others do not exceed, rounded up, so that what is printed still bounds them (to a millionth of it)."""
+    """Return an upper bound as text, rounded up so that the text is a bound too (except for one part in a million)."""
     return number(float(Context(prec=digits, rounding=ROUND_CEILING).create_decimal(f"{value:.7g}")), digits)
 
 
 def milliseconds(seconds: float, digits: int = 12) -> str:
-    """A time step in ms with its unit, all digits that were given unless fewer are asked for."""
+    """Return a time step (s) in ms with its unit, with up to so many significant digits."""
     return f"{seconds * 1e3:.{digits}g} ms"
 
 
 def listing(names: Sequence[str], most: int | None = None, noun: str = "") -> str:
-    """Names as a sentence lists them: the first `most` of them, then how many others (of that noun) there are."""
+    """Return names as a list in a sentence: the first `most` of them, then the number of others and their noun."""
     if most is not None and len(names) > most + 1:
         names = (*names[:most], f"{count(len(names) - most, f'more {noun}')}")
     return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
 
 
+def verb(amount: int, singular: str, plural: str) -> str:
+    """Return the form of a verb that an amount takes: 1 run differs, 2 runs differ."""
+    return singular if amount == 1 else plural
+
+
 def count(amount: int, noun: str) -> str:
-    """An amount of something: 1 run, 2 runs."""
+    """Return an amount with its noun in singular or plural: 1 run, 2 runs."""
     return f"{amount} {noun}" if amount == 1 else f"{amount} {noun}s"

@@ -1,4 +1,4 @@
-"""Curves with few enough points to draw, that still have every peak."""
+"""Curves with few enough points to be stored in a page, which still have every peak."""
 
 import heapq
 import math
@@ -10,22 +10,33 @@ from bodycheck.reference.trajectory import Array
 
 
 def ends(samples: int, points: int) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
-    """The index of each interval's last sample (at most `points` of them), when so many samples are cut evenly."""
+    """Return the index of the last sample of each interval when samples are divided evenly into at most `points` intervals."""
     cuts = np.linspace(0, samples, min(samples, points) + 1).round().astype(np.intp)
     return cuts[1:] - 1
 
 
 def envelope(values: Array, points: int) -> Array:
-    """The largest of values (n,) in each interval of `ends`: at the end of an interval, the largest since the one before."""
+    """Return the largest of values (n,) in each interval of `ends`."""
     starts = np.concatenate([[0], ends(len(values), points)[:-1] + 1])
     return np.maximum.reduceat(values, starts)
 
 
 def corners(t: Array, values: Array, most: int, tolerance: float = 1e-3) -> list[int]:
-    """Indices, ascending, of those instants t (n,) between which straight lines follow the curves values (n, k).
+    """Return the ascending indices of instants between which straight lines follow curves.
 
-    The lines miss no sample by more than the tolerance, a share of the curves' range, unless that takes more than `most`
-    instants; then the worst misses are mended first (Douglas and Peucker's way, in order of need).
+    This is the algorithm of Douglas and Peucker, with the largest deviation split first.
+
+    Parameters
+    ----------
+    t
+        Instants (n,).
+    values
+        Curves (n, k).
+    most
+        The largest number of instants.
+    tolerance
+        Largest deviation of a sample from the lines, as a share of the range of all curves. It is exceeded if it would take
+        more than `most` instants.
     """
     allowed = tolerance * (float(np.ptp(values)) or 1.0)
     kept = {0, len(t) - 1}
@@ -41,7 +52,7 @@ def corners(t: Array, values: Array, most: int, tolerance: float = 1e-3) -> list
 
 
 def _worst_miss(t: Array, values: Array, start: int, stop: int) -> tuple[float, int, int, int]:
-    """Where between two samples the straight line misses the curves most: minus the miss, start, there, stop."""
+    """Return (-deviation, start, index, stop) of the sample between start and stop that is farthest from the straight line."""
     if stop - start < 2:
         return 0.0, start, start, stop
     share = ((t[start + 1 : stop] - t[start]) / (t[stop] - t[start]))[:, None]
@@ -51,5 +62,5 @@ def _worst_miss(t: Array, values: Array, start: int, stop: int) -> tuple[float, 
 
 
 def rounded(values: Iterable[float], digits: int = 4) -> list[float | None]:
-    """Values to so many significant digits; what is not finite has no place in JSON and becomes None."""
+    """Return values with so many significant digits, with None for those that are not finite, which JSON cannot hold."""
     return [float(f"{value:.{digits}g}") if math.isfinite(value) else None for value in values]

@@ -1,4 +1,4 @@
-"""The report of a study, before it is laid out: sentences, tables and charts under headings."""
+"""The contents of a study's report, before they are laid out: sentences, tables and charts under headings."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,7 +12,19 @@ from bodycheck.reports.tables import Table
 
 @dataclass(frozen=True)
 class Chart:
-    """A chart with its data. specification: Vega-Lite, complete. alt: what it shows, for readers who do not see it."""
+    """A chart with its data.
+
+    Parameters
+    ----------
+    title
+        Title above the chart.
+    specification
+        Complete Vega-Lite specification.
+    alt
+        Description for readers who do not see the chart.
+    notes
+        Sentences below the chart.
+    """
 
     title: str
     specification: Spec
@@ -22,9 +34,22 @@ class Chart:
 
 @dataclass(frozen=True)
 class Part:
-    """One heading of the report. name: of its anchor, unique. tables: each with its caption.
+    """A part of the report under a heading of its own.
 
-    lines: of methods that the reader may switch off; its charts then have a parameter `hidden`, as those of `charts` do.
+    Parameters
+    ----------
+    name
+        Name of the anchor, unique in the report.
+    title
+        The heading.
+    texts
+        Paragraphs.
+    charts
+        Charts after the paragraphs.
+    tables
+        Tables after the charts, each with its caption.
+    lines
+        Methods that the reader can switch off. The charts then have a parameter `hidden`, a list of the labels switched off.
     """
 
     name: str
@@ -37,7 +62,23 @@ class Part:
 
 @dataclass(frozen=True)
 class StudyReport:
-    """What a study's report says. header: as that of results. where of a finding names a part. reading: how to read it."""
+    """The contents of a study's report.
+
+    Parameters
+    ----------
+    title, headline
+        The name of the study and its result in one sentence.
+    header
+        Versions, machine and command, as in the header of results.
+    notices
+        Sentences that limit what the report says.
+    findings
+        Findings; `where` of each is empty or the name of a part.
+    parts
+        The parts of the report, in order.
+    reading
+        Paragraphs that explain how to read the report.
+    """
 
     title: str
     headline: str

@@ -1,11 +1,21 @@
-"""Tables as every writer lays them out."""
+"""Tables, which every writer lays out in its own way."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One field of a table. value: the number as it was measured, or that bounds it; meaning: then says which bound it is."""
+    """One cell of a table.
+
+    Parameters
+    ----------
+    text
+        The text of the cell.
+    value
+        The number by which the column is sorted: the measured one, or its bound.
+    meaning
+        Explanation of a bound; empty otherwise.
+    """
 
     text: str
     value: float | None = None
@@ -14,7 +24,21 @@ class Entry:
 
 @dataclass(frozen=True)
 class Table:
-    """Runs of one case: a title a column, a row a run, the line of each run's method."""
+    """A table.
+
+    Parameters
+    ----------
+    columns
+        Title of each column.
+    numeric
+        Whether each column holds numbers.
+    rows
+        The cells of each row.
+    failed
+        Whether each row is marked as failed.
+    notes
+        Sentences below the table.
+    """
 
     columns: tuple[str, ...]
     numeric: tuple[bool, ...]

@@ -1,4 +1,4 @@
-"""Several sets of results in one report: the cases that they have, and what is told of where they are from."""
+"""Several sets of results in one report: their cases, and one header for all."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -13,10 +13,18 @@ from bodycheck.reports.finding import Finding
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """A case as a report shows it: what is the same case in several sets, once.
+    """A case as a report shows it: once if it is the same in several sets.
 
-    name: the case's own, with a number behind it where sets have different cases of that name, and so have its verdicts.
-    sets: those that have it.
+    Parameters
+    ----------
+    name
+        The name of the case, with a number behind it if the sets have different cases of this name.
+    title, case
+        Its title for readers and the case itself.
+    sets
+        The sets that have it.
+    verdicts
+        The verdicts on its runs in these sets, which have the same name.
     """
 
     name: str
@@ -28,7 +36,7 @@ class Shown:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What differs between sets."""
+    """The differences between sets: a headline, notices and findings."""
 
     headline: str
     notices: tuple[str, ...]
@@ -36,7 +44,7 @@ class Comparison:
 
 
 def shown(sets: Sequence[ResultSet]) -> tuple[Shown, ...]:
-    """The cases of all sets. What differs in more than its title or expectations is not the same case."""
+    """Return the cases of all sets. Cases that differ in more than their title or expectations are different cases."""
     found = []
     for name in dict.fromkeys(name for one in sets for name in one.results.cases):
         versions: dict[str, list[ResultSet]] = {}
@@ -49,21 +57,23 @@ def shown(sets: Sequence[ResultSet]) -> tuple[Shown, ...]:
     return tuple(found)
 
 
-def _shown(name: str, called: str, sets: Sequence[ResultSet], several: bool) -> Shown:
+def _shown(name: str, shown_name: str, sets: Sequence[ResultSet], several: bool) -> Shown:
     case = sets[0].results.cases[name]
     title = f"{case.title} ({', '.join(one.label for one in sets)})" if several else case.title
     verdicts = [
-        replace(verdict, run=replace(verdict.run, case=called))
+        replace(verdict, run=replace(verdict.run, case=shown_name))
         for one in sets
         for verdict in one.verdicts
         if verdict.run.case == name
     ]
     methods = list(dict.fromkeys(map(method, verdicts)))
-    return Shown(called, title, case, tuple(sets), tuple(sorted(verdicts, key=lambda verdict: methods.index(method(verdict)))))
+    return Shown(
+        shown_name, title, case, tuple(sets), tuple(sorted(verdicts, key=lambda verdict: methods.index(method(verdict))))
+    )
 
 
 def header(sets: Sequence[ResultSet]) -> Mapping[str, Any]:
-    """The header of results; of several sets with all the values in which they differ, started when the last one was."""
+    """Return the header of results. For several sets it has all values in which they differ, and the latest start."""
     headers = {one.label: one.results.header for one in sets}
     if len(sets) == 1:
         return sets[0].results.header
@@ -86,6 +96,6 @@ def _merged(values: Mapping[str, str]) -> str:
 
 
 def method(verdict: Verdict) -> tuple[str, str, float]:
-    """Engine, integrator and time step (s) of a run."""
+    """Return the engine, integrator and time step (s) of a run."""
     run = verdict.run
     return run.engine, run.method.name, run.method.timestep

@@ -1,4 +1,4 @@
-"""What a report says, before it is laid out: the same for every writer."""
+"""The contents of the report of runs, before they are laid out; every writer uses the same."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,21 +19,37 @@ from bodycheck.reports.runs.matrix import Matrix, matrices
 from bodycheck.reports.runs.origins import Origins, origins
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback, playback
 from bodycheck.reports.runs.scenes import Fact, describe
-from bodycheck.reports.runs.summary import broken, headline, key_of, notices, result, tally, told_as
+from bodycheck.reports.runs.summary import broken, expectation_status, failure_status, headline, key_of, notices, tally
 from bodycheck.reports.tables import Entry, Table
 
-#: Numbers of all curves of a report together, so that a large one still opens: some 4 MB.
+#: Most numbers in all curves of a report together, some 4 MB, so that even a large report opens.
 MOST_NUMBERS = 300_000
 
-#: Points of one curve.
+#: Most points of one curve.
 MOST_POINTS = 256
+
+#: Note below tables in which an attitude error is within the truth's own.
+WITHIN_TRUTH = "≤ marks an error within the truth's own error, which is the number shown."
 
 
 @dataclass(frozen=True)
 class Section:
-    """One case. origins: where its discrepancies of contact come from; None where there is no contact.
+    """One case.
 
-    playback: None where no run has a truth to be held against.
+    Parameters
+    ----------
+    name, title, source, tags
+        Those of the case; the name has a number behind it if several sets have different cases of this name.
+    facts
+        The case in words.
+    table
+        The runs; None if none finished.
+    origins
+        Parts of the contact discrepancies; None without contact.
+    curves
+        Plots over time.
+    playback
+        Animation; None if no run has a truth to be compared with.
     """
 
     name: str
@@ -49,7 +65,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Failure:
-    """A run that failed, and why."""
+    """A run that failed, in which way and why."""
 
     case: str
     method: str
@@ -59,7 +75,31 @@ class Failure:
 
 @dataclass(frozen=True)
 class Contents:
-    """A whole report. broken: what failed, in one sentence, where anything did. plotted: what any section draws."""
+    """The contents of a whole report.
+
+    Parameters
+    ----------
+    header
+        Versions, machine and command.
+    complete
+        Whether the command came to its end.
+    headline, tally, notices
+        The verdict in one line, how many runs ended in each way, and sentences that limit what the report says.
+    broken
+        A sentence about the failed runs; None if there are none.
+    findings
+        Findings, the most telling first.
+    failures
+        The failed runs.
+    lines
+        The line of each method.
+    matrices
+        Cases by methods.
+    sections
+        The cases.
+    plotted
+        The quantities that any section draws over time.
+    """
 
     header: Mapping[str, Any]
     complete: bool
@@ -76,7 +116,7 @@ class Contents:
 
 
 def gather(sets: Sequence[ResultSet]) -> Contents:
-    """What is to be said of results, or of several sets of them, which have labels then."""
+    """Return the contents of a report of one set of results or, to compare them, of several sets with labels."""
     shown = comparison.shown(sets)
     verdicts = [verdict for case in shown for verdict in case.verdicts]
     lines = assign(map(key_of, verdicts))
@@ -84,15 +124,18 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     room = MOST_CHARACTERS // max(1, len(shown))
     sections = tuple(_section(case, lines, points, room) for case in shown)
     first, *others = sets
-    told = compare(sets, shown) if others else None
+    differences = compare(sets, shown) if others else None
     return Contents(
         header=comparison.header(sets),
         complete=all(one.results.complete for one in sets),
-        headline=told.headline if told else headline(first.results, verdicts),
+        headline=differences.headline if differences else headline(first.results, verdicts),
         tally=tally(verdicts),
-        notices=(*(told.notices if told else ()), *(text for one in sets for text in notices(one))),
+        notices=(*(differences.notices if differences else ()), *(text for one in sets for text in notices(one))),
         broken=broken(verdicts, lines),
-        findings=(*(told.findings if told else ()), *findings(measured(verdicts, lines), () if told else first.parts, lines)),
+        findings=(
+            *(differences.findings if differences else ()),
+            *findings(measured(verdicts, lines), () if differences else first.parts, lines),
+        ),
         failures=tuple(_failure(verdict, lines) for verdict in verdicts if verdict.passed is False),
         lines=tuple(lines.values()),
         matrices=matrices({case.name: case.case for case in shown}, verdicts, lines),
@@ -102,7 +145,7 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
 
 
 def _failure(verdict: Verdict, lines: Mapping[Key, Line]) -> Failure:
-    return Failure(verdict.run.case, lines[key_of(verdict)].label, result(verdict), verdict.reason)
+    return Failure(verdict.run.case, lines[key_of(verdict)].label, failure_status(verdict), verdict.reason)
 
 
 def _section(shown: Shown, lines: Mapping[Key, Line], points: int, room: int) -> Section:
@@ -142,13 +185,13 @@ def _table(verdicts: Sequence[Verdict]) -> Table:
         numeric=(False,) * len(words) + (True,) * len(figures) + (False,) * reasons,
         rows=tuple(_entries(verdict, row, quantities, reasons) for verdict, row in zip(verdicts, rows, strict=True)),
         failed=tuple(verdict.passed is False for verdict in verdicts),
-        notes=("≤: within the truth's own error, which is the figure given.",) if bounded else (),
+        notes=(WITHIN_TRUTH,) if bounded else (),
     )
 
 
-def _labelled(verdicts: Sequence[Verdict], told: str) -> tuple[str, ...]:
-    """What is told only where there are several sets of results."""
-    return (told,) if any(verdict.label for verdict in verdicts) else ()
+def _labelled(verdicts: Sequence[Verdict], text: str) -> tuple[str, ...]:
+    """Return a text that a table has only if there are several sets of results."""
+    return (text,) if any(verdict.label for verdict in verdicts) else ()
 
 
 def _entries(verdict: Verdict, row: Mapping[str, Any], quantities: Sequence[Quantity], reasons: bool) -> tuple[Entry, ...]:
@@ -158,7 +201,7 @@ def _entries(verdict: Verdict, row: Mapping[str, Any], quantities: Sequence[Quan
         *(Entry(label) for label in _labelled((verdict,), verdict.label)),
         Entry(milliseconds(row["timestep"])),
         Entry(row["status"]),
-        Entry(told_as(verdict)),
+        Entry(expectation_status(verdict)),
     )
     figures = tuple(_figure(row, quantity) for quantity in quantities)
     time_per_step = row.get("time_per_step")

@@ -1,4 +1,4 @@
-"""The curves of one case, thin enough to be stored in a page: the datasets that `charts` reads."""
+"""The curves of one case, with few enough points to be stored in a page: the datasets of `time_charts`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,21 +14,22 @@ from bodycheck.reports.quantities import PLOTTED, QUANTITIES, bound, count, list
 from bodycheck.reports.runs.time_charts import FRAMES
 from bodycheck.reports.series import corners, ends, envelope, rounded
 
-#: Instants of the curves of the angular momentum.
+#: Most instants of the curves of the angular momentum.
 MOST_CORNERS = 800
 
-#: Points of one chart, about, that the pointer finds: each is an element of the page, and takes time to draw.
+#: About the most points of one chart that the pointer can find: each is an element of the page and takes time to draw.
 MOST_FOUND = 600
 
+#: Significant digits of instants.
 INSTANT_DIGITS = 7
 
-#: What is less, far below the rounding of any scene, is drawn as zero, lest it stretch a log scale.
+#: Smaller values, which are far below the rounding of any scene, are drawn as zero so that they do not stretch a log scale.
 SMALLEST = 1e-20
 
 
 @dataclass(frozen=True)
 class Drawn:
-    """One chart of errors over time in words. alt: for readers who do not see it. notes: what is not in it."""
+    """A chart of errors over time in words: `alt` describes it for readers who do not see it, `notes` say what is left out."""
 
     alt: str
     notes: tuple[str, ...] = ()
@@ -36,9 +37,18 @@ class Drawn:
 
 @dataclass(frozen=True)
 class Curves:
-    """Charts of one case. datasets: by the names that `charts` reads. drawn: by the quantity's name, those with any curve.
+    """The charts of one case.
 
-    blank: quantities that are zero throughout in every run. momentum: what its figure shows; empty where there is none.
+    Parameters
+    ----------
+    datasets
+        Datasets by the names that `time_charts` uses.
+    drawn
+        Descriptions of the charts that have a curve, by the name of the quantity.
+    blank
+        Quantities that are always zero in every run.
+    momentum
+        What the charts of the angular momentum show; empty if there are none.
     """
 
     datasets: dict[str, list[dict[str, Any]]]
@@ -55,11 +65,11 @@ def draw(verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Trut
     Parameters
     ----------
     verdicts
-        Verdicts on runs of one case, by the label of their method.
+        Verdicts on completed runs of one case, by the label of their method.
     known
         The truths of the case, by the label of their set of results and the time step (s).
     points
-        Points of one curve.
+        Most points of one curve.
     """
     truths = {timestep: truth for (_, timestep), truth in known.items()}
     datasets: dict[str, list[dict[str, Any]]] = {"times": [], "series": [], "floor": [], "momentum": []}
@@ -73,9 +83,9 @@ def draw(verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Trut
         series = compare(known[verdict.label, verdict.run.method.timestep], verdict.run).series
         for name in PLOTTED:
             if (values := series.get(name)) is not None:
-                told = np.where(values < SMALLEST, 0.0, values)
-                row[name] = rounded(envelope(told, points))
-                peaks.setdefault(name, {})[label] = float(told.max())
+                shown = np.where(values < SMALLEST, 0.0, values)
+                row[name] = rounded(envelope(shown, points))
+                peaks.setdefault(name, {})[label] = float(shown.max())
         datasets["series"].append(row)
     momentum = ""
     if truths:
@@ -104,12 +114,12 @@ def _momentum(truth: Truth, seen: Observables) -> dict[str, Any]:
 
 
 def _constancy(seen: Observables) -> str:
-    """By how much the components vary in either frame."""
+    """Return a description of how much the components of the angular momentum vary in either frame."""
     body, inertial = (float(np.ptp(momentum, axis=0).max()) for momentum in (seen.body_angular_momentum, seen.angular_momentum))
     size = float(np.linalg.norm(seen.angular_momentum[0]))
     return (
-        f"The same vector twice, of size {number(size)} kg m²/s: by its components along the body's axes, which vary by up to "
-        f"{bound(body, 2)}, and along the axes of the inertial frame, where they vary by up to {bound(inertial, 2)} kg m²/s."
+        f"Both charts show the same vector, of size {number(size)} kg m²/s. Its components along the body's axes vary by up to "
+        f"{bound(body, 2)} kg m²/s, and those along the inertial axes by up to {bound(inertial, 2)} kg m²/s."
     )
 
 
@@ -118,7 +128,8 @@ def _words(name: str, peaks: Mapping[str, float]) -> Drawn:
     worst, best = max(peaks, key=lambda label: peaks[label]), min(peaks, key=lambda label: peaks[label])
     zero = [label for label, peak in peaks.items() if peak == 0]
     alt = (
-        f"{quantity.title} over time on a log scale, {count(len(peaks), 'method')}. "
-        f"Largest: {quantity.with_unit(peaks[worst])}, {worst}. Smallest maximum: {quantity.with_unit(peaks[best])}, {best}."
+        f"{quantity.title} over time on a log scale, for {count(len(peaks), 'method')}. "
+        f"The largest value is {quantity.with_unit(peaks[worst])}, with {worst}. "
+        f"The smallest maximum is {quantity.with_unit(peaks[best])}, with {best}."
     )
-    return Drawn(alt, (f"Zero throughout and not drawn: {listing(zero)}.",) if zero else ())
+    return Drawn(alt, (f"Not drawn, because the value is always zero: {listing(zero)}.",) if zero else ())

@@ -1,8 +1,8 @@
-"""What differs between sets of results, as sentences made of measurements.
+"""Differences between sets of results, as sentences made of measurements.
 
-Two figures of a run agree to the last bit; or they are no farther apart than the truths' own errors and rounding together
-explain; or they differ. What rounding explains is the least of it, as no run was made again from nudged initial states: what n
-steps can add up to where the motion does not amplify it.
+Two numbers of the same run agree to the last bit, or they agree within the truths' own errors and rounding, or they differ.
+The allowance for rounding is a lower limit: the rounding of all steps without amplification by the motion, because no run is
+repeated from nudged initial states.
 """
 
 from collections import defaultdict
@@ -19,30 +19,48 @@ from bodycheck.judging.result_set import ResultSet
 from bodycheck.judging.rounding import unamplified
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reports.finding import Finding
-from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number
+from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number, verb
 from bodycheck.reports.runs.comparison import Comparison, Shown, method
 from bodycheck.running.machine import SPEED_TOLERANCE
 
-#: Runs whose change gets a sentence.
+#: Most runs whose change gets a sentence of its own.
 MOST_CHANGES = 5
 
-#: Methods, or keys of a case, that one sentence names.
+#: Most methods, or keys of a case, that one sentence names.
 MOST_NAMES = 4
 
-NOTHING = 1e-300
+#: Replaces zero in ratios of errors.
+NEARLY_ZERO = 1e-300
 
-HONESTLY = (
-    " Of rounding only what the steps add up to is counted, not what the motion makes of it, as no run was repeated from "
-    "nudged states: an unstable motion may make such a difference of rounding alone. A baseline measures that."
+#: Sentences after a report of changes.
+ROUNDING_CAVEAT = (
+    " Only the rounding of the steps themselves is taken into account, not its amplification by the motion, because no run was "
+    "repeated from nudged initial states. In an unstable motion, rounding alone can cause such a difference. A baseline "
+    "measures this."
 )
 
+#: Engine, integrator and time step (s).
 Method = tuple[str, str, float]
+
+#: The truth of a case, by its name, at a time step (s).
 Truths = Callable[[str, float], Truth | NoTruth]
 
 
 @dataclass(frozen=True)
 class Change:
-    """A run that is not what it was: the figure that changed most. least: what of it truths and rounding explain."""
+    """The number that changed most in a run.
+
+    Parameters
+    ----------
+    case, method
+        The run.
+    name
+        The column of the number.
+    base, now
+        The number in the first set and in the other.
+    least
+        The difference that the truths' own errors and rounding explain.
+    """
 
     case: str
     method: Method
@@ -53,8 +71,10 @@ class Change:
 
     @property
     def factor(self) -> float:
-        """How many times farther from what is right the larger of the two is; what is explained counts as right."""
-        low, high = sorted(max(distance_from_ideal(self.name, value), self.least, NOTHING) for value in (self.base, self.now))
+        """Return the ratio of the distances of both numbers from the ideal; distances that rounding explains count as equal."""
+        low, high = sorted(
+            max(distance_from_ideal(self.name, value), self.least, NEARLY_ZERO) for value in (self.base, self.now)
+        )
         return high / low
 
     @property
@@ -62,19 +82,21 @@ class Change:
         return distance_from_ideal(self.name, self.now) > distance_from_ideal(self.name, self.base)
 
     @property
-    def text(self) -> str:
-        """What follows the name of the case."""
+    def finding(self) -> Finding:
+        """Return the change as a sentence, with as many digits as it takes to show it."""
         quantity = QUANTITIES[self.name]
         for digits in (3, 6, 9, 12, 17):
             base, now = number(self.base, digits), number(self.now, digits)
             if base != now:
                 break
-        return f", {told(self.method)}: {quantity.title.lower()} {base} → {f'{now} {quantity.unit}'.rstrip()}"
+        values = f"from {base} to {now} {quantity.unit}".rstrip()
+        text = f", the {quantity.title.lower()} of {method_text(self.method)} changed {values}."
+        return Finding("Changed", "In ", self.case, text)
 
 
 @dataclass(frozen=True)
 class Pair:
-    """The first set, and another that is held against it. cases: the report's."""
+    """The first set and another that is compared with it. `cases` are those of the report."""
 
     base: ResultSet
     other: ResultSet
@@ -82,7 +104,7 @@ class Pair:
 
     @cached_property
     def common(self) -> list[tuple[Shown, Verdict, Verdict]]:
-        """The runs that both have of a case that is the same in both."""
+        """Return the runs that both have, of cases that are the same in both."""
         found = []
         for case in self.cases:
             here, there = ({method(v): v for v in case.verdicts if v.label == one.label} for one in (self.base, self.other))
@@ -91,29 +113,31 @@ class Pair:
 
     @cached_property
     def changed(self) -> list[Change]:
-        """Runs with figures in both that differ beyond what is explained, the largest change first."""
+        """Return the runs whose numbers differ by more than truths and rounding explain, the largest change first."""
         found = [change for case, *pair in self.common if (change := self._change(case, *pair)) is not None]
         return sorted(found, key=lambda change: -change.factor)
 
     @cached_property
-    def ended_otherwise(self) -> list[tuple[Shown, Verdict, Verdict]]:
+    def changed_status(self) -> list[tuple[Shown, Verdict, Verdict]]:
+        """Return the runs that ended with another status."""
         return [entry for entry in self.common if entry[1].outcome.status != entry[2].outcome.status]
 
     @cached_property
     def without_figures(self) -> int:
-        """How many runs ended alike in both, and have no figures."""
+        """Return the number of runs that have the same status and no numbers in either set."""
         alike = [pair for _, *pair in self.common if pair[0].outcome.status == pair[1].outcome.status]
         return sum(not _figures(one) and not _figures(other) for one, other in alike)
 
     @cached_property
     def same(self) -> int:
-        """How many runs agree in every figure to the last bit."""
-        told = [pair for _, *pair in self.common if all(map(_figures, pair))]
-        return sum(not _differing(one, other) for one, other in told)
+        """Return the number of runs that agree in every number to the last bit."""
+        complete = [pair for _, *pair in self.common if all(map(_figures, pair))]
+        return sum(not _differing(one, other) for one, other in complete)
 
     @property
     def differing(self) -> int:
-        return len(self.changed) + len(self.ended_otherwise)
+        """Return the number of runs that differ in a number or in their status."""
+        return len(self.changed) + len(self.changed_status)
 
     def _change(self, case: Shown, one: Verdict, other: Verdict) -> Change | None:
         here, there = _figures(one), _figures(other)
@@ -133,20 +157,20 @@ class Pair:
 
     def _least(self, truths: Truths, case: Shown, verdict: Verdict, names: Sequence[str]) -> dict[str, float]:
         truth = truths(case.case.name, verdict.run.method.timestep)
-        assert isinstance(truth, Truth)  # the run has figures
+        assert isinstance(truth, Truth)  # because the run has numbers
         return unamplified(truth, verdict.run, names)
 
 
 def compare(sets: Sequence[ResultSet], cases: Sequence[Shown]) -> Comparison:
-    """What differs between the first set and each of the others. cases: what `comparison.shown` makes of the sets."""
+    """Return the differences between the first set and each of the others. `cases` are those of `comparison.shown`."""
     pairs = [Pair(sets[0], other, cases) for other in sets[1:]]
     common, differing = sum(len(pair.common) for pair in pairs), sum(pair.differing for pair in pairs)
     if not common:
-        headline = "No run in common"
+        headline = "No runs in common"
     elif differing:
-        headline = f"{differing} of {count(common, 'run')} in common {'differs' if differing == 1 else 'differ'}"
+        headline = f"{differing} of {count(common, 'common run')} {verb(differing, 'differs', 'differ')}"
     else:
-        headline = f"No difference in {count(common, 'run')} in common"
+        headline = f"No difference in {count(common, 'common run')}"
     interrupted = "" if all(one.results.complete for one in sets) else "Interrupted. "
     return Comparison(
         headline=interrupted + headline,
@@ -155,7 +179,8 @@ def compare(sets: Sequence[ResultSet], cases: Sequence[Shown]) -> Comparison:
     )
 
 
-def told(key: Method) -> str:
+def method_text(key: Method) -> str:
+    """Return a method in words."""
     engine, integrator, timestep = key
     return f"{engine} {integrator} at {milliseconds(timestep)}"
 
@@ -164,19 +189,20 @@ def _findings(pair: Pair) -> Iterator[Finding]:
     yield Finding("Sets", _origins(pair))
     yield Finding("In common", _agreement(pair))
     for change in pair.changed[:MOST_CHANGES]:
-        yield Finding("Changed", "", change.case, f"{change.text}.")
+        yield change.finding
     if more := pair.changed[MOST_CHANGES:]:
-        yield Finding("Changed", f"{count(len(more), 'run')} more, each by a factor of at most {number(more[0].factor, 2)}.")
-    for case, one, other in pair.ended_otherwise:
+        factor = number(more[0].factor, 2)
+        yield Finding("Changed", f"{count(len(more), 'more run')} changed, by a factor of at most {factor}.")
+    for case, one, other in pair.changed_status:
         why = f" ({other.outcome.reason})" if other.outcome.reason else ""
-        text = f", {told(method(one))}: {one.outcome.status} → {other.outcome.status}{why}."
-        yield Finding("Ended otherwise", "", case.name, text)
+        statuses = f"from {one.outcome.status} to {other.outcome.status}{why}"
+        yield Finding("Status", "In ", case.name, f", the status of {method_text(method(one))} changed {statuses}.")
     yield from _alone(pair)
     yield from _paces(pair)
 
 
 def _origins(pair: Pair) -> str:
-    """What the sets were made with."""
+    """Return a sentence on the versions and machines of both sets."""
     one, other = (_leaves(side.results.header) for side in (pair.base, pair.other))
     apart = [
         f"{name} {other.get(name, 'none')} instead of {one.get(name, 'none')}"
@@ -186,29 +212,31 @@ def _origins(pair: Pair) -> str:
     here, there = (side.label for side in (pair.base, pair.other))
     if not apart:
         return f"{here} and {there} were made with the same versions on the same machine."
-    return f"{there} was made with {listing(apart)}; versions and machine are those of {here} otherwise."
+    return f"{there} was made with {listing(apart)}. Otherwise, versions and machine are the same as for {here}."
 
 
 def _agreement(pair: Pair) -> str:
     here, there = pair.base.label, pair.other.label
     if not pair.common:
-        return f"{here} and {there} have no run in common."
+        return f"{here} and {there} have no runs in common."
     explained = len(pair.common) - pair.same - pair.differing - pair.without_figures
     text = (
-        f"Of {count(len(pair.common), 'run')} that both {here} and {there} have, {pair.same} agree in every figure to the last "
-        f"bit, {explained} within the truth's own error and rounding, and {pair.differing} "
-        f"{'differs' if pair.differing == 1 else 'differ'}."
+        f"{here} and {there} have {count(len(pair.common), 'run')} in common. Of these, {pair.same} "
+        f"{verb(pair.same, 'agrees', 'agree')} in every number to the last bit, {explained} "
+        f"{verb(explained, 'agrees', 'agree')} within the truth's own error and rounding, and {pair.differing} "
+        f"{verb(pair.differing, 'differs', 'differ')}."
     )
     if pair.without_figures:
-        text += f" {pair.without_figures} ended alike, and without figures."
+        have = verb(pair.without_figures, "has", "have")
+        text += f" {pair.without_figures} ended with the same status and {have} no numbers."
     if pair.changed:
         grew = sum(change.grew for change in pair.changed)
-        text += f" What changed most in a run became larger in {grew} and smaller in {len(pair.changed) - grew}."
-    return text + (HONESTLY if pair.changed else "")
+        text += f" The number that changed most in a run became larger in {grew} and smaller in {len(pair.changed) - grew}."
+    return text + (ROUNDING_CAVEAT if pair.changed else "")
 
 
 def _alone(pair: Pair) -> Iterator[Finding]:
-    """Runs that only one of the two has, of cases that are the same where both have them."""
+    """Yield a finding for each set about runs that only this set has, unless the sets have different cases of that name."""
     both = {(case.name, method(one)) for case, one, _ in pair.common}
     for side in (pair.base, pair.other):
         amounts: dict[str, int] = defaultdict(int)
@@ -218,13 +246,15 @@ def _alone(pair: Pair) -> Iterator[Finding]:
                     amounts[f"{verdict.run.engine} {verdict.run.method.name}"] += 1
         if amounts:
             methods = listing([f"{name} ({amount})" for name, amount in amounts.items()], MOST_NAMES, "method")
-            yield Finding("In one only", f"In {side.label} only: {count(sum(amounts.values()), 'run')}, with {methods}.")
+            amount = sum(amounts.values())
+            text = f"{count(amount, 'run')} {verb(amount, 'is', 'are')} only in {side.label}: {methods}."
+            yield Finding("In one only", text)
 
 
 def _paces(pair: Pair) -> Iterator[Finding]:
-    """Methods whose steps take another time, told where the machine is the same."""
+    """Yield a finding about methods whose steps became slower or faster, if the machine is the same."""
     if pair.base.results.header["machine"] != pair.other.results.header["machine"]:
-        yield Finding("Cost", "Made on different machines: what steps cost is not compared.")
+        yield Finding("Cost", "The sets were made on different machines, so the cost of steps is not compared.")
         return
     factors: dict[str, list[float]] = defaultdict(list)
     for _, one, other in pair.common:
@@ -237,7 +267,7 @@ def _paces(pair: Pair) -> Iterator[Finding]:
             f"{number(factor, 2)} times as long with {name} ({count(len(factors[name]), 'run')})"
             for name, factor in beyond.items()
         ]
-        yield Finding("Cost", f"A step takes {listing(texts)}: medians of runs timed once, on one machine.")
+        yield Finding("Cost", f"A step takes {listing(texts)}. These are medians of runs that were timed once on one machine.")
     elif factors:
         yield Finding(
             "Cost",
@@ -246,7 +276,7 @@ def _paces(pair: Pair) -> Iterator[Finding]:
 
 
 def _notices(pair: Pair) -> Iterator[str]:
-    """Cases of one name whose files differ."""
+    """Yield notices about cases of one name whose files differ."""
     here, there = pair.base.results.cases, pair.other.results.cases
     sets = f"{pair.base.label} and {pair.other.label}"
     for name in here:
@@ -254,12 +284,13 @@ def _notices(pair: Pair) -> Iterator[str]:
             continue
         apart = differences(here[name], there[name])
         if apart:
-            keys = listing([f"{key} {_said(one)} → {_said(other)}" for key, one, other in apart], MOST_NAMES, "key")
+            keys = listing([f"{key} {_value_text(one)} → {_value_text(other)}" for key, one, other in apart], MOST_NAMES, "key")
             yield (
-                f"{name} is not the same case in {sets}: {keys}. Each is held against its own truth, and they are not compared."
+                f"The case {name} differs between {sets}: {keys}. "
+                "Each is compared with its own truth, and their runs are not compared with each other."
             )
         else:
-            yield f"The file of {name} is not the same in {sets}, but for nothing that happens in it."
+            yield f"The file of {name} differs between {sets}, but not in anything that affects the physics."
 
 
 def _leaves(header: Mapping[str, Any]) -> dict[str, str]:
@@ -268,16 +299,16 @@ def _leaves(header: Mapping[str, Any]) -> dict[str, str]:
 
 
 def _figures(verdict: Verdict) -> dict[str, float]:
-    """The figures of a run by their columns, but for the truth's own."""
+    """Return the numbers of a run by column, except the truth's own error."""
     maxima = verdict.discrepancy.maxima() if verdict.discrepancy is not None else {}
     return {name: value for name, value in maxima.items() if name in QUANTITIES}
 
 
 def _differing(one: Verdict, other: Verdict) -> list[str]:
-    """The columns of the figures that both runs have, and that are not the same to the last bit."""
+    """Return the columns of the numbers that both runs have and that are not the same to the last bit."""
     here, there = _figures(one), _figures(other)
     return [name for name in here if name in there and here[name] != there[name]]
 
 
-def _said(value: Any) -> str:
+def _value_text(value: Any) -> str:
     return "none" if value is None else str(value)

@@ -8,24 +8,24 @@ from statistics import median
 from bodycheck.judging.attribution import Attribution
 from bodycheck.judging.discrepancy import Summary
 from bodycheck.judging.judgement import Verdict
-from bodycheck.reports.finding import MOST_NAMES, TELLING, TELLING_POSITION, Finding
+from bodycheck.reports.finding import COMPARABLE_ATTITUDE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
 from bodycheck.reports.lines import Key, Line
 from bodycheck.reports.quantities import bound, count, listing, number
 from bodycheck.reports.runs.summary import key_of
 
 #: Attitude errors (rad) below this may be the rounding of thousands of steps and are not compared between engines.
-TELLING_ATTITUDE = 1e-9
+ROUNDING_ATTITUDE_RAD = 1e-9
 
-#: Errors this close, relatively, are named together.
+#: Relative difference up to which equal errors are named together.
 TIE = 1e-3
 
-#: Two methods whose errors differ by less than this, relatively, err alike.
+#: Relative difference up to which the errors of two methods count as the same.
 ALIKE = 1e-3
 
-#: Methods whose worst errors are this close, relatively, to the best one's are named with it.
+#: Relative difference up to which methods are named together with the one that has the smallest errors.
 NEAR = 1e-2
 
-#: A drift below this is rounding and no finding.
+#: Relative drifts below this are rounding and are not reported.
 ROUNDING = 1e-12
 
 
@@ -44,22 +44,22 @@ class Measured:
 
     @property
     def within_truth(self) -> bool:
-        """Whether the attitude error is no larger than the truth's own, and so says nothing."""
+        """Return whether the attitude error is no larger than the truth's own, and so has no meaning."""
         return within_truth(self.maxima)
 
     @property
     def attitude_bound(self) -> float:
-        """The attitude error (rad), or the truth's own where that is larger and the attitude error says nothing."""
+        """Return the attitude error (rad), or the truth's own error if that is larger."""
         return max(self.maxima["attitude_error"], self.maxima["truth_error"])
 
 
 def within_truth(maxima: Mapping[str, float]) -> bool:
-    """Whether an attitude error is no larger than the truth's own, and so says nothing."""
+    """Return whether an attitude error is no larger than the truth's own, and so has no meaning."""
     return maxima["attitude_error"] <= maxima["truth_error"]
 
 
 def measured(verdicts: Sequence[Verdict], lines: Mapping[Key, Line]) -> list[Measured]:
-    """The runs that have figures."""
+    """Return the runs whose errors were measured."""
     return [
         Measured(lines[key_of(verdict)], verdict, verdict.discrepancy, verdict.discrepancy.maxima())
         for verdict in verdicts
@@ -68,17 +68,17 @@ def measured(verdicts: Sequence[Verdict], lines: Mapping[Key, Line]) -> list[Mea
 
 
 def findings(runs: Sequence[Measured], parts: Sequence[Attribution], lines: Mapping[Key, Line]) -> tuple[Finding, ...]:
-    """What the completed runs and the parts of their discrepancies of contact show, the most telling first.
+    """Return findings about the completed runs and about the parts of their contact discrepancies.
 
-    How far off they are, which method is closest, then what explains it.
+    The largest errors come first, then the method with the smallest errors, then the causes.
     """
     if not runs:
         return ()
-    # A contact is another model, and no integrator's doing: what is said of methods is said of flight.
+    # In contact the model matters more than the integrator, so that methods are compared by flights alone.
     flight = [run for run in runs if "penetration" not in run.maxima]
     flights = len({run.case for run in flight})
-    everywhere = f"in each of {flights} flights" if flights > 1 else "in the one flight"
-    everywhere = everywhere if len(flight) < len(runs) else "in every case"
+    everywhere = f"over {flights} flights" if flights > 1 else "in the only flight"
+    everywhere = everywhere if len(flight) < len(runs) else "over all cases"
     found = (
         _position(runs),
         _attitude(runs),
@@ -91,7 +91,7 @@ def findings(runs: Sequence[Measured], parts: Sequence[Attribution], lines: Mapp
 
 
 def _contact(parts: Sequence[Attribution], lines: Mapping[Key, Line]) -> Finding | None:
-    """What the form of a contact's model does: the largest part of a turn to the stop that no time step mends."""
+    """Return the largest effect of the form of a contact model on the rotation until the stop."""
     formed = [part for part in parts if part.quantity == "stop_yaw" and part.model_form]
     if not formed:
         return None
@@ -100,28 +100,32 @@ def _contact(parts: Sequence[Attribution], lines: Mapping[Key, Line]) -> Finding
     rest = ""
     if worst.constraint is not None and worst.time_step is not None:
         constraint, time_step = number(worst.constraint, 3), number(worst.time_step, 3)
-        rest = f" The contact's own part is {constraint} rad, that of the time step {time_step} rad."
+        rest = f" The contact constraint contributes {constraint} rad and the time step {time_step} rad."
     less = "less" if worst.total < 0 else "more"
     text = (
-        f" the body turns {number(abs(worst.total), 3)} rad {less} until it stops with {label} "
-        "than with the friction of the case. "
-        f"The form of the model, corners instead of an area, makes {number(form, 3)} rad of it, at any time step.{rest}"
+        f", the body turns {number(abs(worst.total), 3)} rad {less} until it stops with {label} "
+        "than with the friction law of the case. The model form (friction at the corners instead of over the area) "
+        f"contributes {number(form, 3)} rad at any time step.{rest}"
     )
     return Finding("Contact", "In ", worst.case, text)
 
 
 def _attitude(runs: Sequence[Measured]) -> Finding | None:
     subject = "Attitude"
-    telling = [run for run in runs if not run.within_truth]
-    if not telling:
+    above = [run for run in runs if not run.within_truth]
+    if not above:
         most = max(run.maxima["truth_error"] for run in runs)
-        return Finding(subject, f"Every completed run is within the truth's own error ({bound(most)} rad at most).")
-    worst, tied = _worst(telling, "attitude_error")
+        return Finding(
+            subject,
+            f"In every completed run the attitude error is within the truth's own error, which is at most {bound(most)} rad.",
+        )
+    worst, tied = _worst(above, "attitude_error")
     return Finding(
         subject,
-        f"With {_names(tied)} the body is up to {number(worst.maxima['attitude_error'])} rad off, in ",
+        f"The largest attitude error is {number(worst.maxima['attitude_error'])} rad, with {_names(tied)} in ",
         worst.case,
-        f" {_when(worst, 'attitude_error')}. The truth there is known to {bound(worst.maxima['truth_error'], 2)} rad.",
+        f" {_when(worst, 'attitude_error')}. "
+        f"The truth's own error there is at most {bound(worst.maxima['truth_error'], 2)} rad.",
     )
 
 
@@ -129,18 +133,18 @@ def _position(runs: Sequence[Measured]) -> Finding | None:
     subject = "Position"
     worst, tied = _worst(runs, "position_error")
     distance = worst.maxima["position_error"]
-    if distance < TELLING_POSITION:
-        return Finding(subject, f"In no completed run is the centre of mass more than {bound(distance)} m off.")
+    if distance < COMPARABLE_POSITION_M:
+        return Finding(subject, f"No completed run has a position error of more than {bound(distance)} m.")
     named = {run.line for run in tied}
     rest = max((run.maxima["position_error"] for run in runs if run.line not in named), default=None)
     contrast = (
-        f" No completed run of another method is more than {bound(rest)} m off."
+        f" No completed run of another method has a position error of more than {bound(rest)} m."
         if rest is not None and rest < distance / 3
         else ""
     )
     return Finding(
         subject,
-        f"With {_names(tied)} the centre of mass is up to {number(distance)} m from where mechanics has it, in ",
+        f"The largest position error is {number(distance)} m, with {_names(tied)} in ",
         worst.case,
         f" {_when(worst, 'position_error')}.{contrast}",
     )
@@ -154,16 +158,17 @@ def _angular_momentum(runs: Sequence[Measured]) -> Finding | None:
     worst, tied = found
     return Finding(
         "Angular momentum",
-        f"With {_names(tied)} it changes by up to {_share(worst.maxima[name])}, in ",
+        "The angular momentum, which should be constant, changes by up to "
+        f"{_share(worst.maxima[name])} with {_names(tied)} in ",
         worst.case,
-        f" {_when(worst, name)}. Mechanics keeps it constant.",
+        f" {_when(worst, name)}.",
     )
 
 
 def _closest(runs: Sequence[Measured], everywhere: str) -> Finding | None:
-    """The method whose worst attitude error over all cases is the smallest, of those that completed every case.
+    """Return the method whose largest attitude error over all cases is the smallest, among those that completed every case.
 
-    everywhere: these cases in words.
+    `everywhere` names the cases in words. Returns None if fewer than two methods completed all, or if all are equally close.
     """
     cases = {run.case for run in runs}
     eligible = [own for own in _by_line(runs).values() if len(own) == len(cases)]
@@ -179,31 +184,41 @@ def _closest(runs: Sequence[Measured], everywhere: str) -> Finding | None:
     attitude = f"at most {bound(turn)} rad"
     if all(run.within_truth for run in named):
         attitude = f"within the truth's own error ({bound(turn)} rad)"
-    costs = listing([f"{number(_cost(own), 2)} µs" for own in tied[:MOST_NAMES]])
+    shown = tied if len(tied) <= MOST_NAMES + 1 else tied[:MOST_NAMES]
+    costs = [f"{number(_cost(own), 2)} µs" for own in shown]
+    cost = f"{costs[0]} (median over the cases)"
+    if len(costs) > 1:
+        cost = f"{listing(costs)}, respectively (medians over the cases)"
     return Finding(
         "Closest",
-        f"With {_names([own[0] for own in tied])} the body is {attitude} and at most {bound(shift)} m off {everywhere}. "
-        f"A step takes {costs} (medians over the cases).",
+        f"The attitude error {everywhere} is smallest with {_names([own[0] for own in tied])}: {attitude}, "
+        f"with position errors of at most {bound(shift)} m. A step takes {cost}.",
     )
 
 
 def _alike(runs: Sequence[Measured]) -> Finding | None:
-    """Methods of different engines that err alike: then it is the scheme that errs."""
+    """Return two methods of different engines that have the same errors, which then come from the integration scheme."""
     by_line = _by_line(runs)
-    pairs = [(one, other, found) for one, other in combinations(by_line, 2) if (found := _difference(by_line, one, other))]
+    pairs = [
+        (one, other, found) for one, other in combinations(by_line, 2) if (found := _scheme_difference(by_line, one, other))
+    ]
     if not pairs:
         return None
     one, other, (difference, cases) = max(pairs, key=lambda pair: (pair[2][1], -pair[2][0]))
-    same = f"the same to {bound(100 * difference, 1)} %" if difference else "the same"
+    agreement = f" to within {bound(100 * difference, 1)} %" if difference else ""
     return Finding(
         "Alike",
-        f"Wherever they are large enough to compare ({count(cases, 'case')}), the attitude and position errors of "
-        f"{one.label} and {other.label} are {same}: they are the scheme's, not either engine's.",
+        f"{one.label} and {other.label} have the same attitude and position errors{agreement} in all cases where "
+        f"these are large enough to compare ({count(cases, 'case')}). "
+        "The errors come from the integration scheme, not from either engine.",
     )
 
 
-def _difference(by_line: Mapping[Line, Sequence[Measured]], one: Line, other: Line) -> tuple[float, int] | None:
-    """The largest relative difference of two methods' telling errors, and in how many cases they have any."""
+def _scheme_difference(by_line: Mapping[Line, Sequence[Measured]], one: Line, other: Line) -> tuple[float, int] | None:
+    """Return the largest relative difference between the comparable errors of two methods, and the number of cases with any.
+
+    Returns None if the methods cannot be compared or their errors are not the same.
+    """
     if one.engine == other.engine or one.timestep != other.timestep:
         return None
     theirs = {run.case: run.maxima for run in by_line[other]}
@@ -212,7 +227,10 @@ def _difference(by_line: Mapping[Line, Sequence[Measured]], one: Line, other: Li
         mine, their = run.maxima, theirs.get(run.case)
         if their is None:
             return None
-        floors = {"attitude_error": max(TELLING_ATTITUDE, TELLING * mine["truth_error"]), "position_error": TELLING_POSITION}
+        floors = {
+            "attitude_error": max(ROUNDING_ATTITUDE_RAD, COMPARABLE_ATTITUDE * mine["truth_error"]),
+            "position_error": COMPARABLE_POSITION_M,
+        }
         sizes = [(mine[name], their[name]) for name, floor in floors.items() if max(mine[name], their[name]) > floor]
         largest = max([largest, *(abs(a - b) / max(a, b) for a, b in sizes)])
         cases += any(mine[name] > floor for name, floor in floors.items())
@@ -222,7 +240,7 @@ def _difference(by_line: Mapping[Line, Sequence[Measured]], one: Line, other: Li
 
 
 def _worst(runs: Sequence[Measured], name: str) -> tuple[Measured, list[Measured]]:
-    """The run with the largest value of a column, and all runs of its case that come to the same."""
+    """Return the run with the largest value of a column, and all runs of its case that have the same value within `TIE`."""
     worst = max(runs, key=lambda run: run.maxima[name])
     limit = worst.maxima[name] * (1 - TIE)
     return worst, [run for run in runs if run.case == worst.case and run.maxima[name] >= limit]
@@ -233,7 +251,8 @@ def _names(runs: Sequence[Measured]) -> str:
 
 
 def _when(run: Measured, name: str) -> str:
-    return f"at t\u00a0=\u00a0{number(run.discrepancy.instants[name])}\u00a0s"  # not to be broken over lines
+    instant = number(run.discrepancy.instants[name])
+    return f"at t\u00a0=\u00a0{instant}\u00a0s"  # with spaces that do not break
 
 
 def _by_line(runs: Sequence[Measured]) -> dict[Line, list[Measured]]:
@@ -244,7 +263,7 @@ def _by_line(runs: Sequence[Measured]) -> dict[Line, list[Measured]]:
 
 
 def _cost(runs: Sequence[Measured]) -> float:
-    """The median time of a step (µs)."""
+    """Return the median time of a step (µs)."""
     return 1e6 * float(median(run.verdict.row()["time_per_step"] for run in runs))
 
 

@@ -1,4 +1,4 @@
-"""What GitHub shows of a run in one of its workflows: annotations at lines of case files, and the summary of a step."""
+"""Output for workflows of GitHub: annotations at lines of case files, and the summary of a step."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -8,23 +8,31 @@ from bodycheck.casefile.case import Case
 from bodycheck.casefile.toml_positions import positions
 from bodycheck.judging.judgement import Verdict
 
-#: Bytes that the summary of one step may have.
+#: Most bytes of the summary of one step.
 LARGEST_SUMMARY = 1 << 20
 
-CUT = "\n*Cut here: a summary may have no more.*\n"
+#: Last line of a summary that does not fit.
+CUT = "\n*The rest was cut because the summary of a step has a limited size.*\n"
 
 
 def is_running(environment: Mapping[str, str]) -> bool:
-    """Whether this is a step of a workflow."""
+    """Return whether this process is a step of a workflow."""
     return environment.get("GITHUB_ACTIONS") == "true"
 
 
 def annotations(
     verdicts: Iterable[Verdict], cases: Mapping[str, Case], files: Mapping[str, Path], environment: Mapping[str, str]
 ) -> Iterator[str]:
-    """A line for each expectation that is broken or known to be, and for each run that failed unasked.
+    """Yield an annotation for each broken or known discrepancy, and for each run without expectations that failed.
 
-    cases, and files that they were read from: by the case's name.
+    Parameters
+    ----------
+    verdicts
+        The verdicts.
+    cases, files
+        Cases, and the files that they were read from, by the name of the case.
+    environment
+        Environment variables of the process.
     """
     root = Path(environment.get("GITHUB_WORKSPACE", "."))
     for verdict in verdicts:
@@ -43,14 +51,14 @@ def annotations(
 def annotation(
     kind: Literal["error", "notice"], message: str, title: str, file: str | None = None, line: int | None = None
 ) -> str:
-    """The command that makes an annotation; without a file it stands in the summary of the workflow alone."""
+    """Return the command that makes an annotation. Without a file it appears only in the summary of the workflow."""
     place = {} if file is None else {"file": file} | ({} if line is None else {"line": str(line)})
     properties = ",".join(f"{name}={_property(value)}" for name, value in {**place, "title": title}.items())
     return f"::{kind} {properties}::{_data(message)}"
 
 
 def add_summary(environment: Mapping[str, str], text: str) -> None:
-    """Append Markdown to the summary of this step: as many of its lines as there is room for. Raises `OSError`."""
+    """Append Markdown to the summary of this step, with as many whole lines as fit. Raises `OSError`."""
     if not (name := environment.get("GITHUB_STEP_SUMMARY")):
         return
     path = Path(name)
@@ -66,12 +74,12 @@ def add_summary(environment: Mapping[str, str], text: str) -> None:
 def _seen_from(root: Path, file: Path) -> str:
     try:
         return file.resolve().relative_to(root.resolve()).as_posix()
-    except ValueError:  # outside of the repository
+    except ValueError:  # the file is outside of the repository
         return file.as_posix()
 
 
 def _data(text: str) -> str:
-    """Text that ends no command and begins none."""
+    """Return a text that neither ends a command nor begins one."""
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 

@@ -1,4 +1,4 @@
-"""Verdicts as JUnit XML, the form in which CI systems read results of tests."""
+"""Verdicts as JUnit XML, the format in which CI systems read test results."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -8,16 +8,17 @@ from xml.etree.ElementTree import Element
 
 from bodycheck.judging.judgement import Verdict
 
-#: Characters that no XML 1.0 document may hold, and controls that it should not.
+#: Characters that an XML 1.0 document must not contain, and control characters that it should not contain.
 NOT_XML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
+#: Columns that are not among the properties of a test, because they appear elsewhere in it.
 NOT_PROPERTIES = {"case", "passed", "reason"}
 
 
 def render(verdicts: Iterable[Verdict], header: Mapping[str, Any]) -> str:
-    """The XML document: a test for each run of which something was expected, or that failed.
+    """Return the XML document, with a test for each run that has expectations or that failed.
 
-    A discrepancy that is known and tolerated is a test that passed, and what is to be said of it stands in its output.
+    A known discrepancy that is tolerated is a passed test with its message in the output.
     """
     asked = [verdict for verdict in verdicts if verdict.passed is not None]
     rows = [verdict.row() for verdict in asked]
@@ -46,7 +47,7 @@ def _properties(parent: Element, values: Mapping[str, Any]) -> None:
 
 
 def _seconds(rows: Sequence[Mapping[str, Any]]) -> str:
-    """What stepping took in all."""
+    """Return the total time of stepping (s) as text."""
     return f"{sum(row.get('wall_time', 0.0) for row in rows):.6f}"
 
 
@@ -61,5 +62,5 @@ def _sub(parent: Element, tag: str, **attributes: Any) -> Element:
 
 
 def _clean(text: str) -> str:
-    """Text that XML can hold: what it cannot is written as an escape."""
+    """Return a text that XML can hold; other characters are written as escapes."""
     return NOT_XML.sub(lambda found: found.group().encode("unicode_escape").decode("ascii"), text)

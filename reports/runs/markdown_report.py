@@ -4,13 +4,14 @@ from collections.abc import Iterator, Sequence
 
 from bodycheck.reports.markdown import details, escape, findings_list, fitted, grid, opening, table_with_notes
 from bodycheck.reports.quantities import count, milliseconds
-from bodycheck.reports.runs.contents import Contents, Failure, Section
+from bodycheck.reports.runs.contents import WITHIN_TRUTH, Contents, Failure, Section
 from bodycheck.reports.runs.matrix import Cell, Matrix
 
 #: Failed runs that the table of failures lists.
 MOST_FAILURES = 30
 
-MATRICES = "## Cases and methods\n\n✗: failed. ≤: within the truth's own error, which is the figure given."
+#: Heading and legend of the matrices.
+MATRICES = f"## Cases and methods\n\n✗ marks a failed run. {WITHIN_TRUTH}"
 
 
 def render(contents: Contents) -> str:
@@ -36,14 +37,15 @@ def _parts(contents: Contents) -> Iterator[str]:
 def _failures(failures: Sequence[Failure]) -> str:
     rows = [(failure.case, failure.method, failure.status, failure.reason) for failure in failures[:MOST_FAILURES]]
     more = len(failures) - len(rows)
-    table = grid(("Case", "Method", "How", "Why"), rows)
-    return f"## What failed\n\n{table}" + (f"\n\n*And {count(more, 'run')} more.*" if more else "")
+    table = grid(("Case", "Method", "Status", "Reason"), rows)
+    return f"## Failed runs\n\n{table}" + (f"\n\n*{count(more, 'more run')} failed.*" if more else "")
 
 
 def _matrix(matrix: Matrix) -> str:
     title = f"{matrix.kind.title}: largest {matrix.quantity.title.lower()}, {matrix.quantity.unit}"
-    steps = f"time step {milliseconds(matrix.timestep)}" + (" but where another is given" if matrix.several_steps else "")
-    size = f"{count(len(matrix.rows), 'case')}, {count(matrix.methods, 'method')}, {steps}."
+    amounts = f"{count(len(matrix.rows), 'case')}, {count(matrix.methods, 'method')}."
+    unless = ", unless another is given" if matrix.several_steps else ""
+    size = f"{amounts} The time step is {milliseconds(matrix.timestep)}{unless}."
     rows = [(row.case, *(_cell(cell, matrix.timestep) for cell in row.cells)) for row in matrix.rows]
     head = ("Case", *(f"{column.engine} {column.integrator} {column.results}".rstrip() for column in matrix.columns))
     return f"### {title}\n\n{size}\n\n{grid(head, rows, numeric_from=1)}"
@@ -64,5 +66,7 @@ def _section(section: Section) -> str:
     facts = [f"- {fact.term}: {escape(fact.text)}" for fact in section.facts]
     source = [f"- Source: {escape(section.source)}"] if section.source else []
     body = "No run of this case finished." if section.table is None else table_with_notes(section.table)
-    origins = () if section.origins is None else ("Where it comes from:", table_with_notes(section.origins.table))
+    origins = (
+        () if section.origins is None else ("Origins of the contact discrepancies:", table_with_notes(section.origins.table))
+    )
     return details(f"<b>{section.name}</b>: {escape(section.title)}", "\n".join(source + facts), body, *origins)

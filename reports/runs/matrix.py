@@ -1,4 +1,4 @@
-"""The matrix of a report: cases by methods, one matrix a kind of scene, each with the figure that tells most there."""
+"""Matrices of cases by methods: one for each kind of scene, with the quantity that shows the discrepancies best there."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -13,13 +13,25 @@ from bodycheck.reports.quantities import QUANTITIES, Quantity, bound, millisecon
 from bodycheck.reports.runs.findings import within_truth
 from bodycheck.reports.runs.summary import key_of
 
-#: engine, integrator, label of the set of results: what a column is of
+#: Engine, integrator and label of the set of results, which identify a column.
 Method = tuple[str, str, str]
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of scene. name: of its anchor. quantity: the column of results that tells most of it. why: that it does."""
+    """A kind of scene.
+
+    Parameters
+    ----------
+    name
+        Name of the anchor.
+    title
+        Name for readers.
+    quantity
+        The column of results that the matrix shows.
+    why
+        The reason for this choice, in a sentence or two for readers.
+    """
 
     name: str
     title: str
@@ -32,17 +44,31 @@ KINDS = (
         "turning",
         "Free flight of a turning body",
         "attitude_error",
-        "No torque acts: attitude tells how well the turning is solved.",
+        "No torque acts. The attitude error shows how well the rotation is solved.",
     ),
-    Kind("translation", "Flight without rotation", "position_error", "Nothing turns: position tells all."),
-    Kind("drag", "Flight against drag", "position_error", "Drag acts on the centre of mass and leaves the rotation alone."),
-    Kind("contact", "Contact with a plane", "position_error", "Position tells where friction takes the body."),
+    Kind("translation", "Flight without rotation", "position_error", "Nothing rotates. The position error shows everything."),
+    Kind("drag", "Flight against drag", "position_error", "Drag acts on the centre of mass and does not affect the rotation."),
+    Kind("contact", "Contact with a plane", "position_error", "The position error shows where friction takes the body."),
 )
 
 
 @dataclass(frozen=True)
 class Figure:
-    """One run. text: its figure or its status. decade: of the figure, from -12 to 0, None where there is none."""
+    """One run in a cell.
+
+    Parameters
+    ----------
+    text
+        The number, or the status if there is none.
+    meaning
+        Explanation that appears at the pointer.
+    timestep
+        Time step (s).
+    decade
+        Exponent of the number from -12 to 0, by which the cell is shaded; None without a number.
+    failed
+        Whether the run failed.
+    """
 
     text: str
     meaning: str
@@ -53,20 +79,23 @@ class Figure:
 
 @dataclass(frozen=True)
 class Cell:
-    """The runs of one method on one case. common: at the matrix's common time step. others: the largest step first."""
+    """The runs of one method on one case.
+
+    `common` is the run at the common time step of the matrix, `others` are those at other time steps, the largest first.
+    """
 
     common: Figure | None
     others: tuple[Figure, ...]
 
     @property
     def figures(self) -> tuple[Figure, ...]:
-        """All runs, that at the common time step first."""
+        """Return all runs, that at the common time step first."""
         return (*((self.common,) if self.common is not None else ()), *self.others)
 
 
 @dataclass(frozen=True)
 class Column:
-    """One method, whatever its time step. results: the label of the set that its runs are of, where there are several."""
+    """One method at all time steps. `results` is the label of the set of results, empty if there is only one set."""
 
     engine: str
     integrator: str
@@ -76,7 +105,7 @@ class Column:
 
 @dataclass(frozen=True)
 class Row:
-    """One case. words: what a reader may look for. cells: None where there is no run."""
+    """One case. `words` are what the reader's filter searches; a cell is None if the method has no run of the case."""
 
     case: str
     words: str
@@ -85,7 +114,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Matrix:
-    """All cases of one kind by the methods that any of them was run with. timestep: the common one (s)."""
+    """All cases of one kind by all methods that any of them was run with. `timestep` is the most common one (s)."""
 
     kind: Kind
     timestep: float
@@ -94,12 +123,12 @@ class Matrix:
 
     @property
     def quantity(self) -> Quantity:
-        """What its figures are the maxima of."""
+        """Return the quantity whose maxima the cells show."""
         return QUANTITIES[self.kind.quantity]
 
     @property
     def engines(self) -> tuple[tuple[str, int, str], ...]:
-        """The engines of neighbouring columns, with the number of these and the engine's colour."""
+        """Return for each engine its name, the number of its neighbouring columns, and its colour."""
         amounts = Counter(column.engine for column in self.columns)
         colours = {
             column.engine: column.colour for column in reversed(self.columns) if column.results == self.columns[-1].results
@@ -108,17 +137,17 @@ class Matrix:
 
     @property
     def methods(self) -> int:
-        """How many there are, of whatever set of results."""
+        """Return the number of methods, whatever the number of sets of results."""
         return len({(column.engine, column.integrator) for column in self.columns})
 
     @property
     def several_steps(self) -> bool:
-        """Whether any run has another time step than the common one."""
+        """Return whether any run has a time step other than the common one."""
         return any(cell.others for row in self.rows for cell in row.cells if cell is not None)
 
 
 def kind_of(scene: Scene) -> Kind:
-    """The kind of a scene, which follows from what it requires."""
+    """Return the kind of a scene, which follows from its requirements."""
     turning, translation, drag, contact = KINDS
     needs = requirements(scene)
     if needs.contact:
@@ -129,7 +158,7 @@ def kind_of(scene: Scene) -> Kind:
 
 
 def matrices(cases: Mapping[str, Case], verdicts: Sequence[Verdict], lines: Mapping[Key, Line]) -> tuple[Matrix, ...]:
-    """A matrix for each kind of which any case has a run, in the order of `KINDS`."""
+    """Return a matrix for each kind of which any case has a run, in the order of `KINDS`."""
     kinds = {name: kind_of(case.scene) for name, case in cases.items()}
     found = []
     for kind in KINDS:
@@ -186,5 +215,5 @@ def _figure(verdict: Verdict, kind: Kind) -> Figure:
 
 
 def decade(error: float) -> int:
-    """The exponent of an error, from -12 for all that is smaller, zero too, to 0 for all that is larger."""
+    """Return the decimal exponent of an error, limited to the range from -12, which includes zero errors, to 0."""
     return max(-12, min(0, int(f"{error:e}".partition("e")[2]))) if error else -12

@@ -1,4 +1,4 @@
-"""Where the discrepancies of one case's contacts come from, as a table and as charts."""
+"""Origins of the contact discrepancies of one case, as a table and as charts."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,41 +9,49 @@ from bodycheck.reports.quantities import count, milliseconds, number
 from bodycheck.reports.study import Chart
 from bodycheck.reports.tables import Entry, Table
 
+#: Title and unit of each quantity.
 QUANTITIES = {
-    "stop_time": ("Stop time", "s"),
-    "stop_distance": ("Way to the stop", "m"),
-    "stop_yaw": ("Turn to the stop", "rad"),
+    "stop_time": ("Stopping time", "s"),
+    "stop_distance": ("Stopping distance", "m"),
+    "stop_yaw": ("Rotation until the stop", "rad"),
 }
 
-#: A quantity that is off by less in every run of a case is left out.
+#: Discrepancies below this are left out.
 NOTHING = 1e-12
 
+#: The parts of a discrepancy.
 PARTS = ("model form", "constraint", "time step")
+
+#: Note for tables in which parts are unknown.
+INCOMPLETE = (
+    "– marks an unknown part. The parts of constraint and time step are known only for methods that were run with at least "
+    "two time steps."
+)
 
 #: Height of a method in a chart, in pixels.
 BAR = 26
 
-#: By the label of the set of results; the only one has none.
+#: Parts by the label of the set of results, which is empty if there is only one set.
 Parts = Mapping[str, Sequence[Attribution]]
 
 
 @dataclass(frozen=True)
 class Origins:
-    """The parts of one case's discrepancies: all of them, and drawn, those of the methods of which all parts are known."""
+    """The parts of the discrepancies of one case: a table of all, and charts of the methods whose parts are all known."""
 
     table: Table
     charts: tuple[Chart, ...]
 
 
 def origins(parts: Parts) -> Origins | None:
-    """Those of one case, each engine minus truth; None where there is no contact."""
+    """Return the origins of the discrepancies (engine minus truth) of one case, or None without contact."""
     if not any(parts.values()):
         return None
     return Origins(_table(parts), tuple(_charts(parts)))
 
 
 def _charts(parts: Parts) -> Iterator[Chart]:
-    """A chart a quantity, of the smallest time step of each method."""
+    """Return a chart for each quantity, with the smallest time step of each method."""
     finest: dict[tuple[str, str, str, str], Attribution] = {}
     for label, own in parts.items():
         for part in own:
@@ -63,10 +71,10 @@ def _method(engine: str, integrator: str, label: str, part: Attribution) -> str:
 def _alt(methods: Mapping[str, Attribution], title: str, unit: str) -> str:
     worst = max(methods, key=lambda method: abs(methods[method].total))
     shares = zip(PARTS, _values(methods[worst]), strict=True)
-    told = ", ".join(f"{name} {number(value, 3)}" for name, value in shares if value is not None)
+    listed = ", ".join(f"{name} {number(value, 3)}" for name, value in shares if value is not None)
     return (
-        f"{title}, bars of what each discrepancy is made of, {count(len(methods), 'method')}. "
-        f"Farthest off: {worst}, by {number(methods[worst].total, 3)} {unit}: {told}."
+        f"{title}: bars show the parts of the discrepancy for {count(len(methods), 'method')}. "
+        f"The largest discrepancy is that of {worst}, {number(methods[worst].total, 3)} {unit}: {listed}."
     )
 
 
@@ -75,7 +83,7 @@ def _values(part: Attribution) -> tuple[float | None, ...]:
 
 
 def _bars(methods: Mapping[str, Attribution], title: str) -> Spec:
-    """Bars of the parts, those of one sign end to end, and a line at what they add up to."""
+    """Return a chart with a bar for each part, parts of one sign end to end, and a line at their sum."""
     shares = [
         {"method": method, "part": name, "value": value, "order": place}
         for method, part in methods.items()
@@ -109,29 +117,29 @@ def _bars(methods: Mapping[str, Attribution], title: str) -> Spec:
         {
             "data": {"values": totals},
             "mark": {"type": "tick", "color": INK, "thickness": 2, "height": {"band": 0.85}},
-            "encoding": {"x": x, "y": y, "tooltip": [{"field": "method"}, {**value, "title": "off by"}]},
+            "encoding": {"x": x, "y": y, "tooltip": [{"field": "method"}, {**value, "title": "discrepancy"}]},
         },
     ]
     return framed(layers, BAR * len(methods))
 
 
 def _table(parts: Parts) -> Table:
-    """A row a method, step and quantity."""
+    """Return a table with one row for each method, time step and quantity."""
     labelled = [(label, part) for label, own in parts.items() for part in own if abs(part.total) > NOTHING]
-    told, sets = [part for _, part in labelled], ("Set",) if any(parts) else ()
-    numeric = ("Off by", f"of it {PARTS[0]}", *PARTS[1:])
-    halved = any(part.constraint is None for part in told)
+    shown, sets = [part for _, part in labelled], ("Set",) if any(parts) else ()
+    numeric = ("Discrepancy", *(f"Part: {name}" for name in PARTS))
+    incomplete = any(part.constraint is None for part in shown)
     notes = (
-        "Engine minus truth. Model form: the law that the engine's contacts make, against the law of the case, both exact. "
-        "Constraint: what the engine tends to as its step vanishes, against that law. "
-        "Time step: the rest, which vanishes with it.",
-        *(("–: told only of methods that were run with two time steps or more.",) if halved else ()),
+        "A discrepancy is engine minus truth and has three parts. Model form: the friction law of the engine's contact model "
+        "minus the law of the case, both solved exactly. Constraint: the limit of the engine's result for vanishing time steps "
+        "minus that exact solution. Time step: the rest, which vanishes with the time step.",
+        *((INCOMPLETE,) if incomplete else ()),
     )
     return Table(
         columns=(*sets, "Engine", "Integrator", "Time step", "Quantity", *numeric),
         numeric=(False,) * (4 + len(sets)) + (True,) * 4,
         rows=tuple((*((Entry(label),) if sets else ()), *_row(part)) for label, part in labelled),
-        failed=(False,) * len(told),
+        failed=(False,) * len(shown),
         notes=notes,
     )
 

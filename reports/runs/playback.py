@@ -1,4 +1,4 @@
-"""A case in motion: the truth and the runs of one time step as `templates/player/` plays them side by side."""
+"""The animation of a case: the truth and the runs at one time step, as `templates/player/` shows them side by side."""
 
 import json
 import math
@@ -20,38 +20,46 @@ from bodycheck.reports.quantities import listing, milliseconds, number
 from bodycheck.reports.runs import tracks
 from bodycheck.running.outcome import Completed
 
-#: Of all playback data of a report together, shared evenly by its cases.
+#: Most characters of all playback data of a report, shared evenly by its cases.
 MOST_CHARACTERS = 1_500_000
 
-#: Runs that are shown beside the truth at once.
+#: Most runs that are shown at once beside the truth.
 MOST_SHOWN = 3
 
-#: Methods that one note names.
+#: Most methods that one note names.
 MOST_NAMES = 6
 
-#: A body rate that is played may be so far from a sample, relative to the largest: a line's width on the polhode.
+#: Largest deviation of a body rate from its sample, relative to the largest rate: the width of a line on the polhode.
 RATE_TOLERANCE = 0.01
 
-#: Likewise a place, relative to the body's reach.
+#: Largest deviation of a position from its sample, relative to the body's reach.
 PLACE_TOLERANCE = 0.01
 
-#: Where a flying body is farther than its reach from the truth, relative to that distance.
+#: Largest deviation of the position of a body that is farther than its reach from the truth, relative to that distance.
 SHIFT_TOLERANCE = 0.003
 
-#: Places beyond so many reaches are not drawn: 16 bits tell nothing of a body there.
+#: Positions farther than this many reaches are not drawn, because 16 bits could not resolve the body there.
 FARTHEST = 1e9
 
-#: Least semi-axis that is drawn, relative to the longest: a needle is to be seen.
+#: Smallest semi-axis that is drawn, relative to the longest, so that even a needle is visible.
 THINNEST = 0.02
 
-TOO_FAST = f"more than {tracks.COARSEST:g} rad between samples, or too much for {tracks.MOST_INSTANTS} instants"
+#: Why a rotation cannot be stored, for sentences that begin with what turns.
+TOO_FAST = f"more than {tracks.COARSEST:g} rad between samples, or more than {tracks.MOST_INSTANTS} stored instants can show"
 
 
 @dataclass(frozen=True)
 class Playback:
-    """What the player of one case reads and says. data: None where there is nothing to play, and a note says why.
+    """The animation of one case.
 
-    alt: for readers who do not see it.
+    Parameters
+    ----------
+    data
+        What the player reads; None if there is no animation, in which case a note says why.
+    alt
+        Description for readers who do not see it.
+    notes
+        Sentences below the animation.
     """
 
     data: Mapping[str, Any] | None
@@ -61,7 +69,7 @@ class Playback:
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """A completed run: how its method is drawn, its trajectory, and the truth at the same instants."""
+    """A completed run: the line of its method, its trajectory, the truth at the same instants, and its largest errors."""
 
     line: Line
     trajectory: Trajectory
@@ -70,10 +78,20 @@ class Shown:
 
 
 def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, Truth], most: int) -> Playback | None:
-    """The playback of one case in at most so many characters; None where no run has a truth to be held against.
+    """Return the animation of one case, or None if no run has a truth to be compared with.
 
-    runs: the verdicts on a case by their methods. truths: of the case, by time step (s). The time step that most runs have is
-    played. Its runs are kept in the order of need: those shown at first, then the others.
+    It shows the time step that most runs have. If not all of its runs fit, those that are shown first are kept first.
+
+    Parameters
+    ----------
+    scene
+        The scene of the case.
+    runs
+        The verdicts on the case, by the lines of their methods.
+    truths
+        The truths of the case, by time step (s).
+    most
+        Most characters of the data.
     """
     timestep = _common([line for line, verdict in runs.items() if verdict.discrepancy is not None and line.timestep in truths])
     if timestep is None:
@@ -84,21 +102,21 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
     own = [_shown(line, verdict, truth) for line, verdict in runs.items() if line.timestep == timestep]
     played = [one for one in own if one is not None]
     if scene.plane is None and not fastest and not any(one.trajectory.angular_velocity.any() for one in played):
-        return Playback(None, "", ("Nothing turns here, so that there is nothing to play.",))
+        return Playback(None, "", ("There is no animation because nothing rotates in this case.",))
     rates = RATE_TOLERANCE * fastest if scene.plane is None and fastest else math.inf
     record = _turning(trajectory, rates)
     if record is None:
-        return Playback(None, "", (f"The body turns {TOO_FAST}, so that it is not played.",))
+        return Playback(None, "", (f"There is no animation because the body turns by {TOO_FAST}.",))
     if scene.plane is not None:
         if _too_far(trajectory, reach):
-            return Playback(None, "", ("The body goes too far to be drawn, so that it is not played.",))
+            return Playback(None, "", ("There is no animation because the body goes too far to be drawn.",))
         record |= _course(trajectory.t, trajectory.position / reach, PLACE_TOLERANCE)
     first = choose(played, reach if scene.plane is not None else math.inf)
     kept: dict[Shown, dict[str, Any]] = {}
     undrawn, left_out = [], []
     room = most - len(_json(record))
     if room < 0:
-        return Playback(None, "", ("Not played, to keep this file small.",))
+        return Playback(None, "", ("There is no animation, to keep this file small.",))
     for one in (*first, *(other for other in played if other not in first)):
         entry = _run(one, scene, reach, rates)
         if entry is None:
@@ -108,7 +126,7 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
         else:
             kept[one] = entry
     order = [one for one in played if one in kept]
-    relative = replace(scene.body, moments=_relative(scene.body))  # of the momentum only the direction and ratios are drawn
+    relative = replace(scene.body, moments=_relative(scene.body))  # only the direction and ratios of the momentum are drawn
     size = float(np.linalg.norm(angular_momentum(relative, trajectory.angular_velocity), axis=1).max())
     data = {
         "body": _drawn(scene.body, reach),
@@ -124,9 +142,9 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
 
 
 def choose(runs: Sequence[Shown], reach: float) -> list[Shown]:
-    """The runs to be shown at first: the worst of each engine, then the best of all, MOST_SHOWN together.
+    """Return the MOST_SHOWN runs that are shown first: the worst of each engine, then the best of all.
 
-    reach: the length (m) by which a position error counts as much as a radian; infinite where only attitudes count.
+    `reach` (m) is the position error that counts as much as an attitude error of 1 rad; infinite if only attitudes count.
     """
 
     def badness(run: Shown) -> float:
@@ -134,13 +152,13 @@ def choose(runs: Sequence[Shown], reach: float) -> list[Shown]:
 
     engines = dict.fromkeys(run.line.engine for run in runs)
     worst = [max((run for run in runs if run.line.engine == engine), key=badness) for engine in engines]
-    telling = sorted(worst, key=badness, reverse=True)[:MOST_SHOWN]
+    largest = sorted(worst, key=badness, reverse=True)[:MOST_SHOWN]
     others = sorted((run for run in runs if run not in worst), key=badness)
-    return [*(run for run in worst if run in telling), *others[:1]][:MOST_SHOWN]
+    return [*(run for run in worst if run in largest), *others[:1]][:MOST_SHOWN]
 
 
 def _common(lines: Sequence[Line]) -> float | None:
-    """The time step (s) that most of the lines have, the first of equals; None where there are no lines."""
+    """Return the time step (s) that most of the lines have, the first of equals, or None without lines."""
     return max(steps, key=steps.__getitem__) if (steps := Counter(line.timestep for line in lines)) else None
 
 
@@ -148,12 +166,15 @@ def _shown(line: Line, verdict: Verdict, truth: Truth) -> Shown | None:
     if not isinstance(verdict.outcome, Completed) or verdict.discrepancy is None:
         return None
     trajectory, maxima = verdict.outcome.trajectory, verdict.discrepancy.maxima()
-    told = all(math.isfinite(maxima[name]) for name in ("attitude_error", "angular_velocity_error", "position_error"))
-    return Shown(line, trajectory, truth.at(trajectory.t).trajectory, maxima) if told else None
+    finite = all(math.isfinite(maxima[name]) for name in ("attitude_error", "angular_velocity_error", "position_error"))
+    return Shown(line, trajectory, truth.at(trajectory.t).trajectory, maxima) if finite else None
 
 
 def _run(run: Shown, scene: Scene, reach: float, rates: float) -> dict[str, Any] | None:
-    """A run as the player reads it; without a turning where it turns as the truth does. None where it cannot be drawn."""
+    """Return a run as the player reads it, or None if it cannot be drawn.
+
+    It has no rotation of its own if it turns as the truth does.
+    """
     entry: dict[str, Any] = {"label": name_of(run.line), "colour": run.line.colour}
     entry |= {f"{name}_error": float(f"{run.maxima[f'{name}_error']:.4g}") for name in ("attitude", "position")}
     if run.maxima["attitude_error"] > tracks.TOLERANCE or run.maxima["angular_velocity_error"] > rates:
@@ -172,7 +193,7 @@ def _run(run: Shown, scene: Scene, reach: float, rates: float) -> dict[str, Any]
 
 
 def name_of(line: Line) -> str:
-    """What a method is called in a playback, where all have one time step."""
+    """Return the name of a method without its time step, which all methods of an animation share."""
     return f"{line.engine} {line.integrator}" + (f" ({line.results})" if line.results else "")
 
 
@@ -186,7 +207,10 @@ def _course(t: Array, place: Array, tolerance: float) -> dict[str, Any]:
 
 
 def _drawn(body: Body, reach: float) -> dict[str, Any]:
-    """A body as it is drawn. Lengths in units of its reach (m), moments along `axes`, which take them to the body."""
+    """Return a body as the player reads it.
+
+    Lengths are in units of its reach (m). Moments are along the principal axes, which the quaternion `axes` takes to the body.
+    """
     kind, semi_axes = _solid(body)
     turned = body.axes if body.shape is None else (1.0, 0.0, 0.0, 0.0)
     longest = max(semi_axes)
@@ -195,7 +219,7 @@ def _drawn(body: Body, reach: float) -> dict[str, Any]:
 
 
 def _relative(body: Body) -> Vector:
-    """The moments in units of the largest, of which no product is too large for a double."""
+    """Return the moments in units of the largest, so that no product overflows."""
     a, b, c = (moment / max(body.moments) for moment in body.moments)
     return a, b, c
 
@@ -205,7 +229,7 @@ def _too_far(trajectory: Trajectory, reach: float) -> bool:
 
 
 def _solid(body: Body) -> tuple[str, tuple[float, float, float]]:
-    """What a body is drawn as, and its half-lengths along its axes (m)."""
+    """Return the kind of solid that a body is drawn as, and its half-lengths along its axes (m)."""
     match body.shape:
         case Brick(semi_axes):
             return "brick", semi_axes
@@ -223,34 +247,36 @@ def _solid(body: Body) -> tuple[str, tuple[float, float, float]]:
 
 
 def _reach(body: Body) -> float:
-    """The distance (m) of a body's farthest point from its centre of mass, as it is drawn."""
+    """Return the distance (m) of the farthest point of a body, as it is drawn, from its centre of mass."""
     kind, (a, b, c) = _solid(body)
     return {"brick": math.hypot(a, b, c), "cylinder": math.hypot(a, c), "ellipsoid": max(a, b, c)}[kind]
 
 
 def _alt(scene: Scene, runs: Sequence[Shown]) -> str:
     worst = max(runs, key=lambda run: run.maxima["attitude_error"])
-    far = f"by up to {number(worst.maxima['attitude_error'], 3)} rad"
+    where = "on the plane" if scene.plane is not None else "about their centres of mass"
     return (
-        f"The bodies of the truth and of up to {MOST_SHOWN} runs, played in time side by side"
-        + (" on the plane. " if scene.plane is not None else " about their centres of mass. ")
-        + f"The farthest from the truth's attitude, {far}: {name_of(worst.line)}."
+        f"Animation of the bodies of the truth and of up to {MOST_SHOWN} runs, side by side {where}. "
+        f"The largest attitude error is {number(worst.maxima['attitude_error'], 3)} rad, with {name_of(worst.line)}."
     )
 
 
 def _notes(
     scene: Scene, timestep: float, runs: Mapping[Line, Verdict], undrawn: Sequence[str], left_out: Sequence[str]
 ) -> list[str]:
-    """What is not played, and what is drawn otherwise than it is."""
+    """Return sentences on what the animation leaves out or draws in another form."""
     notes = []
     if scene.body.shape is None:
-        notes.append("The body has no shape of its own: what is drawn is the solid ellipsoid that has its mass and moments.")
+        notes.append(
+            "The case gives no shape. The animation shows the solid ellipsoid that has the same mass and moments of inertia."
+        )
     if len({line.timestep for line in runs}) > 1:
-        notes.append(f"Played are the runs with a time step of {milliseconds(timestep)}.")
+        notes.append(f"The animation shows the runs with a time step of {milliseconds(timestep)}.")
     if undrawn:
-        notes.append(f"Not played, because they turn {TOO_FAST}, or go too far: {listing(undrawn, MOST_NAMES, 'method')}.")
+        names = listing(undrawn, MOST_NAMES, "method")
+        notes.append(f"The animation leaves out bodies that turn by {TOO_FAST}, or that go too far: {names}.")
     if left_out:
-        notes.append(f"Not played, to keep this file small: {listing(left_out, MOST_NAMES, 'method')}.")
+        notes.append(f"The animation leaves out methods to keep this file small: {listing(left_out, MOST_NAMES, 'method')}.")
     return notes
 
 

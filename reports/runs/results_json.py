@@ -1,4 +1,4 @@
-"""results.json: what a report of runs says, for programs, and the JSON Schema of it.
+"""results.json, which holds the contents of a report of runs for programs, and its JSON Schema.
 
 Its `runs` are what `bodycheck run --json` prints.
 """
@@ -15,32 +15,33 @@ from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.runs.contents import Contents
 from bodycheck.running.outcome import Completed, Outcome
 
+#: Version of the format.
 FORMAT = 1
 
-#: What is told of a set's header, in words.
+#: Fields of the header of a set, with descriptions.
 HEADER = {
     "bodycheck": "Version of bodycheck.",
-    "command": "The command that made the results, word by word.",
-    "started": "When it was started: date and time with the zone's offset.",
-    "machine": "System, processor, number of cores and version of Python.",
-    "packages": "Versions of packages that figures depend on.",
+    "command": "Words of the command that made the results.",
+    "started": "Date and time of the start, with the offset of the time zone.",
+    "machine": "Operating system, processor, number of cores and version of Python.",
+    "packages": "Versions of packages that the numbers depend on.",
     "engines": "Versions of the engines.",
-    "missing": "Engines that could not be used, and why.",
+    "missing": "Engines that could not be used, with the reason.",
 }
 
-#: Figures that every run that is ok has.
+#: Figures that every completed run has.
 ALWAYS = tuple(name for name, figure in FIGURES.items() if figure.presence == "every run")
 
 Schema = dict[str, Any]
 
 
 def render(contents: Contents, sets: Sequence[ResultSet]) -> str:
-    """The text of results.json."""
+    """Return the text of results.json."""
     return json.dumps(document(contents, sets), ensure_ascii=False, allow_nan=False, indent=1) + "\n"
 
 
 def document(contents: Contents, sets: Sequence[ResultSet]) -> dict[str, Any]:
-    """What results.json holds. contents: of the report of these sets."""
+    """Return the document of results.json. `contents` are those of the report of these sets."""
     rows = judgement.records(verdict for one in sets for verdict in one.verdicts)
     return {
         "format": FORMAT,
@@ -51,7 +52,7 @@ def document(contents: Contents, sets: Sequence[ResultSet]) -> dict[str, Any]:
             {"subject": finding.subject, "text": finding.text, "case": finding.where or None} for finding in contents.findings
         ],
         "sets": [_set(one) for one in sets],
-        "runs": [{name: _there(value) for name, value in row.items()} for row in rows],
+        "runs": [{name: _json_value(value) for name, value in row.items()} for row in rows],
     }
 
 
@@ -65,44 +66,44 @@ def _set(one: ResultSet) -> dict[str, Any]:
     }
 
 
-def _there(value: Any) -> Any:
-    """A value, None in place of a number that JSON has not."""
+def _json_value(value: Any) -> Any:
+    """Return a value, or None for a number that JSON cannot hold."""
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def schema() -> str:
-    """The JSON Schema of results.json, draft 2020-12."""
+    """Return the JSON Schema (draft 2020-12) of results.json."""
     text: Schema = {"type": "string"}
     versions: Schema = {"type": "object", "additionalProperties": text}
     kinds: dict[str, Schema] = {"bodycheck": text, "command": _list(text), "started": text | {"format": "date-time"}}
-    header = {name: kinds.get(name, versions) | {"description": told} for name, told in HEADER.items()}
+    header = {name: kinds.get(name, versions) | {"description": description} for name, description in HEADER.items()}
     finding = {
-        "subject": text | {"description": "What the sentence is about."},
+        "subject": text | {"description": "Subject of the sentence."},
         "text": text | {"description": "A sentence or two, with numbers and units."},
-        "case": {"type": ["string", "null"], "description": "The case that it points to, null where it points to none."},
+        "case": {"type": ["string", "null"], "description": "The case that the sentence names, or null."},
     }
     case = {
-        "name": text | {"description": "The case's name."},
-        "title": text | {"description": "Its title."},
-        "source": text | {"description": "Where it is from."},
-        "tags": _list(text) | {"description": "Its tags."},
+        "name": text | {"description": "Name of the case."},
+        "title": text | {"description": "Title of the case."},
+        "source": text | {"description": "Source of the case."},
+        "tags": _list(text) | {"description": "Tags of the case."},
     }
-    complete = {"type": "boolean", "description": "Whether the run came to its end."}
+    complete = {"type": "boolean", "description": "Whether the command came to its end; false if it was interrupted."}
     one = {
-        "label": text
-        | {"description": "What the runs of this set have in their column `set`; empty where it is the only one."},
+        "label": text | {"description": "Label in the column `set` of the runs of this set; empty if there is only one set."},
         "complete": complete,
         "header": _object(header, "Versions, machine and command."),
         "cases": _list(_object(case, "A case that was run.")) | {"description": "The cases that were run."},
     }
     whole: dict[str, Schema] = {
-        "format": {"const": FORMAT, "description": "Of this document."},
+        "format": {"const": FORMAT, "description": "Version of the format of this document."},
         "complete": complete,
         "headline": text | {"description": "The verdict in one line."},
-        "notices": _list(text) | {"description": "What limits what is said here."},
-        "findings": _list(_object(finding, "A finding.")) | {"description": "What the runs show, the most telling first."},
-        "sets": _list(_object(one, "Results that were made together."))
-        | {"minItems": 1, "description": "Where the runs are from."},
+        "notices": _list(text) | {"description": "Sentences on what limits this report."},
+        "findings": _list(_object(finding, "A finding."))
+        | {"description": "Findings about the runs, the most important first."},
+        "sets": _list(_object(one, "A set of results that were made together."))
+        | {"minItems": 1, "description": "The sets of results that the runs are from."},
         "runs": {"$ref": "#/$defs/runs"},
     }
     title = f"results.json of bodycheck, format {FORMAT}"
@@ -112,7 +113,7 @@ def schema() -> str:
 
 
 def _run() -> Schema:
-    """A row of results: a run that is ok has its errors, one that is not has no figures."""
+    """Return the schema of a row of results: completed runs have numbers, others have none."""
     figures = (*judgement.COLUMNS[judgement.COLUMNS.index("reason") + 1 :], *FURTHER)
     properties = {name: _column(column) for name, column in COLUMNS.items()}
     run = _object(properties, "One engine with one method on one case.") | {"required": list(judgement.COLUMNS)}
@@ -125,11 +126,11 @@ def _run() -> Schema:
 
 
 def _column(column: Column) -> Schema:
-    """A column; what a run does not have is null."""
-    told = f"{column.told[0].upper()}{column.told[1:]}."
+    """Return the schema of a column, which is null if a run does not have it."""
+    description = f"{column.told[0].upper()}{column.told[1:]}."
     if column.kind in ("number", "integer"):
-        told = f"{told} Unit: {column.in_unit}."
-    made: Schema = {"description": told}
+        description = f"{description} Unit: {column.in_unit}."
+    made: Schema = {"description": description}
     if column.name == "status":
         return made | {"enum": [kind.status for kind in get_args(Outcome)]}
     if column.name == "timestep":

@@ -1,4 +1,4 @@
-"""A case in words: its body, its start, its surroundings, and the truth it is held against."""
+"""A case in words: its body, initial state and environment, and the truth that its runs are compared with."""
 
 import math
 from collections.abc import Sequence
@@ -12,39 +12,39 @@ from bodycheck.reports.quantities import bound, number
 
 @dataclass(frozen=True)
 class Fact:
-    """Something said about a case: what it is of, and what is."""
+    """A fact about a case: a term and a text."""
 
     term: str
     text: str
 
 
 def describe(case: Case, truths: Sequence[Truth | NoTruth]) -> tuple[Fact, ...]:
-    """The facts of a case; truths: those its runs are held against, one a time step."""
+    """Return the facts of a case. `truths` are those that its runs are compared with, one for each time step."""
     scene, body, start = case.scene, case.scene.body, case.scene.initial
     spin, speed = math.hypot(*start.angular_velocity), math.hypot(*start.velocity)
     motion = f"spinning at {number(spin)} rad/s, {_vector(start.angular_velocity)} about I, J, K" if spin else "not spinning"
-    travel = f"moving at {number(speed)} m/s, {_vector(start.velocity)} along x, y, z" if speed else "its centre at rest"
-    surroundings = [f"gravity {number(scene.gravity)} m/s²" if scene.gravity else "no gravity"]
+    travel = f"moving at {number(speed)} m/s, {_vector(start.velocity)} along x, y, z" if speed else "centre of mass at rest"
+    environment = [f"gravity {number(scene.gravity)} m/s²" if scene.gravity else "no gravity"]
     if scene.plane is not None:
-        surroundings.append(f"on a plane with friction coefficient {number(scene.plane.friction)} ({scene.plane.law} law)")
+        environment.append(f"on a plane with friction coefficient {number(scene.plane.friction)} ({scene.plane.law} law)")
     if scene.drag:
-        surroundings.append(f"drag {number(scene.drag)} kg/m times speed squared")
+        environment.append(f"drag {number(scene.drag)} kg/m times speed squared")
     return (
         Fact("Body", f"{_shape(body.shape)}, {number(body.mass)} kg, principal moments {_vector(body.moments)} kg m²"),
         Fact("Start", f"{motion}; {travel}"),
-        Fact("Surroundings", ", ".join(surroundings)),
-        Fact("Watched for", f"{number(case.duration)} s at {case.samples} instants"),
+        Fact("Environment", ", ".join(environment)),
+        Fact("Duration", f"{number(case.duration)} s, sampled at {case.samples} instants"),
         *((Fact("Truth", _truth(truths)),) if truths else ()),
         *_stop(truths),
     )
 
 
 def _stop(truths: Sequence[Truth | NoTruth]) -> tuple[Fact, ...]:
-    """Where and when the body comes to rest; the same for every time step."""
+    """Return when and where the body comes to rest, which is the same for every time step."""
     for truth in truths:
         if isinstance(truth, Truth) and truth.stop is not None:
             stop = truth.stop
-            where = f"at {_vector(stop.position)} m, its yaw {number(stop.yaw)} rad"
+            where = f"at {_vector(stop.position)} m, with a yaw of {number(stop.yaw)} rad"
             return (Fact("Rest", f"after {number(stop.time)} s {where}"),)
     return ()
 
@@ -70,9 +70,12 @@ def _vector(components: Sequence[float]) -> str:
 def _truth(truths: Sequence[Truth | NoTruth]) -> str:
     known = [truth for truth in truths if isinstance(truth, Truth)]
     if known:
-        sources = " and ".join(dict.fromkeys(f"{truth.model} ({truth.reason}) by {truth.backend}" for truth in known))
+        sources = " and ".join(
+            dict.fromkeys(f"{truth.model} ({truth.reason}), computed with {truth.backend}" for truth in known)
+        )
         witnesses = "; ".join(dict.fromkeys(witness for truth in known for witness in truth.witnesses))
-        held = f", held against {witnesses}" if witnesses else ""
-        return f"{sources}{held}, its own attitude error at most {bound(max(float(truth.error.max()) for truth in known))} rad"
+        checked = f", checked with {witnesses}" if witnesses else ""
+        error = bound(max(float(truth.error.max()) for truth in known))
+        return f"{sources}{checked}; its own attitude error is at most {error} rad"
     reasons = dict.fromkeys(truth.reason for truth in truths if isinstance(truth, NoTruth))
     return f"none: {'; '.join(reasons)}"

@@ -1,8 +1,8 @@
-"""Motions thin enough to be stored in a page: few instants, between which a player finds every other.
+"""Motions that are small enough to be stored in a page: few instants, between which the player interpolates.
 
-An attitude goes from one instant to the next by a cubic rotation vector that has the body's own angular velocity at both ends,
-a place in a straight line. What is stored is rounded to 16 bits first and then checked against the samples, so that the
-tolerances hold of what a reader sees.
+Between two instants the attitude follows a cubic rotation vector that has the body's angular velocity at both ends, and the
+position a straight line. Values are first rounded to 16 bits and then checked against the samples, so that the tolerances
+hold for what the reader sees.
 """
 
 import math
@@ -18,39 +18,49 @@ from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.trajectory import Array
 from bodycheck.reports.series import corners
 
-#: Angle (rad) between a sample and the attitude that is played: less than eyes see of the difference of two bodies.
+#: Largest angle (rad) between a sample and the interpolated attitude: less than the eye can see between two bodies.
 TOLERANCE = 2e-3
 
-#: Instants of one track: some 10 kB.
+#: Most instants of one track, some 10 kB.
 MOST_INSTANTS = 400
 
-#: Samples that a track is checked at, evenly spread over those that there are.
+#: Most samples that a track is checked at, evenly spread over all samples.
 MOST_CHECKED = 4001
 
-#: Turn (rad) from one instant to the next: less than half a turn, so that which way it went is never in doubt.
+#: Largest rotation (rad) from one instant to the next: less than half a turn, so that its direction is never in doubt.
 WIDEST = 2.5
 
-#: Turn (rad) from one sample to the next: where it is more, the samples do not tell how the body moved between them.
+#: Largest rotation (rad) from one sample to the next; samples that are farther apart do not show the motion between them.
 COARSEST = 1.0
 
-#: Of 16 bits, from zero to the largest size.
+#: Steps of a 16-bit number from zero to its largest size.
 LEVELS = 32767
 
-#: Angle (rad) below which the first terms of a series have all digits that count here.
+#: Angle (rad) below which the first terms of a series are exact enough.
 SMALL = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
 class Turning:
-    """How a body turns. t: (k,) s. turn: (k, 3) rotation vectors, body to world, rad. rate: (k, 3) body rad/s."""
+    """The rotation of a body at k instants.
+
+    Parameters
+    ----------
+    t
+        Instants (k,), s.
+    turn
+        Rotation vectors (k, 3), body to world, rad.
+    rate
+        Angular velocities (k, 3) along the body's axes, rad/s.
+    """
 
     t: Array
     turn: Array
     rate: Array
 
     def encoded(self) -> dict[str, Any]:
-        """As the player reads it: numbers as base64, rates as shares of the `fastest` component."""
-        fastest = _largest(self.rate)
+        """Return it as the player reads it: numbers as base64, rates as shares of the `fastest` component."""
+        fastest = _largest_component(self.rate)
         return {
             "t": _text(self.t),
             "turn": _shares(self.turn, math.pi),
@@ -61,24 +71,44 @@ class Turning:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """Where a body goes. t: (k,) s. place: (k, 3), in one unit of length. within: its largest miss of a sample, likewise."""
+    """The path of a body at k instants.
+
+    Parameters
+    ----------
+    t
+        Instants (k,), s.
+    place
+        Positions (k, 3), in any unit of length.
+    within
+        Largest distance of a sample from the interpolated path, in the same unit.
+    """
 
     t: Array
     place: Array
     within: float
 
     def encoded(self) -> dict[str, Any]:
-        """As the player reads it: numbers as base64, places as shares of the `farthest` component."""
-        farthest = _largest(self.place)
+        """Return it as the player reads it: numbers as base64, positions as shares of the `farthest` component."""
+        farthest = _largest_component(self.place)
         within = float(f"{self.within:.2g}")
         return {"t": _text(self.t), "place": _shares(self.place, farthest), "farthest": farthest, "within": within}
 
 
 def turning(t: Array, quaternion: Array, rate: Array, rate_tolerance: float) -> Turning | None:
-    """The thin track of attitudes (n, 4) and body rates (n, 3), rad/s, at times (n,), s; n is at least 2.
+    """Return a rotation at few instants from which `played` finds every checked sample within the tolerances.
 
-    Between its instants `played` is within TOLERANCE of every sample that it is checked at, and its rates within theirs
-    (rad/s). None where that takes more than MOST_INSTANTS, or where the body turns too far between samples.
+    Returns None if this takes more than MOST_INSTANTS, or if the body turns too far between samples.
+
+    Parameters
+    ----------
+    t
+        Instants of the samples (n,), s; n is at least 2.
+    quaternion
+        Attitudes (n, 4), body to world.
+    rate
+        Angular velocities (n, 3) along the body's axes, rad/s.
+    rate_tolerance
+        Largest deviation of a rate (rad/s); that of an attitude is TOLERANCE.
     """
     rows = checked(len(t))
     t, quaternion, rate = t[rows], quaternion[rows], rate[rows]
@@ -90,7 +120,7 @@ def turning(t: Array, quaternion: Array, rate: Array, rate_tolerance: float) -> 
     whole = Turning(
         t,
         _rounded(Rotation.from_quat(quaternion, scalar_first=True).as_rotvec(), math.pi),
-        _rounded(rate, _largest(rate)),
+        _rounded(rate, _largest_component(rate)),
     )
     kept = np.unique(np.searchsorted(turned, np.linspace(0, turned[-1], 2 + int(turned[-1] / WIDEST))).clip(0, len(t) - 1))
     kept = np.union1d(kept, [0, len(t) - 1])
@@ -111,20 +141,30 @@ def turning(t: Array, quaternion: Array, rate: Array, rate_tolerance: float) -> 
 
 
 def course(t: Array, place: Array, tolerance: float) -> Course:
-    """The thin track of places (n, 3) at times (n,), s, whose components miss those of no sample by more than a tolerance.
+    """Return a path at few instants, with straight lines between them.
 
-    That is rounding apart, and where it takes more than MOST_INSTANTS, the misses that are left are the smallest.
+    No component deviates from a sample by more than the tolerance, except for rounding, and except for paths that would take
+    more than MOST_INSTANTS.
+
+    Parameters
+    ----------
+    t
+        Instants of the samples (n,), s.
+    place
+        Positions (n, 3).
+    tolerance
+        Largest deviation, in the unit of the positions.
     """
     rows = checked(len(t))
     t, place = t[rows], place[rows]
     kept = corners(t, place, MOST_INSTANTS, tolerance / (float(np.ptp(place)) or 1.0))
-    times, places = t[kept], _rounded(place[kept], _largest(place[kept]))
+    times, places = t[kept], _rounded(place[kept], _largest_component(place[kept]))
     between = np.column_stack([np.interp(t, times, column) for column in places.T])
     return Course(times, places, float(np.linalg.norm(between - place, axis=1).max()))
 
 
 def played(track: Turning, t: Array) -> tuple[Array, Array]:
-    """Attitudes (n, 4), body to world, and body rates (n, 3), rad/s, at times (n,), s, as the player finds them."""
+    """Return attitudes (n, 4), body to world, and body rates (n, 3), rad/s, at times (n,), s, as the player computes them."""
     span = np.clip(np.searchsorted(track.t, t, side="right") - 1, 0, len(track.t) - 2)
     h = (track.t[span + 1] - track.t[span])[:, None]
     s = (t - track.t[span])[:, None] / h
@@ -137,13 +177,13 @@ def played(track: Turning, t: Array) -> tuple[Array, Array]:
 
 
 def checked(samples: int) -> NDArray[np.intp]:
-    """The places, ascending, of the samples that a track is checked at; the first and the last are among them."""
+    """Return the ascending indices of the samples that a track is checked at, with the first and the last among them."""
     stride = math.ceil((samples - 1) / (MOST_CHECKED - 1))
     return np.union1d(np.arange(0, samples, max(1, stride)), samples - 1)
 
 
 def _rate(vector: Array, change: Array) -> Array:
-    """Body rates (n, 3), rad/s, of an attitude whose rotation vector (n, 3), rad, changes so (n, 3), rad/s."""
+    """Return the body rates (n, 3), rad/s, of rotation vectors (n, 3), rad, with time derivatives (n, 3), rad/s."""
     angle = np.linalg.norm(vector, axis=1, keepdims=True)
     safe = np.where(angle > SMALL, angle, 1)
     first = np.sinc(angle / 2 / np.pi) ** 2 / 2
@@ -153,7 +193,7 @@ def _rate(vector: Array, change: Array) -> Array:
 
 
 def _derivative(vector: Array, rate: Array) -> Array:
-    """How a rotation vector (n, 3), rad, changes (rad/s) at body rates (n, 3), rad/s: the inverse of `_rate`."""
+    """Return the time derivatives (rad/s) of rotation vectors, rad, at body rates (n, 3), rad/s: inverse of `_rate`."""
     angle = np.linalg.norm(vector, axis=1, keepdims=True)
     safe = np.where(angle > SMALL, angle, 1)
     factor = np.where(angle > SMALL, (1 - safe / 2 / np.tan(safe / 2)) / safe**2, 1 / 12 + angle**2 / 720)
@@ -161,12 +201,13 @@ def _derivative(vector: Array, rate: Array) -> Array:
     return np.asarray(rate + cross / 2 + factor * np.cross(vector, cross))
 
 
-def _largest(values: Array) -> float:
+def _largest_component(values: Array) -> float:
+    """Return the largest size of a component, or 1 if all are zero."""
     return float(np.abs(values).max()) or 1.0
 
 
 def _rounded(values: Array, scale: float) -> Array:
-    """Values as they come back after they were stored as shares of a scale."""
+    """Return values as they are read after being stored as shares of a scale."""
     return np.asarray(np.rint(values / scale * LEVELS) / LEVELS * scale)
 
 

@@ -3,16 +3,16 @@
   const read = (id) => JSON.parse(document.getElementById(id).textContent);
   const specifications = read("charts");
   const hidden = new Set();
-  const updates = new Set(); // one a drawn chart, that makes it follow the legend
+  const updates = new Set(); // a function for each drawn chart that makes it follow the legend
   const options = {
     mode: "vega-lite",
     renderer: "svg",
     actions: { export: true, source: false, compiled: false, editor: false },
     tooltip: { theme: "report" },
-    logLevel: 1, // errors: a chart whose methods are all switched off is no reason to warn
+    logLevel: 1, // only errors, as a chart whose methods are all switched off would cause warnings
   };
 
-  // One chart at a time, when there is nothing else to do: the page answers in between.
+  // Charts are drawn one at a time when the page is idle, so that it responds in between.
   const idle = window.requestIdleCallback ?? ((callback) => setTimeout(callback, 20));
   const pause = () => new Promise((resolve) => idle(resolve, { timeout: 500 }));
   const waiting = new Set();
@@ -32,7 +32,7 @@
     work();
   };
 
-  // One choice of methods for the whole page: every legend shows it and every chart follows it.
+  // The page has one choice of methods, which every legend shows and every chart follows.
   const follow = (view) => view.signal("hidden", [...hidden]).runAsync();
   const shown = (button) => button.setAttribute("aria-pressed", String(!hidden.has(button.dataset.method)));
   const choose = (change) => {
@@ -49,8 +49,8 @@
     else choose(() => button.parentElement.querySelectorAll("[data-method]").forEach((own) => hidden.add(own.dataset.method)));
   });
 
-  // A legend is filled when it comes near the window, as a chart is drawn.
-  const swatches = document.getElementById("swatches"); // of all methods, or none where each legend has its own
+  // A legend is filled when it comes near the window, as charts are drawn then.
+  const swatches = document.getElementById("swatches"); // those of all methods, or null if each legend has its own
   const fill = (legend) => {
     if (legend.dataset.filled) return;
     legend.dataset.filled = "yes";
@@ -67,7 +67,7 @@
     legend.append(everything);
   };
 
-  // A chart is drawn when it comes near the window: a page of many cases opens at once.
+  // A chart is drawn when it comes near the window, so that a page of many cases opens at once.
   const draw = (box) => {
     if (box.dataset.drawn) return Promise.resolve();
     box.dataset.drawn = "yes";

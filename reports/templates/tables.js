@@ -1,12 +1,12 @@
 "use strict";
-// Sorting and filtering. Without it, every table is there as it was written.
+// Sorting and filtering of tables.
 (() => {
-  const LONG = 8; // rows from which a table gets a field of its own to filter them
+  const LONG = 8; // tables of at least so many rows get a field to filter them
   const words = new Intl.Collator("en", { numeric: true });
   const textOf = (cell) => cell.textContent.trim();
   const isEmpty = (text) => text === "" || text === "–";
 
-  // A cell's key: the number in data-value, the number that its text begins with (2 ms), or its text.
+  // A cell is sorted by the number in data-value, the number at the beginning of its text (2 ms), or its text.
   const keyOf = (cell) => {
     const text = cell ? textOf(cell) : "";
     const number = Number.parseFloat(cell?.dataset.value ?? text);
@@ -18,7 +18,7 @@
     return left === right ? words.compare(a.text, b.text) : left - right;
   };
 
-  // Empty cells come last either way, and rows that are alike stay in the order that they had.
+  // Empty cells come last in both directions, and equal rows keep their order.
   const sort = (head) => {
     const table = head.closest("table");
     const direction = head.getAttribute("aria-sort") === "ascending" ? -1 : 1;
@@ -30,7 +30,7 @@
     head.setAttribute("aria-sort", direction > 0 ? "ascending" : "descending");
   };
 
-  // Rows that have all words of the field, wherever they stand in them.
+  // Show the rows that contain all words of the field.
   const filter = (field) => {
     const wanted = field.value.toLowerCase().split(/\s+/).filter(Boolean);
     const scope = document.getElementById(field.dataset.scope);

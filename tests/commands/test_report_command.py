@@ -112,7 +112,7 @@ def test_no_engine_is_needed_and_nothing_is_simulated(saved: Path, tmp_path: Pat
     )
     done = subprocess.run([sys.executable, "-c", code, saved, tmp_path], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert set(eval(done.stdout)) == {"bodycheck.adapters.contract", *(n for n in banned if "adapters" in n)}
+    assert set(eval(done.stdout)) == {"bodycheck.adapters.contract", "bodycheck.adapters.method", *(n for n in banned if "adapters" in n)}
     for kind in KINDS:
         assert (tmp_path / kind / "report.html").read_bytes() == (saved / kind / "report.html").read_bytes()
 
@@ -251,11 +251,11 @@ def test_results_that_are_the_same_agree_to_the_last_bit(copy: Callable[..., Pat
     text, document = compared(copy("run", "before"), copy("run", "after"))
     completed = [run for run in document["runs"] if run["status"] == "ok" and run["set"] == "before"]
     runs = len(document["runs"]) // 2
-    assert document["headline"] == f"No difference in {runs} runs in common"
+    assert document["headline"] == f"No difference in {runs} common runs"
     assert document["findings"][0]["text"] == "before and after were made with the same versions on the same machine."
-    assert f"{len(completed)} agree in every figure to the last bit, 0 within" in document["findings"][1]["text"]
-    assert f"and 0 differ. {runs - len(completed)} ended alike" in document["findings"][1]["text"]
-    assert not any(finding(document, subject) for subject in ("Changed", "Ended otherwise", "In one only"))
+    assert f"{len(completed)} agree in every number to the last bit, 0 agree within" in document["findings"][1]["text"]
+    assert f"and 0 differ. {runs - len(completed)} ended with the same status" in document["findings"][1]["text"]
+    assert not any(finding(document, subject) for subject in ("Changed", "Status", "In one only"))
     assert "no method became slower or faster by more than a factor of 1.25" in finding(document, "Cost")
     assert "mujoco Euler 10 ms (before)" in text
 
@@ -269,13 +269,13 @@ def test_changes_are_told_with_their_numbers_the_largest_first(copy: Callable[..
     rows = {(run["set"], run["integrator"], run["timestep"]): run for run in document["runs"] if run["case"] == "spin"}
     assert document["headline"].startswith("2 of ")
     largest, smaller = finding(document, "Changed").splitlines()
-    assert largest.startswith("spin, mujoco RK4 at 10 ms: position error ")
-    assert largest.endswith("→ 0.25 m.")
-    assert smaller.startswith("spin, mujoco RK4 at 5 ms: position error ")
+    assert largest.startswith("In spin, the position error of mujoco RK4 at 10 ms changed from ")
+    assert largest.endswith(" to 0.25 m.")
+    assert smaller.startswith("In spin, the position error of mujoco RK4 at 5 ms changed from ")
     assert rows["after", "Euler", 0.01]["position_error"] != rows["before", "Euler", 0.01]["position_error"]
-    assert ", 1 within the truth's own error and rounding, and 2 differ." in document["findings"][1]["text"]
+    assert ", 1 agrees within the truth's own error and rounding, and 2 differ." in document["findings"][1]["text"]
     assert "larger in 2 and smaller in 0" in document["findings"][1]["text"]
-    assert "no run was repeated from nudged states" in document["findings"][1]["text"]
+    assert "no run was repeated from nudged initial states" in document["findings"][1]["text"]
     assert [found["case"] for found in document["findings"] if found["subject"] == "Changed"] == ["spin", "spin"]
 
 
@@ -286,8 +286,8 @@ def test_a_run_that_ends_otherwise_or_is_in_one_set_only_is_told_of(copy: Callab
         return None if record["record"] == "run" and is_run(record, case="slide", integrator="RK4") else record
 
     _, document = compared(copy("run", "before"), copy("run", "after", change))
-    assert finding(document, "Ended otherwise") == "spin, mujoco RK4 at 10 ms: ok → crashed (it died)."
-    assert finding(document, "In one only") == "In before only: 2 runs, with mujoco RK4 (2)."
+    assert finding(document, "Status") == "In spin, the status of mujoco RK4 at 10 ms changed from ok to crashed (it died)."
+    assert finding(document, "In one only") == "2 runs are only in before: mujoco RK4 (2)."
 
 
 def test_versions_and_machines_are_told_and_times_of_two_machines_are_not_compared(copy: Callable[..., Path]) -> None:
@@ -302,7 +302,7 @@ def test_versions_and_machines_are_told_and_times_of_two_machines_are_not_compar
     was = json.loads((before / RECORDS).read_text().splitlines()[0])
     assert f"mujoco 0.0.1 instead of {was['engines']['mujoco']}" in document["findings"][0]["text"]
     assert f"processor abacus instead of {was['machine']['processor']}" in document["findings"][0]["text"]
-    assert finding(document, "Cost") == "Made on different machines: what steps cost is not compared."
+    assert finding(document, "Cost") == "The sets were made on different machines, so the cost of steps is not compared."
     assert f"mujoco {was['engines']['mujoco']} (before), 0.0.1 (after)" in text
 
 
@@ -331,11 +331,12 @@ def test_another_case_of_the_same_name_is_not_compared(copy: Callable[..., Path]
     before, after = copy("run", "before"), copy("run", "after", heavier)
     move(after, 0.25)
     text, document = compared(before, after)
-    assert any("spin is not the same case in before and after: body.mass 1.0 → 2.0." in told for told in document["notices"])
-    assert any("The file of slide is not the same in before and after" in told for told in document["notices"])
+    assert any("The case spin differs between before and after: body.mass 1.0 → 2.0." in told for told in document["notices"])
+    alike = "The file of slide differs between before and after, but not in anything that affects the physics."
+    assert alike in document["notices"]
     assert finding(document, "Changed") == ""
     slides = sum(run["case"] == "slide" and run["set"] == "before" for run in document["runs"])
-    assert f"Of {slides} runs that both before and after have" in document["findings"][1]["text"]
+    assert f"before and after have {slides} runs in common." in document["findings"][1]["text"]
     for number, label in ((1, "before"), (2, "after")):
         assert f"spin@\u2060{number}" in text
         assert f"A sphere that spins and falls ({label})" in text

@@ -52,7 +52,8 @@ def test_drawn_is_the_smallest_step_of_what_is_known_whole() -> None:
     (chart,) = found.charts
     _, lines = layers(chart)
     assert lines == [{"method": "mujoco Euler 1 ms", "value": 1.501}]
-    assert "Farthest off: mujoco Euler 1 ms, by 1.5 rad: model form 1, constraint 0.5, time step 0.001." in chart.alt
+    parts = "model form 1, constraint 0.5, time step 0.001"
+    assert f"The largest discrepancy is that of mujoco Euler 1 ms, 1.5 rad: {parts}." in chart.alt
     assert "mujoco Euler 1 ms" in vl_convert.vegalite_to_svg(chart.specification)
 
 

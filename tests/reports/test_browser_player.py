@@ -215,7 +215,7 @@ def test_a_slide_is_drawn_where_it_is(browser: Any, report: Path, results: Resul
 def test_a_picture_goes_with_a_body_that_slides_far(browser: Any, report: Path, results: Results) -> None:
     exact = exactly(results, FAR, 1.5)
     with at(browser, report, FAR) as (_, player):
-        assert player.get_by_text("each picture goes with its body").count() == 1
+        assert player.get_by_text("each picture follows its body").count() == 1
         move(player, 1.5)
         svg = panel(player, "the truth")
         focus, place = json.loads(svg.get_attribute("data-view"))["focus"], numbers(svg, "place")

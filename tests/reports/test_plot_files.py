@@ -39,7 +39,7 @@ def texts(path: Path) -> list[str]:
 def test_every_plot_of_the_report_is_there_by_a_name_that_says_what_it_is(folder: Path, contents: Contents) -> None:
     names = [f"{section.name}-{name}" for section in contents.sections for name in section.curves.drawn]
     names += ["spin-momentum_body", "spin-momentum_inertial"]
-    names += [f"slide-{quantity}-engine-minus-truth" for quantity in ("stop-time", "way-to-the-stop")]
+    names += [f"slide-{quantity}-engine-minus-truth" for quantity in ("stopping-distance", "stopping-time")]
     assert sorted(path.name for path in (folder / "figures").iterdir()) == sorted(f"{name}.svg" for name in names)
     assert "spin-position_error" in names
 

@@ -4,7 +4,7 @@ from collections import Counter, defaultdict
 from collections.abc import Collection, Mapping, Sequence
 
 from bodycheck.judging.convergence import UNITS
-from bodycheck.reports.finding import MOST_NAMES, TELLING, TELLING_POSITION, Finding
+from bodycheck.reports.finding import COMPARABLE_ATTITUDE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import bound, count, listing, milliseconds, number
 from bodycheck.studies.orders import Order
@@ -54,7 +54,7 @@ def falls_short(case: CaseMeasurements, order: Order) -> bool:
 
 
 def _telling(case: CaseMeasurements, order: Order) -> bool:
-    limit = {"attitude": TELLING * case.truth_error("attitude"), "position": TELLING_POSITION}[order.quantity]
+    limit = {"attitude": COMPARABLE_ATTITUDE * case.truth_error("attitude"), "position": COMPARABLE_POSITION_M}[order.quantity]
     errors = [point.error for point in _own_points(case, order)]
     return bool(errors) and max(errors) - min(errors) > limit
 

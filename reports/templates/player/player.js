@@ -63,7 +63,7 @@ const build = (figure) => {
     controls.showSide(azimuth);
     if (!data.plane) return void (common = { view });
     frame = groundFrame(view, bodies(), data.body.reach);
-    const how = frame.follows ? "each picture goes with its body" : "all on the same piece of the plane";
+    const how = frame.follows ? "each picture follows its body" : "all pictures show the same part of the plane";
     squares.textContent = `${how}, in squares of ${number(frame.step * data.body.reach)} m`;
     common = groundPaths(frame.view, bodies(), frame.step);
   };
@@ -115,7 +115,7 @@ const build = (figure) => {
   const warn = () => {
     const angle = fastest * controls.speed.value * FRAME;
     warning.hidden = angle < 1;
-    warning.textContent = `At this speed the body turns by up to ${number(angle, 2)} rad from one picture to the next, more than eyes can follow.`;
+    warning.textContent = `At this speed the body turns by up to ${number(angle, 2)} rad between two pictures, which is more than the eye can follow.`;
   };
   const player = playing(
     (elapsed) => {

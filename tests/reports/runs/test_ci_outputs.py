@@ -147,9 +147,9 @@ def test_a_summary_has_only_whole_lines_that_fit(tmp_path: Path) -> None:
         github.add_summary(environment, text)
     content = path.read_bytes()
     assert github.LARGEST_SUMMARY - 100 < len(content) <= github.LARGEST_SUMMARY
-    kept, _, rest = content.decode().rpartition("\n*Cut here")
+    kept, _, rest = content.decode().rpartition("\n*The rest was cut")
     assert (text * 3).startswith(kept + "\n")
-    assert rest == ": a summary may have no more.*\n"
+    assert rest == " because the summary of a step has a limited size.*\n"
     github.add_summary({}, text)
 
 
@@ -173,7 +173,7 @@ def test_a_step_of_a_workflow(tmp_path: Path, workflow: dict[str, str]) -> None:
     assert "::" not in done.stdout
     summary = (tmp_path / "summary.md").read_text()
     assert summary.startswith("# bodycheck: 1 of ")
-    assert "What failed" in summary
+    assert "Failed runs" in summary
     assert ElementTree.parse(tmp_path / "junit.xml").getroot().get("failures") == "1"
 
 

@@ -18,7 +18,7 @@ from bodycheck.reports.lines import assign
 from bodycheck.reports.runs import markdown_report
 from bodycheck.reports.runs.findings import findings, measured
 from bodycheck.reports.runs.matrix import KINDS, Matrix, decade, kind_of, matrices
-from bodycheck.reports.runs.summary import broken, headline, key_of, tally, told_as
+from bodycheck.reports.runs.summary import broken, expectation_status, headline, key_of, tally
 from bodycheck.running.outcome import Completed, Diverged, Run
 
 FLIP, FLIGHT, DRAG, SLIDE = "intermediate-axis-flip", "projectile", "football-drag", "sliding-brick"
@@ -129,12 +129,12 @@ def test_a_known_discrepancy_is_not_said_to_hold() -> None:
     known = Judged(expectation, (Breach("attitude_error", "1 rad", "at most 0.1 rad"),), True, "known until then")
     held = Judged(expectation, (), True, "")
     verdicts = [ended(ran(FLIP), True, judged=(held,)), ended(ran(FLIGHT), True, "known until then", judged=(known,))]
-    assert [told_as(verdict) for verdict in verdicts] == ["held", "known"]
+    assert [expectation_status(verdict) for verdict in verdicts] == ["held", "known"]
     complete: Any = SimpleNamespace(complete=True)
-    told = "None of 2 runs failed; 1 held what was expected of them, 1 broke it in a way that is known"
+    told = "None of 2 runs failed: 1 met all expectations and 1 has a known discrepancy"
     assert headline(complete, verdicts) == told
-    assert dict(tally(verdicts))["known to be broken"] == 1
-    assert headline(complete, verdicts[:1]) == "None of 1 run failed; 1 held what was expected of them"
+    assert dict(tally(verdicts))["known discrepancies"] == 1
+    assert headline(complete, verdicts[:1]) == "None of 1 run failed: 1 met all expectations"
 
 
 def test_what_failed_is_told_with_the_first_of_it() -> None:
@@ -144,8 +144,9 @@ def test_what_failed_is_told_with_the_first_of_it() -> None:
     alone, both = broken(runs[:1], lines), broken(runs, lines)
     assert alone is not None
     assert both is not None
-    assert alone.text == f"mujoco Euler in {FLIP}, expectation broken: attitude_error is 1 rad."
-    assert both.text == f"2 runs in 2 cases. The first: {alone.text}"
+    assert alone.text == f"mujoco Euler failed in {FLIP} (expectation broken): attitude_error is 1 rad."
+    first = f"mujoco Euler in {FLIP} (expectation broken): attitude_error is 1 rad."
+    assert both.text == f"2 runs failed in 2 cases. The first is {first}"
 
 
 def test_what_is_said_of_flights_is_not_said_of_every_case() -> None:
@@ -155,11 +156,10 @@ def test_what_is_said_of_flights_is_not_said_of_every_case() -> None:
         for way, size in (("a", 1e-3), ("b", 1e-6))
     ]
     slide = [ran(SLIDE, penetration=1e-4)]
-    for verdicts, words in ((flights, "in every case"), (flights + slide, "in each of 2 flights")):
+    for verdicts, words in ((flights, "over all cases"), (flights + slide, "over 2 flights")):
         lines = assign(map(key_of, verdicts))
         told = {finding.subject: finding.text for finding in findings(measured(verdicts, lines), (), lines)}
-        assert "With mujoco b the body is at most 1e-6 rad" in told["Closest"]
-        assert f"m off {words}." in told["Closest"]
+        assert f"The attitude error {words} is smallest with mujoco b: at most 1e-6 rad" in told["Closest"]
 
 
 def test_rounding_is_not_compared_between_engines() -> None:
@@ -171,4 +171,4 @@ def test_rounding_is_not_compared_between_engines() -> None:
     ]
     lines = assign(map(key_of, verdicts))
     told = {finding.subject: finding.text for finding in findings(measured(verdicts, lines), (), lines)}
-    assert "mujoco Euler and pinocchio Euler are the same" in told["Alike"]
+    assert "mujoco Euler and pinocchio Euler have the same attitude and position errors in all cases" in told["Alike"]

@@ -212,7 +212,7 @@ def test_a_small_room_keeps_what_is_shown_first(flips: Played) -> None:
     assert len(json.dumps(small.data, separators=(",", ":"))) < room + 1000
     assert len(small.data["runs"]) < len(whole["runs"])
     (note,) = small.notes
-    assert note.startswith("Not played, to keep this file small: ")
+    assert note.startswith("The animation leaves out methods to keep this file small: ")
     kept = {run["label"] for run in small.data["runs"]}
     assert all((run["label"] in note) != (run["label"] in kept) for run in whole["runs"])
 
@@ -220,7 +220,7 @@ def test_a_small_room_keeps_what_is_shown_first(flips: Played) -> None:
 def test_without_room_nothing_is_played(flips: Played) -> None:
     found = played(FLIP, flips, 100)
     assert found.data is None
-    assert found.notes == ("Not played, to keep this file small.",)
+    assert found.notes == ("There is no animation, to keep this file small.",)
 
 
 def test_a_run_that_goes_too_far_is_told_of_and_left_out(flips: Played) -> None:
@@ -235,7 +235,7 @@ def test_a_run_that_goes_too_far_is_told_of_and_left_out(flips: Played) -> None:
     )
     assert found.data is not None
     assert "mujoco Euler" not in [run["label"] for run in found.data["runs"]]
-    assert found.notes[-1].endswith("or go too far: mujoco Euler.")
+    assert found.notes[-1].endswith("or that go too far: mujoco Euler.")
 
 
 def astray(one: Verdict, by: float) -> Verdict:
@@ -284,7 +284,7 @@ def test_the_common_time_step_is_played_and_named(flips: Played) -> None:
     fewer = {line: one for line, one in runs.items() if line != dropped}
     found = played(FLIP, (fewer, truths))
     assert found.data is not None
-    assert found.notes == ("Played are the runs with a time step of 4 ms.",)
+    assert found.notes == ("The animation shows the runs with a time step of 4 ms.",)
     assert len(found.data["runs"]) == 6
     assert all("ms" not in run["label"] for run in found.data["runs"])
 
@@ -294,7 +294,7 @@ def test_a_body_without_a_shape_is_drawn_as_its_ellipsoid() -> None:
     found = played(SHAPELESS, runs)
     assert found.data is not None
     assert found.notes == (
-        "The body has no shape of its own: what is drawn is the solid ellipsoid that has its mass and moments.",
+        "The case gives no shape. The animation shows the solid ellipsoid that has the same mass and moments of inertia.",
     )
     body, scene = found.data["body"], load(SHAPELESS).scene
     a, b, c = (length * body["reach"] for length in body["semi_axes"])
@@ -306,7 +306,7 @@ def test_a_body_without_a_shape_is_drawn_as_its_ellipsoid() -> None:
 def test_where_nothing_turns_nothing_is_played() -> None:
     found = played(STILL, runs_of(STILL, 0.5, 51, 0.002))
     assert found.data is None
-    assert found.notes == ("Nothing turns here, so that there is nothing to play.",)
+    assert found.notes == ("There is no animation because nothing rotates in this case.",)
 
 
 def test_a_truth_that_is_too_fast_is_told_of() -> None:
@@ -318,7 +318,7 @@ def test_a_truth_that_is_too_fast_is_told_of() -> None:
     found = playback(case.scene, {line: one}, {0.002: exact}, MOST_CHARACTERS)
     assert found is not None
     assert found.data is None
-    assert found.notes[0].startswith("The body turns more than 1 rad between samples")
+    assert found.notes[0].startswith("There is no animation because the body turns by more than 1 rad between samples")
 
 
 def test_without_a_truth_there_is_no_playback(flips: Played) -> None:

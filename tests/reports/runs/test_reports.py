@@ -128,7 +128,7 @@ def test_an_error_below_the_truths_own_is_called_so(page: str, contents: Content
 def test_all_within_the_truths_own_error(results: Results, verdicts: list[Verdict]) -> None:
     flight = [verdict for verdict in verdicts if verdict.run.case == FLIGHT]
     told = {finding.subject: finding.text for finding in gather([ResultSet(results, flight)]).findings}
-    assert told["Attitude"].startswith("Every completed run is within the truth's own error")
+    assert told["Attitude"].startswith("In every completed run the attitude error is within the truth's own error")
 
 
 def test_findings_are_the_extremes_of_the_table(contents: Contents, verdicts: list[Verdict]) -> None:
@@ -140,9 +140,9 @@ def test_findings_are_the_extremes_of_the_table(contents: Contents, verdicts: li
         assert f"{worst['engine']} {worst['integrator']}" in told[subject].text
         assert number(worst[column]) in told[subject].text
     others = frame[frame["integrator"] != "body-twist-euler"]["position_error"].max()
-    assert f"No completed run of another method is more than {bound(others)} m off" in told["Position"].text
+    assert f"No completed run of another method has a position error of more than {bound(others)} m" in told["Position"].text
     assert "mujoco RK4 and pinocchio rk4" in told["Closest"].text
-    assert "mujoco Euler and pinocchio semi-implicit-euler are the same" in told["Alike"].text
+    assert "mujoco Euler and pinocchio semi-implicit-euler have the same attitude and position errors" in told["Alike"].text
 
 
 def test_a_broken_expectation_is_said_first(page: str, contents: Contents) -> None:
@@ -163,7 +163,7 @@ def test_an_interrupted_run_is_called_that(folder: Path, tmp_path: Path) -> None
     contents = gather([ResultSet(cut, judgement.judge(cut))])
     for text in (Page(html_report.render(contents)).text, markdown_report.render(contents)):
         assert "Interrupted. " in text
-        assert "The run was interrupted after 7 runs" in text
+        assert "The command was interrupted after 7 runs" in text
 
 
 def test_nothing_finished(results: Results) -> None:
@@ -202,13 +202,13 @@ def test_ways_to_fail(results: Results, verdicts: list[Verdict]) -> None:
         "diverged": 1,
         "timeout": 1,
         "unsupported": 1,
-        "without expectation": 9,
+        "without expectations": 9,
     }
     seen = Page(html_report.render(contents))
     assert "img" not in seen.tags
     for text in (seen.text, markdown_report.render(contents)):
         assert "drake is not installed" in text
-        assert "1 run unsupported: it does not model drag" in text
+        assert "1 run is not supported by the engine: it does not model drag" in text
         assert "stopped after 300 s" in text
 
 
@@ -244,7 +244,7 @@ def test_markdown_leaves_out_what_does_not_fit(contents: Contents) -> None:
     many = replace(contents, sections=contents.sections * 60)
     text = markdown_report.render(many)
     assert len(text) < 65_536
-    left_out = int(re.findall(r"Left out here for their size: (\d+) tables", text)[0])
+    left_out = int(re.findall(r"(\d+) tables were left out", text)[0])
     assert text.count("<details>") + left_out == 120
 
 
