@@ -197,7 +197,7 @@ def test_what_engines_say_commands_no_terminal_and_breaks_no_file(repository: py
         from miniature import Miniature
         def crying_out(t, row):
             raise RuntimeError("\\x1b[2J\\x00 \\n::error::x")
-        ENGINE = Miniature(crying_out)
+        ENGINE = Miniature("crying-out", crying_out)
         """
     )
     repository.mkdir("crying_out-1.0.dist-info").joinpath("entry_points.txt").write_text(
