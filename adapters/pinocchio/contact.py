@@ -1,7 +1,19 @@
-"""Step a brick that touches a plane at its four lower corners by Pinocchio's rigid contacts, solved by ADMM in every step."""
+"""Step a brick that touches a plane at its four lower corners by Pinocchio's rigid contacts, solved by ADMM in every step.
+
+The velocities and impulses at the end of a step solve the nonlinear complementarity problem. The normal velocity of a corner is
+limited such that the corner ends on the plane or above it. In units of the weight's impulse m g h and of the velocity g h, the
+solver's work and accuracy are the same for every mass and time step. A contact's frame is that of the world and its point is
+fixed in the body, so only the data of the contact models change.
+
+The load of a rigid body on four corners is statically indeterminate: load can be moved from two opposite corners to the other
+two without any effect except on the friction of corners that slide in different directions. ADMM converges to a solution near
+its initial guess. The guess is the impulses of the previous step, rotated with the body, without their alternating part. The
+alternating part of the solution then vanishes with the time step, and the load becomes linear.
+"""
 
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -33,19 +45,20 @@ HAS_POINT_CONTACTS = hasattr(pin, "PointContactConstraintModel")
 STALL_RESIDUAL = 1e-6
 
 
+def point_contacts(model: pin.Model, joint: int, points: Array, friction: float) -> tuple[Any, Any]:
+    """Return Pinocchio's models of the contacts of points (n, 3), m, in the frame of a joint with the world, and their data."""
+    models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
+    for place in points:
+        point = pin.SE3(np.eye(3), place)
+        contact = pin.PointContactConstraintModel(model, UNIVERSE, pin.SE3.Identity(), joint, point)
+        contact.setFriction(friction)
+        models.append(pin.ConstraintModel(contact))
+        datas.append(models[-1].createData())
+    return models, datas
+
+
 def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -> Step:
     """Return the step of a brick with a rigid point contact with Coulomb friction at each of its four lower corners.
-
-    The velocities and impulses at the end of a step solve the nonlinear complementarity problem, by ADMM. The normal velocity
-    of a corner is limited such that the corner ends on the plane or above it. In units of the weight's impulse m g h and of
-    the velocity g h, the solver's work and accuracy are the same for every mass and time step.
-
-    A contact's frame is that of the world and its point is fixed in the body, so only the data of the contact models change.
-
-    The load of a rigid body on four corners is statically indeterminate: load can be moved from two opposite corners to the
-    other two without any effect except on the friction of corners that slide in different directions. ADMM converges to a
-    solution near its initial guess. The guess is the impulses of the previous step, rotated with the body, without their
-    alternating part. The alternating part of the solution then vanishes with the time step, and the load becomes linear.
 
     Parameters
     ----------
@@ -74,13 +87,7 @@ def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -
     data, no_force = model.createData(), np.zeros(6)
     a, b, c = shape.semi_axes
     corners = np.array([[a, b, -c], [-a, b, -c], [-a, -b, -c], [a, -b, -c]])
-    models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
-    for corner in corners:
-        point = pin.SE3(np.eye(3), corner)
-        contact = pin.PointContactConstraintModel(model, UNIVERSE, pin.SE3.Identity(), joint, point)
-        contact.setFriction(plane.friction)
-        models.append(pin.ConstraintModel(contact))
-        datas.append(models[-1].createData())
+    models, datas = point_contacts(model, joint, corners, plane.friction)
     contacts = list(zip(models, datas, strict=True))
 
     speed = gravity * timestep

@@ -1,7 +1,7 @@
 """The release of an engine at which a figure broke a limit, with as few of them installed as possible."""
 
 from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from packaging.version import Version
@@ -184,6 +184,14 @@ def find(engine: str, good: str, bad: str, observer: Observer) -> tuple[Found, s
             raise BadInput(f"{good} breaks the limit and {bad} keeps it: give them the other way round ({told})") from error
         wrong = f"{good} breaks the limit too" if not error.ends[0] else f"{bad} keeps the limit too"
         raise BadInput(f"{wrong} ({told})") from error
+
+
+def as_json(found: Found, observer: Observer) -> dict[str, Any]:
+    """Return the document that `bodycheck bisect --json` prints."""
+    limit = observer.limit
+    where = {"case": limit.case.name, "integrator": limit.integrator, "timestep": limit.timestep}
+    looks = [asdict(look) for look in observer.looks.values()]
+    return where | {"quantity": limit.quantity, "limit": limit.most, **asdict(found), "looks": looks, "made": observer.made}
 
 
 def _silent(done: str, count: int = 1, /) -> None:

@@ -52,7 +52,6 @@ def releases(
     from bodycheck import reports
     from bodycheck.console import terminal
     from bodycheck.console.arguments import check_engine, check_has_folder, load_cases, make_folder, processes
-    from bodycheck.environments import environments
     from bodycheck.studies.releases import printing, study
     from bodycheck.studies.releases import rows as release_rows
     from bodycheck.studies.releases.page import present
@@ -61,10 +60,7 @@ def releases(
     if remove:
         if last is not None:
             raise BadInput("--remove cannot be combined with --last; name the versions to remove")
-        named = tuple(map(study.version, versions)) or tuple(study.kept(engine))
-        removed = environments.remove(engine, named)
-        terminal.print_json({"removed": removed}) if json else printing.print_removed(engine, removed)
-        return OK
+        return _remove(engine, versions, json)
     check_has_folder(figures, out)
     make_folder("--out", out)
     loaded = load_cases(case)
@@ -81,6 +77,18 @@ def releases(
     for line in (*notices, tally.text, *(() if out is None else (f"report: {out / 'report.html'}",))):
         print(line, file=sys.stderr)
     return FAILED if notices or found.header["unmeasured"] else OK
+
+
+def _remove(engine: str, versions: tuple[str, ...], json: bool) -> int:
+    """Delete the environments of some releases of an engine, or of all if none is named, and print which were deleted."""
+    from bodycheck.console import terminal
+    from bodycheck.environments import environments
+    from bodycheck.studies.releases import printing, study
+
+    named = tuple(map(study.version, versions)) or tuple(study.kept(engine))
+    removed = environments.remove(engine, named)
+    terminal.print_json({"removed": removed}) if json else printing.print_removed(engine, removed)
+    return OK
 
 
 def bisect(
@@ -124,8 +132,6 @@ def bisect(
     timestep
         The time step in s. Default: 0.002.
     """
-    from dataclasses import asdict
-
     from bodycheck.adapters.method import DEFAULT_TIMESTEP
     from bodycheck.console import terminal
     from bodycheck.console.arguments import check_engine, load_cases, processes
@@ -143,10 +149,7 @@ def bisect(
     if notice:
         print(notice, file=sys.stderr)
     if json:
-        looks = [asdict(look) for look in observer.looks.values()]
-        where = {"case": loaded.name, "integrator": observer.limit.integrator, "timestep": kept.timestep}
-        what = {"quantity": quantity, "limit": limit, **asdict(found), "looks": looks, "made": observer.made}
-        terminal.print_json(where | what)
+        terminal.print_json(bisection.as_json(found, observer))
     else:
         printing.print_bisection(found, observer)
     return FAILED if found.unknown or notice else OK
