@@ -11,7 +11,6 @@ its initial guess. The guess is the impulses of the previous step, rotated with 
 alternating part of the solution then vanishes with the time step, and the load becomes linear.
 """
 
-import itertools
 import math
 from typing import Any
 
@@ -57,6 +56,31 @@ def point_contacts(model: pin.Model, joint: int, points: Array, friction: float)
     return models, datas
 
 
+class Solver:
+    """ADMM on the contacts of one body, called once a step; impulses are in units of m g h and velocities in units of g h."""
+
+    def __init__(self, models: Any, datas: Any, settings: "pin.ADMMSolverSettings", timestep: float) -> None:
+        self._contacts, self._settings, self._timestep = (models, datas), settings, timestep
+        self._admm, self._result = pin.ADMMConstraintSolver(3 * len(models)), pin.ADMMSolverResult()
+        self._steps = 0
+
+    def impulses(self, delassus: Array, drift: Array, guess: Array) -> Array:
+        """Return the impulses (3n,) at n contacts.
+
+        delassus: (3n, 3n), from impulses to velocities. drift: (3n,), the velocities at the contacts without any impulse.
+        guess: (3n,), from which ADMM starts. Raises `EngineDiverged` if ADMM finds no solution.
+        """
+        self._steps += 1
+        result = self._result
+        result.setConstraintImpulseGuess(guess)
+        if not self._admm.solve(pin.DelassusOperatorDense(delassus), drift, *self._contacts, self._settings, result):
+            residual = max(result.primal_feasibility, result.dual_feasibility, result.complementarity)
+            if not residual < STALL_RESIDUAL:
+                time = self._steps * self._timestep
+                raise EngineDiverged(f"ADMM stops at a residual of {residual:.3g} at t = {time:.6g} s")
+        return np.asarray(result.retrieveConstraintImpulses())
+
+
 def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -> Step:
     """Return the step of a brick with a rigid point contact with Coulomb friction at each of its four lower corners.
 
@@ -91,14 +115,12 @@ def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -
     contacts = list(zip(models, datas, strict=True))
 
     speed = gravity * timestep
-    settings = solver_settings(shape, scene.initial, speed)
-    solver, result = pin.ADMMConstraintSolver(corners.size), pin.ADMMSolverResult()
+    solver = Solver(models, datas, solver_settings(shape, scene.initial, speed), timestep)
     alternating = np.array([0.5, -0.5, 0.5, -0.5])
     # The guess is kept in the body frame; at the start each corner bears a quarter of the weight.
     guess = np.tile([0.0, 0.0, 0.25], (4, 1))
     # For these velocities the mass matrix does not depend on the configuration; here it is in units of the mass.
     inverse_mass = scene.body.mass * pin.computeMinverse(model, data, pin.neutral(model))
-    numbers = itertools.count(1)
 
     def step(q: Array, v: Array) -> tuple[Array, Array]:
         v = v + timestep * pin.aba(model, data, q, v, no_force)
@@ -110,13 +132,7 @@ def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -
         turn = data.oMi[joint].rotation
         drift = jacobian @ (v / speed)
         drift[2::3] += (q[2] + corners @ turn[2]) / (speed * timestep)
-        result.setConstraintImpulseGuess((guess @ turn.T).ravel())
-        number = next(numbers)
-        if not solver.solve(pin.DelassusOperatorDense(jacobian @ response), drift, models, datas, settings, result):
-            residual = max(result.primal_feasibility, result.dual_feasibility, result.complementarity)
-            if not residual < STALL_RESIDUAL:
-                raise EngineDiverged(f"ADMM stops at a residual of {residual:.3g} at t = {number * timestep:.6g} s")
-        impulses = result.retrieveConstraintImpulses()
+        impulses = solver.impulses(jacobian @ response, drift, (guess @ turn.T).ravel())
         np.matmul(impulses.reshape(4, 3), turn, out=guess)
         guess[:, 2] -= (alternating @ guess[:, 2]) * alternating
         v = v + response @ (speed * impulses)

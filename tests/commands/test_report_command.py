@@ -112,7 +112,11 @@ def test_no_engine_is_needed_and_nothing_is_simulated(saved: Path, tmp_path: Pat
     )
     done = subprocess.run([sys.executable, "-c", code, saved, tmp_path], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
-    assert set(eval(done.stdout)) == {"bodycheck.adapters.contract", "bodycheck.adapters.method", *(n for n in banned if "adapters" in n)}
+    assert set(eval(done.stdout)) == {
+        "bodycheck.adapters.contract",
+        "bodycheck.adapters.method",
+        *(n for n in banned if "adapters" in n),
+    }
     for kind in KINDS:
         assert (tmp_path / kind / "report.html").read_bytes() == (saved / kind / "report.html").read_bytes()
 

@@ -4,12 +4,16 @@ The imports are inside the functions, so that `--help` answers at once.
 """
 
 import sys
-from typing import Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from bodycheck.console.options import Figures, Integrators, Jobs, Json, Out, Timesteps
 from bodycheck.errors import FAILED, OK, BadInput
+
+if TYPE_CHECKING:
+    from bodycheck.studies.releases.rows import Found
 
 
 def releases(
@@ -32,9 +36,8 @@ def releases(
     """Run the same cases in several releases of an engine, and report what changed from release to release.
 
     Each release is installed into an environment of its own. Environments and measurements are kept for later commands. Time
-    steps are those of `bodycheck run`. The tables are releases.csv and changes.csv.
-
-    Exit codes: 0 every release was measured, whether or not anything changed; 1 a release could not be measured.
+    steps are those of `bodycheck run`. The tables are releases.csv and changes.csv. Exit codes: 0 every release was measured,
+    whether or not anything changed; 1 a release could not be measured.
 
     Parameters
     ----------
@@ -49,12 +52,9 @@ def releases(
     """
     from dataclasses import asdict
 
-    from bodycheck import reports
     from bodycheck.console import terminal
     from bodycheck.console.arguments import check_engine, check_has_folder, load_cases, make_folder, processes
     from bodycheck.studies.releases import printing, study
-    from bodycheck.studies.releases import rows as release_rows
-    from bodycheck.studies.releases.page import present
 
     check_engine(engine)
     if remove:
@@ -67,8 +67,7 @@ def releases(
     chosen, notices = study.chosen(engine, versions, last)
     found, tally = study.study(engine, chosen, loaded, integrator, timestep, processes(jobs), terminal.progress, notices)
     if out is not None:
-        release_rows.write(found, out)
-        reports.write_study(present({"": found}), out, figures)
+        _write(found, out, figures)
     if json:
         document = {"engine": engine, "versions": chosen, "notices": notices, "took": asdict(tally)}
         terminal.print_json(document | {"rows": found.rows, "changes": [asdict(change) for change in found.changes]})
@@ -77,6 +76,16 @@ def releases(
     for line in (*notices, tally.text, *(() if out is None else (f"report: {out / 'report.html'}",))):
         print(line, file=sys.stderr)
     return FAILED if notices or found.header["unmeasured"] else OK
+
+
+def _write(found: "Found", out: Path, figures: Figures) -> None:
+    """Write the tables and the report of a study into a folder."""
+    from bodycheck import reports
+    from bodycheck.studies.releases import rows
+    from bodycheck.studies.releases.page import present
+
+    rows.write(found, out)
+    reports.write_study(present({"": found}), out, figures)
 
 
 def _remove(engine: str, versions: tuple[str, ...], json: bool) -> int:
@@ -148,8 +157,5 @@ def bisect(
         return FAILED
     if notice:
         print(notice, file=sys.stderr)
-    if json:
-        terminal.print_json(bisection.as_json(found, observer))
-    else:
-        printing.print_bisection(found, observer)
+    terminal.print_json(bisection.as_json(found, observer)) if json else printing.print_bisection(found, observer)
     return FAILED if found.unknown or notice else OK
