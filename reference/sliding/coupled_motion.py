@@ -1,11 +1,13 @@
-"""The coupled sliding and spinning of a flat body until it rests, solved in two ways that share only the law of friction.
+"""The coupled sliding and spinning of a flat body until it rests, integrated in two formulations.
 
-Coordinates x, y, psi; L = m (x'^2 + y'^2)/2 + C psi'^2/2 [G, Example 2.2] with the generalized forces of friction. Close to
-rest the direction of the motion changes ever faster while the speed |u|, |u|^2 = v^2 + (C/m) w^2, falls to zero in a finite
-time. `in_log_time` solves for the logarithm of that speed and its direction in dt = |u| ds/(mu g), in the world frame; there
-rest lies at infinity and the approach to it is smooth. `in_plain_time` solves for the velocities in the body frame in time.
+The two formulations share only the law of friction. The coordinates are x, y, psi, with L = m (x'^2 + y'^2)/2 + C psi'^2/2
+[G, Example 2.2] and the generalized forces of friction. Close to rest the direction of the motion changes ever faster, while
+the speed |u|, |u|^2 = v^2 + (C/m) w^2, falls to zero in a finite time. `in_log_time` solves for the logarithm of the speed and
+for its direction, with dt = |u| ds/(mu g), in the world frame; in s the rest is at infinity and the approach to it is smooth.
+`in_plain_time` solves for the velocities in the body frame, with time as the independent variable.
 
-Both slow down where friction itself is not smooth, by the factor 1/(1 + nearness/`HALF_PACE_NEARNESS`).
+In both, time advances more slowly with the independent variable near points where friction is not smooth, by the factor
+1/(1 + nearness/`HALF_PACE_NEARNESS`).
 """
 
 import math
@@ -21,27 +23,43 @@ from bodycheck.reference.sliding.footprint import STUCK_SLIP
 from bodycheck.reference.sliding.friction import Law
 from bodycheck.reference.trajectory import Array
 
-#: Fraction of its first speed at which a body in log time is taken to its stop with the deceleration that it has reached.
+#: Fraction of the initial speed below which the log-time integration ends; the rest of the way to the stop is extrapolated
+#: with the deceleration at that instant.
 LOG_TIME_STOP_FRACTION = 1e-15
 
-#: The same in plain time, where the speed keeps six of its digits; what is left out is of second order.
+#: The same for the plain-time integration, where the speed is then accurate to six digits; the error of the extrapolation is of
+#: second order in this fraction.
 PLAIN_TIME_STOP_FRACTION = 1e-9
 
-#: Longest steps, where 1 is what the first speed takes to be lost at the deceleration mu g: they keep the interpolant, of order
-#: 7, as good as the steps, and are no multiples of each other, so that the two solutions share no step.
+#: Longest steps in log time and in plain time, in units of the time in which the deceleration mu g would take away the initial
+#: speed. With them the interpolant, which is of order 7, is as accurate as the steps. Neither is a multiple of the other, so
+#: that the two solutions do not share their steps.
 LONGEST_LOG_TIME_STEP, LONGEST_PLAIN_TIME_STEP = 0.2, 0.13
 
-#: Relative disagreement of two instants that is one of roundings.
+#: Relative difference of two instants that is mere rounding.
 TIME_ROUNDING = 4 * float(np.finfo(float).eps)
 
-#: Nearness at which time goes at half its pace.
+#: Nearness to a point where friction is not smooth at which time advances at half its pace.
 HALF_PACE_NEARNESS = 4.0
 
 
 @dataclass(frozen=True, eq=False)
 class Flat:
-    """A body that slides on a plane: mass (kg), radius of gyration sqrt(C/m) (m), deceleration mu g of a straight slide
-    (m/s^2), its law of friction and, of the same variables, how near friction is to where it is not smooth."""
+    """A body that slides on a plane.
+
+    Attributes
+    ----------
+    mass
+        Mass (kg).
+    gyration
+        Radius of gyration sqrt(C/m) about the vertical (m).
+    deceleration
+        Deceleration mu g of a straight slide (m/s^2).
+    law
+        The law of friction.
+    nearness
+        Maps v1, v2 (m/s) and w (rad/s), body frame, to the nearness to where friction is not smooth; see `footprint.nearness`.
+    """
 
     mass: float
     gyration: float
@@ -52,122 +70,219 @@ class Flat:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Rows (n, 6) of x, y, psi, dx/dt, dy/dt, dpsi/dt (m, rad, s), world frame, and the stop as t, x, y, psi (4,), if any."""
+    """A planar motion.
+
+    Attributes
+    ----------
+    rows
+        (n, 6) x, y, psi, dx/dt, dy/dt, dpsi/dt (m, rad, s), world frame.
+    stop
+        (4,) t, x, y, psi (s, m, rad) of the stop, or None where the body still moves at the last instant.
+    """
 
     rows: Array
     stop: Array | None
 
 
-def rotated(angle: float, x: float, y: float) -> tuple[float, float]:
-    """A plane vector turned by an angle (rad)."""
+@dataclass(frozen=True, eq=False)
+class _Scales:
+    """Units of a motion: the metric (3,) in which its velocity has the length |u|, and its initial speed, time and length."""
+
+    metric: Array
+    speed: float
+    time: float
+    length: float
+
+
+def _scales(flat: Flat, start: Array) -> _Scales:
+    """The units of a motion from its initial x, y, psi, dx/dt, dy/dt, dpsi/dt (6,)."""
+    metric = np.array([1.0, 1.0, flat.gyration])
+    speed = float(np.linalg.norm(start[3:] * metric))
+    time = speed / flat.deceleration
+    return _Scales(metric, speed, time, speed * time)
+
+
+def rotate_in_plane(angle: float, x: float, y: float) -> tuple[float, float]:
+    """The components of a plane vector after a rotation.
+
+    Parameters
+    ----------
+    angle
+        Angle of the rotation, counter-clockwise (rad).
+    x, y
+        Components of the vector.
+
+    Returns
+    -------
+    tuple of float
+        Components of the rotated vector.
+    """
     c, s = math.cos(angle), math.sin(angle)
     return c * x - s * y, s * x + c * y
 
 
-def in_log_time(flat: Flat, start: Array, times: Array, reached: Callable[[float, float, float, float], None]) -> Motion:
-    """The motion from x, y, psi, dx/dt, dy/dt, dpsi/dt (6,) at ascending times (n,) >= 0 s, at rest after the stop.
+def in_log_time(flat: Flat, start: Array, times: Array, on_step: Callable[[float, float, float, float], None]) -> Motion:
+    """The motion of a flat body, in log time.
 
-    reached is told t and, of a speed |u| = 1, the body's v1, v2, w at every step.
-    Unknowns: t, x, y, psi, the unit vector (v_x, v_y, sqrt(C/m) w)/|u| and ln(|u|/|u0|), the last by the balance of energy.
+    The unknowns are t, x, y, psi, the unit vector (v_x, v_y, sqrt(C/m) w)/|u|, and ln(|u|/|u0|), which follows from the balance
+    of energy.
 
-    Raises `OutOfReach` where one of several points comes to rest while the others slide, or for too many steps.
+    Parameters
+    ----------
+    flat
+        The body.
+    start
+        (6,) initial x, y, psi, dx/dt, dy/dt, dpsi/dt (m, rad, s), world frame.
+    times
+        (n,) ascending times >= 0 (s).
+    on_step
+        Called at every step with t (s) and, for the speed |u| = 1, with v1, v2 and w in the body frame. It may raise.
+
+    Returns
+    -------
+    Motion
+        The motion at the times, at rest after the stop.
+
+    Raises
+    ------
+    OutOfReach
+        If one of several points comes to rest while the others slide, or if the integration takes too many steps.
     """
-    metric = np.array([1.0, 1.0, flat.gyration])
-    first = float(np.linalg.norm(start[3:] * metric))
-    unit = first / flat.deceleration
-    travel = first * unit
-
-    def body_rates(y: Array) -> tuple[float, float, float]:
-        v1, v2 = rotated(-float(y[3]), float(y[4]), float(y[5]))
-        return v1, v2, float(y[6]) / flat.gyration
-
-    def pull(y: Array) -> Array:
-        """Rates of v_x, v_y, sqrt(C/m) w over mu g."""
-        f1, f2, torque = flat.law(*body_rates(y))
-        return np.array([*rotated(float(y[3]), f1, f2), torque / flat.gyration]) / (flat.mass * flat.deceleration)
+    scales = _scales(flat, start)
 
     def clock(y: Array) -> float:
-        return unit * math.exp(y[7]) / (1 + flat.nearness(*body_rates(y)) / HALF_PACE_NEARNESS)
+        return scales.time * math.exp(y[7]) / _slowdown(flat, *_unit_velocity(flat, y))
 
-    def derivative(_s: float, y: Array) -> Array:
-        direction, speed = y[4:7], math.exp(y[7])
-        change = pull(y)
-        # Over its length, of which the rounding errors would otherwise grow as the speed falls.
-        power = float(change @ direction) / float(direction @ direction)
-        velocity = travel * speed * speed * direction / metric
-        rates = np.array([speed * unit, *velocity, *(change - power * direction), power])
-        return np.asarray(rates / (1 + flat.nearness(*body_rates(y)) / HALF_PACE_NEARNESS))
-
-    def watched(y: Array) -> bool:
-        rates = body_rates(y)
-        reached(float(y[0]), *rates)
-        if flat.nearness(*rates) > 0.1 / STUCK_SLIP:
+    def moving(y: Array) -> bool:
+        velocity = _unit_velocity(flat, y)
+        on_step(float(y[0]), *velocity)
+        if flat.nearness(*velocity) > 0.1 / STUCK_SLIP:
             raise OutOfReach(f"one point of the body comes to rest at t = {y[0]:.6g} s while others slide")
         return bool(y[7] > math.log(LOG_TIME_STOP_FRACTION))
 
-    state = np.array([0.0, *start[:3], *(start[3:] * metric / first), 0.0])
-    scale = np.array([unit, travel, travel, travel / flat.gyration, 1.0, 1.0, 1.0, 1.0])
-    sampled, last = followed(derivative, clock, watched, state, times, scale, LONGEST_LOG_TIME_STEP)
-
     def velocities(y: Array) -> Array:
-        return np.asarray(first * np.exp(y[:, 7:]) * y[:, 4:7] / metric)
+        return np.asarray(scales.speed * np.exp(y[:, 7:]) * y[:, 4:7] / scales.metric)
 
+    state = np.array([0.0, *start[:3], *(start[3:] * scales.metric / scales.speed), 0.0])
+    sizes = np.array([scales.time, scales.length, scales.length, scales.length / flat.gyration, 1.0, 1.0, 1.0, 1.0])
+    derivative = _log_time_derivative(flat, scales)
+    sampled, last = integrate_until_rest(derivative, clock, moving, state, times, sizes, LONGEST_LOG_TIME_STEP)
     rows = np.concatenate([sampled[:, 1:4], velocities(sampled)], axis=1)
     if len(rows) == len(times):
         return Motion(rows, None)
-    return stopped(rows, times, last[:4], velocities(last[None])[0], pull(last) * flat.deceleration / metric, metric)
+    acceleration = _unit_friction(flat, last) * flat.deceleration / scales.metric
+    return complete_with_rest(rows, times, last[:4], velocities(last[None])[0], acceleration, scales.metric)
+
+
+def _log_time_derivative(flat: Flat, scales: _Scales) -> Derivative:
+    """The right-hand side of the equations in log time."""
+
+    def derivative(_s: float, y: Array) -> Array:
+        direction, speed = y[4:7], math.exp(y[7])
+        change = _unit_friction(flat, y)
+        # Divided by the squared length of the direction, whose rounding errors would otherwise grow as the speed falls.
+        power = float(change @ direction) / float(direction @ direction)
+        velocity = scales.length * speed * speed * direction / scales.metric
+        rates = np.array([speed * scales.time, *velocity, *(change - power * direction), power])
+        return np.asarray(rates / _slowdown(flat, *_unit_velocity(flat, y)))
+
+    return derivative
+
+
+def _unit_velocity(flat: Flat, y: Array) -> tuple[float, float, float]:
+    """v1, v2 and w in the body frame for the speed |u| = 1, from a state (8,) in log time."""
+    v1, v2 = rotate_in_plane(-float(y[3]), float(y[4]), float(y[5]))
+    return v1, v2, float(y[6]) / flat.gyration
+
+
+def _unit_friction(flat: Flat, y: Array) -> Array:
+    """Rates (3,) of v_x, v_y and sqrt(C/m) w by friction, over mu g, from a state (8,) in log time."""
+    f1, f2, torque = flat.law(*_unit_velocity(flat, y))
+    return np.array([*rotate_in_plane(float(y[3]), f1, f2), torque / flat.gyration]) / (flat.mass * flat.deceleration)
+
+
+def _slowdown(flat: Flat, v1: float, v2: float, w: float) -> float:
+    """The factor by which time advances more slowly near a point where friction is not smooth."""
+    return 1 + flat.nearness(v1, v2, w) / HALF_PACE_NEARNESS
 
 
 def in_plain_time(flat: Flat, start: Array, times: Array) -> Motion:
-    """The motion from x, y, psi, dx/dt, dy/dt, dpsi/dt (6,) at ascending times (n,) >= 0 s, at rest after the stop.
+    """The motion of a flat body, in plain time.
 
-    Unknowns: t, x, y, psi and the velocities in the body frame, by the balance of momentum.
+    The unknowns are t, x, y, psi and the velocities in the body frame, which follow from the balance of momentum.
 
-    Raises `OutOfReach` for too many steps.
+    Parameters
+    ----------
+    flat
+        The body.
+    start
+        (6,) initial x, y, psi, dx/dt, dy/dt, dpsi/dt (m, rad, s), world frame.
+    times
+        (n,) ascending times >= 0 (s).
+
+    Returns
+    -------
+    Motion
+        The motion at the times, at rest after the stop.
+
+    Raises
+    ------
+    OutOfReach
+        If the integration fails or takes too many steps.
     """
-    metric = np.array([1.0, 1.0, flat.gyration])
-    first = float(np.linalg.norm(start[3:] * metric))
-    unit = first / flat.deceleration
-    travel = first * unit
+    scales = _scales(flat, start)
     moment = flat.mass * flat.gyration**2
 
     def clock(y: Array) -> float:
-        return unit / (1 + flat.nearness(*y[4:].tolist()) / HALF_PACE_NEARNESS)
+        return scales.time / _slowdown(flat, *y[4:].tolist())
+
+    def moving(y: Array) -> bool:
+        return bool(np.linalg.norm(y[4:] * scales.metric) > PLAIN_TIME_STOP_FRACTION * scales.speed)
 
     def derivative(_s: float, y: Array) -> Array:
         _, _, _, psi, v1, v2, w = y.tolist()
         f1, f2, torque = flat.law(v1, v2, w)
         accelerations = f1 / flat.mass + w * v2, f2 / flat.mass - w * v1, torque / moment
-        return clock(y) * np.array([1, *rotated(psi, v1, v2), w, *accelerations])
-
-    state = np.array([0.0, *start[:3], *rotated(-start[2], *start[3:5]), start[5]])
-    scale = np.array([unit, travel, travel, travel / flat.gyration, first, first, first / flat.gyration])
-    sampled, last = followed(
-        derivative,
-        clock,
-        lambda y: bool(np.linalg.norm(y[4:] * metric) > PLAIN_TIME_STOP_FRACTION * first),
-        state,
-        times,
-        scale,
-        LONGEST_PLAIN_TIME_STEP,
-    )
+        return clock(y) * np.array([1, *rotate_in_plane(psi, v1, v2), w, *accelerations])
 
     def velocities(y: Array) -> Array:
         c, s = np.cos(y[:, 3]), np.sin(y[:, 3])
         return np.column_stack([c * y[:, 4] - s * y[:, 5], s * y[:, 4] + c * y[:, 5], y[:, 6]])
 
+    state = np.array([0.0, *start[:3], *rotate_in_plane(-start[2], *start[3:5]), start[5]])
+    length, speed = scales.length, scales.speed
+    sizes = np.array([scales.time, length, length, length / flat.gyration, speed, speed, speed / flat.gyration])
+    sampled, last = integrate_until_rest(derivative, clock, moving, state, times, sizes, LONGEST_PLAIN_TIME_STEP)
     rows = np.concatenate([sampled[:, 1:4], velocities(sampled)], axis=1)
     if len(rows) == len(times):
         return Motion(rows, None)
     f1, f2, torque = flat.law(*last[4:].tolist())
-    acceleration = np.array([*rotated(float(last[3]), f1 / flat.mass, f2 / flat.mass), torque / moment])
-    return stopped(rows, times, last[:4], velocities(last[None])[0], acceleration, metric)
+    acceleration = np.array([*rotate_in_plane(float(last[3]), f1 / flat.mass, f2 / flat.mass), torque / moment])
+    return complete_with_rest(rows, times, last[:4], velocities(last[None])[0], acceleration, scales.metric)
 
 
-def stopped(rows: Array, times: Array, at: Array, velocity: Array, acceleration: Array, metric: Array) -> Motion:
-    """Rows (k, 6) of a motion completed by rest: from t, x, y, psi on (4,) it slows down evenly along its direction.
+def complete_with_rest(rows: Array, times: Array, at: Array, velocity: Array, acceleration: Array, metric: Array) -> Motion:
+    """Complete a motion by its stop and by rest.
 
-    metric: 1, 1 and the radius of gyration, in which velocity and acceleration (3,) of x, y, psi have a length.
+    From the last integrated state the body slows down evenly along the direction of its motion until it stops.
+
+    Parameters
+    ----------
+    rows
+        (k, 6) rows of the motion at the first k times.
+    times
+        (n,) all times (s).
+    at
+        (4,) t, x, y, psi of the last integrated state.
+    velocity, acceleration
+        (3,) rates of x, y, psi and of these rates at that state, world frame.
+    metric
+        (3,) weights 1, 1 and the radius of gyration (m), which make velocity and acceleration comparable.
+
+    Returns
+    -------
+    Motion
+        (n, 6) rows, and the stop if it is not after the last time.
     """
     speed = velocity * metric
     remaining = -float(speed @ speed) / float(speed @ (acceleration * metric))
@@ -176,20 +291,45 @@ def stopped(rows: Array, times: Array, at: Array, velocity: Array, acceleration:
     return Motion(np.concatenate([rows, resting]), stop if times[-1] >= stop[0] else None)
 
 
-def followed(
+def integrate_until_rest(
     derivative: Derivative,
     clock: Callable[[Array], float],
     moving: Callable[[Array], bool],
     state: Array,
     times: Array,
     scale: Array,
-    longest: float,
+    longest_step: float,
 ) -> tuple[Array, Array]:
-    """States (k, m) of y' = derivative(s, y) at those of the times (n,) that come before its end, and the last state (m,).
+    """Solve y' = derivative(s, y), whose first unknown is the time t, until the body rests or all times are passed.
 
-    The first unknown is t, with t' = clock(y) > 0. moving is asked at the start and after each step.
+    Parameters
+    ----------
+    derivative
+        Right-hand side of the equations.
+    clock
+        Maps a state to t' > 0, the rate of time.
+    moving
+        Tells from a state whether the body still moves; called at the start and after each step.
+    state
+        (m,) initial state.
+    times
+        (n,) ascending times (s).
+    scale
+        (m,) typical sizes of the components of the state.
+    longest_step
+        Longest step in s.
+
+    Returns
+    -------
+    tuple of Array
+        (k, m) states at the times before the end of the integration, and the last state (m,).
+
+    Raises
+    ------
+    OutOfReach
+        If the integration fails or takes too many steps.
     """
-    solver = dop853(derivative, 0.0, state, np.inf, scale, max_step=longest)
+    solver = dop853(derivative, 0.0, state, np.inf, scale, max_step=longest_step)
     done = int(np.searchsorted(times, 0.0, side="right"))
     chosen, taken = [np.repeat(state[None], done, axis=0)], 0
     while moving(state) and done < len(times):
@@ -197,20 +337,38 @@ def followed(
         before, state = state, solver.y
         passed = int(np.searchsorted(times, state[0], side="right"))
         if passed > done:
-            chosen.append(interpolated(solver, clock, before, state, times[done:passed]))
+            chosen.append(interpolate(solver, clock, before, state, times[done:passed]))
             done = passed
     return np.concatenate(chosen), state
 
 
-def interpolated(solver: Any, clock: Callable[[Array], float], before: Array, after: Array, times: Array) -> Array:
-    """States (n, m) at times (n,) within the solver's last step: its interpolant, where it has those times."""
+def interpolate(solver: Any, clock: Callable[[Array], float], before: Array, after: Array, times: Array) -> Array:
+    """States within the last step of a solver, from its interpolant.
+
+    Parameters
+    ----------
+    solver
+        The solver, after a step.
+    clock
+        Maps a state to t' > 0, the rate of time.
+    before, after
+        (m,) states before and after the step.
+    times
+        (n,) times within the step (s).
+
+    Returns
+    -------
+    Array
+        (n, m) states at the times.
+    """
     dense = solver.dense_output()
     start, end = float(solver.t_old), float(solver.t)
     rows = np.empty((len(times), len(after)))
     for row, time in zip(rows, times.tolist(), strict=True):
         s = start + (end - start) * (time - before[0]) / (after[0] - before[0])
         row[:] = dense(s)
-        for _ in range(5):  # Newton's method, from within a step in which t(s) is nearly quadratic
+        # Newton's method converges quickly, since t(s) is nearly quadratic within a step.
+        for _ in range(5):
             late = row[0] - time
             if abs(late) <= TIME_ROUNDING * time:
                 break

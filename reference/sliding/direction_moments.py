@@ -1,8 +1,12 @@
-"""What Coulomb friction needs of a footprint: moments of the direction of sliding over it.
+"""Moments of the direction of sliding over a footprint, from which Coulomb friction follows.
 
-A point r of a face that moves with velocity v and spin w slides with u = v + w k x r, in the direction e = u/|u|. Over each
-of the functions 1, x, y of the load are summed the force and the moment of e: `DirectionMoments` gives the matrix (3, 3) of
-the sums of (1, x, y) times (e_x, e_y, r x e), in m^2 and higher powers for an area and in powers of m for points.
+A point r of a face that moves with the velocity v and the spin w slides with u = v + w k x r, in the direction e = u/|u|. The
+moments are the matrix (3, 3) of the integrals of (1, x, y), the functions of the load, times (e_x, e_y, r x e), which give
+force and torque; for `Points` they are sums. Their units are powers of m, from m^2 to m^4 for an area and from 1 to m^2 for
+points.
+
+For an area two methods are used, each where it is exact to rounding: integrals along the boundary where the instantaneous
+centre is near the footprint, and quadrature where it is far away.
 """
 
 import math
@@ -13,30 +17,38 @@ import numpy as np
 from bodycheck.reference.sliding.footprint import Disk, Footprint, Points, Polygon, load_moments, reach
 from bodycheck.reference.trajectory import Array
 
+#: Maps the velocity v1, v2 (m/s) of the point under the centre of mass and the spin w (rad/s), body frame, to moments (3, 3).
 DirectionMoments = Callable[[float, float, float], Array]
 
-#: Distance of the instantaneous centre, in radii of the footprint, beyond which quadrature is exact to rounding.
+#: Distance of the instantaneous centre from the origin, in radii of the footprint, beyond which quadrature is used.
 #:
-#: Close to it the boundary integral is exact, but its sums cancel as the centre goes away: a digit every factor of 10.
+#: There quadrature is exact to rounding. The integral along the boundary would be exact too, but its sums cancel when the
+#: centre is far away: one digit is lost for every factor of 10 in the distance.
 FAR_RADII = 4.0
 
-#: The same, in radii, within which the trapezoidal rule on the rim is exact to rounding: 0.5^64 is 5e-20.
+#: Distance of the instantaneous centre from the centre of a disk, in radii, within which the trapezoidal rule on the rim is
+#: exact to rounding: 0.5^64 is 5e-20.
 NEAR_CENTRE_RADII = 0.5
 
-#: Gauss nodes a direction of each triangle of a polygon: the error at `FAR_RADII` is (3 + sqrt 8)^-24, 5e-19.
+#: Number of Gauss nodes in each direction of each triangle of a polygon: the error at `FAR_RADII` is (3 + sqrt 8)^-24, 5e-19.
 EDGE_NODES = 12
 
-#: Sizes of velocity and spin below which both are scaled up.
+#: Size of velocity (m/s) and spin (rad/s) below which both are scaled up, so that their squares do not underflow.
 SMALLEST_UNSCALED = 2.0**-400
 
-#: Nodes of a disk about its rim and along a radius: at `FAR_RADII` the errors are 4^-64 and (7 + sqrt 48)^-20, 1e-23.
+#: Number of nodes around the rim of a disk and along a radius: at `FAR_RADII` the errors are 4^-64 and (7 + sqrt 48)^-20, that
+#: is, 1e-23.
 RIM_NODES, RADIAL_NODES = 64, 10
+
+#: Cosines of the nodes on the rim, and their powers 0, 1, 2 times the weight of a node.
+RIM_COSINES = np.cos(2 * np.pi * np.arange(RIM_NODES) / RIM_NODES)
+RIM_COSINE_POWERS = 2 * np.pi / RIM_NODES * np.stack([np.ones(RIM_NODES), RIM_COSINES, RIM_COSINES**2])
 
 
 def direction_moments(footprint: Footprint) -> DirectionMoments:
-    """The function of v (two components, m/s) and w (rad/s) that gives the moments (3, 3) of the direction of sliding.
+    """The moments of the direction of sliding over a footprint, as a function of velocity and spin.
 
-    A point that does not slide, and a body at rest, contribute nothing.
+    A point that does not slide contributes zero, and the moments of a body at rest are zero.
     """
     match footprint:
         case Polygon():
@@ -53,7 +65,7 @@ def direction_moments(footprint: Footprint) -> DirectionMoments:
 
     def moments(v1: float, v2: float, w: float) -> Array:
         if max(abs(v1), abs(v2), abs(w)) < SMALLEST_UNSCALED:
-            # The direction alone counts; of so slow a motion, quotients and squares would not.
+            # Only the direction of the motion matters, and quotients and squares of such small numbers would underflow.
             v1, v2, w = (value / SMALLEST_UNSCALED for value in (v1, v2, w))
         speed = math.hypot(v1, v2)
         if speed > farthest * abs(w):
@@ -64,10 +76,24 @@ def direction_moments(footprint: Footprint) -> DirectionMoments:
 
 
 def far_sums(nodes: Array, weights: Array, loads: Array) -> DirectionMoments:
-    """The moments by a quadrature rule of nodes (n, 2) and weights (n,), as a function of a unit velocity and a spin (1/m).
+    """The moments by quadrature, for an instantaneous centre far away.
 
-    Pure translation is taken out of the integrand and added exactly, so that the torque keeps its relative accuracy as the
-    spin vanishes.
+    The value for pure translation is subtracted from the integrand and added exactly, so that the torque keeps its relative
+    accuracy as the spin vanishes.
+
+    Parameters
+    ----------
+    nodes
+        (n, 2) nodes of the quadrature rule (m).
+    weights
+        (n,) weights of the quadrature rule.
+    loads
+        (3, 3) moments of the footprint, from `footprint.load_moments`.
+
+    Returns
+    -------
+    DirectionMoments
+        The moments as a function of a velocity of unit length and of the spin over the speed (1/m).
     """
     x, y = np.ascontiguousarray(nodes.T)
     squares = x * x + y * y
@@ -87,7 +113,7 @@ def far_sums(nodes: Array, weights: Array, loads: Array) -> DirectionMoments:
 
 
 def polygon_rule(polygon: Polygon) -> tuple[Array, Array]:
-    """Nodes (m, 2) and weights (m,) of Gauss's rule on the triangles from the origin to each edge."""
+    """Nodes (m, 2), m, and weights (m,), m^2, of Gauss's rule on the triangles of the origin and each edge of a polygon."""
     t, weights = np.polynomial.legendre.leggauss(EDGE_NODES)
     t, weights = (1 + t) / 2, weights / 2
     vertices, following = polygon.vertices, np.roll(polygon.vertices, -1, axis=0)
@@ -98,7 +124,7 @@ def polygon_rule(polygon: Polygon) -> tuple[Array, Array]:
 
 
 def disk_rule(disk: Disk) -> tuple[Array, Array]:
-    """Nodes (m, 2) and weights (m,): Gauss's rule along the radius, the trapezoidal rule around."""
+    """Nodes (m, 2), m, and weights (m,), m^2, of Gauss's rule along the radius and the trapezoidal rule around a disk."""
     t, weights = np.polynomial.legendre.leggauss(RADIAL_NODES)
     radii, weights = disk.radius * (1 + t) / 2, disk.radius * weights / 2
     angles = 2 * np.pi * np.arange(RIM_NODES) / RIM_NODES
@@ -107,7 +133,7 @@ def disk_rule(disk: Disk) -> tuple[Array, Array]:
 
 
 def point_sums(points: Points) -> DirectionMoments:
-    """The moments of single points."""
+    """The moments of single points, for any velocity and spin."""
     x, y = np.ascontiguousarray(points.points.T)
     basis = np.stack([np.ones_like(x), x, y])
 
@@ -124,8 +150,9 @@ def point_sums(points: Points) -> DirectionMoments:
 def polygon_boundary(polygon: Polygon) -> DirectionMoments:
     """The moments of a polygon by exact integrals along its edges; the spin must not be zero.
 
-    With rho = r - r_c from the instantaneous centre r_c = k x v/w, all are integrals over the area of gradients or
-    divergences: of |rho|, |rho| rho and rho |rho|^2/4 |rho|^-1, that is, integrals of |rho| and s |rho| along the edges.
+    With rho = r - r_c, the position relative to the instantaneous centre r_c = k x v/w, all moments are integrals over the area
+    of gradients or divergences of |rho|, of |rho| rho_i and of |rho| rho_i rho / 4. So they are integrals of |rho| and s |rho|
+    along the edges, where s is the length along an edge.
     """
     vertices = polygon.vertices
     edges = np.roll(vertices, -1, axis=0) - vertices
@@ -182,15 +209,12 @@ def disk_boundary(disk: Disk) -> DirectionMoments:
     return moments
 
 
-RIM_COSINES = np.cos(2 * np.pi * np.arange(RIM_NODES) / RIM_NODES)
-RIM_COSINE_POWERS = 2 * np.pi / RIM_NODES * np.stack([np.ones(RIM_NODES), RIM_COSINES, RIM_COSINES**2])
-
-
 def rim_integrals(k: float) -> tuple[float, float, float]:
-    """Integrals of |rho| cos^j over the unit circle, j = 0, 1, 2, with |rho|^2 = 1 + k^2 - 2 k cos.
+    """Integrals of |rho| cos^j over the unit circle, j = 0, 1, 2, with |rho|^2 = 1 + k^2 - 2 k cos, k >= 0.
 
-    By complete elliptic integrals of the parameter m = 4 k/(1 + k)^2 [DLMF 19.2.8]; where m is small, and they would
-    cancel, by the trapezoidal rule, from which |rho| = 1 is taken out so that the second keeps its relative accuracy.
+    They are complete elliptic integrals of the parameter m = 4 k/(1 + k)^2 [DLMF 19.2.8]. Where m is small, these would cancel,
+    and the trapezoidal rule is used instead. |rho| = 1 is subtracted from its integrand, so that the integral for j = 1 keeps
+    its relative accuracy.
     """
     if k < NEAR_CENTRE_RADII:
         excess = k * (k - 2 * RIM_COSINES) / (1 + np.sqrt(1 + k * (k - 2 * RIM_COSINES)))
@@ -203,7 +227,7 @@ def rim_integrals(k: float) -> tuple[float, float, float]:
     m = 1 - rest
     e = float(ellipe(m))
     restk = rest * float(ellipkm1(rest)) if rest else 0.0
-    # Of sqrt(1 - m sin^2) times 1, sin^2, sin^4 over a quarter, with cos = 2 sin^2 - 1.
+    # With cos = 2 sin^2 - 1 these are integrals of sqrt(1 - m sin^2) times 1, sin^2, sin^4 over a quarter of the period.
     second = ((2 * m - 1) * e + restk) / (3 * m)
     fourth = (((8 * m - 3) * m - 2) * e + (4 * m + 2) * restk) / (15 * m * m)
     scale = 4 * (1 + k)
@@ -218,15 +242,32 @@ def assembled(
     outer: tuple[float, float, float, float],
     radial: tuple[float, float],
 ) -> Array:
-    """The moments (3, 3) from integrals along the boundary about the instantaneous centre (c1, c2).
+    """The moments from integrals along the boundary of an area.
 
-    gradient: of |rho| n. outer: of |rho| rho_i n_j. radial: of |rho| rho_i (rho . n). sign: of the spin; the direction of
-    sliding is sign k x rho/|rho|.
+    n is the outward normal, and rho is the position relative to the instantaneous centre.
+
+    Parameters
+    ----------
+    c1, c2
+        The instantaneous centre (m).
+    sign
+        Sign of the spin; the direction of sliding is sign k x rho/|rho|.
+    gradient
+        Integrals of |rho| n_i, i = 1, 2.
+    outer
+        Integrals of |rho| rho_i n_j, in the order 11, 12, 21, 22.
+    radial
+        Integrals of |rho| rho_i (rho . n), i = 1, 2.
+
+    Returns
+    -------
+    Array
+        (3, 3) moments.
     """
     g1, g2 = gradient
     b11, b12, b21, b22 = outer
-    whole = (b11 + b22) / 3  # |rho| over the area
-    b11, b22 = b11 - whole, b22 - whole  # rho_i rho_j/|rho| over the area
+    whole = (b11 + b22) / 3  # the integral of |rho| over the area
+    b11, b22 = b11 - whole, b22 - whole  # the integrals of rho_i rho_j/|rho| over the area
     moment = c1 * g1 + c2 * g2 + whole
     return sign * np.array(
         [

@@ -1,7 +1,7 @@
-"""The face on which a body lies, in the body frame about the point under the centre of mass.
+"""The footprint of a body: the face on which it lies, in the body frame with the origin under the centre of mass.
 
-The face is fixed there, and a turning body is handled by turning its velocity. An area is loaded all over, `Points` only
-where they are. The load is a combination of the three functions 1, x, y.
+The footprint is constant in this frame; of a body that turns, the velocity is rotated instead. An area bears load everywhere,
+`Points` bear it only at the points. The load is a linear combination of the three functions 1, x, y.
 """
 
 import math
@@ -12,46 +12,48 @@ import numpy as np
 
 from bodycheck.reference.trajectory import Array
 
-#: Distance of the instantaneous centre from the edge of an area, in radii of the footprint, below which no nearer is told.
+#: Smallest distance d of the instantaneous centre from the edge of an area, in radii of the footprint, in `nearness`; smaller
+#: distances count as this one.
 #:
-#: Friction has a term d^2 ln|d| there: a step of this length leaves an error of its cube, below rounding.
+#: Friction has a term d^2 ln|d| there: a step of this length causes an error of the order of its cube, which is below rounding.
 MIN_EDGE_DISTANCE_RADII = 1e-5
 
-#: Fraction of a body's speed below which a single point no longer slides.
+#: Ratio of the sliding speed of a single point to the speed of the body below which the point counts as at rest.
 STUCK_SLIP = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
 class Polygon:
-    """A convex polygon, evenly able to bear load; vertices (n, 2) counter-clockwise (m)."""
+    """A convex polygon that bears load over its whole area; `vertices` (n, 2) are counter-clockwise (m)."""
 
     vertices: Array
 
 
 @dataclass(frozen=True)
 class Disk:
-    """A circular disk about the point under the centre of mass (m)."""
+    """A circular disk that bears load over its whole area, about the point under the centre of mass; `radius` in m."""
 
     radius: float
 
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """Single points that bear load; points (n, 2) (m)."""
+    """Single points that bear load, at `points` (n, 2), m."""
 
     points: Array
 
 
+#: Every kind of footprint.
 Footprint = Polygon | Disk | Points
 
 
 def rectangle(a: float, b: float) -> Array:
-    """The corners (4, 2) of the rectangle of half-lengths a along I and b along J, counter-clockwise."""
+    """The corners (4, 2), m, of the rectangle with the half-lengths a along I and b along J (m), counter-clockwise."""
     return np.array([[a, b], [-a, b], [-a, -b], [a, -b]])
 
 
 def outline(footprint: Footprint) -> Array:
-    """Points (n, 2) that reach as far as the footprint; of a disk, one on its rim."""
+    """The vertices or points (n, 2), m, of the footprint; for a disk, one point on its rim."""
     match footprint:
         case Polygon(vertices):
             return vertices
@@ -62,12 +64,15 @@ def outline(footprint: Footprint) -> Array:
 
 
 def reach(footprint: Footprint) -> float:
-    """Distance (m) of the farthest point of the footprint."""
+    """Radius of the footprint: the distance (m) of its farthest point from the origin."""
     return float(np.hypot(*outline(footprint).T).max())
 
 
 def load_moments(footprint: Footprint) -> Array:
-    """The matrix (3, 3) of the sums of (1, x, y) times (1, x, y) over the footprint."""
+    """The matrix (3, 3) of the integrals of (1, x, y) times (1, x, y) over the footprint; sums for `Points`.
+
+    The units are m^2, m^3 and m^4 for an area, and 1, m and m^2 for points.
+    """
     match footprint:
         case Disk(radius):
             area = math.pi * radius**2
@@ -78,17 +83,19 @@ def load_moments(footprint: Footprint) -> Array:
         case Polygon(vertices):
             following = np.roll(vertices, -1, axis=0)
             areas = (vertices[:, 0] * following[:, 1] - vertices[:, 1] * following[:, 0]) / 2
-            # Over the triangle from the origin to two corners, the middles of its sides carry a third of its area each.
+            # Over the triangle of the origin and two corners, the rule with the midpoints of the sides and a third of the area
+            # as weights is exact for quadratic functions.
             middles = np.stack([vertices / 2, following / 2, (vertices + following) / 2])
             terms = np.concatenate([np.ones_like(middles[..., :1]), middles], axis=-1)
             return np.asarray(np.einsum("n,tni,tnj->ij", areas / 3, terms, terms))
 
 
 def nearness(footprint: Footprint) -> Callable[[float, float, float], float]:
-    """The function of v1, v2 (m/s) and w (rad/s) that grows as the inverse distance to where friction is not smooth.
+    """The function of v1, v2 (m/s) and w (rad/s), body frame, that tells how near friction is to where it is not smooth.
 
-    That is where the instantaneous centre crosses the edge of an area, the distance being in radii of the footprint, and
-    where one of several points comes to rest, it being the fraction of its slip in the body's speed.
+    It grows as the inverse of a distance. For an area, friction is not smooth where the instantaneous centre crosses the edge,
+    and the distance is that of the centre from the edge, in radii of the footprint. For points, friction is not smooth where
+    a point comes to rest, and the distance is the ratio of the sliding speed of that point to the speed of the body.
     """
     radius = reach(footprint)
     match footprint:
@@ -112,7 +119,7 @@ def nearness(footprint: Footprint) -> Callable[[float, float, float], float]:
             least = MIN_EDGE_DISTANCE_RADII * radius
 
             def nearness(v1: float, v2: float, w: float) -> float:
-                # The integral of 1/rho^2 along an edge: smooth off it, and pi/d close to it.
+                # The integral of 1/rho^2 along an edge is smooth away from the edge, and pi/d close to it.
                 if not w:
                     return 0.0
                 c1, c2 = -v2 / w, v1 / w

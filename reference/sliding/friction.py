@@ -1,8 +1,9 @@
 """Coulomb friction of a flat face on a plane: force and torque as functions of velocity and spin, in the body frame.
 
-At every point of the face friction is -mu p e, with the pressure p of the load and the direction e in which the point slides:
-one law for sliding and spinning together (Farkas et al., Phys. Rev. Lett. 90, 248302, 2003; Weidman and Malhotra, Phys. Rev.
-Lett. 95, 264303, 2005). The sums over the face are those of `direction_moments`, and are exact.
+At every point of the face the friction is -mu p e, with the pressure p of the load and the direction e in which the point
+slides. This is one law for sliding and spinning together (Farkas et al., Phys. Rev. Lett. 90, 248302, 2003; Weidman and
+Malhotra, Phys. Rev. Lett. 95, 264303, 2005). The integrals over the face are those of `direction_moments`, which are exact to
+rounding.
 """
 
 import math
@@ -16,18 +17,18 @@ from bodycheck.reference.sliding.footprint import Disk, Footprint, Points, Polyg
 from bodycheck.reference.sliding.pressure import balanced, check, uniform
 from bodycheck.reference.trajectory import Array
 
-#: From velocity v1, v2 (m/s) of the point under the centre of mass and spin w (rad/s) to force (N) and torque (N m) there,
-#: along and about the body's axes I, J and K. A body at rest feels none.
+#: A law of friction. It maps the velocity v1, v2 (m/s) of the point under the centre of mass along the body axes I and J, and
+#: the spin w (rad/s) about K, to the force (N) along I and J and the torque (N m) about K. It is zero for a body at rest.
 Law = Callable[[float, float, float], tuple[float, float, float]]
 
-#: From velocity and spin to the pressure (3,) of the load, as in `pressure`.
+#: A distribution of the load. It maps the same velocity and spin to the pressure (3,) of the module `pressure`.
 Pressure = Callable[[float, float, float], Array]
 
 
 def footprint_of(shape: Shape | None, law: str) -> Footprint:
-    """The footprint of a body that lies on the face across its axis K, as a law of friction sees it.
+    """The footprint of a body that lies on the face across its axis K, under a law of friction (see `scene.Plane.law`).
 
-    Raises `NotFlat` for shapes without such a face, and for the corners of a cylinder.
+    Raises `NotFlat` for a shape without such a face, and for a cylinder under the law "corners".
     """
     match shape:
         case Brick((a, b, _)):
@@ -41,10 +42,30 @@ def footprint_of(shape: Shape | None, law: str) -> Footprint:
 
 
 def friction(body: Body, plane: Plane, gravity: float) -> Law:
-    """The friction of a body that lies flat, by the law and the pressure that its plane names; gravity in m/s^2.
+    """The law of friction of a body that lies flat, with the law and the pressure of its plane.
 
-    A balanced load is not checked: see `refuse_tipping`. Raises `NotFlat` for shapes without the face that is needed, and
-    `ValueError` for a balanced load under the decoupled law, in which the place of the load has no meaning.
+    It is not checked whether the body would tip under a balanced pressure; see `refuse_tipping`.
+
+    Parameters
+    ----------
+    body
+        The body.
+    plane
+        The plane.
+    gravity
+        Gravitational acceleration (m/s^2).
+
+    Returns
+    -------
+    Law
+        The law of friction.
+
+    Raises
+    ------
+    NotFlat
+        If the shape of the body lacks the face or the corners that are needed.
+    ValueError
+        If the pressure is balanced and the law is decoupled, since that law does not depend on where the load is.
     """
     footprint, load = footprint_of(body.shape, plane.law), body.mass * gravity
     if plane.law == "decoupled":
@@ -57,7 +78,28 @@ def friction(body: Body, plane: Plane, gravity: float) -> Law:
 
 
 def refuse_tipping(body: Body, plane: Plane, gravity: float) -> Callable[[float, float, float], None]:
-    """The function of v1, v2 (m/s) and w (rad/s) that raises `WouldTip` where a balanced load would have to pull."""
+    """The check whether a body would tip.
+
+    Parameters
+    ----------
+    body
+        The body, which lies flat.
+    plane
+        The plane.
+    gravity
+        Gravitational acceleration (m/s^2).
+
+    Returns
+    -------
+    Callable
+        A function of v1, v2 (m/s) and w (rad/s), body frame, that raises `WouldTip` if the balanced pressure is negative
+        somewhere. For a uniform pressure it does nothing.
+
+    Raises
+    ------
+    NotFlat
+        If the pressure is balanced and the shape of the body lacks the face or the corners that are needed.
+    """
     if plane.pressure == "uniform":
         return lambda v1, v2, w: None
     footprint = footprint_of(body.shape, plane.law)
@@ -66,7 +108,22 @@ def refuse_tipping(body: Body, plane: Plane, gravity: float) -> Callable[[float,
 
 
 def uniform_friction(footprint: Footprint, coefficient: float, load: float) -> Law:
-    """Friction under a load (N) that is spread evenly over the footprint, or over its points."""
+    """The law of friction of a pressure that is the same everywhere on the footprint, or at all of its points.
+
+    Parameters
+    ----------
+    footprint
+        The footprint.
+    coefficient
+        Coefficient of friction mu.
+    load
+        Weight of the body (N).
+
+    Returns
+    -------
+    Law
+        The law of friction.
+    """
     directions = direction_moments(footprint)
     scale = -coefficient * float(uniform(load_moments(footprint), load)[0])
 
@@ -78,18 +135,48 @@ def uniform_friction(footprint: Footprint, coefficient: float, load: float) -> L
 
 
 def balanced_pressure(footprint: Footprint, coefficient: float, load: float, height: float) -> Pressure:
-    """The pressure under a load (N) that shifts to balance the moment of friction about the centre of mass.
+    """The pressure that balances the moment of friction about the centre of mass; see `pressure.balanced`.
 
-    height: of the centre of mass above the plane (m). The pressure is negative somewhere where a body would tip.
+    Parameters
+    ----------
+    footprint
+        The footprint.
+    coefficient
+        Coefficient of friction mu.
+    load
+        Weight of the body (N).
+    height
+        Height of the centre of mass above the plane (m).
+
+    Returns
+    -------
+    Pressure
+        The pressure as a function of velocity and spin. It is negative somewhere if the body would tip.
     """
     directions, loads = direction_moments(footprint), load_moments(footprint)
     return lambda v1, v2, w: balanced(loads, directions(v1, v2, w), coefficient, load, height)
 
 
 def balanced_friction(footprint: Footprint, coefficient: float, load: float, height: float) -> Law:
-    """Friction under a load (N) that shifts to balance the moment of friction about the centre of mass at a height (m).
+    """The law of friction of a pressure that balances the moment of friction about the centre of mass.
 
-    It can be evaluated where a body would tip, because the trial steps of an integrator may lead there and back.
+    It can also be evaluated where the body would tip, because the trial stages of an integrator may reach such states.
+
+    Parameters
+    ----------
+    footprint
+        The footprint.
+    coefficient
+        Coefficient of friction mu.
+    load
+        Weight of the body (N).
+    height
+        Height of the centre of mass above the plane (m).
+
+    Returns
+    -------
+    Law
+        The law of friction.
     """
     directions, loads = direction_moments(footprint), load_moments(footprint)
 
@@ -102,9 +189,24 @@ def balanced_friction(footprint: Footprint, coefficient: float, load: float, hei
 
 
 def decoupled_friction(footprint: Footprint, coefficient: float, load: float) -> Law:
-    """The book's friction: mu N against the velocity, and the torque of the pure spin against the spin [G, Example 2.2].
+    """The book's law of friction: mu N against the velocity, and the torque of a pure spin against the spin [G, Example 2.2].
 
-    With both at once that is not Coulomb friction, which couples them. Where the load lies makes no difference to it.
+    It is not Coulomb friction for a body that slides and spins at once, since Coulomb friction couples the two. It does not
+    depend on where the load is.
+
+    Parameters
+    ----------
+    footprint
+        The footprint.
+    coefficient
+        Coefficient of friction mu.
+    load
+        Weight N of the body (N).
+
+    Returns
+    -------
+    Law
+        The law of friction.
     """
     _, _, torque = uniform_friction(footprint, coefficient, load)(0.0, 0.0, 1.0)
 

@@ -1,7 +1,7 @@
-"""The flat body that slides and spins on a plane with Coulomb friction, until it stops [G, Example 2.2, corrected].
+"""Motion of a flat body that slides and spins on a plane with Coulomb friction, until it stops [G, Example 2.2, corrected].
 
-Three coordinates, x, y and the yaw psi. A straight slide and a pure spin, and everything under the book's decoupled law, have
-closed forms; a body that slides and spins at once is solved twice, in log time and in plain time.
+There are three coordinates: x, y and the yaw psi. A straight slide, a pure spin, and every motion under the book's decoupled
+law have closed forms. A body that slides and spins at once is integrated twice, in log time and in plain time.
 """
 
 import math
@@ -18,18 +18,26 @@ from bodycheck.reference.sliding.footprint import nearness
 from bodycheck.reference.sliding.friction import Law, decoupled_friction, footprint_of, friction, refuse_tipping
 from bodycheck.reference.trajectory import Array, Trajectory
 
-EPS = float(np.finfo(float).eps)
-
-#: Relative error of some ten roundings in double precision: those of a closed form, and of a stored result.
-RELATIVE_ROUNDING = 16 * EPS
+#: Relative error of about ten roundings in double precision: those of a closed form, and of the storage of a result.
+RELATIVE_ROUNDING = 16 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
 class Slide:
-    """A slide and how far it can be trusted.
+    """A slide, with the bounds of its error.
 
-    stop: None for a body that still moves at the last instant. error, position_error: (n,) bounds of the errors of the yaw
-    (rad) and of the position (m), never decreasing. model: the equations, and reason: why they are enough.
+    Attributes
+    ----------
+    trajectory
+        The trajectory at n instants.
+    stop
+        The stop, or None for a body that still moves at the last instant.
+    error, position_error
+        (n,) bounds of the errors of the yaw (rad) and of the position (m), never decreasing.
+    model
+        Name of the equations that were solved.
+    reason
+        Why these equations are exact for the scene.
     """
 
     trajectory: Trajectory
@@ -41,14 +49,21 @@ class Slide:
 
 
 def slide(scene: Scene, times: Array) -> Slide:
-    """The motion of a flat body on the scene's plane at ascending times (n,) >= 0 s; drag is not looked at.
+    """The motion of a flat body on the scene's plane, at ascending times (n,) >= 0, s. Drag is ignored.
 
-    The bound of a closed form is that of its roundings. Otherwise it is twice the largest disagreement so far between two
-    formulations, and those roundings.
+    The error bound of a closed form is that of a few roundings. Otherwise it is the same plus twice the largest disagreement so
+    far between the two formulations.
 
-    Raises `NotFlat` for a body that does not lie flat on the plane or has no face to lie on, `WouldTip` where a balanced load
-    would have to pull, and `OutOfReach` for a slide that cannot be followed: too long, or with one corner that comes to rest
-    before the others. `ValueError` for a balanced load under the decoupled law, in which the place of the load has no meaning.
+    Raises
+    ------
+    NotFlat
+        If the body does not lie flat on the plane, or has no face to lie on.
+    WouldTip
+        If a balanced pressure would have to be negative somewhere.
+    OutOfReach
+        If the integration takes too many steps, or one corner comes to rest before the others.
+    ValueError
+        If the pressure is balanced under the decoupled law of friction, which does not depend on where the load is.
     """
     if scene.plane is None:
         raise NotFlat("the scene has no plane to lie on")
@@ -71,16 +86,31 @@ def slide(scene: Scene, times: Array) -> Slide:
         time, to_x, to_y, to_yaw = motion.stop.tolist()
         stop = Stop(time, (to_x, to_y, scene.initial.position[2]), to_yaw)
     model = f"{equations}, {plane.law} friction, {plane.pressure} load"
-    trajectory = in_space(scene, times, motion.rows, start[2])
-    return Slide(trajectory, stop, error, position_error, model, why(plane, scene.gravity, start))
+    trajectory = to_trajectory(scene, times, motion.rows, start[2])
+    return Slide(trajectory, stop, error, position_error, model, reason(plane, scene.gravity, start))
 
 
-def why(plane: Plane, gravity: float, start: Array) -> str:
-    """Why x, y and yaw, and the equations chosen for them, are enough; start: as `planar_state` has it."""
+def reason(plane: Plane, gravity: float, start: Array) -> str:
+    """Why the coordinates x, y and yaw, and the equations chosen for them, are exact for a scene.
+
+    Parameters
+    ----------
+    plane
+        The plane.
+    gravity
+        Gravitational acceleration (m/s^2).
+    start
+        (6,) initial state, from `planar.planar_state`.
+
+    Returns
+    -------
+    str
+        The reason, as results show it.
+    """
     moves, spins = bool(start[3:5].any()), bool(start[5])
     if moves and spins and plane.friction * gravity:
-        apart = plane.law == "decoupled"
-        motion = "its law of friction has translation and spin apart" if apart else "it slides and spins at once"
+        decoupled = plane.law == "decoupled"
+        motion = "its law of friction has translation and spin apart" if decoupled else "it slides and spins at once"
     elif moves and spins:
         motion = "nothing brakes it"
     else:
@@ -89,10 +119,13 @@ def why(plane: Plane, gravity: float, start: Array) -> str:
 
 
 def smallest_friction(scene: Scene, plane: Plane) -> tuple[Law, bool]:
-    """The smallest law of friction that is exact for a body that lies flat, and whether it brakes translation and spin apart.
+    """The simplest law of friction that is exact for a body that lies flat.
 
-    In a straight slide friction has no moment and in a pure spin no resultant, under every law and load: the motion stays what
-    it is, and the one part of friction that there is keeps its size. Raises as `planar_state` does.
+    The second value tells whether this law brakes translation and spin independently of each other.
+    In a straight slide friction has no moment, and in a pure spin it has no resultant, under every law and pressure. So the
+    motion remains a straight slide or a pure spin, and the remaining part of friction has a constant magnitude.
+
+    Raises `NotFlat` for a body that does not lie flat, and `ValueError` as `friction.friction` does.
     """
     start = planar_state(scene)
     if plane.law == "decoupled" or not (start[3:5].any() and start[5]):
@@ -102,11 +135,35 @@ def smallest_friction(scene: Scene, plane: Plane) -> tuple[Law, bool]:
 
 
 def coupled(scene: Scene, plane: Plane, start: Array, times: Array) -> tuple[Motion, Motion]:
-    """The motion by both formulations."""
+    """The motion of a body that slides and spins at once, in both formulations.
+
+    Parameters
+    ----------
+    scene
+        The scene, whose body lies flat.
+    plane
+        The plane of the scene.
+    start
+        (6,) initial state, from `planar.planar_state`.
+    times
+        (n,) ascending times >= 0 (s).
+
+    Returns
+    -------
+    tuple of Motion
+        The motion in log time and in plain time.
+
+    Raises
+    ------
+    WouldTip
+        If the body would tip, with the instant.
+    OutOfReach
+        If the motion cannot be integrated; see `coupled_motion`.
+    """
     body, gravity = scene.body, scene.gravity
     refuse = refuse_tipping(body, plane, gravity)
 
-    def reached(time: float, v1: float, v2: float, w: float) -> None:
+    def check(time: float, v1: float, v2: float, w: float) -> None:
         try:
             refuse(v1, v2, w)
         except WouldTip as tipping:
@@ -119,14 +176,35 @@ def coupled(scene: Scene, plane: Plane, start: Array, times: Array) -> tuple[Mot
         friction(body, plane, gravity),
         nearness(footprint_of(body.shape, plane.law)),
     )
-    return in_log_time(flat, start, times, reached), in_plain_time(flat, start, times)
+    return in_log_time(flat, start, times, check), in_plain_time(flat, start, times)
 
 
 def in_closed_form(scene: Scene, plane: Plane, start: Array, times: Array) -> Motion:
-    """Translation and spin each with a deceleration of its own, mu g and |torque|/C, and at rest after it; no friction is 0.
+    """The motion with constant decelerations mu g of the translation and |torque|/C of the spin, each until it is at rest.
 
-    True of a straight slide, in which friction has no moment, of a pure spin, in which it has no resultant, and by
-    definition of the decoupled law. The stop is the later of the two.
+    It is exact for a straight slide, in which friction has no moment, for a pure spin, in which friction has no resultant, for
+    a motion without friction, and by definition under the decoupled law. The body stops when both are at rest.
+
+    Parameters
+    ----------
+    scene
+        The scene, whose body lies flat.
+    plane
+        The plane of the scene.
+    start
+        (6,) initial state, from `planar.planar_state`.
+    times
+        (n,) ascending times >= 0 (s).
+
+    Returns
+    -------
+    Motion
+        The motion at the times, at rest after the stop.
+
+    Raises
+    ------
+    WouldTip
+        If the body would tip.
     """
     law = friction(scene.body, plane, scene.gravity)
     speed, spin = math.hypot(*start[3:5]), float(start[5])
@@ -137,7 +215,7 @@ def in_closed_form(scene: Scene, plane: Plane, start: Array, times: Array) -> Mo
     )
 
     def rows(at: Array) -> Array:
-        (way, slowing), (turn, braking) = (braked(end, at) for end in ends)
+        (way, slowing), (turn, braking) = (decelerated(end, at) for end in ends)
         ways, fractions = np.column_stack([way, way, turn]), np.column_stack([slowing, slowing, braking])
         return np.concatenate([start[:3] + start[3:] * ways, start[3:] * fractions], axis=1)
 
@@ -147,23 +225,42 @@ def in_closed_form(scene: Scene, plane: Plane, start: Array, times: Array) -> Mo
 
 
 def stopping_time(rate: float, deceleration: float) -> float:
-    """Time (s) in which a rate >= 0 is lost: none at rest, for ever without deceleration."""
+    """Time (s) until a speed or spin rate >= 0 is zero at a deceleration >= 0; infinite without deceleration, 0 at rest."""
     if rate == 0:
         return 0.0
     return rate / deceleration if deceleration else math.inf
 
 
-def braked(end: float, at: Array) -> tuple[Array, Array]:
-    """Way over the initial rate (k,), s, and fraction of the rate that is left (k,), at times (k,) of an even slowing down
-    that ends at a time (s)."""
+def decelerated(end: float, at: Array) -> tuple[Array, Array]:
+    """A uniformly decelerated motion that ends at the time `end` (s), at times `at` (k,), s.
+
+    Returns the distance over the initial speed (k,), s, and the remaining fraction of the speed (k,).
+    """
     if end == 0:
         return np.zeros_like(at), np.zeros_like(at)
     now = np.minimum(at, end)
     return now * (1 - now / (2 * end)), 1 - now / end
 
 
-def in_space(scene: Scene, times: Array, rows: Array, yaw: float) -> Trajectory:
-    """The trajectory of a planar motion: rows (n, 6), and the yaw (rad) of the initial attitude."""
+def to_trajectory(scene: Scene, times: Array, rows: Array, yaw: float) -> Trajectory:
+    """The trajectory in space of a planar motion.
+
+    Parameters
+    ----------
+    scene
+        The scene, which gives the initial attitude and the height of the centre of mass.
+    times
+        (n,) times (s).
+    rows
+        (n, 6) x, y, psi and their rates (m, rad, s), world frame.
+    yaw
+        Yaw of the initial attitude (rad).
+
+    Returns
+    -------
+    Trajectory
+        The trajectory at the times.
+    """
     half, nothing = (rows[:, 2] - yaw) / 2, np.zeros(len(rows))
     turned = multiply(np.column_stack([np.cos(half), nothing, nothing, np.sin(half)]), np.array(scene.initial.quaternion))
     position = np.column_stack([rows[:, :2], np.full(len(rows), scene.initial.position[2])])

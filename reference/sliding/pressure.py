@@ -1,8 +1,9 @@
-"""How the load of a body spreads over its footprint: a pressure p0 + p_x x + p_y y, in the body frame.
+"""Distribution of the load of a body over its footprint: a pressure p0 + p_x x + p_y y, in the body frame.
 
-Of the pressures that balance the forces on a body there is one that is linear over the footprint. For an area it is the usual
-assumption of an elastic foundation; four corners of a rigid body are statically indeterminate, and the same linear choice is
-made for them: the load that equal springs under the corners would carry.
+Pressures are arrays (3,) of p0, p_x, p_y. They are in N/m^2 and N/m^3 over an area, and in N and N/m at points. Among the
+pressures that balance the forces on a body exactly one is linear over the footprint. For an area this is the usual assumption
+of an elastic foundation. Four corners of a rigid body are statically indeterminate; for them the same linear choice is made,
+which is the load that equal springs under the corners would carry.
 """
 
 import numpy as np
@@ -11,21 +12,38 @@ from bodycheck.reference.errors import WouldTip
 from bodycheck.reference.sliding.footprint import Disk, Footprint, outline
 from bodycheck.reference.trajectory import Array
 
-#: Least pressure, as a fraction of the mean, that still counts as none.
+#: Negative pressure, as a fraction of p0, that still counts as rounding.
 PRESSURE_ROUNDING = 1e-12
 
 
 def uniform(loads: Array, load: float) -> Array:
-    """The pressure (3,) that is the same everywhere, of a footprint with the moments `loads` (3, 3) under a load (N)."""
+    """The pressure (3,) that is the same everywhere; loads: moments (3, 3) of the footprint, load: the weight (N)."""
     return np.array([load / loads[0, 0], 0.0, 0.0])
 
 
 def balanced(loads: Array, directions: Array, coefficient: float, load: float, height: float) -> Array:
-    """The linear pressure (3,) that balances the moment of its own friction about the centre of mass.
+    """The linear pressure that balances the moment of its own friction about the centre of mass.
 
-    loads, directions: moments (3, 3) of the footprint and of the direction of sliding. height: of the centre of mass (m).
-    The friction F of a pressure is linear in it, and the moments about the centre of mass balance where the load is centred
-    on -(height/load) F: three linear equations.
+    The friction force F is linear in the pressure, and the moments about the centre of mass balance if the load is centred at
+    -(height/load) F. Together with the total load these are three linear equations.
+
+    Parameters
+    ----------
+    loads
+        (3, 3) moments of the footprint, from `footprint.load_moments`.
+    directions
+        (3, 3) moments of the direction of sliding, from `direction_moments`.
+    coefficient
+        Coefficient of friction mu.
+    load
+        Weight of the body (N).
+    height
+        Height of the centre of mass above the plane (m).
+
+    Returns
+    -------
+    Array
+        (3,) the pressure. It is negative somewhere if the body would tip.
     """
     matrix = loads.T.copy()
     matrix[1:] -= coefficient * height * directions[:, :2].T
@@ -33,7 +51,7 @@ def balanced(loads: Array, directions: Array, coefficient: float, load: float, h
 
 
 def check(footprint: Footprint, pressure: Array) -> None:
-    """Raises `WouldTip` where a pressure (3,) is negative anywhere on the footprint."""
+    """Raise `WouldTip` if a pressure (3,) is negative anywhere on the footprint."""
     p0, slope = pressure[0], pressure[1:]
     if isinstance(footprint, Disk):
         steepness = float(np.hypot(*slope))
