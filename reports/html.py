@@ -15,6 +15,7 @@ from bodycheck.reports import charts
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.study import StudyReport
+from bodycheck.running.header import Header
 
 #: A number with its unit in escaped text, except numbers inside names and character references.
 MEASURE = re.compile(
@@ -33,7 +34,7 @@ def render_study(report: StudyReport) -> str:
 
 
 def page(
-    template: str, header: Mapping[str, Any], notices: Sequence[str], specifications: Mapping[str, charts.Spec], **values: Any
+    template: str, header: Header, notices: Sequence[str], specifications: Mapping[str, charts.Spec], **values: Any
 ) -> str:
     """Return the text of a page: the frame that all reports share, filled by a template.
 

@@ -1,13 +1,13 @@
 """Reports as Markdown that fits into a comment on a pull request: the findings first, then tables as long as there is room."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
 
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import count, verb
 from bodycheck.reports.study import StudyReport
 from bodycheck.reports.tables import Table
+from bodycheck.running.header import Header
 
 #: Most characters of a report; a comment on GitHub may have 65 536.
 ROOM = 60_000
@@ -38,7 +38,7 @@ def render_study(report: StudyReport) -> str:
     return fitted(_study_parts(report), report.header)
 
 
-def fitted(parts: Iterable[str], header: Mapping[str, Any]) -> str:
+def fitted(parts: Iterable[str], header: Header) -> str:
     """Return as many of the parts as there is room for, then the versions, machine and command of the results."""
     kept, room, left_out = [], ROOM, 0
     for part in parts:
@@ -94,7 +94,7 @@ def grid(head: Sequence[str], rows: Iterable[Sequence[str]], numeric_from: int |
     return "\n".join("| " + " | ".join(row) + " |" for row in (cells[0], marks, *cells[1:]))
 
 
-def _footer(header: Mapping[str, Any]) -> str:
+def _footer(header: Header) -> str:
     versions = {"bodycheck": header["bodycheck"], **header["engines"], **header["packages"]}
     machine = ", ".join(f"{name} {value}" for name, value in header["machine"].items())
     listed = ", ".join(f"{name} {version}" for name, version in versions.items())

@@ -1,13 +1,12 @@
 """The contents of a study's report, before they are laid out: sentences, tables and charts under headings."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 from bodycheck.reports.charts import Spec
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.tables import Table
+from bodycheck.running.header import Header
 
 
 @dataclass(frozen=True)
@@ -82,7 +81,7 @@ class StudyReport:
 
     title: str
     headline: str
-    header: Mapping[str, Any]
+    header: Header
     notices: tuple[str, ...]
     findings: tuple[Finding, ...]
     parts: tuple[Part, ...]

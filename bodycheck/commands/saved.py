@@ -7,15 +7,15 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from bodycheck.adapters.method import current
 from bodycheck.casefile.case import CaseFaults
 from bodycheck.errors import BadFolder
 from bodycheck.figures.columns import COLUMNS
-from bodycheck.reports.runs.results_json import HEADER
 from bodycheck.reports.study import StudyReport
 from bodycheck.running import csv_tables, journal, store
+from bodycheck.running.header import DESCRIPTIONS, Header
 from bodycheck.running.key import RunKey
 from bodycheck.running.store import Results
 from bodycheck.studies.ablation import page as ablation
@@ -55,7 +55,7 @@ def read(folder: Path) -> Results | StudyReport:
         if there == [EXTREMES]:
             return _extremes(folder)
         results = store.read(folder)
-        _check_header(results.header)
+        _checked(results.header)
         return _study(results) or results
 
 
@@ -70,10 +70,11 @@ def undamaged(folder: Path) -> Iterator[None]:
         raise BadFolder(f"{folder}: damaged: {type(error).__name__}: {error}") from error
 
 
-def _check_header(header: Mapping[str, Any]) -> None:
-    """Raise `KeyError` if a header lacks an entry that every report contains."""
-    for name in HEADER:
+def _checked(header: Mapping[str, Any]) -> Header:
+    """Return a header. Raises `KeyError` if it lacks an entry that every report contains."""
+    for name in DESCRIPTIONS:
         header[name]
+    return cast(Header, header)
 
 
 def _study(results: Results) -> StudyReport | None:
@@ -108,7 +109,7 @@ def _ablation(results: Results) -> StudyReport:
 
 def _extremes(folder: Path) -> StudyReport:
     contents = journal.read(folder / EXTREMES)
-    _check_header(contents.header)
+    header = _checked(contents.header)
     if not contents.complete:
         raise BadFolder(f"{folder}: the study {INTERRUPTED}")
     rows = [Row(**row) for row in _rows(folder / "extremes.csv", csv_tables.parsers_of(Row))]
@@ -117,7 +118,7 @@ def _extremes(folder: Path) -> StudyReport:
     made = [Row(**row | {"integrator": current(row["integrator"])}) for row in runs]
     if set(rows) != set(made):
         raise BadFolder(f"{folder}: damaged: extremes.csv does not list the same runs as {EXTREMES}")
-    return extremes.present(contents.header, rows, limits)
+    return extremes.present(header, rows, limits)
 
 
 def _check(results: Results, table: str, told: set[Any], made: set[Any]) -> None:

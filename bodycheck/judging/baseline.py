@@ -24,6 +24,7 @@ from bodycheck.judging import judgement, rounding
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import campaign, pool
+from bodycheck.running.header import DESCRIPTIONS
 from bodycheck.running.key import RunKey
 from bodycheck.running.machine import SPEED_TOLERANCE
 from bodycheck.running.outcome import Completed, Run, Unsupported
@@ -35,7 +36,7 @@ FORMAT = 1
 METADATA = b"bodycheck"
 
 #: What is kept of the header of results.
-HEADER = ("bodycheck", "started", "machine", "packages", "engines")
+HEADER = tuple(name for name in DESCRIPTIONS if name not in ("command", "missing"))
 
 #: Behind the name of a figure: by how much it may differ where nothing has changed. See `rounding.allowances`.
 ALLOWANCE = "_allowance"
@@ -181,7 +182,7 @@ def save(
     table = pa.table({name: [row.get(name) for row in allowed] for name in names})
     told = {
         "format": FORMAT,
-        "header": {name: results.header[name] for name in HEADER},
+        "header": {name: value for name, value in results.header.items() if name in HEADER},
         "cases": {name: identity(case) for name, case in results.cases.items()},
     }
     try:

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 from bodycheck.casefile.case import Case
 from bodycheck.reference.errors import NotModelled, OutOfReach
@@ -16,6 +16,7 @@ from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import pool, store
+from bodycheck.running.header import Header
 from bodycheck.running.machine import fingerprint
 from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
 from bodycheck.running.plan import Task
@@ -53,7 +54,7 @@ class StopTask:
     law: Plane
 
 
-def header(command: Sequence[str], engines: Mapping[str, str], missing: Mapping[str, str]) -> dict[str, Any]:
+def header(command: Sequence[str], engines: Mapping[str, str], missing: Mapping[str, str]) -> Header:
     """What a results folder says of itself: versions, machine, command; engines that could not be used, and why."""
     packages = ("numpy", "scipy", "pandas", "pyarrow")
     return {
@@ -76,7 +77,7 @@ def size(tasks: Sequence[Task]) -> int:
 def results(
     tasks: Sequence[Task],
     folder: Path,
-    head: dict[str, Any],
+    head: Header,
     jobs: int = 1,
     limit: float = TIME_LIMIT,
     memory: int = pool.MEMORY,
@@ -93,7 +94,7 @@ def results(
     cases = tuple({task.case.name: task.case for task in tasks}.values())
     places = {task: place for place, task in enumerate(tasks)}
     identity = _identity(tasks, head, limit, memory)
-    with Writer(folder, {**head, "identity": identity}, cases) as writer:
+    with Writer(folder, head, identity, cases) as writer:
         everything: list[TruthTask | Task] = [*_truth_tasks(tasks), *tasks]
         left = [argument for argument in everything if not _is_there(writer, argument)]
         if there := len(everything) - len(left):
@@ -127,9 +128,9 @@ def results(
         yield replace(store.read(folder), complete=True)
 
 
-def _identity(tasks: Sequence[Task], head: Mapping[str, Any], limit: float, memory: int) -> str:
+def _identity(tasks: Sequence[Task], head: Header, limit: float, memory: int) -> str:
     """A fingerprint of all that decides on the results, wherever and by whatever command they are made."""
-    versions = [store.FORMAT, *(head[name] for name in ("bodycheck", "packages", "engines"))]
+    versions = [store.FORMAT, head["bodycheck"], head["packages"], head["engines"]]
     cases = {task.case.name: task.case for task in tasks}
     plan = [task.key for task in tasks]
     return sha256(repr((versions, limit, memory, cases, plan)).encode("utf-8")).hexdigest()

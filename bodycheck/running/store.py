@@ -11,7 +11,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.errors import BadFolder
@@ -20,6 +20,7 @@ from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import journal, trajectory_files
+from bodycheck.running.header import Header, StoredHeader
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Run, TimedOut, Unsupported
 from bodycheck.running.trajectory_files import TRAJECTORIES, StoredTrajectory, run_path, truth_path
@@ -31,15 +32,15 @@ RECORDS = "run.jsonl"
 class Writer:
     """Writes a results folder; use as a context, whose regular end writes the footer.
 
-    Goes on with a folder in which the same work was interrupted, as the `identity` in the header tells; any other results are
-    replaced.
+    Continues a folder in which the same work was interrupted, which it recognises by the `identity` in the header. Any other
+    results are replaced.
     """
 
-    def __init__(self, folder: Path, header: dict[str, Any], cases: tuple[Case, ...]) -> None:
+    def __init__(self, folder: Path, header: Header, identity: str, cases: tuple[Case, ...]) -> None:
         _refuse_other_things(folder)
         texts = [{"name": case.name, "text": case.text} for case in cases]
         self.folder = folder
-        self.journal = journal.resume(folder / RECORDS, {"format": FORMAT, **header, "cases": texts})
+        self.journal = journal.resume(folder / RECORDS, {"format": FORMAT, **header, "identity": identity, "cases": texts})
         records = self.journal.records
         self.stops = {_law_of(record) for record in records if record["record"] == "stop"}
         self.done = {_path_of(record) for record in records if record["record"] != "stop" and _is_stored(folder, record)}
@@ -123,7 +124,7 @@ class Results:
     """A results folder, read. header: versions, machine, command. complete: whether the run came to its end."""
 
     folder: Path
-    header: dict[str, Any]
+    header: StoredHeader
     records: tuple[dict[str, Any], ...]
     complete: bool
 
@@ -218,7 +219,7 @@ def read(folder: Path) -> Results:
         records = {_identity_of(record): record for record in contents.records}
     except (journal.BadJournal, ValueError, KeyError, TypeError) as error:
         raise BadFolder(f"{folder}: no readable results: {error}") from error
-    return Results(folder, contents.header, tuple(records.values()), contents.complete)
+    return Results(folder, cast(StoredHeader, contents.header), tuple(records.values()), contents.complete)
 
 
 def _identity_of(record: dict[str, Any]) -> Path | tuple[str, Plane]:

@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.identity import identity
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.finding import Finding
+from bodycheck.running.header import Header
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,21 +72,26 @@ def _shown(name: str, shown_name: str, sets: Sequence[ResultSet], several: bool)
     )
 
 
-def header(sets: Sequence[ResultSet]) -> Mapping[str, Any]:
+def header(sets: Sequence[ResultSet]) -> Header:
     """Return the header of results. For several sets it has all values in which they differ, and the latest start."""
     headers = {one.label: one.results.header for one in sets}
     if len(sets) == 1:
         return sets[0].results.header
-    merged: dict[str, Any] = {
+    return {
         "bodycheck": _merged({label: own["bodycheck"] for label, own in headers.items()}),
+        "command": [_merged({label: " ".join(own["command"]) for label, own in headers.items()})],
         "started": max(own["started"] for own in headers.values()),
+        "machine": _merged_group({label: own["machine"] for label, own in headers.items()}),
+        "packages": _merged_group({label: own["packages"] for label, own in headers.items()}),
+        "engines": _merged_group({label: own["engines"] for label, own in headers.items()}),
+        "missing": _merged_group({label: own["missing"] for label, own in headers.items()}),
     }
-    for group in ("machine", "packages", "engines", "missing"):
-        names = dict.fromkeys(name for own in headers.values() for name in own[group])
-        merged[group] = {
-            name: _merged({label: own[group][name] for label, own in headers.items() if name in own[group]}) for name in names
-        }
-    return merged | {"command": [_merged({label: " ".join(own["command"]) for label, own in headers.items()})]}
+
+
+def _merged_group(groups: Mapping[str, Mapping[str, str]]) -> dict[str, str]:
+    """One group of the header's entries, merged name by name."""
+    names = dict.fromkeys(name for own in groups.values() for name in own)
+    return {name: _merged({label: own[name] for label, own in groups.items() if name in own}) for name in names}
 
 
 def _merged(values: Mapping[str, str]) -> str:

@@ -21,6 +21,7 @@ from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback, playback
 from bodycheck.reports.runs.scenes import Fact, describe
 from bodycheck.reports.runs.summary import broken, expectation_status, failure_status, headline, key_of, notices, tally
 from bodycheck.reports.tables import Entry, Table
+from bodycheck.running.header import Header
 
 #: Most numbers in all curves of a report together, some 4 MB, so that even a large report opens.
 MOST_NUMBERS = 300_000
@@ -101,7 +102,7 @@ class Contents:
         The quantities that any section draws over time.
     """
 
-    header: Mapping[str, Any]
+    header: Header
     complete: bool
     headline: str
     tally: tuple[tuple[str, int], ...]

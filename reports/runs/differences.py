@@ -6,7 +6,7 @@ repeated from nudged initial states.
 """
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from statistics import median
@@ -21,6 +21,7 @@ from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number, verb
 from bodycheck.reports.runs.comparison import Comparison, Shown, method
+from bodycheck.running.header import Header
 from bodycheck.running.machine import SPEED_TOLERANCE
 
 #: Most runs whose change gets a sentence of its own.
@@ -293,7 +294,7 @@ def _notices(pair: Pair) -> Iterator[str]:
             yield f"The file of {name} differs between {sets}, but not in anything that affects the physics."
 
 
-def _leaves(header: Mapping[str, Any]) -> dict[str, str]:
+def _leaves(header: Header) -> dict[str, str]:
     machine = {("processors" if name == "cores" else name): value for name, value in header["machine"].items()}
     return {"bodycheck": header["bodycheck"], **header["engines"], **header["packages"], **machine}
 

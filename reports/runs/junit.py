@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from bodycheck.judging.judgement import Verdict
+from bodycheck.running.header import Header
 
 #: Characters that an XML 1.0 document must not contain, and control characters that it should not contain.
 NOT_XML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -15,7 +16,7 @@ NOT_XML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U
 NOT_PROPERTIES = {"case", "passed", "reason"}
 
 
-def render(verdicts: Iterable[Verdict], header: Mapping[str, Any]) -> str:
+def render(verdicts: Iterable[Verdict], header: Header) -> str:
     """Return the XML document, with a test for each run that has expectations or that failed.
 
     A known discrepancy that is tolerated is a passed test with its message in the output.

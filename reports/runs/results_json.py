@@ -13,21 +13,11 @@ from bodycheck.figures.definition import Column
 from bodycheck.judging import judgement
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.runs.contents import Contents
+from bodycheck.running.header import DESCRIPTIONS
 from bodycheck.running.outcome import Completed, Outcome
 
 #: Version of the format.
 FORMAT = 1
-
-#: Fields of the header of a set, with descriptions.
-HEADER = {
-    "bodycheck": "Version of bodycheck.",
-    "command": "Words of the command that made the results.",
-    "started": "Date and time of the start, with the offset of the time zone.",
-    "machine": "Operating system, processor, number of cores and version of Python.",
-    "packages": "Versions of packages that the numbers depend on.",
-    "engines": "Versions of the engines.",
-    "missing": "Engines that could not be used, with the reason.",
-}
 
 #: Figures that every completed run has.
 ALWAYS = tuple(name for name, figure in FIGURES.items() if figure.presence == "every run")
@@ -61,7 +51,7 @@ def _set(one: ResultSet) -> dict[str, Any]:
     return {
         "label": one.label,
         "complete": one.results.complete,
-        "header": {name: header[name] for name in HEADER},
+        "header": {name: value for name, value in header.items() if name in DESCRIPTIONS},
         "cases": [{"name": case.name, "title": case.title, "source": case.source, "tags": list(case.tags)} for case in cases],
     }
 
@@ -76,7 +66,7 @@ def schema() -> str:
     text: Schema = {"type": "string"}
     versions: Schema = {"type": "object", "additionalProperties": text}
     kinds: dict[str, Schema] = {"bodycheck": text, "command": _list(text), "started": text | {"format": "date-time"}}
-    header = {name: kinds.get(name, versions) | {"description": description} for name, description in HEADER.items()}
+    header = {name: kinds.get(name, versions) | {"description": description} for name, description in DESCRIPTIONS.items()}
     finding = {
         "subject": text | {"description": "Subject of the sentence."},
         "text": text | {"description": "A sentence or two, with numbers and units."},

@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import groupby
-from typing import Any
 
 from bodycheck.casefile.case import Case
 from bodycheck.reference.requirements import Requirements, requirements
@@ -13,6 +12,7 @@ from bodycheck.reports.lines import assign
 from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
+from bodycheck.running.header import Header
 from bodycheck.studies.ablation.rows import Change, ModelRow
 
 #: Lengths below this (m) are told in mm.
@@ -36,7 +36,7 @@ READING = (
 )
 
 
-def present(header: Mapping[str, Any], cases: Mapping[str, Case], rows: Sequence[ModelRow]) -> StudyReport:
+def present(header: Header, cases: Mapping[str, Case], rows: Sequence[ModelRow]) -> StudyReport:
     """What the study's report says.
 
     header: as that of results. cases: by name. rows: of the study, those of one case, engine, integrator and step together.

@@ -1,7 +1,7 @@
 """The report of the study of extremes: first what engines take for healthy and is not, then how far every method goes."""
 
 from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 from bodycheck.casefile.axes import AXES
@@ -9,6 +9,7 @@ from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import count, listing, milliseconds, number
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
+from bodycheck.running.header import Header
 from bodycheck.studies.extremes.outcome_map import outcome_map
 from bodycheck.studies.extremes.rows import HEALTHY, STATUSES, Limit, Row
 
@@ -34,7 +35,7 @@ READING = (
 )
 
 
-def present(header: Mapping[str, Any], rows: Sequence[Row], limits: Sequence[Limit]) -> StudyReport:
+def present(header: Header, rows: Sequence[Row], limits: Sequence[Limit]) -> StudyReport:
     """What the study's report says. header: as that of results. rows, limits: in the order of the study."""
     believed = [row for row in rows if row.believed]
     cases: dict[str, list[Row]] = defaultdict(list)
@@ -55,7 +56,7 @@ def present(header: Mapping[str, Any], rows: Sequence[Row], limits: Sequence[Lim
     )
 
 
-def _notices(header: Mapping[str, Any], rows: Sequence[Row]) -> tuple[str, ...]:
+def _notices(header: Header, rows: Sequence[Row]) -> tuple[str, ...]:
     missing = [f"Without the engine {engine}: {reason}." for engine, reason in header["missing"].items()]
     refused = Counter(row.detail for row in rows if row.status == "unsupported")
     return (*missing, *(f"{count(amount, 'run')} unsupported: {reason}." for reason, amount in refused.items()))

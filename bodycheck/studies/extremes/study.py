@@ -9,7 +9,7 @@ from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass, fields, replace
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Backend, NoTruth, Truth, distance, truth
 from bodycheck.running import csv_tables, journal, plan, pool
+from bodycheck.running.header import Header
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Outcome, TimedOut
 from bodycheck.running.simulation import run
@@ -126,7 +127,7 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: 
 
 @contextmanager
 def results(
-    study: Study, folder: Path, head: dict[str, Any], jobs: int, progress: "Advance", limit: float = TIME_LIMIT
+    study: Study, folder: Path, head: Header, jobs: int, progress: "Advance", limit: float = TIME_LIMIT
 ) -> Iterator[tuple[list[Row], list[Limit]]]:
     """Do what is to be done in `jobs` processes, journalled in the folder, and give the rows in the order of the study.
 
@@ -261,7 +262,7 @@ def _limit(search: Search, version: str, largest: float | None, smallest: float 
     return Limit(search.case.name, *method, search.spin, timestep(largest), largest, timestep(smallest))
 
 
-def _identity(study: Study, head: Mapping[str, Any], limit: float) -> str:
+def _identity(study: Study, head: Header, limit: float) -> str:
     """A fingerprint of all that decides on the results, wherever and by whatever command they are made."""
-    versions = [head[name] for name in ("bodycheck", "packages", "engines")]
+    versions = [head["bodycheck"], head["packages"], head["engines"]]
     return sha256(repr((versions, limit, study)).encode("utf-8")).hexdigest()

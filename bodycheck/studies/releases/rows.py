@@ -7,24 +7,19 @@ tells of the machine, for `read`.
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, cast, get_type_hints
 
 from bodycheck.adapters.method import current
 from bodycheck.errors import BadInput
 from bodycheck.judging.judgement import COLUMNS
 from bodycheck.running import csv_tables, journal
+from bodycheck.running.header import Header
 from bodycheck.running.outcome import Unsupported
 
 RECORDS = "releases.jsonl"
 
 #: Status of a row of a version that cannot be had here: it tells of no method.
 UNOBTAINABLE = "unobtainable"
-
-#: What a header has.
-HEADER = (
-    *("bodycheck", "started", "command", "machine", "packages", "engines", "missing"),
-    *("versions", "cases", "unmeasured", "notices"),
-)
 
 #: Behind the name of a figure: by how much it may differ where nothing has changed; see `bodycheck.judging.baseline`.
 ALLOWANCE = "_allowance"
@@ -63,6 +58,19 @@ class Change:
     allowance: float | None
 
 
+class ReleasesHeader(Header):
+    """The header of a study of releases, which spans several versions of one engine.
+
+    versions: the releases in their order. cases: the identities of the cases by name. unmeasured: why a release could not be
+    measured, by version. notices: what limits what the study says.
+    """
+
+    versions: list[str]
+    cases: dict[str, str]
+    unmeasured: dict[str, str]
+    notices: list[str]
+
+
 @dataclass(frozen=True)
 class Found:
     """What a study of releases found.
@@ -71,7 +79,7 @@ class Found:
     of some versions, by version, and `notices`.
     """
 
-    header: Mapping[str, Any]
+    header: ReleasesHeader
     rows: tuple[Row, ...]
     changes: tuple[Change, ...]
 
@@ -91,7 +99,7 @@ def labels(found: Sequence[Found]) -> list[str]:
     return [""] if len(found) == 1 else [f"machine {place}" for place in range(1, len(found) + 1)]
 
 
-def merged_header(found: Mapping[str, Found]) -> dict[str, Any]:
+def merged_header(found: Mapping[str, Found]) -> ReleasesHeader:
     """The header of several studies by their labels: that of the first, with the machines of all.
 
     Raises `BadInput` where they are not of one engine, or a case is not the same one in all of them.
@@ -103,7 +111,7 @@ def merged_header(found: Mapping[str, Found]) -> dict[str, Any]:
         if any(other.header["cases"].get(name, identity) != identity for other in others):
             raise BadInput(f"{name}: is not the same case in all of these studies")
     if len(found) == 1:
-        return dict(first.header)
+        return first.header
     machines = {f"{name} of {label}": value for label, one in found.items() for name, value in one.header["machine"].items()}
     return {**first.header, "machine": machines}
 
@@ -131,7 +139,7 @@ def read(folder: Path) -> Found:
         raise BadInput(f"{folder / RECORDS}: was interrupted while it was written; make it again")
     try:
         return Found(
-            {name: contents.header[name] for name in HEADER},
+            cast(ReleasesHeader, {name: contents.header[name] for name in get_type_hints(ReleasesHeader)}),
             tuple(_present(record["row"]) for record in contents.records if record["record"] == "row"),
             tuple(Change(**_present(record["change"])) for record in contents.records if record["record"] == "change"),
         )

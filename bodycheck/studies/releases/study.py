@@ -24,7 +24,7 @@ from bodycheck.running.outcome import Unsupported
 from bodycheck.studies.orders import Order
 from bodycheck.studies.releases import answers as release_answers
 from bodycheck.studies.releases.questions import Answer, Question
-from bodycheck.studies.releases.rows import STATUS, UNOBTAINABLE, Change, Found, Row
+from bodycheck.studies.releases.rows import STATUS, UNOBTAINABLE, Change, Found, ReleasesHeader, Row
 from bodycheck.studies.tradeoff.recommendation import COLUMNS
 
 if TYPE_CHECKING:
@@ -115,14 +115,19 @@ def study(
     head = campaign.header(sys.argv, {engine: " to ".join(dict.fromkeys((versions[0], versions[-1])))}, {})
     unmeasured = {version: str(one) for version, one in obtained.items() if isinstance(one, Unobtainable)}
     unmeasured |= {version: answer.failure for (version, _), answer in answers.items() if answer.failure}
-    head |= {"versions": list(versions), "unmeasured": unmeasured, "notices": list(notices)}
-    head["cases"] = {case.name: identity(case) for case in cases}
+    header: ReleasesHeader = {
+        **head,
+        "versions": list(versions),
+        "unmeasured": unmeasured,
+        "notices": list(notices),
+        "cases": {case.name: identity(case) for case in cases},
+    }
     tally = Tally(
         sum(isinstance(one, Environment) and one.version not in there for one in obtained.values()),
         figures.measured + observed.measured,
         figures.known + observed.known,
     )
-    return Found(head, tuple(rows), tuple(_with_orders(change, orders) for change in bare)), tally
+    return Found(header, tuple(rows), tuple(_with_orders(change, orders) for change in bare)), tally
 
 
 def kept(engine: str) -> Mapping[str, Environment]:

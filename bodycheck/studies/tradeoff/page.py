@@ -2,7 +2,6 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from bodycheck.judging.convergence import UNITS
 from bodycheck.reports.charts import ZOOMING
@@ -10,6 +9,7 @@ from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.quantities import Quantity, bound, count, listing, milliseconds, number
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
+from bodycheck.running.header import Header
 from bodycheck.running.outcome import Unsupported
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff import findings as tradeoff_summary
@@ -40,7 +40,7 @@ READING = (
 )
 
 
-def present(header: Mapping[str, Any], rows: Sequence[Row], orders: Sequence[Order]) -> StudyReport:
+def present(header: Header, rows: Sequence[Row], orders: Sequence[Order]) -> StudyReport:
     """What the study's report says.
 
     header: as that of results. rows: of the study, one a run. orders: of its methods on its cases.
@@ -76,7 +76,7 @@ def _headline(cases: Sequence[CaseMeasurements], lines: Lines) -> str:
     return f"{count(len(lines), 'method')} on {count(len(cases), 'case')}, {count(runs, 'run')}{without}"
 
 
-def _notices(header: Mapping[str, Any], rows: Sequence[Row]) -> tuple[str, ...]:
+def _notices(header: Header, rows: Sequence[Row]) -> tuple[str, ...]:
     missing = [f"Without the engine {engine}: {reason}." for engine, reason in header["missing"].items()]
     unsupported = Counter(row["reason"] for row in rows if row["status"] == Unsupported.status)
     return (*missing, *(f"{count(amount, 'run')} unsupported: {reason}." for reason, amount in unsupported.items()))

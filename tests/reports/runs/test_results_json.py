@@ -13,6 +13,7 @@ from bodycheck.figures import columns
 from bodycheck.judging import judgement
 from bodycheck.reports.runs import results_json
 from bodycheck.running import store
+from bodycheck.running.header import DESCRIPTIONS
 from tests.support import ROOT, saved_results
 from tests.support.saved_results import call
 
@@ -85,7 +86,7 @@ def test_it_says_what_the_report_says(document: Document, folder: Path) -> None:
     assert document["findings"]
     (one,) = document["sets"]
     header = json.loads((folder / "run.jsonl").read_text().splitlines()[0])
-    assert one["header"] == {name: header[name] for name in results_json.HEADER}
+    assert one["header"] == {name: header[name] for name in DESCRIPTIONS}
     assert [case["name"] for case in one["cases"]] == ["spin", "slide"]
     assert one["label"] == ""
 

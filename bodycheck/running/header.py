@@ -1,0 +1,34 @@
+"""The header of results: the versions, the machine and the command that they were made with."""
+
+from typing import Annotated, TypedDict, get_type_hints
+
+
+class Header(TypedDict):
+    """What every set of results tells of its origin; the descriptions are those of the JSON Schema of results.json."""
+
+    bodycheck: Annotated[str, "Version of bodycheck."]
+    command: Annotated[list[str], "Words of the command that made the results."]
+    started: Annotated[str, "Date and time of the start, with the offset of the time zone."]
+    machine: Annotated[dict[str, str], "Operating system, processor, number of cores and version of Python."]
+    packages: Annotated[dict[str, str], "Versions of packages that the numbers depend on."]
+    engines: Annotated[dict[str, str], "Versions of the engines."]
+    missing: Annotated[dict[str, str], "Engines that could not be used, with the reason."]
+
+
+class StoredCase(TypedDict):
+    """A case in the header of a results folder: its name, and the text of its file when it was run."""
+
+    name: str
+    text: str
+
+
+class StoredHeader(Header):
+    """The header of a results folder, with the cases that were run."""
+
+    cases: list[StoredCase]
+
+
+#: The entries of a header, with a description of each.
+DESCRIPTIONS: dict[str, str] = {
+    name: hint.__metadata__[0] for name, hint in get_type_hints(Header, include_extras=True).items()
+}
