@@ -33,26 +33,26 @@ ALWAYS_TABLED = tuple(figure.name for figure in FIGURES.values() if figure.prese
 FURTHER = tuple(figure.name for figure in FIGURES.values() if figure.presence == "where measured")
 
 RUN_COLUMNS = (
-    Column("set", "string", "Set", "label of the results that the run is from, where several are in one table"),
+    Column("set", "string", "Set", "label of the set of results that the run belongs to, in a table of several sets"),
     Column("case", "string", "Case", "name of the case"),
     Column("engine", "string", "Engine", "name of the engine"),
     Column("version", "string", "Version", "version of the engine"),
-    Column("integrator", "string", "Integrator", "name of the integrator, its options behind a colon"),
+    Column("integrator", "string", "Integrator", "name of the integrator, with its options after a colon"),
     Column("timestep", "number", "Time step", "time step", "s"),
     Column("status", "string", "Status", "how the run ended"),
-    Column("passed", "boolean", "Passed", "whether what the case expects of the run holds; empty where it expects nothing"),
-    Column("reason", "string", "Reason", "why the run is not ok, or which expectation does not hold"),
+    Column("passed", "boolean", "Passed", "whether the run meets all expectations of its case; empty without expectations"),
+    Column("reason", "string", "Reason", "why the run is not ok, or which expectation it does not meet"),
 )
 
 COST_COLUMNS = (
-    Column("steps", "integer", "Steps", "steps taken", counts="steps"),
+    Column("steps", "integer", "Steps", "number of steps", counts="steps"),
     Column("wall_time", "number", "Wall time", "time that the steps took", "s"),
     Column("time_per_step", "number", "Time per step", "time that a step took", "s"),
     Column(
         "realtime_factor",
         "number",
         "Real-time factor",
-        "time in the scene over the time that it took",
+        "simulated time divided by the time of the computation",
         counts="times real time",
     ),
 )
@@ -73,7 +73,7 @@ ORDER = Column(
     "order",
     "number",
     "Order",
-    "power of the time step with which the attitude error falls, seen at this step, its half and its quarter",
+    "power of the time step with which the attitude error decreases, measured at this step, its half and its quarter",
     remark="a number holds within 0.25",
 )
 

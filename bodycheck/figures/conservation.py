@@ -80,7 +80,7 @@ DRIFTS = (
     Figure(
         name="energy_drift",
         title="Energy drift",
-        meaning="change of the energy, which mechanics keeps, relative to its size",
+        meaning="change of the energy, which should be constant, relative to its size",
         largest=True,
         remark="without friction and drag",
         compute=_where(True, total_energy),
@@ -91,7 +91,7 @@ DRIFTS = (
     Figure(
         name="rotational_energy_drift",
         title="Rotational energy drift",
-        meaning="change of the energy of rotation, which mechanics keeps, relative to its size",
+        meaning="change of the rotational energy, which should be constant, relative to its size",
         largest=True,
         remark="without friction and drag",
         compute=_where(True, rotational_energy),
@@ -102,7 +102,7 @@ DRIFTS = (
         name="angular_momentum_drift",
         title="Angular momentum drift",
         meaning=(
-            "change of the angular momentum about the centre of mass, a vector, which mechanics keeps, relative to its size"
+            "change of the angular momentum vector about the centre of mass, which should be constant, relative to its size"
         ),
         largest=True,
         remark="without friction and drag",
@@ -118,7 +118,7 @@ ERRORS = (
     Figure(
         name="energy_error",
         title="Energy error",
-        meaning="difference of the energy from that of mechanics, relative to its size",
+        meaning="difference between the energy and the exact energy, relative to its size",
         largest=True,
         remark="with friction or drag",
         compute=_where(False, total_energy),
@@ -128,7 +128,7 @@ ERRORS = (
     Figure(
         name="rotational_energy_error",
         title="Rotational energy error",
-        meaning="difference of the energy of rotation from that of mechanics, relative to its size",
+        meaning="difference between the rotational energy and the exact one, relative to its size",
         largest=True,
         remark="with friction or drag",
         compute=_where(False, rotational_energy),
@@ -137,7 +137,7 @@ ERRORS = (
     Figure(
         name="angular_momentum_error",
         title="Angular momentum error",
-        meaning="difference of the angular momentum, a vector, from that of mechanics, relative to its size",
+        meaning="difference between the angular momentum vector and the exact one, relative to its size",
         largest=True,
         remark="with friction or drag",
         compute=_where(False, angular_momentum),

@@ -50,7 +50,7 @@ STOP = (
     Figure(
         name="stop_time_error",
         title="Stop time error",
-        meaning="how far the time at which the body comes to rest is from that of mechanics",
+        meaning="difference between the time at which the body comes to rest and the exact time",
         unit="s",
         remark="of a body that slides to rest",
         compute=_of_stops(lambda seen, expected: abs(seen.time - expected.time)),
@@ -59,7 +59,7 @@ STOP = (
     Figure(
         name="stop_position_error",
         title="Stop position error",
-        meaning="how far the place at which the body comes to rest is from that of mechanics",
+        meaning="distance between the place at which the body comes to rest and the exact place",
         unit="m",
         remark="of a body that slides to rest",
         compute=_of_stops(lambda seen, expected: math.dist(seen.position[:2], expected.position[:2])),
@@ -68,7 +68,7 @@ STOP = (
     Figure(
         name="stop_yaw_error",
         title="Stop yaw error",
-        meaning="how far the angle at which the body comes to rest is from that of mechanics",
+        meaning="difference between the yaw at which the body comes to rest and the exact yaw",
         unit="rad",
         remark="of a body that slides to rest",
         compute=_of_stops(lambda seen, expected: abs(seen.yaw - expected.yaw)),
@@ -77,7 +77,7 @@ STOP = (
     Figure(
         name="creep",
         title="Creep",
-        meaning="mean speed after the stop, where mechanics has the body at rest",
+        meaning="mean speed after the stop, when the body should be at rest",
         unit="m/s",
         remark="of a body that slides to rest",
         compute=creep,
@@ -89,7 +89,7 @@ POSE = (
     Figure(
         name="penetration",
         title="Penetration",
-        meaning="depth to which the body goes into the plane",
+        meaning="depth to which the body sinks into the plane",
         unit="m",
         largest=True,
         remark="on a plane",
@@ -100,7 +100,7 @@ POSE = (
     Figure(
         name="tilt",
         title="Tilt",
-        meaning="angle by which the body tilts off the plane",
+        meaning="angle by which the body is tilted against the plane",
         unit="rad",
         largest=True,
         remark="on a plane",
@@ -115,7 +115,7 @@ LOAD = (
     Figure(
         name="mean_load",
         title="Mean load",
-        meaning="what the plane bears on the average until the stop",
+        meaning="average load on the plane until the stop",
         counts="weights",
         compute=_of_load(lambda load: load.mean_load),
         limited=False,
@@ -124,7 +124,7 @@ LOAD = (
     Figure(
         name="peak_load",
         title="Peak load",
-        meaning="the most that the plane bears in a step until the stop",
+        meaning="largest load on the plane in a step until the stop",
         counts="weights",
         compute=_of_load(lambda load: load.peak_load),
         limited=False,
@@ -133,7 +133,7 @@ LOAD = (
     Figure(
         name="time_in_contact",
         title="In contact",
-        meaning="part of the steps until the stop in which the plane bears anything",
+        meaning="share of the steps until the stop in which the plane carries a load",
         counts="of the steps",
         compute=_of_load(lambda load: load.time_in_contact),
         limited=False,

@@ -30,7 +30,7 @@ ERRORS = (
     Figure(
         name="position_error",
         title="Position error",
-        meaning="distance of the centre of mass from where mechanics has it",
+        meaning="distance of the centre of mass from its exact position",
         unit="m",
         largest=True,
         compute=position_error,
@@ -42,7 +42,7 @@ ERRORS = (
     Figure(
         name="velocity_error",
         title="Velocity error",
-        meaning="difference of the velocity from that of mechanics",
+        meaning="difference between the velocity and the exact velocity",
         unit="m/s",
         largest=True,
         compute=velocity_error,
@@ -52,7 +52,7 @@ ERRORS = (
     Figure(
         name="attitude_error",
         title="Attitude error",
-        meaning="angle between the body's attitude and that of mechanics",
+        meaning="angle between the body's attitude and the exact attitude",
         unit="rad",
         largest=True,
         compute=attitude_error,
@@ -64,7 +64,7 @@ ERRORS = (
     Figure(
         name="angular_velocity_error",
         title="Angular velocity error",
-        meaning="difference of the angular velocity, along the body's axes, from that of mechanics",
+        meaning="difference between the angular velocity, along the body's axes, and the exact one",
         unit="rad/s",
         largest=True,
         compute=angular_velocity_error,
@@ -78,7 +78,7 @@ ERRORS = (
 TRUTH_ERROR = Figure(
     name="truth_error",
     title="Truth error",
-    meaning="error that the truth's own attitude may have, below which an attitude error says nothing",
+    meaning="bound of the truth's own attitude error; smaller attitude errors have no meaning",
     unit="rad",
     largest=True,
     compute=lambda compared: compared.truth.error,

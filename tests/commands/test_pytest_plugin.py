@@ -70,7 +70,7 @@ def test_a_wrong_expectation_explains_itself(repository: pytest.Pytester) -> Non
         "",
         "spin, simulated by wrong 1.0 (integrator closed-form, time step 0.1 s) and compared with mechanics:",
         "",
-        "spin.case.toml:15: position_error, largest distance of the centre of mass from where mechanics has it",
+        "spin.case.toml:15: position_error, largest distance of the centre of mass from its exact position",
         "    expected  at most 1e-09 m",
         "    measured  1 m",
         *told[7:],
