@@ -5,7 +5,6 @@ import math
 import subprocess
 import sys
 from fractions import Fraction
-from operator import mul
 
 import mpmath
 import numpy as np
@@ -14,12 +13,13 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from bodycheck.reference.flight.closed_form import bound, flip_period, motion
-from bodycheck.reference.flight.elliptic import Wide, complete, first_kind, jacobi, quarter_period, theta_series
+from bodycheck.reference.flight.elliptic import Wide
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.integration import quasi_coordinates
 from bodycheck.reference.kinematics import geodesic_angle, multiply, normalise, rotate
 from bodycheck.reference.scene import Body, Brick, Quaternion, Scene, State, Vector
 from bodycheck.reference.trajectory import Array
+from tests.reference.flight.integer_series import ONE, angle_between, fixed, taylor_step, witness
 
 EPS = float(np.finfo(float).eps)
 WIDE_EPS = float(np.finfo(Wide).eps)
@@ -32,80 +32,6 @@ FLIP = Scene(
 
 def spinning(moments: Vector, rates: Vector, quaternion: Quaternion = UPRIGHT) -> Scene:
     return Scene(Body(1.0, moments), State(quaternion=quaternion, angular_velocity=rates))
-
-
-# The witness: Euler's equations and dq/dt = q Omega / 2 from the same doubles, by Taylor series in integers of 2^-200.
-
-BITS = 200
-ONE = 1 << BITS
-NEGLIGIBLE = 1 << 30
-
-
-def fixed(value: Fraction) -> int:
-    return round(value * ONE)
-
-
-def cauchy(a: list[int], b: list[int]) -> int:
-    """The newest coefficient of a product of two series."""
-    return sum(map(mul, a, reversed(b))) >> BITS
-
-
-def taylor_step(ratios: list[int], rates: list[int], attitude: list[int], step: int) -> tuple[list[int], list[int]]:
-    p, q, r = series = [[rate] for rate in rates]
-    w, x, y, z = turned = [[part] for part in attitude]
-    power, order = ONE, 0
-    while True:
-        order += 1
-        power = power * step >> BITS
-        accelerations = [cauchy(q, r), cauchy(r, p), cauchy(p, q)]
-        turns = [
-            -cauchy(x, p) - cauchy(y, q) - cauchy(z, r),
-            cauchy(w, p) + cauchy(y, r) - cauchy(z, q),
-            cauchy(w, q) + cauchy(z, p) - cauchy(x, r),
-            cauchy(w, r) + cauchy(x, q) - cauchy(y, p),
-        ]
-        for part, ratio, value in zip(series, ratios, accelerations, strict=True):
-            part.append((ratio * value >> BITS) // order)
-        for part, value in zip(turned, turns, strict=True):
-            part.append(value // (2 * order))
-        last = [abs(part[-1]) for part in series + turned]
-        if order > 8 and max(last) * power >> BITS < NEGLIGIBLE:
-            break
-
-    def summed(coefficients: list[int]) -> int:
-        total = 0
-        for coefficient in reversed(coefficients):
-            total = (total * step >> BITS) + coefficient
-        return total
-
-    return [summed(part) for part in series], [summed(part) for part in turned]
-
-
-def witness(scene: Scene, times: Array) -> list[tuple[list[int], Array]]:
-    """Attitudes in fixed point and body rates in double precision at ascending times >= 0."""
-    a, b, c = map(Fraction, scene.body.moments)
-    ratios = [fixed((b - c) / a), fixed((c - a) / b), fixed((a - b) / c)]
-    # Time is measured in a unit, a power of two of the second, in which no rate is above 1.
-    unit = Fraction(2) ** -math.frexp(max(map(abs, scene.initial.angular_velocity)))[1]
-    rates = [fixed(Fraction(rate) * unit) for rate in scene.initial.angular_velocity]
-    attitude = [fixed(Fraction(part)) for part in scene.initial.quaternion]
-    now, states = Fraction(0), []
-    for time in times.tolist():
-        end = Fraction(time) / unit
-        while now < end:
-            step = min(Fraction(1, 2), end - now)
-            rates, attitude = taylor_step(ratios, rates, attitude, fixed(step))
-            now += step
-        states.append((attitude, np.array([float(Fraction(rate, ONE) / unit) for rate in rates])))
-    return states
-
-
-def angle_between(exact: list[int], quaternion: Array) -> float:
-    w, x, y, z = exact
-    a, b, c, d = (fixed(Fraction(part)) for part in quaternion.tolist())
-    scalar = w * a + x * b + y * c + z * d
-    vector = (w * b - x * a - y * d + z * c, w * c + x * d - y * a - z * b, w * d - x * c + y * b - z * a)
-    return 2 * math.atan2(math.isqrt(sum(part * part for part in vector)) / ONE**2, abs(scalar) / ONE**2)
 
 
 def errors(scene: Scene, times: Array) -> tuple[Array, Array]:
@@ -405,47 +331,3 @@ def test_flip_period_grows_with_the_logarithm_of_the_distance_from_the_separatri
 )
 def test_what_does_not_flip_has_no_flip_period(moments: Vector, rates: Vector) -> None:
     assert flip_period(Body(1.0, moments), rates) == math.inf
-
-
-# The elliptic functions.
-
-
-def wide(value: mpmath.mpf) -> Wide:
-    return Wide(float(value)) + Wide(float(value - mpmath.mpf(float(value))))
-
-
-@pytest.mark.parametrize("kc", ["1e-30", "1e-18", "1e-9", "1e-3", "0.1", "0.7", "0.71", "0.9", "0.999999", "0.999999999999"])
-@pytest.mark.parametrize("nu", ["0", "1e-10", "0.1", "1"])
-def test_elliptic_functions_for_every_modulus(kc: str, nu: str) -> None:
-    with mpmath.workdps(80):
-        complementary, characteristic = mpmath.mpf(kc), mpmath.mpf(nu)
-        m = 1 - complementary**2
-        quarter = mpmath.ellipk(m)
-        mean = mpmath.elliprj(0, complementary**2, 1, 1 + characteristic) / 3 / quarter
-        weight = mpmath.sqrt(characteristic * (1 + characteristic) * (characteristic + m))
-        u = np.array([0.0, 1e-9, 0.3, 0.9, 0.999, 1.0]) * float(quarter)
-        u = np.concatenate([-u, u])
-        k, kc_, nu_ = wide(mpmath.sqrt(m)), wide(complementary), wide(characteristic)
-        assert float(abs(quarter_period(kc_) / wide(quarter) - 1)) < 10 * WIDE_EPS
-        third = complete(kc_, 1 + nu_, Wide(0), Wide(1)) / quarter_period(kc_)
-        assert float(abs(third / wide(mean) - 1)) < 20 * WIDE_EPS
-
-        eta = Wide(0)
-        if nu_ > 0:
-            eta = first_kind(*(np.sqrt(part / (nu_ + k * k)) for part in (nu_, k * k, k * k * (1 + nu_))))
-        sn, cn, dn, phase = jacobi(theta_series(k, kc_, quarter_period(kc_), eta), u)
-        for index, value in enumerate(map(mpmath.mpf, u.tolist())):
-            s, c, d = (mpmath.re(mpmath.ellipfun(name, value, m=m)) for name in ("sn", "cn", "dn"))
-            # Within a few roundings of 1, of which those of u, up to 70, are none: the functions are flat there.
-            assert max(abs(s - sn[index]), abs(c - cn[index]), abs(d - dn[index])) < 4 * EPS
-            integral = s**3 * mpmath.elliprj(c * c, d * d, 1, 1 + characteristic * s * s) / 3
-            if abs(value) <= quarter:
-                assert abs(phase[index] - weight * (mean * value - integral)) < 4 * EPS
-
-
-@pytest.mark.parametrize("u", ["1e-15", "0.5", "3", "20", "60"])
-def test_first_kind_inverts_the_elliptic_functions_near_the_separatrix(u: str) -> None:
-    with mpmath.workdps(80):
-        value, m = mpmath.mpf(u), 1 - mpmath.mpf("1e-30") ** 2
-        functions = (wide(mpmath.re(mpmath.ellipfun(name, value, m=m))) for name in ("sn", "cn", "dn"))
-        assert float(abs(first_kind(*functions) / wide(value) - 1)) < 20 * WIDE_EPS
