@@ -1,15 +1,16 @@
 """The reference: the rigid-body mechanics that engines are compared with.
 
-It implements R. F. Gans, *Engineering Dynamics: From the Lagrangian to Simulation*, Springer 2013, chapter 2, cited as [G n]
-for equation n, with the corrections listed in docs/errata.md. It knows mechanics, NumPy and SciPy, and nothing of engines,
-case files or reports.
+It implements R. F. Gans, *Engineering Dynamics: From the Lagrangian to Simulation*, Springer 2013, chapter 2, with the
+corrections listed in docs/errata.md. Docstrings cite its equation n as [G n], and equation n of the NIST Digital Library of
+Mathematical Functions as [DLMF n]. The package depends on NumPy, SciPy and, where it is installed, heyoka; it does not depend
+on engines, case files or reports.
 
 Start here:
 
-- `truth`: the reference trajectory of a scene with the bound of its own error. This is the entry point of the room.
+- `truth`: the reference trajectory of a scene with the bound of its own error. This is the entry point of the package.
 - `certificate`: every way of computing one truth, compared with every other.
 - `scene`: bodies, initial states, planes. `trajectory`: sampled states. All other modules use these two.
-- `errors`: the exceptions that the room raises for scenes it cannot compute.
+- `errors`: the exceptions for scenes and motions that the reference cannot compute.
 
 Mechanics of any motion:
 
@@ -28,6 +29,6 @@ Folders:
 
 Imports run in one direction: `certificate` imports `truth`, `truth` imports `flight`, `sliding` and `integration`; these, as
 well as `schemes` and `chapter`, import the modules for any motion; those import `scene`, `trajectory` and `errors`, which
-import nothing of the room. `flight` and `sliding` import the DOP853 driver of `integration`; otherwise the folders do not
+import nothing of this package. `flight` and `sliding` import the DOP853 driver of `integration`; otherwise the folders do not
 import one another.
 """

@@ -6,5 +6,5 @@
 - `particles`: three particles at fixed distances, and their six coordinates.
 - `wobble`: how much wobble a stable spin tolerates.
 
-`particles` imports `placing`; otherwise the modules do not import one another. Nothing else in the room imports them.
+`particles` imports `placing`; otherwise the modules do not import one another. Nothing else in the package imports them.
 """

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from bodycheck.reference.kinematics import Float, Floats
 from bodycheck.reference.trajectory import Array
 
-#: Size up to which entries of a rotation matrix are mere rounding, so that a direction computed from them is meaningless.
+#: Size up to which entries of a rotation matrix are rounding errors, so that a direction computed from them is meaningless.
 SINE_ROUNDING = 4 * float(np.finfo(float).eps)
 
 #: How far the scalar products of the axes of a matrix may be from those of orthonormal axes. It admits matrices in single

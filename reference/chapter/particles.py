@@ -16,7 +16,7 @@ from bodycheck.reference.trajectory import Array
 #: Relative amount by which two distances may fall short of the third, because of rounding for three particles in a row.
 TRIANGLE_TOLERANCE = 1e-12
 
-#: Sine of the angle between r12 and i up to which i x r12 is mere rounding.
+#: Sine of the angle between r12 and i up to which i x r12 is a rounding error.
 PARALLEL_SINE = 4 * float(np.finfo(float).eps)
 
 

@@ -36,7 +36,7 @@ PLAIN_TIME_STOP_FRACTION = 1e-9
 #: that the two solutions do not share their steps.
 LONGEST_LOG_TIME_STEP, LONGEST_PLAIN_TIME_STEP = 0.2, 0.13
 
-#: Relative difference of two instants that is mere rounding.
+#: Relative difference of two instants that counts as rounding.
 TIME_ROUNDING = 4 * float(np.finfo(float).eps)
 
 #: Nearness to a point where friction is not smooth at which time advances at half its pace.
