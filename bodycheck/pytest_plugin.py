@@ -240,7 +240,7 @@ def _perform(config: pytest.Config) -> "Perform":
 
         stack = ExitStack()
         config.add_cleanup(stack.close)
-        call = stack.enter_context(pool.caller(campaign.perform, campaign.TIME_LIMIT))
+        call = stack.enter_context(pool.caller(campaign.perform, campaign.TIME_LIMIT_S))
         kept: Perform = lru_cache(MAX_CACHED_RESULTS)(call)
         config.stash[PERFORM_KEY] = kept
     return config.stash[PERFORM_KEY]

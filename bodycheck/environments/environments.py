@@ -172,7 +172,7 @@ def remove(engine: str, versions: Sequence[str]) -> tuple[str, ...]:
 def run(
     environment: Environment, module: str, arguments: Sequence[str], stdin: str | None, timeout: float
 ) -> CompletedProcess[str]:
-    """Run `python -m module` in an environment, with at most `pool.MEMORY` bytes of memory. It ends when this process does.
+    """Run `python -m module` in an environment with `pool.MEMORY_LIMIT_BYTES` of memory. It ends when this process does.
 
     Parameters
     ----------

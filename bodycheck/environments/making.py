@@ -195,7 +195,7 @@ def output(python: Path, code: str, *arguments: str) -> str:
 
 
 def run(python: Path, arguments: Sequence[str], stdin: str | None, timeout: float) -> CompletedProcess[str]:
-    """Run the interpreter of an environment, with at most `pool.MEMORY` bytes of memory, until it ends.
+    """Run the interpreter of an environment, with at most `pool.MEMORY_LIMIT_BYTES` of memory, until it ends.
 
     Parameters
     ----------
@@ -218,7 +218,7 @@ def run(python: Path, arguments: Sequence[str], stdin: str | None, timeout: floa
     variables = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME")}
     variables[PATH_VARIABLE] = os.pathsep.join(_other_folders())
     # With -P nothing is imported from the working directory.
-    return subprocesses.run([str(python), "-P", *arguments], variables, stdin, timeout, pool.MEMORY)
+    return subprocesses.run([str(python), "-P", *arguments], variables, stdin, timeout, pool.MEMORY_LIMIT_BYTES)
 
 
 def site_folders() -> list[str]:

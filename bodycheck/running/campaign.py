@@ -1,4 +1,4 @@
-"""Many runs at once: tasks in, a results folder out."""
+"""Make the runs of many tasks, and the truths they need, in worker processes, and store them in a results folder."""
 
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,23 +24,23 @@ from bodycheck.running.simulation import run, sampling_steps
 from bodycheck.running.store import Results, Writer
 from bodycheck.running.truths import stop_under, truth
 
-#: Seconds that one run, or one truth, may take.
-TIME_LIMIT = 300.0
+#: Time limit of one run or one truth.
+TIME_LIMIT_S = 300.0
 
 
 class Advance(Protocol):
-    """Is called with a word on what has just been done, and how many things that was."""
+    """A function that is called with a text about the last completed work, and the number of completed units."""
 
     def __call__(self, done: str, count: int = 1, /) -> None: ...
 
 
-def _silent(done: str, count: int = 1, /) -> None:
+def _no_progress(done: str, count: int = 1, /) -> None:
     pass
 
 
 @dataclass(frozen=True)
 class TruthTask:
-    """The truth that the runs of a case with one time step (s) are held against."""
+    """The task of computing the truth for the runs of a case with one time step (s)."""
 
     case: Case
     timestep: float
@@ -48,7 +48,7 @@ class TruthTask:
 
 @dataclass(frozen=True)
 class StopTask:
-    """The stop of the body of a case if a law of friction acts on its plane."""
+    """The task of computing where the body of a case stops if a law of friction acts on its plane."""
 
     case: Case
     law: Plane
@@ -69,7 +69,7 @@ def header(command: Sequence[str], engines: Mapping[str, str], missing: Mapping[
 
 
 def size(tasks: Sequence[Task]) -> int:
-    """How many things there are to do for these tasks: the runs, and the truths they need."""
+    """Return the number of units of work for tasks: the runs and the truths they need."""
     return len(tasks) + len(_truth_tasks(tasks))
 
 
@@ -79,27 +79,46 @@ def results(
     folder: Path,
     head: Header,
     jobs: int = 1,
-    limit: float = TIME_LIMIT,
-    memory: int = pool.MEMORY,
-    progress: Advance = _silent,
+    limit: float = TIME_LIMIT_S,
+    memory: int = pool.MEMORY_LIMIT_BYTES,
+    progress: Advance = _no_progress,
 ) -> Iterator[Results]:
-    """Run all tasks and the truths they need, in `jobs` processes, write each as it finishes, and give what came out.
+    """Make all runs and the truths they need, write each as it finishes, and provide the results.
 
-    Where the same was interrupted in that folder, it is gone on with: what is there is not done again. What is made of the
-    results within the context belongs to the run: it counts as interrupted until that is done too.
+    If the same work was interrupted in the folder, it is resumed, and what is done is not repeated. The work counts as
+    interrupted until the context ends, so that what the caller makes of the results belongs to it.
 
-    limit (s) and memory (bytes) are those of one run or truth. Raises `BadFolder` for a folder that holds other things,
-    `BadJournal` for one that another process is writing.
+    Parameters
+    ----------
+    tasks
+        The runs to make.
+    folder
+        The folder for the results.
+    head
+        The header of the results.
+    jobs
+        The number of processes.
+    limit, memory
+        The time limit (s) and the memory limit (bytes) of one run or truth.
+    progress
+        A function that is called after each unit of work.
+
+    Raises
+    ------
+    BadFolder
+        If the folder contains other files.
+    BadJournal
+        If another process is writing to the folder.
     """
     cases = tuple({task.case.name: task.case for task in tasks}.values())
     places = {task: place for place, task in enumerate(tasks)}
     identity = _identity(tasks, head, limit, memory)
     with Writer(folder, head, identity, cases) as writer:
         everything: list[TruthTask | Task] = [*_truth_tasks(tasks), *tasks]
-        left = [argument for argument in everything if not _is_there(writer, argument)]
+        left = [argument for argument in everything if not _is_done(writer, argument)]
         if there := len(everything) - len(left):
             print(
-                f"bodycheck: going on with the interrupted run in {folder}: {there} of {len(everything)} are there",
+                f"bodycheck: resuming the interrupted run in {folder}: {there} of {len(everything)} are done",
                 file=sys.stderr,
             )
             progress("", there)
@@ -129,14 +148,14 @@ def results(
 
 
 def _identity(tasks: Sequence[Task], head: Header, limit: float, memory: int) -> str:
-    """A fingerprint of all that decides on the results, wherever and by whatever command they are made."""
+    """Return a digest of everything that determines the results, regardless of the machine and the command."""
     versions = [store.FORMAT, head["bodycheck"], head["packages"], head["engines"]]
     cases = {task.case.name: task.case for task in tasks}
     plan = [task.key for task in tasks]
     return sha256(repr((versions, limit, memory, cases, plan)).encode("utf-8")).hexdigest()
 
 
-def _is_there(writer: Writer, argument: TruthTask | Task) -> bool:
+def _is_done(writer: Writer, argument: TruthTask | Task) -> bool:
     if isinstance(argument, Task):
         return writer.has_run(argument.key)
     return writer.has_truth(argument.case.name, argument.timestep)
@@ -147,9 +166,9 @@ def _truth_tasks(tasks: Sequence[Task]) -> tuple[TruthTask, ...]:
 
 
 def _stop_tasks(cases: Mapping[str, Case], runs: Sequence[Run]) -> tuple[StopTask, ...]:
-    """The stops that attribution needs: under the law of the case, and under the laws of the engines' contacts.
+    """Return the stops that attribution needs: under the law of the case, and under the laws of the engines' contacts.
 
-    They are known after the runs, as an engine tells the law of its contacts in the process of its run.
+    They are known only after the runs, because an engine reports the law of its contacts in the process of its run.
     """
     found: dict[StopTask, None] = {}
     for made in runs:
@@ -160,17 +179,17 @@ def _stop_tasks(cases: Mapping[str, Case], runs: Sequence[Run]) -> tuple[StopTas
 
 
 def perform_run(task: Task) -> Run:
-    """Return the run that is asked for."""
+    """Make the run of a task."""
     return run(task.case, task.engine, task.method)
 
 
 def perform_stop(task: StopTask) -> Stop | None:
-    """Return the stop that is asked for, None if the reference knows none."""
+    """Compute the stop of a task; None if the reference knows none."""
     return stop_under(task.case, task.law)
 
 
 def perform(argument: TruthTask | Task) -> Run | Truth | NoTruth:
-    """Return the run or the truth that is asked for; `NoTruth` if the reference has none."""
+    """Make the run or compute the truth of a task; `NoTruth` if the reference has none."""
     if isinstance(argument, Task):
         return perform_run(argument)
     case, timestep = argument.case, argument.timestep

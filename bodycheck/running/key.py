@@ -1,4 +1,4 @@
-"""The key of a run: which case, which engine, which method, and which set of results where there are several."""
+"""The key of a run: its case, engine and method, and its set of results if there are several."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,18 +9,18 @@ from bodycheck.adapters.method import Method, current
 
 @dataclass(frozen=True)
 class RunKey:
-    """One run among others.
+    """Identifies a run.
 
     Parameters
     ----------
     case
-        The name of the case; empty where a method is meant over all cases.
+        The name of the case; empty if the key stands for all cases.
     engine
         The name of the engine.
     method
-        Integrator, options and time step; the time step is 0 where a method is meant with any.
+        Integrator, options and time step; the time step is 0 if the key stands for all time steps.
     label
-        The label of the set of results; empty where there is only one set.
+        The label of the set of results; empty if there is only one set.
     """
 
     case: str
@@ -30,19 +30,19 @@ class RunKey:
 
     @classmethod
     def of_row(cls, row: Mapping[str, Any], label: str = "") -> "RunKey":
-        """The key of a row of any table with the columns case, engine, integrator and timestep (s).
+        """Return the key of a row of any table with the columns case, engine, integrator and timestep (s).
 
-        The row may be of an earlier version of bodycheck, which spelled some methods otherwise. Raises `BadInput` where the
-        column integrator has no spelling of a method.
+        Rows of earlier versions of bodycheck, which spelled some methods differently, are accepted. Raises `BadInput` if the
+        column `integrator` does not contain the spelling of a method.
         """
         return cls(row["case"], row["engine"], Method.parse(current(row["integrator"]), float(row["timestep"])), label)
 
     @property
     def over_cases(self) -> "RunKey":
-        """The same engine and method over all cases."""
+        """The key of the same engine and method that stands for all cases."""
         return RunKey("", self.engine, self.method, self.label)
 
     @property
     def over_steps(self) -> "RunKey":
-        """The same integrator and options with any time step."""
+        """The key of the same integrator and options that stands for all time steps."""
         return RunKey(self.case, self.engine, self.method.at(0.0), self.label)

@@ -1,7 +1,6 @@
-"""What a process may take, held by the system itself whatever the code in the process does: memory, and no life after its
-parent's.
+"""Operating-system limits for worker processes: a memory cap (RLIMIT_DATA) and termination with the parent (Linux).
 
-Linux holds both. Elsewhere memory is not limited, and a process outlives its parent until the call that it is in ends.
+On other systems memory is not limited, and a process that outlives its parent ends after its present call.
 """
 
 import contextlib
@@ -19,31 +18,32 @@ if sys.platform != "win32":
 #: From linux/prctl.h.
 PR_SET_PDEATHSIG = 1
 
-_allowance: int | None = None
-_at_first = 0
+_allowance_bytes: int | None = None
+_initial_bytes = 0
 
 
 def allow_memory(allowance: int) -> None:
-    """From now on `limited_memory` limits to so many bytes."""
-    global _allowance, _at_first
-    with contextlib.suppress(OSError):  # a system that does not tell what is in use cannot hold the limit either
-        _at_first = _memory_in_use()
-        _allowance = allowance
+    """Set the allowance in bytes that `limited_memory` enforces from now on."""
+    global _allowance_bytes, _initial_bytes
+    with contextlib.suppress(OSError):  # a system that does not report memory use cannot limit it either
+        _initial_bytes = _memory_in_use()
+        _allowance_bytes = allowance
 
 
 @contextlib.contextmanager
 def limited_memory() -> Iterator[None]:
-    """In this context the process may take as much more memory as was allowed, and no more.
+    """Limit the memory that the process can allocate within the context to the allowance.
 
-    What asks for more gets none: a MemoryError in Python, a null pointer in C. Counted is private memory that can be written
-    (RLIMIT_DATA), touched or not. Reserved addresses, mapped files, shared memory and a GPU's are not.
+    An allocation beyond the limit fails: with a MemoryError in Python, and a null pointer in C. The limit counts private
+    writable memory (RLIMIT_DATA), whether it is used or not, but not reserved addresses, mapped files, shared memory, or GPU
+    memory.
     """
-    if _allowance is None:
+    if _allowance_bytes is None:
         yield
         return
     before = soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
     others = [limit for limit in before if limit != resource.RLIM_INFINITY]
-    resource.setrlimit(resource.RLIMIT_DATA, (min([_memory_in_use() + _allowance, *others]), hard))
+    resource.setrlimit(resource.RLIMIT_DATA, (min([_memory_in_use() + _allowance_bytes, *others]), hard))
     try:
         yield
     finally:
@@ -51,25 +51,29 @@ def limited_memory() -> Iterator[None]:
 
 
 def keeps_much() -> bool:
-    """Whether this process has come to hold more than half of what it may take at a time."""
-    return _allowance is not None and _memory_in_use() - _at_first > _allowance / 2
+    """Return whether the process has accumulated more than half of its memory allowance."""
+    return _allowance_bytes is not None and _memory_in_use() - _initial_bytes > _allowance_bytes / 2
 
 
 def shortage() -> str:
-    """What there is to say of a MemoryError."""
-    return f"it ran out of its memory of {_allowance / (1 << 30):g} GiB" if _allowance is not None else "it ran out of memory"
+    """Return the error message for a MemoryError."""
+    return (
+        f"it ran out of its memory of {_allowance_bytes / (1 << 30):g} GiB"
+        if _allowance_bytes is not None
+        else "it ran out of memory"
+    )
 
 
 def die_with_parent() -> None:
-    """Have the system kill this process when the thread that started it ends, however that ends."""
+    """Let the operating system kill this process when the thread that started it ends for any reason."""
     parent = multiprocessing.parent_process()
     if sys.platform == "linux" and parent is not None:
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent.pid:  # it ended before this was asked for
+        if os.getppid() != parent.pid:  # the parent ended before the request took effect
             os._exit(0)
 
 
 def _memory_in_use() -> int:
-    """Bytes of private memory that this process can write."""
+    """Return the private writable memory of this process in bytes."""
     pages = Path("/proc/self/statm").read_text("ascii").split()[5]
     return int(pages) * os.sysconf("SC_PAGE_SIZE")

@@ -1,15 +1,15 @@
-"""The machine's fingerprint: what a measured time depends on."""
+"""Describe the machine, on which measured times depend."""
 
 import os
 import platform
 from pathlib import Path
 
-#: Factor by which the speed of one machine may change from one hour to the next.
+#: Factor by which the speed of one machine may vary within hours.
 SPEED_TOLERANCE = 1.25
 
 
 def fingerprint() -> dict[str, str]:
-    """System, processor and Python, in words; a speed measured on one fingerprint says little of another."""
+    """Return a description of system, processor and Python; times are comparable only between equal fingerprints."""
     return {
         "system": platform.platform(),
         "processor": _processor(),
@@ -19,7 +19,7 @@ def fingerprint() -> dict[str, str]:
 
 
 def _processor() -> str:
-    """The model of the processor where the system tells it, with its architecture."""
+    """Return the model of the processor, if the system reports it, and its architecture."""
     try:
         lines = Path("/proc/cpuinfo").read_text("utf-8").splitlines()
     except OSError:

@@ -1,4 +1,4 @@
-"""How a run ended: a closed family of frozen types that answer the same questions."""
+"""The outcomes of a run: a closed set of frozen types with the same attributes `status`, `failed` and `reason`."""
 
 from dataclasses import dataclass, field
 from typing import ClassVar, Literal, Protocol
@@ -20,7 +20,7 @@ class Stored(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Completed:
-    """The engine stepped to the end.
+    """The engine completed the run.
 
     Attributes
     ----------
@@ -59,10 +59,16 @@ class Unsupported:
 
 @dataclass(frozen=True)
 class Diverged:
-    """Not a number, an energy out of all bounds, or a silent reset.
+    """The states are not numbers, have an impossible energy or never change, or the engine stopped or reset the simulation.
 
-    signal: what the engine itself told of it: nothing, or that it gave up or started over. trajectory: the states until then
-    and the first one after it, as far as there are any.
+    Attributes
+    ----------
+    reason
+        What happened, and when.
+    signal
+        Whether the engine itself reported nothing, that it gave up, or that it reset the simulation.
+    trajectory
+        The states up to the event and the first one after it, if the engine returned any.
     """
 
     reason: str
@@ -98,17 +104,24 @@ Outcome = Completed | Unsupported | Diverged | Crashed | TimedOut
 
 
 def crash(error: BaseException) -> Crashed:
-    """What an error that an engine raised says, in text that every file can hold."""
+    """Return the outcome for an exception of an engine, with its message as valid UTF-8."""
     text = f"{shortage()}: {error}" if isinstance(error, MemoryError) else f"{type(error).__name__}: {error}"
     return Crashed(text.removesuffix(": ").encode("utf-8", "backslashreplace").decode("utf-8"))
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One engine x one method x one case, and how it ended.
+    """A run of a case in an engine with a method, and its outcome.
 
-    contact_law: the friction that the engine's contacts would make on the scene's plane if they were rigid; None without a
-    plane, and where it is no law of the reference.
+    Attributes
+    ----------
+    case, engine, version, method
+        The names of case and engine, the engine's version, and the method.
+    outcome
+        The outcome.
+    contact_law
+        The friction that the engine's contacts would produce on the scene's plane if they were rigid; None without a plane,
+        and if the reference has no such law.
     """
 
     case: str
@@ -120,5 +133,5 @@ class Run:
 
     @property
     def key(self) -> RunKey:
-        """Which run it is."""
+        """The key of the run."""
         return RunKey(self.case, self.engine, self.method)

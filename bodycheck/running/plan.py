@@ -1,4 +1,4 @@
-"""What to run: which cases through which engines with which methods."""
+"""Plan runs: which cases are run in which engines with which methods."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -25,18 +25,18 @@ class Task:
 
     @property
     def key(self) -> RunKey:
-        """Which run it is."""
+        """The key of the run."""
         return RunKey(self.case.name, self.engine, self.method)
 
 
-#: From cases, adapters by the engine's name, spellings of methods and time steps (s) to what is to be run.
+#: A function that returns the tasks for cases, adapters by name, spellings of methods, and time steps (s).
 Plan = Callable[[Sequence[Case], Mapping[str, Adapter], Sequence[str], Sequence[float]], tuple[Task, ...]]
 
 
 def plan(
     cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Task, ...]:
-    """Every case x engine x method x time step, each once.
+    """Return one task for every case, engine, method and time step.
 
     Parameters
     ----------
@@ -45,15 +45,15 @@ def plan(
     engines
         Adapters by the engine's name.
     integrators
-        Spellings of methods; all that an engine offers where there are none.
+        Spellings of methods; all that each engine offers if it is empty.
     timesteps
-        s; where there are none, 2 ms and what the expectations of a case ask for.
+        Time steps (s). If it is empty, 2 ms and the time steps of the case's expectations.
 
     Raises
     ------
     BadInput
-        For a method that no engine has, for an expectation of a method that its engine does not have, for a time step that
-        cannot be run, and where there is nothing to run.
+        If no engine has a method, an engine does not have the method of an expectation, a time step is not possible, or there
+        is nothing to run.
     """
     check(cases, engines, integrators, timesteps or (DEFAULT_TIMESTEP,))
     tasks = tuple(
@@ -69,7 +69,19 @@ def plan(
 def check(
     cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> None:
-    """Raises `BadInput` for the spelling of a method that no engine has, and for a time step (s) that cannot be run."""
+    """Raise `BadInput` for a method that no engine has, and for a time step that is not possible.
+
+    Parameters
+    ----------
+    cases
+        The cases.
+    engines
+        Adapters by the engine's name.
+    integrators
+        Spellings of methods.
+    timesteps
+        Time steps (s).
+    """
     for spelling in integrators:
         check_method(spelling, [adapter.engine for adapter in engines.values()])
     for case, timestep in product(cases, timesteps):
@@ -77,25 +89,25 @@ def check(
             least = case.duration / MAX_STEPS
             raise BadInput(
                 f"{case.name}: time step {timestep:g} s: must be positive, at most its duration, {case.duration:g} s, and at "
-                f"least {least:g} s, which makes {MAX_STEPS:.0e} steps"
+                f"least {least:g} s, which results in {MAX_STEPS:.0e} steps"
             )
 
 
 def check_method(spelling: str, engines: Sequence[Engine]) -> None:
-    """Raises `BadInput` for the spelling of a method that none of the engines has, with what is allowed."""
+    """Raise `BadInput`, naming what is allowed, for the spelling of a method that no engine has."""
     method = Method.parse(spelling, 0.0)
     if not engines or any(offers.knows(engine, spelling) for engine in engines):
         return
     for engine in engines:
         if offers.integrator_of(engine, method) is not None:
-            offers.check(engine, method)  # it has the integrator, and so says what is wrong with the options
+            offers.check(engine, method)  # raises `BadInput` with the fault of the options
     known = "; ".join(f"{engine.name}: {', '.join(offers.listed(engine))}" for engine in engines)
     meant = did_you_mean(spelling, [name for engine in engines for name in offers.listed(engine)])
     raise BadInput(f"no engine has an integrator {method.integrator!r}; there are: {known}{meant}")
 
 
 def refuse_nothing(tasks: Sequence[object], engines: Mapping[str, Adapter], integrators: Sequence[str]) -> None:
-    """Raises `BadInput` where there are no tasks."""
+    """Raise `BadInput` if there are no tasks."""
     if not tasks:
         raise BadInput(f"nothing to run: no case has a scene for which {', '.join(engines)} offer {', '.join(integrators)}")
 

@@ -1,6 +1,6 @@
-"""Calls in processes of their own, so that one that crashes, exits, hangs or eats memory takes nothing with it.
+"""Call functions in worker processes, so that a call that crashes, exits, hangs or exhausts memory affects nothing else.
 
-A worker process makes one call after another. It has a pipe of its own, so that what befalls it is felt by no other.
+A worker process makes one call after another. Every worker has its own pipe, so that the failure of one does not affect others.
 """
 
 import contextlib
@@ -22,27 +22,47 @@ from bodycheck.running.outcome import Crashed, TimedOut, crash
 Argument = TypeVar("Argument")
 Result = TypeVar("Result")
 
-#: Bytes that one call may take.
-MEMORY = 4 << 30
+#: Default memory limit of one call.
+MEMORY_LIMIT_BYTES = 4 << 30
 
-#: Seconds after which it is looked whether processes that say nothing still live.
-SILENCE = 1.0
+#: Interval at which silent processes are checked for being alive.
+POLL_INTERVAL_S = 1.0
 
-#: Seconds that the end of a process may take.
-FAREWELL = 10.0
+#: Time limit for the end of a process.
+SHUTDOWN_TIMEOUT_S = 10.0
 
 
 def call_all(
-    function: Callable[[Argument], Result], arguments: Sequence[Argument], jobs: int, limit: float, memory: int = MEMORY
+    function: Callable[[Argument], Result],
+    arguments: Sequence[Argument],
+    jobs: int,
+    limit: float,
+    memory: int = MEMORY_LIMIT_BYTES,
 ) -> Generator[tuple[Argument, Result | Crashed | TimedOut], None, None]:
-    """function(argument) for every argument, as they finish, in `jobs` processes.
+    """Yield every argument with the result of function(argument), in the order in which the calls finish.
 
-    A call that takes longer than `limit` seconds is killed; one that wants more than `memory` bytes is given none, where the
-    system can (`limits`). An error that it raises, `SystemExit` too, or the death of its process, is its result.
-    A call in whose process others had been made before it died is made again in a fresh one: it may have died of theirs.
+    The result of a call that raises an exception, including `SystemExit`, or whose process dies is `Crashed`. If a process dies
+    after earlier calls, the last call is repeated in a new process, because an earlier call may have caused the failure.
 
-    The function must be importable by name, arguments and results picklable. To be iterated by one thread: the processes end
-    with it. Raises RuntimeError where no process can be started.
+    The generator must be iterated by one thread; the processes end with that thread.
+
+    Parameters
+    ----------
+    function
+        The function. It must be importable by name, and its arguments and results must be picklable.
+    arguments
+        The arguments of the calls.
+    jobs
+        The number of processes.
+    limit
+        The time limit of one call (s). A call that exceeds it is killed, and its result is `TimedOut`.
+    memory
+        The memory limit of one call (bytes), where the operating system supports it (see `limits`).
+
+    Raises
+    ------
+    RuntimeError
+        If no process can be started.
     """
     waiting = deque(range(len(arguments)))
     suspects: deque[int] = deque()
@@ -51,7 +71,7 @@ def call_all(
         while waiting or suspects or workers:
             while len(workers) < jobs and sum(worker.fresh for worker in workers) < len(waiting) + len(suspects):
                 workers.append(_start(function, memory))
-            wait([worker.connection for worker in workers], _time_to_look(workers))
+            wait([worker.connection for worker in workers], _poll_timeout(workers))
             for worker in tuple(workers):
                 place, answer = worker.place, _answer(worker, limit)
                 if answer is None:
@@ -76,9 +96,12 @@ def call_all(
 
 @contextlib.contextmanager
 def caller(
-    function: Callable[[Argument], Result], limit: float, memory: int = MEMORY
+    function: Callable[[Argument], Result], limit: float, memory: int = MEMORY_LIMIT_BYTES
 ) -> Iterator[Callable[[Argument], Result | Crashed | TimedOut]]:
-    """What calls the function as `call_all` does, for arguments that come one by one: its process is kept between calls."""
+    """Provide a function that calls `function` in a worker process, which is kept between calls.
+
+    Failures, limits and parameters are those of `call_all`.
+    """
     workers: list[_Worker] = []
 
     def call(argument: Argument) -> Result | Crashed | TimedOut:
@@ -105,7 +128,7 @@ def caller(
 
 
 class _Answer(NamedTuple):
-    """What became of a call. reusable: whether its process can make another."""
+    """The result of a call. `reusable` says whether its process can make another call, and `died` whether it is dead."""
 
     result: Any
     reusable: bool
@@ -114,7 +137,7 @@ class _Answer(NamedTuple):
 
 @dataclass(eq=False)
 class _Worker:
-    """A process and this end of its pipe. place: of the argument of its call; None until it is ready for the first."""
+    """A worker process and this end of its pipe. `place` is the index of the present argument; None before the first call."""
 
     process: BaseProcess
     connection: "Connection[Any, Any]"
@@ -128,7 +151,7 @@ class _Worker:
 
     def call(self, place: int, argument: Any, limit: float) -> None:
         self.place, self.calls, self.deadline = place, self.calls + 1, time.monotonic() + limit
-        with contextlib.suppress(OSError):  # it is dead, as will be seen
+        with contextlib.suppress(OSError):  # the process is dead, which `_answer` will find
             self.connection.send(argument)
 
     def stop(self) -> None:
@@ -140,7 +163,7 @@ class _Worker:
 def _start(function: Callable[[Any], Any], memory: int) -> _Worker:
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
-    # Daemonic, so that the end of a program that has lost sight of them does not wait for them.
+    # The process is daemonic, so that the end of the program does not wait for it.
     process = context.Process(target=_work, args=(function, theirs, memory), daemon=True)
     process.start()
     theirs.close()
@@ -149,18 +172,18 @@ def _start(function: Callable[[Any], Any], memory: int) -> _Worker:
 
 def _wait(worker: _Worker, limit: float) -> _Answer:
     while (answer := _answer(worker, limit)) is None:
-        wait([worker.connection], _time_to_look([worker]))
+        wait([worker.connection], _poll_timeout([worker]))
     return answer
 
 
-def _time_to_look(workers: Sequence[_Worker]) -> float:
+def _poll_timeout(workers: Sequence[_Worker]) -> float:
     nearest = min(worker.deadline for worker in workers) - time.monotonic()
-    return max(0.0, min(SILENCE, nearest))
+    return max(0.0, min(POLL_INTERVAL_S, nearest))
 
 
 def _answer(worker: _Worker, limit: float) -> _Answer | None:
-    """What there is to say of a worker's call; None while it goes on."""
-    ended = not worker.process.is_alive()  # asked first: what it has sent before its end counts
+    """Return the answer to a worker's call; None while the call is running."""
+    ended = not worker.process.is_alive()  # checked first, so that an answer sent before the end is still read
     try:
         if worker.connection.poll():
             return _Answer(*worker.connection.recv())
@@ -169,15 +192,15 @@ def _answer(worker: _Worker, limit: float) -> _Answer | None:
     except Exception as error:
         return _Answer(Crashed(f"its result cannot be read: {crash(error).reason}"), reusable=False)
     if ended:
-        return _Answer(Crashed(_death(worker.process)), reusable=False, died=True)
+        return _Answer(Crashed(_cause_of_death(worker.process)), reusable=False, died=True)
     if time.monotonic() > worker.deadline:
         return _Answer(TimedOut(limit), reusable=False)
     return None
 
 
-def _death(process: BaseProcess) -> str:
-    # Not by join, which waits without limit for a process that has closed all its files and goes on.
-    patience = time.monotonic() + FAREWELL
+def _cause_of_death(process: BaseProcess) -> str:
+    # `join` would wait without limit for a process that has closed all its files but continues.
+    patience = time.monotonic() + SHUTDOWN_TIMEOUT_S
     while (exitcode := process.exitcode) is None:
         if time.monotonic() > patience:
             return "its process closed its pipe"
@@ -191,11 +214,11 @@ def _death(process: BaseProcess) -> str:
 
 
 def _work(function: Callable[[Any], Any], connection: "Connection[Any, Any]", memory: int) -> None:
-    """What a worker does: it says that it is ready, and answers calls."""
+    """Run the loop of a worker process: report that it is ready, then answer calls."""
     limits.die_with_parent()
     limits.allow_memory(memory)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent's to answer
-    os.dup2(2, 1)  # what an engine prints goes to stderr: stdout is for results
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles interrupts
+    os.dup2(2, 1)  # output of engines goes to stderr, because stdout is for results
     try:
         connection.send((None, True))
         while True:
@@ -209,7 +232,7 @@ def _reply(connection: "Connection[Any, Any]", result: Any) -> None:
         connection.send((result, not limits.keeps_much()))
     except ConnectionError:
         raise
-    except Exception as error:  # it cannot be pickled
+    except Exception as error:  # the result cannot be pickled
         connection.send((crash(error), False))
 
 

@@ -1,4 +1,4 @@
-"""One run: a case through one engine with one method, in this process."""
+"""Make one run of a case in an engine with a method, in this process."""
 
 import math
 import time
@@ -29,18 +29,18 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import missing_model
 from bodycheck.running.outcome import Completed, Diverged, Outcome, Run, Unsupported, crash
 
-#: Steps over which the load of a contact is watched at most: it takes some ten times as long as stepping alone.
-WATCHED_STEPS = 20_000
+#: Largest number of steps for which the load of a contact is measured, which takes about ten times as long as stepping.
+MAX_LOAD_STEPS = 20_000
 
-#: Part of its position by which, and angle (rad) through which, a body must move in a step to be seen in single precision.
-VISIBLE = 1e-6
+#: Smallest motion per step that is visible in single precision, relative to the position or in rad.
+VISIBLE_MOTION = 1e-6
 
-#: A kinetic energy beyond this multiple of the most that mechanics allows is called diverged, not inaccurate.
-OUT_OF_BOUNDS = 100.0
+#: Ratio of the kinetic energy to the largest possible one, above which a run has diverged.
+DIVERGED_ENERGY_RATIO = 100.0
 
 
 def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT_TIMESTEP) -> Run:
-    """Run a case through an engine. How the run ends is part of it: nothing that an engine raises leaves this function.
+    """Run a case in an engine. The outcome of the run contains its errors; exceptions of an engine are not passed on.
 
     Parameters
     ----------
@@ -56,9 +56,9 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT
     Raises
     ------
     EngineMissing
-        Where the engine is not installed or has no adapter.
+        If the engine is not installed or has no adapter.
     BadInput
-        Where the engine has no such integrator, option or value.
+        If the engine has no such integrator, option or value.
     """
     method = Method.parse(integrator, timestep)
     offers.check(registry.load(engine).engine, method)
@@ -66,7 +66,7 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT
 
 
 def run(case: Case, engine: str, method: Method) -> Run:
-    """The run of a case with a method of an engine. Raises `EngineMissing` as `simulate` does."""
+    """Run a case with a method of an engine. Raises `EngineMissing` as `simulate` does."""
     adapter = registry.load(engine)
     law: Plane | None = None
     try:
@@ -97,9 +97,9 @@ def _outcome(adapter: Adapter, engine: str, case: Case, method: Method) -> Outco
 
 
 def _load(adapter: Contact, scene: Scene, method: Method, outcome: Completed) -> Load | None:
-    """The load until the stop, from a run of its own that is not timed; from the start on where nothing moves."""
+    """Measure the load of the contact in a separate run, which is not timed, until the body stops, or until the end."""
     stop = round(measured_stop(scene, outcome.trajectory).time / method.timestep)
-    load = adapter.contact_load(scene, method, min(stop or outcome.steps, WATCHED_STEPS))
+    load = adapter.contact_load(scene, method, min(stop or outcome.steps, MAX_LOAD_STEPS))
     if load is None or len(load) == 0 or scene.gravity == 0:
         return None
     weight = scene.body.mass * scene.gravity
@@ -107,7 +107,7 @@ def _load(adapter: Contact, scene: Scene, method: Method, outcome: Completed) ->
 
 
 def sampling_steps(instants: Array, timestep: float) -> Strides:
-    """The numbers of steps (m,) whose ends are nearest to the instants, each once."""
+    """Return the numbers of steps (m,), without duplicates, whose ends are closest to instants (n,), in s."""
     return np.unique(np.rint(instants / timestep).astype(np.int64))
 
 
@@ -122,7 +122,7 @@ def _advance(simulation: Simulation, case: Case, method: Method) -> Outcome:
             signal: Literal["gave up", "reset"] = "reset" if isinstance(error, EngineReset) else "gave up"
             return Diverged(str(error), signal, _trajectory(steps, method, error.states[0, :, 0]))
         wall_time = time.perf_counter() - start
-    states = np.asarray(states, dtype=np.float64)  # an engine's own type of array goes no further
+    states = np.asarray(states, dtype=np.float64)  # convert the engine's own type of array
     if states.shape != (1, len(steps), 1, 13):
         raise ValueError(f"its states have the shape {states.shape}, not {(1, len(steps), 1, 13)}")
     trajectory = _trajectory(steps, method, states[0, :, 0])
@@ -131,13 +131,13 @@ def _advance(simulation: Simulation, case: Case, method: Method) -> Outcome:
 
 
 def _trajectory(steps: Strides, method: Method, rows: Array) -> Trajectory:
-    """States (k, 13) after the first k of some numbers of steps."""
+    """Return the trajectory of states (k, 13) after the first k of some numbers of steps."""
     t = steps[: len(rows)].astype(np.float64) * method.timestep
     return Trajectory(t, rows[:, :3], rows[:, 3:7], rows[:, 7:10], rows[:, 10:])
 
 
 def _divergence(scene: Scene, trajectory: Trajectory) -> Diverged | None:
-    """The first instant at which the states are not numbers, or their kinetic energy is out of all bounds."""
+    """Find the first instant at which a state is not finite or has an impossible kinetic energy; None if there is none."""
     t = trajectory.t
     states = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
     finite = np.isfinite(np.hstack(states)).all(axis=1)
@@ -146,7 +146,7 @@ def _divergence(scene: Scene, trajectory: Trajectory) -> Diverged | None:
     with np.errstate(over="ignore"):
         kinetic = observe(scene, trajectory).kinetic_energy
     most = _largest_kinetic_energy(scene, float(t[-1]))
-    beyond = kinetic > OUT_OF_BOUNDS * most
+    beyond = kinetic > DIVERGED_ENERGY_RATIO * most
     if most > 0 and beyond.any():
         first = int(np.argmax(beyond))
         reason = f"kinetic energy {kinetic[first] / most:.3g} times the most possible at t = {t[first]:.6g} s"
@@ -155,19 +155,19 @@ def _divergence(scene: Scene, trajectory: Trajectory) -> Diverged | None:
 
 
 def _standstill(scene: Scene, trajectory: Trajectory, timestep: float) -> Diverged | None:
-    """States that are the same in every bit at all samples, although such a state cannot last.
+    """Return `Diverged` if the states are equal to the last bit at all samples although the body must move; else None.
 
-    With the velocity v the position moves by v h in a step h, with the spin w the attitude turns by |w| h, whatever acts; and
-    a body at rest falls where nothing carries it. Motion that rounding can hide is none, nor whole turns between samples.
+    With velocity v the position changes by v h in a step h, and with spin w the attitude turns by |w| h, for any forces. A body
+    at rest falls if nothing supports it. Motion that rounding can hide and full turns between samples do not count.
     """
     states = np.hstack([trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity])
     if len(states) < 2 or (states != states[0]).any():
         return None
     position, velocity = trajectory.position[0], trajectory.velocity[0]
     spin = math.hypot(*trajectory.angular_velocity[0])
-    with np.errstate(all="ignore"):  # of too large numbers nothing is said
-        moves = (np.abs(velocity) * timestep > VISIBLE * np.abs(position)).any()
-        turns = spin * timestep > VISIBLE and (np.abs(np.sin(spin * np.diff(trajectory.t) / 2)) > VISIBLE).any()
+    with np.errstate(all="ignore"):  # numbers that overflow are not judged
+        moves = (np.abs(velocity) * timestep > VISIBLE_MOTION * np.abs(position)).any()
+        turns = spin * timestep > VISIBLE_MOTION and (np.abs(np.sin(spin * np.diff(trajectory.t) / 2)) > VISIBLE_MOTION).any()
     falls = scene.plane is None and scene.gravity > 0 and not velocity.any()
     if not (moves or turns or falls):
         return None
@@ -175,7 +175,7 @@ def _standstill(scene: Scene, trajectory: Trajectory, timestep: float) -> Diverg
 
 
 def _largest_kinetic_energy(scene: Scene, duration: float) -> float:
-    """What a fall of the whole duration and the slowest-turning axis could reach at most (J)."""
+    """Return an upper bound of the kinetic energy (J): that of a fall for the whole duration, and of the least moment."""
     speed = math.hypot(*scene.initial.velocity) + scene.gravity * duration
     momentum = math.hypot(*angular_momentum(scene.body, np.array(scene.initial.angular_velocity)))
     return scene.body.mass * speed**2 / 2 + momentum**2 / (2 * min(scene.body.moments))

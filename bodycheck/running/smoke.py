@@ -1,4 +1,4 @@
-"""Scenes with one obvious answer, so that a broken adapter is never reported as a wrong engine."""
+"""Check adapters with scenes whose solution is obvious, so that a broken adapter is not reported as a wrong engine."""
 
 import math
 from collections.abc import Iterator
@@ -12,13 +12,15 @@ from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.trajectory import Array
 
-TIMESTEP = 1e-3
+#: Time step and number of steps of a check.
+TIMESTEP_S = 1e-3
 STEPS = 100
 
-#: Of lengths, speeds and angles of order one: above what any consistent scheme errs in 100 steps of a millisecond, below what a
-#: swapped axis, frame, sign or quaternion order makes.
+#: Tolerance of lengths, speeds and angles of order one. It exceeds the error of any consistent scheme in 100 steps of a
+#: millisecond, and is below the effect of a wrong axis, frame, sign or quaternion order.
 TOLERANCE = 0.02
 
+#: The body of all scenes.
 BODY = Body(mass=2.0, moments=(0.3, 0.4, 0.5))
 
 HALF = math.sqrt(0.5)
@@ -30,7 +32,7 @@ OBLIQUE = (COSINE, -SINE, -COSINE, -SINE)
 
 @dataclass(frozen=True)
 class Obvious:
-    """A scene and the state that it must be in after 0.1 s."""
+    """A scene, and the state of its body after 0.1 s."""
 
     name: str
     scene: Scene
@@ -80,7 +82,7 @@ SCENES = (
 
 
 def methods(adapter: Adapter, scene: Scene) -> Iterator[str]:
-    """The spellings of the methods of a scene, each as it is and on all models that there are of the scene."""
+    """Yield the spellings of the methods for a scene, each without options and with all models of the scene."""
     for integrator in offers.offered(adapter.engine, scene):
         yield integrator
         if isinstance(adapter, Models):
@@ -88,16 +90,16 @@ def methods(adapter: Adapter, scene: Scene) -> Iterator[str]:
 
 
 def check(engine: str) -> list[str]:
-    """What an adapter gets wrong, a sentence each; none for a good one. Raises `EngineMissing`."""
+    """Return the faults of an engine's adapter, one sentence each; empty if there are none. Raises `EngineMissing`."""
     adapter = registry.load(engine)
     faults: list[str] = []
     for obvious in SCENES:
         for integrator in methods(adapter, obvious.scene):
             try:
-                simulation = offers.prepare(adapter, [obvious.scene], Method.parse(integrator, TIMESTEP))
-                # The instant 0 too: a border that turns what it hands in must not go unseen.
+                simulation = offers.prepare(adapter, [obvious.scene], Method.parse(integrator, TIMESTEP_S))
+                # The initial state is checked too, to find errors in the conversion of scenes.
                 start, end = simulation.advance(np.array([0, STEPS]))[0, :, 0]
-            except Exception as error:  # whatever a broken adapter raises is its fault
+            except Exception as error:  # any exception is a fault of the adapter
                 faults.append(f"{engine} {integrator}: {obvious.name}, but it raises {type(error).__name__}: {error}")
                 continue
             for when, row, state in (("at the start", start, obvious.scene.initial), ("after 0.1 s", end, obvious.after)):

@@ -1,7 +1,8 @@
-"""A results folder: the raw results of runs, from which every figure and report is computed without simulating again.
+"""A results folder: the raw results of runs, from which all figures and reports are computed without new simulations.
 
-`run.jsonl` is a journal with a record of each truth, each run and each stop under a law of friction, written as they finish;
-without its footer the run was interrupted. `trajectories/` holds the states. The header holds the case files as they were read.
+`run.jsonl` is a journal with a record of each truth, each run and each stop under a law of friction, written as they finish.
+If it has no footer, the work was interrupted. `trajectories/` contains the states. The header contains the texts of the case
+files.
 """
 
 import shutil
@@ -54,11 +55,11 @@ class Writer:
         self.journal.__exit__(*exit)
 
     def has_truth(self, case: str, timestep: float) -> bool:
-        """Whether that of a case for a time step (s) was there already, or the reason why there is none."""
+        """Return whether the folder already had the truth of a case for a time step (s), or the reason why there is none."""
         return truth_path(case, timestep) in self.done
 
     def has_run(self, key: RunKey) -> bool:
-        """Whether a run was there already, however it ended."""
+        """Return whether the folder already had a run, with any outcome."""
         return run_path(key.case, key.engine, key.method.name, key.method.timestep) in self.done
 
     def has_stop(self, case: str, law: Plane) -> bool:
@@ -66,6 +67,7 @@ class Writer:
         return (case, law) in self.stops
 
     def add_truth(self, case: Case, timestep: float, truth: Truth) -> None:
+        """Write the truth for the runs of a case with a time step (s)."""
         bounds = dict(zip(trajectory_files.BOUND_COLUMNS, (truth.error, truth.position_error), strict=True))
         trajectory_files.write(self.folder / truth_path(case.name, timestep), truth.trajectory, bounds)
         record: dict[str, Any] = {"case": case.name, "timestep": timestep, "model": truth.model, "why": truth.reason}
@@ -75,10 +77,11 @@ class Writer:
         self.journal.add({"record": "truth", **record})
 
     def add_missing_truth(self, case: Case, timestep: float, reason: str) -> None:
+        """Record why there is no truth for the runs of a case with a time step (s)."""
         self.journal.add({"record": "truth", "case": case.name, "timestep": timestep, "reason": reason})
 
     def add_run(self, run: Run, place: int) -> None:
-        """place: where the run stood in the plan, which is the order of every table."""
+        """Write a run. `place` is its position in the plan, which determines the order of all tables."""
         record: dict[str, Any] = {
             "record": "run",
             "place": place,
@@ -121,7 +124,19 @@ class Writer:
 
 @dataclass(frozen=True)
 class Results:
-    """A results folder, read. header: versions, machine, command. complete: whether the run came to its end."""
+    """The contents of a results folder.
+
+    Attributes
+    ----------
+    folder
+        The folder.
+    header
+        Versions, machine and command.
+    records
+        The records of truths, runs and stops.
+    complete
+        Whether the work was completed.
+    """
 
     folder: Path
     header: StoredHeader
@@ -171,7 +186,7 @@ class Results:
     def stops(self) -> dict[tuple[str, Plane], Stop | None]:
         """Where and when the body of a case stops under a law of friction, by the case's name and the plane with the law.
 
-        None where the reference knows no stop. Results that were interrupted lack some, those of earlier versions all.
+        An entry is None if the reference knows no stop. Interrupted results lack some entries, those of earlier versions all.
         """
         return {_law_of(record): _stop(record["stop"]) for record in self.records if record["record"] == "stop"}
 
@@ -210,12 +225,12 @@ class Results:
 
 
 def read(folder: Path) -> Results:
-    """The results in a folder. Raises `BadFolder`."""
+    """Read the results in a folder. Raises `BadFolder` if they are missing or damaged."""
     try:
         contents = journal.read(folder / RECORDS)
         if contents.header["format"] != FORMAT:
             raise ValueError(f"its format is {contents.header['format']!r}, not {FORMAT}")
-        # What was done again, because its trajectory was lost, is told of by its later record.
+        # If a run was repeated because its trajectory was lost, its later record is the valid one.
         records = {_identity_of(record): record for record in contents.records}
     except (journal.BadJournal, ValueError, KeyError, TypeError) as error:
         raise BadFolder(f"{folder}: no readable results: {error}") from error
@@ -223,12 +238,12 @@ def read(folder: Path) -> Results:
 
 
 def _identity_of(record: dict[str, Any]) -> Path | tuple[str, Plane]:
-    """What a record is about; of two records about the same the later one is valid."""
+    """Return what a record is about; of two records about the same, the later one is valid."""
     return _law_of(record) if record["record"] == "stop" else _path_of(record)
 
 
 def _law_of(record: dict[str, Any]) -> tuple[str, Plane]:
-    """The case and the law of friction of the record of a stop."""
+    """Return the case and the law of friction in the record of a stop."""
     return record["case"], Plane(**record["law"])
 
 
@@ -237,14 +252,14 @@ def _stop(told: dict[str, Any] | None) -> Stop | None:
 
 
 def _path_of(record: dict[str, Any]) -> Path:
-    """The file of the trajectory of a record, named after the method as it was spelled when it was written."""
+    """Return the path of a record's trajectory, whose name contains the method as it was spelled when it was written."""
     if record["record"] == "truth":
         return truth_path(record["case"], record["timestep"])
     return run_path(record["case"], record["engine"], record["integrator"], record["timestep"])
 
 
 def _is_stored(folder: Path, record: dict[str, Any]) -> bool:
-    """Whether the trajectory of a record can be read; True where the record has none."""
+    """Return whether the trajectory of a record can be read; True if the record has none."""
     if "reason" in record or record.get("status", Completed.status) != Completed.status:
         return True
     return trajectory_files.is_readable(folder / _path_of(record))
@@ -254,11 +269,11 @@ def _refuse_other_things(folder: Path) -> None:
     if folder.exists() and not folder.is_dir():
         raise BadFolder(f"{folder}: is not a folder")
     if folder.exists() and any(folder.iterdir()) and not (folder / RECORDS).is_file():
-        raise BadFolder(f"{folder}: has other things in it than results; give an empty or a new folder")
+        raise BadFolder(f"{folder}: contains files that are not results; give an empty or a new folder")
 
 
 def _remove_all_but(kept: Collection[Path], folder: Path) -> None:
-    """Remove the trajectories that are not kept: those of earlier results, and what was written and never told of."""
+    """Delete trajectory files that no journal record refers to."""
     if not kept:
         shutil.rmtree(folder / TRAJECTORIES, ignore_errors=True)
     for path in (folder / TRAJECTORIES).rglob("*"):

@@ -1,4 +1,4 @@
-"""The truth of a case."""
+"""Compute the truth of a case, certify it, and convert both to JSON."""
 
 from dataclasses import replace
 from typing import Any
@@ -16,21 +16,21 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
 from bodycheck.reference.truth import truth as truth_of_scene
 
-#: Durations of a case after which a body that still slides counts as one that does not stop.
+#: Number of durations of a case after which a body that still slides counts as not stopping.
 STOP_HORIZON = 100
 
 
 def truth(case: Case, times: ArrayLike | None = None) -> Truth:
-    """The reference trajectory of a case and its error bound, at the case's instants or at ascending times (n,) >= 0 s.
+    """Return the reference trajectory of a case with its error bound, at the case's instants or at ascending times (n,) >= 0 s.
 
-    Raises `bodycheck.reference.errors.NotModelled` for a scene that the reference has no model of, and
+    Raises `bodycheck.reference.errors.NotModelled` for a scene that the reference does not model, and
     `bodycheck.reference.errors.OutOfReach` for a motion that it cannot follow.
     """
     return truth_of_scene(case.scene, _instants(case, times))
 
 
 def certify(case: Case, times: ArrayLike | None = None) -> Certificate:
-    """Every way to the truth of a case held against every other, at the instants and with the errors raised of `truth`."""
+    """Compare all methods of computing the truth of a case. Times and exceptions are those of `truth`."""
     return certificate.certify(case.scene, _instants(case, times))
 
 
@@ -50,7 +50,7 @@ def _instants(case: Case, times: ArrayLike | None) -> Array:
 
 
 def as_json(case: Case, truth: Truth) -> dict[str, Any]:
-    """A truth as `bodycheck truth --json` prints it: arrays by name, and what made them."""
+    """Return the JSON object of `bodycheck truth --json`: arrays by name, and the methods that computed them."""
     trajectory = truth.trajectory
     return {
         "case": case.name,
@@ -69,7 +69,10 @@ def as_json(case: Case, truth: Truth) -> dict[str, Any]:
 
 
 def certificate_as_json(found: Certificate) -> dict[str, Any]:
-    """What `bodycheck truth --certify --json` adds: differences (rad) by pairs of ways, the bound, the growth of an error."""
+    """Return the additional JSON entries of `bodycheck truth --certify --json`.
+
+    They are the attitude differences (rad) of all pairs of methods, the certified bound, and the growth of an error.
+    """
     return {
         "differences": [
             {"one": one, "other": other, "attitude": apart.tolist()} for (one, other), apart in found.differences.items()

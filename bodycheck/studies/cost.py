@@ -1,4 +1,4 @@
-"""What stepping costs: methods timed in turn in one process, with the spread of the repeats."""
+"""Measure the time per step of methods, in turn and in one process, with the spread of repeated measurements."""
 
 import gc
 import math
@@ -13,22 +13,22 @@ from bodycheck.adapters.contract import Method
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
-#: Repeats of each timing.
+#: Number of repetitions of each measurement.
 ROUNDS = 9
 
-#: Seconds of stepping in one timing. A longer run is timed from its start for about that long, a shorter one repeatedly.
-LONG_ENOUGH = 0.02
+#: Duration of one measurement. A longer run is measured for about this time from its start, a shorter one is repeated.
+MIN_TIMING_S = 0.02
 
-MOST_REPEATS = 10
+#: Largest number of repetitions of a short run within one measurement.
+MAX_REPEATS = 10
 
-
-#: From a number of steps to the seconds that they take from the start of the scene.
+#: A function that returns the time (s) for a number of steps from the start of the scene.
 Timer = Callable[[int], float]
 
 
 @dataclass(frozen=True)
 class Cost:
-    """The median of repeats, the least and the most of them: seconds a step, or a ratio of such."""
+    """The median, the minimum and the maximum of repeated measurements: times per step (s), or ratios of them."""
 
     median: float
     low: float
@@ -37,7 +37,7 @@ class Cost:
 
 @dataclass(frozen=True)
 class Stretch:
-    """Stepping to be timed. steps: those of a run from the start of the scene that is known to complete."""
+    """A run whose steps are to be timed. `steps` is the number of steps from the start that are known to complete."""
 
     scene: Scene
     engine: str
@@ -46,15 +46,16 @@ class Stretch:
 
 
 def measure(stretches: Sequence[Stretch], rounds: int = ROUNDS) -> Array:
-    """Seconds a step (n, rounds) of each stretch, all timed in turn, so that what disturbs the machine disturbs all alike.
+    """Return the times per step (n, rounds), in s, of n stretches.
 
-    Set-up is not timed, and every timing begins at the start of the scene. Raises what the engines raise.
+    All stretches are measured in turn, so that disturbances of the machine affect all of them equally. Set-up is not timed, and
+    every measurement begins at the start of the scene. Exceptions of the engines are passed on.
     """
     times = np.empty((len(stretches), rounds))
     timers = [_timer(stretch) for stretch in stretches]
     sizes = [_size(timer, stretch.steps) for timer, stretch in zip(timers, stretches, strict=True)]
     for turn in range(rounds):
-        # Every other round goes backwards: none always follows the same other one.
+        # Every other round is in reverse order, so that no stretch always follows the same other one.
         for place in range(len(stretches))[:: 1 if turn % 2 == 0 else -1]:
             steps, repeats = sizes[place]
             times[place, turn] = sum(timers[place](steps) for _ in range(repeats)) / (steps * repeats)
@@ -62,17 +63,17 @@ def measure(stretches: Sequence[Stretch], rounds: int = ROUNDS) -> Array:
 
 
 def summarise(times: Array) -> list[Cost]:
-    """The cost of each row of repeats (n, rounds)."""
+    """Return the cost of each row of repeated measurements (n, rounds)."""
     columns = np.median(times, axis=1), times.min(axis=1), times.max(axis=1)
     return [Cost(*map(float, row)) for row in zip(*columns, strict=True)]
 
 
 def _size(timer: Timer, most: int) -> tuple[int, int]:
-    """How many steps, and how often, make a timing that is long enough."""
+    """Return the number of steps, at most `most`, and of repetitions for a measurement of sufficient duration."""
     steps = min(most, 16)
-    while (taken := timer(steps)) < LONG_ENOUGH and steps < most:
-        steps = min(most, math.ceil(steps * min(16.0, max(1.5, LONG_ENOUGH / taken))))
-    return steps, max(1, min(MOST_REPEATS, round(LONG_ENOUGH / taken)))
+    while (taken := timer(steps)) < MIN_TIMING_S and steps < most:
+        steps = min(most, math.ceil(steps * min(16.0, max(1.5, MIN_TIMING_S / taken))))
+    return steps, max(1, min(MAX_REPEATS, round(MIN_TIMING_S / taken)))
 
 
 def _timer(stretch: Stretch) -> Timer:

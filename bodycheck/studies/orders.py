@@ -1,17 +1,26 @@
-"""A method's order of convergence as it was observed, beside what is claimed of it and the scheme that it is."""
+"""The row of a method's observed order of convergence, with the claimed order and the textbook scheme it agrees with."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Order:
-    """How one quantity of an integrator converges on one case as its time step vanishes.
+    """The convergence of one quantity of an integrator on one case as the time step vanishes.
 
-    order, order_low, order_high: observed, and the interval that the time steps in the asymptotic range give; None where
-    no such range was found. floor: the error, in the unit that `convergence.UNITS` gives, that it does not get
-    below however small the step; None where none was reached. claimed: by the adapter; None where nothing is claimed.
-    scheme: the textbook scheme whose trajectory is the engine's, empty where none is. scheme_residual: largest attitude
-    difference (rad) from the nearest scheme over the whole run; None where no scheme was tried.
+    Parameters
+    ----------
+    case, engine, version, integrator, quantity
+        The case, the method and the quantity.
+    order, order_low, order_high
+        The observed order, and its interval over the time steps in the asymptotic range; None if no such range was found.
+    floor
+        The error, in the unit of `convergence.UNITS`, below which no time step gets; None if it was not reached.
+    claimed
+        The order that the adapter claims; None if it claims none.
+    scheme
+        The textbook scheme whose trajectory equals that of the engine; empty if there is none.
+    scheme_residual
+        The largest attitude difference (rad) from the closest scheme over the whole run; None if no scheme was compared.
     """
 
     case: str

@@ -93,7 +93,7 @@ def test_an_interrupted_study_goes_on(
     after = study.lines()
     assert after[: 1 + count] == before
     assert len(after) == 1 + campaign.size(TASKS) + 1
-    told = f"bodycheck: going on with the interrupted run in {study.folder}: {count} of {campaign.size(TASKS)} are there\n"
+    told = f"bodycheck: resuming the interrupted run in {study.folder}: {count} of {campaign.size(TASKS)} are done\n"
     assert capfd.readouterr().err.count(told) == (count > 0)
 
 
@@ -165,7 +165,7 @@ def test_the_command_goes_on_too(calls_here: None, tmp_path: Path) -> None:
     # How many processes there are, and in what words it is asked for, changes nothing.
     done = bodycheck(*command, "--jobs", 1)
     assert done.returncode == 0
-    assert f"bodycheck: going on with the interrupted run in {out}: 3 of {len(lines) - 2} are there\n" in done.stderr
+    assert f"bodycheck: resuming the interrupted run in {out}: 3 of {len(lines) - 2} are done\n" in done.stderr
     assert done.stderr.count("short · ") == len(lines) - 2 - 3
     assert "nterrupted" not in (out / "report.md").read_text()
     resumed = pd.read_csv(out / "results.csv")

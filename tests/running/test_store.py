@@ -99,7 +99,7 @@ def test_the_name_of_a_method_leads_nowhere_out_of_the_folder(miniatures: Path, 
 
 def test_other_folders_are_left_alone(tmp_path: Path) -> None:
     (tmp_path / "thesis.txt").write_text("irreplaceable")
-    with pytest.raises(BadInput, match="has other things in it"):
+    with pytest.raises(BadInput, match="contains files that are not results"):
         run_all(STEADY_SPIN, ["mujoco"], tmp_path)
     assert (tmp_path / "thesis.txt").read_text() == "irreplaceable"
     with pytest.raises(BadInput, match="no readable results"):

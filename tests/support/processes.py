@@ -29,7 +29,7 @@ def calls_here() -> Iterator[None]:
         return pickle.loads(pickle.dumps(result))
 
     def call_all(
-        function: Callable[[Any], Any], arguments: Sequence[Any], jobs: int, limit: float, memory: int = pool.MEMORY
+        function: Callable[[Any], Any], arguments: Sequence[Any], jobs: int, limit: float, memory: int = pool.MEMORY_LIMIT_BYTES
     ) -> Generator[tuple[Any, Any], None, None]:
         for argument in arguments:
             yield argument, call(function, argument)

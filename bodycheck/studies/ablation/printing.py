@@ -1,4 +1,4 @@
-"""Print the tables of this study to the terminal."""
+"""Print the table of the ablation study to the terminal."""
 
 from collections.abc import Sequence
 
@@ -8,7 +8,7 @@ from bodycheck.studies.ablation.rows import Change, ModelRow
 
 
 def print_ablation(rows: Sequence[ModelRow]) -> None:
-    """A line a model."""
+    """Print one line per model."""
     header = ("case", "engine", "integrator", "step", "model", "us/step", "cost", "position change m", "attitude change rad")
     print_table((*header, "reason"), map(_model, rows))
 

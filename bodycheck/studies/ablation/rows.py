@@ -1,4 +1,4 @@
-"""The rows of the ablation: one case on models of one engine that grow step by step."""
+"""The rows of the ablation study: one per model of a case, from the smallest to the largest."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Change:
-    """How far the motion on a model is from that on the smallest one, at any instant: position (m) or attitude (rad).
+    """The largest difference of a model's motion from that of the smallest model, in position (m) or attitude (rad).
 
-    rounding: what the rounding of the steps can add up to. time_step: the time-step errors of both models together.
+    `rounding` is the largest difference that the rounding of all steps can cause, and `time_step` is the sum of the time-step
+    errors of both models.
     """
 
     size: float
@@ -17,12 +18,12 @@ class Change:
 
     @property
     def is_rounding(self) -> bool:
-        """Whether the model changes nothing."""
+        """Whether rounding alone explains the difference."""
         return self.size <= self.rounding
 
     @property
     def agrees(self) -> bool:
-        """Whether the two models may tend to the same motion as the step vanishes."""
+        """Whether the two models may converge to the same motion as the time step vanishes."""
         return self.size <= self.rounding + self.time_step
 
 
@@ -30,9 +31,22 @@ class Change:
 class ModelRow:
     """One model of a scene.
 
-    adds: what it has that the one before it has not. relative_cost: of a step, to that on the smallest model, with the least
-    and the most of the repeats; time_per_step in s; None where it was not measured. changes: of position and attitude, empty
-    where one of the runs has not completed. errors: of the run, by the columns of results, empty likewise. reason: why not.
+    Parameters
+    ----------
+    case, engine, version, integrator, timestep, model
+        The run; the time step is in s.
+    adds
+        A description of what this model contains and the next smaller one does not.
+    status, reason
+        The status of the run, and why it did not complete or was not timed.
+    time_per_step
+        The time per step (s); None if it was not measured.
+    relative_cost, relative_cost_low, relative_cost_high
+        The ratio of the time per step to that of the smallest model, with the minimum and the maximum; None if not measured.
+    changes
+        The differences from the smallest model in position and attitude; empty if a run has not completed.
+    errors
+        The errors of the run by the columns of results; empty if the run has not completed.
     """
 
     case: str

@@ -1,4 +1,4 @@
-"""What a scene does not require costs, and changes: a case on models that grow step by step, each against the smallest."""
+"""Compare the models of a case, from the smallest to the largest: their cost and their motion relative to the smallest."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -26,27 +26,40 @@ from bodycheck.studies import cost
 from bodycheck.studies.ablation.rows import Change, ModelRow
 from bodycheck.studies.cost import Cost, Stretch
 
-#: Of ablation.csv, followed by the errors, the changes against the smallest model with the rounding and the time-step errors
-#: that they may be due to, what became of the run, and what the model adds to the one before it.
+#: The first columns of ablation.csv. They are followed by the errors, the changes relative to the smallest model with the
+#: rounding and the time-step errors that may cause them, the status of the run, and the part that the model adds.
 COLUMNS = (
     *("case", "engine", "version", "integrator", "timestep", "model"),
     *("relative_cost", "relative_cost_low", "relative_cost_high"),
 )
 
-#: An error of first order is twice what it changes by when the step is halved; one of higher order is less.
-LEFT = 2.0
+#: Ratio of an error of first order to its change when the time step is halved; the ratio is smaller for higher orders.
+FIRST_ORDER_FACTOR = 2.0
 
-#: Seconds a step, and relative to the first.
+#: Times per step (s), and times relative to the first model.
 Timed = tuple[list[Cost], list[Cost]]
 
 
 def plan(
     cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Task, ...]:
-    """Every case x engine x integrator x time step (s) x model, each with its step and the half of it.
+    """Return a task for every case, engine, integrator, model and time step, and for half of each time step.
 
-    Without integrators the first that each engine has models for, without time steps the default. Raises `BadInput` as
-    `bodycheck.running.plan.plan` does, and where there are no models to compare.
+    Parameters
+    ----------
+    cases
+        The cases.
+    engines
+        The adapters by name.
+    integrators
+        Spellings of methods; if it is empty, the first of each engine that has models.
+    timesteps
+        Time steps (s); the default if it is empty.
+
+    Raises
+    ------
+    BadInput
+        As `bodycheck.running.plan.plan`, and if there are no models to compare.
     """
     steps = [part for timestep in timesteps or (DEFAULT_TIMESTEP,) for part in (timestep, timestep / 2)]
     check(cases, engines, integrators, steps)
@@ -59,14 +72,14 @@ def plan(
         for model in models.values()
     )
     if not tasks:
-        raise BadInput(f"nothing to compare: {', '.join(engines)} offer no models of these cases for what was asked")
+        raise BadInput(f"nothing to compare: {', '.join(engines)} offer no models of these cases for the selected methods")
     return tuple(tasks)
 
 
 def with_models(adapter: Adapter, case: Case, integrators: Sequence[str]) -> dict[str, Mapping[str, Model]]:
-    """The models of a case's scene by the spelling of the method that was asked for, of those that have any.
+    """Return the models of a case's scene for the selected methods that have models, by the spelling of the method.
 
-    Where none was asked for, it is the first method of the engine that has models.
+    `integrators` are the spellings of the selected methods. If it is empty, the engine's first method with models is used.
     """
     if not isinstance(adapter, Models):
         return {}
@@ -79,9 +92,18 @@ def with_models(adapter: Adapter, case: Case, integrators: Sequence[str]) -> dic
 def evaluate(
     results: Results, engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> list[ModelRow]:
-    """A row a model, of the runs with the integrators and time steps (s) that were asked for.
+    """Measure costs, and return one row per model for every case, engine, integrator and time step.
 
-    Costs are measured now, with nothing else running, the models of one case and integrator in turn.
+    Costs are measured with nothing else running, for the models of one case and integrator in turn.
+
+    Parameters
+    ----------
+    results
+        The results of the tasks of `plan`.
+    engines
+        The adapters by name.
+    integrators, timesteps
+        The integrators and time steps (s) for which `plan` was called.
     """
     verdicts = {verdict.run.key: verdict for verdict in judgement.judge(results)}
     rows = []
@@ -95,9 +117,18 @@ def evaluate(
 
 
 def rows_of(case: Case, group: RunKey, models: Mapping[str, Model], verdicts: Mapping[RunKey, Verdict]) -> list[ModelRow]:
-    """The rows of one case, engine, integrator and time step: a model each, in order of growth.
+    """Return the rows of one case, engine, integrator and time step: one per model, from the smallest to the largest.
 
-    verdicts: on the runs of all models with this time step and with its half.
+    Parameters
+    ----------
+    case
+        The case.
+    group
+        The case, the engine, the integrator without a model, and the time step.
+    models
+        The models by name.
+    verdicts
+        The verdicts on the runs of all models, with the time step and with half of it.
     """
 
     def verdict(model: Model, timestep: float) -> Verdict:
@@ -128,7 +159,7 @@ def rows_of(case: Case, group: RunKey, models: Mapping[str, Model], verdicts: Ma
 
 
 def measured(case: Case, completed: Mapping[str, Verdict]) -> tuple[dict[str, tuple[Cost, Cost]], str]:
-    """Seconds a step of each model, and their ratio to those of the first in the same round; and why there are none."""
+    """Return the time per step of each model and its ratio to that of the first model, and why there are none, if so."""
     stretches = [
         Stretch(case.scene, verdict.run.engine, verdict.run.method, verdict.outcome.steps)
         for verdict in completed.values()
@@ -136,20 +167,28 @@ def measured(case: Case, completed: Mapping[str, Verdict]) -> tuple[dict[str, tu
     ]
     if not stretches:
         return {}, ""
-    ((_, answer),) = pool.call_all(time_in_turn, [stretches], jobs=1, limit=campaign.TIME_LIMIT)
+    ((_, answer),) = pool.call_all(time_in_turn, [stretches], jobs=1, limit=campaign.TIME_LIMIT_S)
     if not isinstance(answer, tuple):
         return {}, f"its cost could not be measured: {answer.reason}"
     return dict(zip(completed, zip(*answer, strict=True), strict=True)), ""
 
 
 def time_in_turn(stretches: Sequence[Stretch]) -> Timed:
-    """The cost of each stretch, and its ratio to that of the first."""
+    """Return the cost of each stretch, and its ratio to that of the first stretch in the same round."""
     times = cost.measure(stretches)
     return cost.summarise(times), cost.summarise(times / times[0])
 
 
 def changes(own: Verdict, finer: Verdict, smallest: Verdict, finer_smallest: Verdict) -> dict[str, Change]:
-    """How far a model's motion is from the smallest model's; empty where one of the four runs has not completed."""
+    """Return the differences of a model's motion from that of the smallest model; empty if a run has not completed.
+
+    Parameters
+    ----------
+    own, finer
+        The verdicts on the model's runs with the time step and with half of it.
+    smallest, finer_smallest
+        The same for the smallest model.
+    """
     outcomes = [verdict.outcome for verdict in (own, finer, smallest, finer_smallest)]
     runs = [outcome for outcome in outcomes if isinstance(outcome, Completed)]
     if len(runs) < len(outcomes):
@@ -160,22 +199,25 @@ def changes(own: Verdict, finer: Verdict, smallest: Verdict, finer_smallest: Ver
         ("position", positions_apart, float(np.abs(here.position).max())),
         ("attitude", attitudes_apart, 1.0),
     ):
-        time_step = LEFT * (apart(here, half) + apart(there, half_there))
-        # Every step rounds once, and roundings add up at worst.
+        time_step = FIRST_ORDER_FACTOR * (apart(here, half) + apart(there, half_there))
+        # In the worst case, the rounding errors of all steps add up.
         rounding = runs[0].steps * float(np.finfo(float).eps) * size
         found[quantity] = Change(apart(here, there), rounding, time_step)
     return found
 
 
 def positions_apart(one: Trajectory, other: Trajectory) -> float:
+    """Return the largest distance (m) between the centres of mass of two trajectories with the same instants."""
     return largest(distance(one.position, other.position))
 
 
 def attitudes_apart(one: Trajectory, other: Trajectory) -> float:
+    """Return the largest angle (rad) between the attitudes of two trajectories with the same instants."""
     return largest(geodesic_angle(normalise(one.quaternion), normalise(other.quaternion)))
 
 
 def largest(values: Array) -> float:
+    """Return the largest of some values as a float."""
     return float(values.max())
 
 
@@ -186,7 +228,7 @@ def write(rows: Sequence[ModelRow], folder: Path) -> None:
 
 
 def records(rows: Sequence[ModelRow]) -> list[dict[str, Any]]:
-    """The rows with all of their columns, None where a run has no figure."""
+    """Return the rows with all columns; missing values are None."""
     errors = dict.fromkeys(name for row in rows for name in row.errors)
     found = []
     for row in rows:

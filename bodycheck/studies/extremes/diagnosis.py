@@ -1,8 +1,8 @@
-"""What became of a run: a status, what the engine itself said of it, and what was seen.
+"""Diagnose a run: its status, the message of the engine, and the symptoms in its states.
 
-The states of the run and the signals of its engine are both looked at, and neither decides alone: a reset is one where the
-engine says so and the motion is seen to begin again. Where mechanics has a truth, the motion is held against it; where it has
-none, the run is judged by what it should conserve.
+The states of the run and the signals of its engine are both used. For example, a run was reset if the engine reports a reset
+and the motion begins again. If the scene has a truth, the motion is compared with it; otherwise the run is judged by the
+quantities that it should conserve.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from bodycheck.studies.extremes.symptoms import errors, of_itself, of_truth, res
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """One of `STATUSES`, the engine's own words, and what was seen, in words."""
+    """One of `STATUSES`, the message of the engine, and a description of the symptoms."""
 
     status: str
     engine_said: str
@@ -28,7 +28,7 @@ class Diagnosis:
 
 def diagnose(scene: Scene, outcome: Outcome, truth: Truth | NoTruth) -> Diagnosis:
     """The diagnosis of a run of a scene; truth: at the run's own instants, or why there is none."""
-    with np.errstate(all="ignore"):  # what overflows is a symptom
+    with np.errstate(all="ignore"):  # overflow is a symptom
         match outcome:
             case Completed():
                 return _completed(scene, outcome.trajectory, truth)
@@ -56,7 +56,7 @@ def _completed(scene: Scene, trajectory: Trajectory, truth: Truth | NoTruth) -> 
 
 
 def _diverged(scene: Scene, outcome: Diverged) -> Diagnosis:
-    """A run that its states or its engine ended, with what was to be seen before."""
+    """Diagnose a run that its states or its engine ended, including the symptoms before the end."""
     before = states(outcome)
     symptoms = list(of_itself(scene, before)) if before is not None else []
     earlier = [f"before, {symptom.text}" for symptom in symptoms]
@@ -71,7 +71,7 @@ def _diverged(scene: Scene, outcome: Diverged) -> Diagnosis:
 
 
 def states(outcome: Outcome) -> Trajectory | None:
-    """The states of a run that its engine stands by: all of one that completed, those before the end of one that diverged."""
+    """Return the valid states of a run: all if it completed, those before the end if it diverged; None if there are none."""
     match outcome:
         case Completed():
             return outcome.trajectory

@@ -1,4 +1,4 @@
-"""Print the tables of this study to the terminal."""
+"""Print the tables of the study of extremes to the terminal."""
 
 from collections.abc import Sequence
 
@@ -8,13 +8,13 @@ from bodycheck.studies.extremes.rows import Limit, Row
 
 
 def print_extremes(rows: Sequence[Row], limits: Sequence[Limit]) -> None:
-    """A line a run, those that are healthy to their engine alone first, then a line a method and spin."""
+    """Print one line per run, beginning with wrong runs that the engine did not report, then one line per method and spin."""
     header = ("case", "engine", "integrator", "step", "axis", "value", "status", "engine said", "seen")
     print_table(header, map(_extreme, sorted(rows, key=lambda row: not row.believed)))
     if limits:
         print("\nthe largest stable step")
         print_table(("case", "engine", "integrator", "spin rad/s", "step s", "spin x step rad"), map(_limit, limits))
-    print(f"{len(rows)} runs, {sum(row.believed for row in rows)} of them healthy to their engine and not right")
+    print(f"{len(rows)} runs, {sum(row.believed for row in rows)} of them wrong without any report by the engine")
 
 
 def _extreme(row: Row) -> tuple[str, ...]:

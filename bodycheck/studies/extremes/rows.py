@@ -1,11 +1,11 @@
-"""The rows of the study of extremes, as its tables and its report have them."""
+"""The rows of the study of extremes, which its tables and its report contain."""
 
 from dataclasses import dataclass
 
-#: What an engine says that steps to the end, and one that is not heard of.
+#: Values of `engine_said`: the run finished without warnings; the process gave no answer.
 HEALTHY, NOTHING = "healthy", "nothing"
 
-#: From right to gone. The last says nothing of a method.
+#: The statuses, from the best to the worst. The last one is no judgement of a method.
 STATUSES = (
     *("ok", "inaccurate", "energy-loss", "energy-gain", "frozen", "diverged"),
     *("silent-reset", "crashed", "timeout", "unsupported"),
@@ -14,9 +14,9 @@ STATUSES = (
 
 @dataclass(frozen=True)
 class Row:
-    """One run: a case pushed along an axis to a value, by one method.
+    """One run of a method, with a case changed along an axis to a value.
 
-    status: one of `STATUSES`. engine_said: its own words. detail: what was seen in the states.
+    `status` is one of `STATUSES`, `engine_said` is the message of the engine, and `detail` describes the symptoms.
     """
 
     case: str
@@ -32,15 +32,15 @@ class Row:
 
     @property
     def believed(self) -> bool:
-        """Whether the engine reports as healthy what is not."""
+        """Whether the engine reported no problem although the run is wrong."""
         return self.engine_said == HEALTHY and self.status != "ok"
 
 
 @dataclass(frozen=True)
 class Limit:
-    """The largest stable step (s) of a method at a spin (rad/s), and the angle that the body turns in it (rad).
+    """The largest stable time step (s) of a method at a spin (rad/s), and the rotation of the body (rad) in that step.
 
-    None where no step was stable; smallest_unstable_timestep is None where all were, up to a turn in a step.
+    Both are None if no step was stable; `smallest_unstable_timestep` is None if all were, up to a full turn per step.
     """
 
     case: str

@@ -1,8 +1,8 @@
-"""The largest stable step of a method, in the dimensionless product of spin and step: the angle turned in a step.
+"""Search the largest stable time step of a method, as the product of spin and time step: the angle per step.
 
-A method is called stable at a step if after a hundred turns it still runs and its energy of rotation has never been twice the
-initial one. Losing energy is wrong, but bounded. The search goes down from a whole turn in a step by halves until several in
-turn are stable, for a stable step may lie among unstable ones, and then narrows the ratio.
+A method is stable at a time step if it completes a hundred turns and its energy of rotation never reaches twice the initial
+value. A loss of energy is an error, but not an instability. The search begins at one full turn per step and halves the step
+until several steps in a row are stable, because single stable steps may lie between unstable ones. Then it narrows the bracket.
 """
 
 import math
@@ -17,33 +17,41 @@ from bodycheck.reference.scene import Scene
 from bodycheck.running.outcome import Completed, Outcome
 from bodycheck.studies.extremes.symptoms import energy_change
 
+#: Duration of a run in turns, and its number of samples.
 TURNS = 100
 SAMPLES = 201
 
-#: rad in a step: from a whole turn to 1.5e-3. Where none is stable, the method is called unstable.
+#: Angles per step (rad) that are tried, from a full turn to 1.5e-3. If none is stable, the method is called unstable.
 PRODUCTS = tuple(2 * math.pi / 2**halvings for halvings in range(13))
 
-#: Halvings that must all be stable before a smaller step is no longer doubted.
-IN_TURN = 3
+#: Number of successive halvings that must be stable, for all smaller steps to count as stable.
+STABLE_IN_A_ROW = 3
 
-#: Halvings that are tried together.
-AT_ONCE = 8
+#: Number of halvings that are tried at the same time.
+PRODUCTS_PER_BATCH = 8
 
-#: Equal ratios into which a bracket is divided at a time.
+#: Number of sections with equal ratios into which a bracket is divided.
 SECTIONS = 8
 
-#: Ratio of the smallest unstable to the largest stable step at which the search ends.
-FINE = 1.02
+#: Ratio of the smallest unstable to the largest stable step, at which the search ends.
+FINAL_RATIO = 1.02
 
-#: Relative change of an energy.
-DOUBLED = 1.0
+#: Relative change of the energy from which a run is unstable.
+ENERGY_GAIN_LIMIT = 1.0
 
 
 @dataclass(frozen=True)
 class Bracket:
-    """What is known of a limit, in rad a step, and which products are to be tried next; none when the search is over.
+    """The current bracket of a stability limit, in rad per step.
 
-    stable: the largest, None where none is. unstable: the smallest, None where all are stable.
+    Parameters
+    ----------
+    stable
+        The largest stable product; None if none is stable.
+    unstable
+        The smallest unstable product above it; None if all are stable.
+    following
+        The products to try next; empty when the search has ended.
     """
 
     stable: float | None = None
@@ -52,31 +60,35 @@ class Bracket:
 
 
 def bracket(probes: Mapping[float, bool]) -> Bracket:
-    """What probes say so far: products of spin and step (rad), and whether a run was stable."""
-    for first in range(len(PRODUCTS) - IN_TURN + 1):
-        settled = PRODUCTS[first : first + IN_TURN]
+    """Return the bracket that follows from probes: products of spin and time step (rad), and whether their runs were stable."""
+    for first in range(len(PRODUCTS) - STABLE_IN_A_ROW + 1):
+        settled = PRODUCTS[first : first + STABLE_IN_A_ROW]
         if not all(product in probes for product in settled):
-            begun = next(place for place, product in enumerate(PRODUCTS) if product not in probes) // AT_ONCE * AT_ONCE
-            return Bracket(following=_untried(probes, PRODUCTS[begun : begun + AT_ONCE]))
+            begun = (
+                next(place for place, product in enumerate(PRODUCTS) if product not in probes)
+                // PRODUCTS_PER_BATCH
+                * PRODUCTS_PER_BATCH
+            )
+            return Bracket(following=_untried(probes, PRODUCTS[begun : begun + PRODUCTS_PER_BATCH]))
         if all(probes[product] for product in settled):
             return _narrowed(probes, PRODUCTS[first], PRODUCTS[first - 1]) if first else Bracket(stable=PRODUCTS[0])
     return Bracket(unstable=PRODUCTS[-1])
 
 
 def turning(case: Case, rate: float) -> Case:
-    """A case at some spin (rad/s), looked at for a hundred turns."""
+    """Return a case with another spin (rad/s) and a duration of a hundred turns."""
     return replace(spin(case, rate), duration=TURNS * 2 * math.pi / rate, samples=SAMPLES)
 
 
 def stable(scene: Scene, outcome: Outcome) -> bool:
-    """Whether a run goes on to its end and has never had twice its energy."""
+    """Return whether a run completed and its energy never reached twice the initial value."""
     with np.errstate(over="ignore"):
-        return isinstance(outcome, Completed) and bool((energy_change(scene, outcome.trajectory) < DOUBLED).all())
+        return isinstance(outcome, Completed) and bool((energy_change(scene, outcome.trajectory) < ENERGY_GAIN_LIMIT).all())
 
 
 def _narrowed(probes: Mapping[float, bool], low: float, high: float) -> Bracket:
-    """The bracket that probes between a stable and an unstable product leave: below its upper end all are stable."""
-    while high > FINE * low:
+    """Return the bracket between a stable and an unstable product after the given probes."""
+    while high > FINAL_RATIO * low:
         ratio = (high / low) ** (1 / SECTIONS)
         ends = [low * ratio**section for section in range(SECTIONS)] + [high]
         if untried := _untried(probes, ends[1:-1]):

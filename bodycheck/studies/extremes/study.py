@@ -1,6 +1,6 @@
-"""Where methods stop being right, and where they stop being methods: cases pushed along their axes until they break.
+"""Run cases at increasingly extreme values along their axes, to find where methods become wrong or fail.
 
-Every run is made in a process of its own and journalled as it is done, so that a study that was killed is gone on with.
+Every run has its own process and is recorded when it ends, so that an interrupted study can be resumed.
 """
 
 import sys
@@ -38,22 +38,23 @@ from bodycheck.studies.extremes.symptoms import energy_change
 if TYPE_CHECKING:  # the processes of the runs import this module, and need no tables
     from bodycheck.running.campaign import Advance
 
-#: Seconds that one run may take: some three times what a million steps in Python do.
-TIME_LIMIT = 60.0
+#: Time limit of one run, about three times the duration of a million steps in Python.
+TIME_LIMIT_S = 60.0
 
+#: The file with the records of the study.
 RECORDS = "extremes.jsonl"
 
 
-#: Which run, along which axis, at which value.
+#: Identifies a trial: the run, the axis and the value.
 TrialKey = tuple[RunKey, str, float]
 
-#: Which method on which case, with any time step, at which spin (rad/s).
+#: Identifies a search: the case and method, with any time step, and the spin (rad/s).
 SearchKey = tuple[RunKey, float]
 
 
 @dataclass(frozen=True)
 class Trial:
-    """A run at a point of an axis."""
+    """A run of a method at a point of an axis."""
 
     point: Point
     engine: str
@@ -80,7 +81,7 @@ class Search:
 
 @dataclass(frozen=True)
 class Probe:
-    """A run of a search. product: of spin and step (rad)."""
+    """A run of a search for the largest stable step. `product` is spin times time step (rad)."""
 
     search: Search
     product: float
@@ -88,7 +89,7 @@ class Probe:
 
 @dataclass(frozen=True)
 class Study:
-    """What is to be done."""
+    """The trials and the searches of a study."""
 
     trials: tuple[Trial, ...]
     searches: tuple[Search, ...]
@@ -99,12 +100,24 @@ class Study:
 
 
 def prepare(cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str]) -> Study:
-    """Every method of every engine at every point of the cases' axes; limits of stability at every spin of an axis.
+    """Return the trials at every point of the cases' axes, and the searches for stability limits at every spin of an axis.
 
-    Raises `BadInput` for a case that has no axes, for an integrator that no engine has, and where there is nothing to do.
+    Parameters
+    ----------
+    cases
+        The cases.
+    engines
+        The adapters by name.
+    integrators
+        Spellings of methods; all that the engines offer if it is empty.
+
+    Raises
+    ------
+    BadInput
+        If a case has no axes, if no engine has an integrator, or if there is nothing to run.
     """
     if axisless := [case.name for case in cases if not case.extremes]:
-        raise BadInput(f"{', '.join(axisless)}: no axes to push along; a case has them in its table [extremes]")
+        raise BadInput(f"{', '.join(axisless)}: has no axes; a case defines them in its table [extremes]")
     plan.check(cases, engines, integrators, (DEFAULT_TIMESTEP,))
     trials = tuple(
         Trial(point, engine, Method.parse(integrator, point.timestep))
@@ -127,16 +140,36 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: 
 
 @contextmanager
 def results(
-    study: Study, folder: Path, head: Header, jobs: int, progress: "Advance", limit: float = TIME_LIMIT
+    study: Study, folder: Path, head: Header, jobs: int, progress: "Advance", limit: float = TIME_LIMIT_S
 ) -> Iterator[tuple[list[Row], list[Limit]]]:
-    """Do what is to be done in `jobs` processes, journalled in the folder, and give the rows in the order of the study.
+    """Make the runs of a study, and provide its rows and limits in the order of the study.
 
-    What an interrupted study of the same has in that folder is not done again. The study counts as interrupted until the
-    context ends. limit: seconds that one run may take. Raises `BadJournal` for a folder in which another process is at it.
+    If the folder contains the same study, interrupted, its runs are not repeated. The study counts as interrupted until the
+    context ends.
+
+    Parameters
+    ----------
+    study
+        The trials and searches.
+    folder
+        The folder for the records.
+    head
+        The header of the records.
+    jobs
+        The number of processes.
+    progress
+        A function that is called with a text after each trial and search.
+    limit
+        The time limit of one run (s).
+
+    Raises
+    ------
+    BadJournal
+        If another process is writing to the folder.
     """
     with journal.resume(folder / RECORDS, {**head, "identity": _identity(study, head, limit)}) as log:
         if log.records:
-            print(f"bodycheck: going on with the interrupted study in {folder}", file=sys.stderr)
+            print(f"bodycheck: resuming the interrupted study in {folder}", file=sys.stderr)
         versions = head["engines"]
         rows = _rows(study, log, versions, jobs, limit, progress)
         limits = _limits(study, log, versions, jobs, limit, progress)
@@ -144,16 +177,16 @@ def results(
 
 
 def follow(scene: Scene, times: Array) -> Truth | NoTruth:
-    """The truth of a scene however far it goes, or why there is none.
+    """Return the truth of a scene even for long times, or the reason why there is none.
 
-    In flight it is the closed form, whose cost is the same near and far, without the witnesses that would have to be integrated
-    over every one of a million turns: the bound of its error is its own.
+    In flight, the truth is the closed form with its own error bound, whose cost does not depend on the time. It is not checked
+    by integration, which would have to follow every one of a million turns.
     """
     try:
-        return truth(scene, times, ALONE)
+        return truth(scene, times, NO_WITNESSES)
     except NotModelled as error:
         return NoTruth(f"the reference does not model {error}")
-    except (OutOfReach, ValueError, OverflowError) as error:  # the last two where a closed form runs out of numbers
+    except (OutOfReach, ValueError, OverflowError) as error:  # the last two if a closed form overflows
         return NoTruth(f"the reference cannot follow: {error}")
 
 
@@ -167,7 +200,7 @@ def _no_witness(scene: Scene, times: Array) -> NoReturn:
     raise OutOfReach("witnesses are not asked")
 
 
-ALONE = Backend("none", _no_witness, _no_witness)
+NO_WITNESSES = Backend("none", _no_witness, _no_witness)
 
 
 def _rows(
@@ -190,7 +223,7 @@ def _rows(
 def _limits(
     study: Study, log: journal.Journal, versions: Mapping[str, str], jobs: int, limit: float, progress: "Advance"
 ) -> list[Limit]:
-    """The searches go on together, so that each of their runs has a process of its own."""
+    """Make the searches in parallel, with one process for each of their runs, and return their limits."""
     probes: dict[SearchKey, dict[float, bool]] = {search.key: {} for search in study.searches}
     for record in log.records:
         if record["record"] == "probe":
@@ -200,7 +233,7 @@ def _limits(
     while left := [Probe(search, product) for search, known in brackets.items() for product in known.following]:
         with closing(pool.call_all(_probe, left, jobs, limit)) as answers:
             for probe, answer in answers:
-                # A run that kills its process, or that does not come to an end, is not stable either.
+                # A run that crashes its process or exceeds the time limit counts as unstable.
                 held = probes[probe.search.key][probe.product] = answer is True
                 search = probe.search
                 names = (search.case.name, search.engine, search.method.name, search.spin)
@@ -241,7 +274,7 @@ def _row(trial: Trial, version: str, answer: tuple[Outcome, Truth | NoTruth] | C
 
 
 def _drifts(scene: Scene, outcome: Outcome) -> list[str]:
-    """How what a flight conserves drifts with the steps, in words."""
+    """Describe how the conserved quantities of a flight drift with the number of steps."""
     trajectory = states(outcome)
     if trajectory is None or not scene.conserves:
         return []
@@ -263,6 +296,6 @@ def _limit(search: Search, version: str, largest: float | None, smallest: float 
 
 
 def _identity(study: Study, head: Header, limit: float) -> str:
-    """A fingerprint of all that decides on the results, wherever and by whatever command they are made."""
+    """Return a digest of everything that determines the results, regardless of the machine and the command."""
     versions = [head["bodycheck"], head["packages"], head["engines"]]
     return sha256(repr((versions, limit, study)).encode("utf-8")).hexdigest()

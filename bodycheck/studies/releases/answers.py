@@ -1,7 +1,7 @@
-"""Answers of releases to questions: from the cache where they are known, else measured in the environments of the releases.
+"""Get the answers of releases to questions, from a cache or by measurements in the environments of the releases.
 
-An answer is known where everything that decides on it is the same: the release and its environment, the case, the methods,
-bodycheck's own source, the packages that it computes with, and the machine.
+A cached answer is used if everything that determines it is unchanged: the release and its environment, the case, the methods,
+bodycheck's own source, the packages with which it computes, and the machine.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,23 +23,23 @@ from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment
 from bodycheck.running import machine, pool
 from bodycheck.running.outcome import Crashed, TimedOut
-from bodycheck.studies.releases.questions import TIME_LIMIT, Answer, Errand, Question, failed, put, stored
+from bodycheck.studies.releases.questions import TIME_LIMIT_S, Answer, Errand, Question, failed, put, stored
 
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
 
-#: With which a truth and a discrepancy are computed.
+#: The packages that compute truths and errors.
 PACKAGES = ("numpy", "scipy", "heyoka", "pandas")
 
-#: Packages whose source decides on an answer; from a checkout, the last two are linked folders, which `rglob` passes over.
-OWN = (bodycheck, adapters, reference)
+#: Packages whose source determines an answer. In a checkout, the last two are linked folders, into which `rglob` does not go.
+SOURCE_PACKAGES = (bodycheck, adapters, reference)
 
 Asked = tuple[Environment, Question]
 
 
 @dataclass(frozen=True)
 class Answers:
-    """by_question: what each release gives. measured: how many of the answers were made now; the others were known."""
+    """Answers by release and question, and the number of them that were measured; the others were cached."""
 
     by_question: Mapping[Asked, Answer]
     measured: int
@@ -50,22 +50,31 @@ class Answers:
 
 
 def known(asked: Sequence[Asked]) -> bool:
-    """Whether all answers are there."""
+    """Return whether all answers are cached."""
     return all(stored(_path(*pair)) is not None for pair in asked)
 
 
 def ask(asked: Sequence[Asked], jobs: int, progress: "Advance") -> Answers:
-    """The answers to all questions, in the order in which they were asked, measured in `jobs` processes where not known.
+    """Return the answers to all questions, in their order; those that are not cached are measured.
 
-    A release whose process dies, or that does not come to an end, has answers that say so.
+    If the process of a release crashes or exceeds its time limit, its answers say so.
+
+    Parameters
+    ----------
+    asked
+        Pairs of environment and question.
+    jobs
+        The number of processes.
+    progress
+        A function that is called with a text after each answer.
     """
     paths = {pair: _path(*pair) for pair in dict.fromkeys(asked)}
     found = {pair: answer for pair, path in paths.items() if (answer := stored(path)) is not None}
     if found:
         progress("", len(found))
     errands = _errands({pair: path for pair, path in paths.items() if pair not in found}, jobs)
-    limit = TIME_LIMIT * max((len(errand.questions) for errand in errands), default=1)
-    with closing(pool.call_all(put, errands, jobs, limit + pool.FAREWELL)) as calls:
+    limit = TIME_LIMIT_S * max((len(errand.questions) for errand in errands), default=1)
+    with closing(pool.call_all(put, errands, jobs, limit + pool.SHUTDOWN_TIMEOUT_S)) as calls:
         for errand, result in calls:
             failure = failed(result) if isinstance(result, Crashed | TimedOut) else result
             for question, path in errand.questions:
@@ -77,7 +86,7 @@ def ask(asked: Sequence[Asked], jobs: int, progress: "Advance") -> Answers:
 
 
 def _errands(left: Mapping[Asked, Path], jobs: int) -> list[Errand]:
-    """One a release; where there are fewer releases than processes, each has several."""
+    """Return one errand per release; if there are fewer releases than processes, each gets several processes."""
     releases = dict.fromkeys(environment for environment, _ in left)
     share = max(1, jobs // max(1, len(releases)))
     return [
@@ -87,20 +96,20 @@ def _errands(left: Mapping[Asked, Path], jobs: int) -> list[Errand]:
 
 
 def _path(environment: Environment, question: Question) -> Path:
-    """The file of an answer, named after everything that decides on it."""
+    """Return the file of an answer, whose name is a digest of everything that determines the answer."""
     decides = _context(environment.engine), _contents(environment), question, _tolerated(question)
     return environments.cache_folder() / "measurements" / f"{sha256(repr(decides).encode()).hexdigest()}.json"
 
 
 @cache
 def _contents(environment: Environment) -> tuple[object, ...]:
-    """What an environment is: its place, which tells the interpreter, and the packages that it has of its own."""
+    """Return what identifies an environment: its path, which tells the interpreter, and its own packages."""
     packages = ("lib/*/site-packages/*.dist-info", "Lib/site-packages/*.dist-info")
     return environment, sorted({path.name for pattern in packages for path in environment.python.parents[1].glob(pattern)})
 
 
 def _tolerated(question: Question) -> tuple[bool, ...]:
-    """Which of the known discrepancies of a case count as held on this day."""
+    """Return which known discrepancies of a case are tolerated today."""
     today = datetime.now(UTC).date()
     expectations = case.parse(question.text, question.name).expectations
     return tuple(expectation.until >= today for expectation in expectations if expectation.until is not None)
@@ -108,12 +117,14 @@ def _tolerated(question: Question) -> tuple[bool, ...]:
 
 @cache
 def _context(engine: str) -> tuple[object, ...]:
-    """What decides on all answers alike: bodycheck's own source and the adapter's, the packages, and the machine."""
+    """Return what all answers depend on: the source of bodycheck and of the adapter, the packages, and the machine."""
     return _digest(engine), [(name, _version(name)) for name in PACKAGES], machine.fingerprint()
 
 
 def _digest(engine: str) -> str:
-    found = {path.resolve() for package in OWN for folder in package.__path__ for path in Path(folder).rglob("*.py")}
+    found = {
+        path.resolve() for package in SOURCE_PACKAGES for folder in package.__path__ for path in Path(folder).rglob("*.py")
+    }
     files = sorted(found)
     for point in entry_points(group=registry.ENGINE_GROUP, name=engine):
         files += _sources(point.module.partition(".")[0])
@@ -121,7 +132,7 @@ def _digest(engine: str) -> str:
 
 
 def _sources(module: str) -> list[Path]:
-    """The files of a module at the top, or of a package, which is not imported for it."""
+    """Return the source files of a top-level module or package, without importing it."""
     spec = find_spec(module)
     if spec is None or spec.origin is None:
         return []

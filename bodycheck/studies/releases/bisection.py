@@ -1,4 +1,4 @@
-"""The release of an engine at which a figure broke a limit, with as few of them installed as possible."""
+"""Find the release of an engine at which a figure exceeded a limit, with as few installations as possible."""
 
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -14,19 +14,26 @@ from bodycheck.running import plan
 from bodycheck.running.outcome import Completed, Unsupported
 from bodycheck.studies.releases import answers as release_answers
 from bodycheck.studies.releases.questions import Question
-from bodycheck.studies.releases.rows import ALLOWANCE, UNOBTAINABLE
+from bodycheck.studies.releases.rows import ALLOWANCE_SUFFIX, UNOBTAINABLE
 from bodycheck.studies.releases.study import kept, version
 from bodycheck.suggestion import did_you_mean
 
-#: Whether a release is still good; None where it cannot be told.
+#: A function that returns whether a release is good; None if that cannot be determined.
 Probe = Callable[[str], bool | None]
 
 
 @dataclass(frozen=True)
 class Found:
-    """Where it changed: last_good and first_bad, between which nothing could be told of `unknown` ones.
+    """The result of a bisection.
 
-    probed: what was looked at, in the order in which it was, the two ends first.
+    Parameters
+    ----------
+    last_good, first_bad
+        The releases between which the change happened.
+    unknown
+        The releases between these two that could not be measured.
+    probed
+        All releases that were measured, in this order; it begins with the two ends.
     """
 
     last_good: str
@@ -36,12 +43,12 @@ class Found:
 
 
 class Undecided(Exception):
-    """What is given as good or as bad cannot be told to be either; the text says why."""
+    """One of the two given releases cannot be measured; the text says why."""
 
 
 @dataclass(frozen=True)
 class Look:
-    """What was seen of a release. figure: None where it has none. reason: why not."""
+    """The measurement of a release. `figure` is None if there is none; `reason` then says why."""
 
     version: str
     status: str
@@ -49,19 +56,34 @@ class Look:
     reason: str = ""
 
     def is_good(self, limit: float) -> bool | None:
-        """Whether the limit is kept, which a run that fails breaks; None where the release cannot be told."""
+        """Return whether the release keeps the limit; a failed run does not. None if the release could not be measured."""
         if self.status in (UNOBTAINABLE, Unsupported.status):
             return None
         return self.figure is not None and self.figure <= limit
 
     @property
     def text(self) -> str:
+        """The version with its figure, or with the reason why it has none."""
         return f"{self.version}: {self.reason or self.status if self.figure is None else f'{self.figure:.4g}'}"
 
 
 @dataclass(frozen=True)
 class Limit:
-    """What is to be kept: a figure of a case with a method, timestep in s. integrator: empty for the engine's first."""
+    """The limit of a figure of a case with a method.
+
+    Parameters
+    ----------
+    case
+        The case.
+    integrator
+        The spelling of the method; empty for the first method of the engine.
+    timestep
+        The time step (s).
+    quantity
+        A column of results.
+    most
+        The largest allowed value.
+    """
 
     case: Case
     integrator: str
@@ -71,7 +93,7 @@ class Limit:
 
 
 class NoChange(Exception):
-    """The ends are not what they should be. ends: whether each is good, None where it cannot be told."""
+    """The first release is not good, or the last one is not bad. `ends` tells of each whether it is good; None if unknown."""
 
     def __init__(self, good: bool | None, bad: bool | None) -> None:
         super().__init__(good, bad)
@@ -79,12 +101,24 @@ class NoChange(Exception):
 
 
 def bisect(releases: Sequence[str], probe: Probe, cheap: Collection[str] = ()) -> Found:
-    """The change between the first release, which is to be good, and the last one, which is to be bad.
+    """Find the change from good to bad between the first and the last of some releases.
 
-    cheap: releases that cost little to look at; they are looked at first. Where good and bad alternate, one of the changes from
-    good to bad is found. Of n releases that can all be told, at most 2 + log2(n - 1) are looked at, rounded up.
+    If good and bad releases alternate, one of the changes from good to bad is found. Of n releases that can all be measured, at
+    most 2 + log2(n - 1), rounded up, are measured.
 
-    Raises `NoChange` where the ends are not good and bad.
+    Parameters
+    ----------
+    releases
+        The releases in order; the first should be good and the last bad.
+    probe
+        The function that measures a release.
+    cheap
+        Releases whose measurement is cheap; they are measured first.
+
+    Raises
+    ------
+    NoChange
+        If the first release is not good or the last one is not bad.
     """
     good, bad = 0, len(releases) - 1
     known = {place: probe(releases[place]) for place in (good, bad)}
@@ -100,20 +134,34 @@ def bisect(releases: Sequence[str], probe: Probe, cheap: Collection[str] = ()) -
 
 
 class Observer:
-    """Looks at releases of an engine, each at most once. made: environments that were made for it."""
+    """Measures releases of an engine, each at most once.
 
-    def __init__(self, engine: str, limit: Limit, jobs: int, told: Callable[[str], None]) -> None:
+    Parameters
+    ----------
+    engine
+        The name of the engine.
+    limit
+        The limit to check.
+    jobs
+        The number of processes.
+    report
+        A function that is called with a text about each measured release.
+
+    The attribute `looks` holds the measurements by version, and `made` counts the environments that were made.
+    """
+
+    def __init__(self, engine: str, limit: Limit, jobs: int, report: Callable[[str], None]) -> None:
         plan.check([limit.case], {}, (limit.integrator,) if limit.integrator else (), (limit.timestep,))
         self.engine, self.limit, self.jobs = engine, limit, jobs
         self.cached = frozenset(kept(engine))
         self.looks: dict[str, Look] = {}
         self.made = 0
-        self._told = told
+        self._report = report
 
     def is_good(self, version: str) -> bool | None:
-        """See `Look.is_good`. Raises `BadInput` for an integrator or a figure that there is none of."""
+        """Measure a release, and return `Look.is_good`. Raises `BadInput` for an unknown integrator or quantity."""
         look = self.looks[version] = self._look(version)
-        self._told(look.text)
+        self._report(look.text)
         return look.is_good(self.limit.most)
 
     def _look(self, version: str) -> Look:
@@ -141,16 +189,17 @@ class Observer:
         if row["status"] != Completed.status:
             return Look(version, row["status"], reason=f"{row['status']}: {row['reason']}")
         if (figure := row.get(self.limit.quantity)) is None:
-            known = [name.removesuffix(ALLOWANCE) for name in row if name.endswith(ALLOWANCE)]
+            known = [name.removesuffix(ALLOWANCE_SUFFIX) for name in row if name.endswith(ALLOWANCE_SUFFIX)]
             meant = did_you_mean(self.limit.quantity, known)
             raise BadInput(f"--quantity {self.limit.quantity}: {row['case']} has {', '.join(known)}{meant}")
         return Look(version, Completed.status, figure)
 
 
 def between(engine: str, good: str, bad: str) -> tuple[tuple[str, ...], str]:
-    """The releases from good to bad, in this order and with both, whichever is the newer; and what is to be said of the list.
+    """Return the releases from good to bad, both included, and a notice for the user, which may be empty.
 
-    Where there is no index to ask, they are those whose environments are there. Raises `BadInput`.
+    Either of the two may be the newer one. If no package index can be reached, only releases with an environment are included.
+    Raises `BadInput` for text that is not a version, and if both versions are equal.
     """
     start, end = Version(version(good)), Version(version(bad))
     if start == end:
@@ -159,17 +208,31 @@ def between(engine: str, good: str, bad: str) -> tuple[tuple[str, ...], str]:
     try:
         listed = environments.releases(engine)
     except Unobtainable as error:
-        listed, notice = environments.cached(engine), f"{error}; going on with those whose environments are there"
-    # What the index calls a release comes last and wins: 4.0 is its 4.0.0.
+        listed, notice = environments.cached(engine), f"{error}; continuing with the releases that have an environment"
+    # The spelling of the index comes last and wins: if 4.0 is given, 4.0.0 is used.
     names = {Version(name): name for name in (str(start), str(end), *listed)}
     inside = sorted((one for one in names if min(start, end) <= one <= max(start, end)), reverse=start > end)
     return tuple(names[one] for one in inside), notice
 
 
 def find(engine: str, good: str, bad: str, observer: Observer) -> tuple[Found, str]:
-    """Where the observer's limit came to be broken on the way from one release to another, and a notice as above.
+    """Find where the observer's limit was exceeded between two releases, and return that with the notice of `between`.
 
-    Raises `BadInput` where the first does not keep it, or the other one does, and `Undecided` where that cannot be told.
+    Parameters
+    ----------
+    engine
+        The name of the engine.
+    good, bad
+        The releases.
+    observer
+        Measures releases and checks the limit.
+
+    Raises
+    ------
+    BadInput
+        If the good release exceeds the limit or the bad one keeps it.
+    Undecided
+        If one of the two cannot be measured.
     """
     row, notice = between(engine, good, bad)
     try:
@@ -179,11 +242,11 @@ def find(engine: str, good: str, bad: str, observer: Observer) -> tuple[Found, s
         if None in error.ends:
             unclear = [end for end, is_good in zip((good, bad), error.ends, strict=True) if is_good is None]
             raise Undecided("; ".join(f"{engine} {observer.looks[end].text}" for end in unclear)) from error
-        told = f"{engine} {observer.looks[good].text}; {observer.looks[bad].text}; the limit is {observer.limit.most:g}"
+        report = f"{engine} {observer.looks[good].text}; {observer.looks[bad].text}; the limit is {observer.limit.most:g}"
         if error.ends == (False, True):
-            raise BadInput(f"{good} breaks the limit and {bad} keeps it: give them the other way round ({told})") from error
-        wrong = f"{good} breaks the limit too" if not error.ends[0] else f"{bad} keeps the limit too"
-        raise BadInput(f"{wrong} ({told})") from error
+            raise BadInput(f"{good} exceeds the limit and {bad} keeps it; exchange the two ({report})") from error
+        wrong = f"{good} exceeds the limit too" if not error.ends[0] else f"{bad} keeps the limit too"
+        raise BadInput(f"{wrong} ({report})") from error
 
 
 def as_json(found: Found, observer: Observer) -> dict[str, Any]:

@@ -1,7 +1,7 @@
-"""What one release of an engine gives: the program that the study of releases runs in the environment of each.
+"""The program that the study of releases runs in the environment of each release.
 
-`python -m bodycheck.studies.releases.measurement` reads questions from its input and writes the answer to each into a file,
-whole or not at all, as soon as it is known, so that what an interrupted study has measured is there for the next.
+`python -m bodycheck.studies.releases.measurement` reads questions from its input, and writes each answer into a file as soon as
+it is known, completely or not at all, so that a later study can use the answers of an interrupted one.
 """
 
 import json
@@ -26,9 +26,9 @@ from bodycheck.studies.tradeoff import study as tradeoff
 
 
 def main() -> None:
-    """Answer what is asked: one JSON object with `engine`, `jobs` and pairs of a question and a path."""
+    """Answer the questions in a JSON object with `engine`, `jobs` and `questions`, which are pairs of a question and a path."""
     request = json.load(sys.stdin)
-    os.dup2(2, 1)  # what an engine prints is no answer
+    os.dup2(2, 1)  # keep the output of engines out of stdout
     for asked, path in request["questions"]:
         store(_answer(request["engine"], question_of(asked), request["jobs"]), Path(path))
 
@@ -39,7 +39,7 @@ def _answer(engine: str, question: Question, jobs: int) -> Answer:
         loaded = case.parse(question.text, question.name)
         offered = offers.offered(adapter.engine, loaded.scene)
         lacking = _lacking(adapter.engine, question.integrators)
-    except Exception as error:  # whatever an engine raises is what there is to say of it
+    except Exception as error:  # any exception of an engine becomes the answer
         failed = crash(error)
         return Answer(status=failed.status, failure=failed.reason)
     tasks = _tasks(question, loaded, engine, adapter, lacking)
@@ -54,7 +54,7 @@ def _answer(engine: str, question: Question, jobs: int) -> Answer:
 
 
 def _lacking(engine: Engine, integrators: Sequence[str]) -> dict[str, str]:
-    """Of the methods that are asked for, those that the release does not have, with the reasons."""
+    """Return the methods that the release does not have, with the reasons."""
     found = {}
     for spelling in integrators:
         try:
@@ -65,7 +65,7 @@ def _lacking(engine: Engine, integrators: Sequence[str]) -> dict[str, str]:
 
 
 def _tasks(question: Question, loaded: Case, engine: str, adapter: Adapter, lacking: Mapping[str, str]) -> Sequence[Task]:
-    """What the release can be asked to run of a question."""
+    """Return the tasks of a question that the release can run."""
     there = offers.chosen(adapter.engine, loaded.scene, [name for name in question.integrators if name not in lacking])
     if question.integrators and (not there or len(lacking) == len(question.integrators)):
         return ()
@@ -74,7 +74,7 @@ def _tasks(question: Question, loaded: Case, engine: str, adapter: Adapter, lack
 
 
 def _plain(row: dict[str, Any]) -> dict[str, Any]:
-    """Without what the run has no figure of."""
+    """Return a row without its empty columns."""
     return {name: value for name, value in row.items() if value is not None}
 
 

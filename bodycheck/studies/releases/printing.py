@@ -1,4 +1,4 @@
-"""Print the tables of this study to the terminal."""
+"""Print the tables of the study of releases to the terminal."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -7,12 +7,12 @@ from bodycheck.console.figures import figure_text
 from bodycheck.console.terminal import print_table
 from bodycheck.studies.releases import rows as release_rows
 
-if TYPE_CHECKING:  # what measures releases is for their commands alone
+if TYPE_CHECKING:  # importing it at run time would be slow
     from bodycheck.studies.releases import bisection
 
 
 def print_releases(found: release_rows.Found) -> None:
-    """A line a change, from release to release, then a line for each release that could not be measured."""
+    """Print one line per change from release to release, then one line per release that could not be measured."""
     header = ("case", "integrator", "step", "from", "to", "quantity", "before", "after", "factor", "order", "scheme")
     if found.changes:
         print_table(header, map(_release_change, found.changes))
@@ -23,19 +23,19 @@ def print_releases(found: release_rows.Found) -> None:
 
 
 def print_removed(engine: str, versions: Sequence[str]) -> None:
-    """The releases whose environments are gone."""
+    """Print the releases whose environments were removed."""
     print(f"{engine}: removed {', '.join(versions)}" if versions else f"{engine}: there was no environment")
 
 
 def print_bisection(found: "bisection.Found", observer: "bisection.Observer") -> None:
-    """The two releases between which a figure broke its limit, and what it took to find them."""
+    """Print the two releases between which a figure exceeded its limit, and the effort to find them."""
     limit = observer.limit
     where = f"{observer.engine} {limit.integrator} on {limit.case.name} at {limit.timestep:g} s"
     good, bad = observer.looks[found.last_good], observer.looks[found.first_bad]
     print(f"{where}: {limit.quantity} is at most {limit.most:g} in {good.text}; not in {bad.text}")
     if found.unknown:
-        print(f"between them, nothing can be told of {', '.join(found.unknown)}")
-    print(f"{len(found.probed)} releases looked at, environments made for it: {observer.made}")
+        print(f"these releases between them could not be measured: {', '.join(found.unknown)}")
+    print(f"releases measured: {len(found.probed)}; environments made: {observer.made}")
 
 
 def _release_change(change: release_rows.Change) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
-"""Questions to releases of an engine, and how they are put to one: in its environment, with an answer in a file.
+"""Questions to a release of an engine, which a process in the environment of the release answers into files.
 
-Little is imported here, for every question is put from a process of its own.
+This module imports little, because every question is asked from a process of its own.
 """
 
 import json
@@ -16,18 +16,27 @@ from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.studies.orders import Order
 
+#: The module that answers questions in the environment of a release.
 PROGRAM = "bodycheck.studies.releases.measurement"
 
-#: Seconds that one question to one release may take. Every run that it takes has a limit of its own.
-TIME_LIMIT = 3600.0
+#: Time limit of one question to one release. Each of its runs has a time limit of its own.
+TIME_LIMIT_S = 3600.0
 
 
 @dataclass(frozen=True)
 class Question:
-    """What is asked of a release, on one case.
+    """A question to a release about one case.
 
-    kind: its figures with these methods; or how one integrator converges, over the ladder of the case. name, text: of the case.
-    integrators: all that it has where none is named. timesteps: s, those of `bodycheck.running.plan.plan` where none is given.
+    Parameters
+    ----------
+    kind
+        Either the figures of the runs, or the orders of convergence over the ladder of the case.
+    name, text
+        The name of the case, and the text of its file.
+    integrators
+        Spellings of methods; all that the release offers if it is empty.
+    timesteps
+        Time steps (s); those of `bodycheck.running.plan.plan` if it is empty.
     """
 
     kind: Literal["figures", "orders"]
@@ -39,18 +48,18 @@ class Question:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a release gives.
+    """The answer of a release to a question.
 
     Parameters
     ----------
     offered
-        Spellings of the methods that it has for the scene.
+        Spellings of the methods that the release offers for the scene.
     lacking
-        Of the methods that were asked for, those that it does not have, with the reasons.
+        The methods in the question that the release does not have, with the reasons.
     rows, orders
-        Figures with their allowances, or the orders of the quantities.
+        The figures with their allowances, or the orders of the quantities.
     status, failure
-        Why there is nothing else; empty where there is.
+        The status and the reason of a failure; `failure` is empty if the question was answered.
     """
 
     offered: tuple[str, ...] = ()
@@ -63,7 +72,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Errand:
-    """Questions to one release, with the files for the answers."""
+    """Questions to one release, with the files for the answers and the number of processes."""
 
     environment: Environment
     questions: tuple[tuple[Question, Path], ...]
@@ -71,10 +80,10 @@ class Errand:
 
 
 def put(errand: Errand) -> Answer:
-    """Have a release answer its questions into their files; what to say of those that it leaves without an answer."""
+    """Let a release answer its questions into their files, and return the answer for questions that it leaves unanswered."""
     questions = [(asdict(question), str(path)) for question, path in errand.questions]
     request = {"engine": errand.environment.engine, "jobs": errand.jobs, "questions": questions}
-    limit = TIME_LIMIT * len(questions)
+    limit = TIME_LIMIT_S * len(questions)
     try:
         done = environments.run(errand.environment, PROGRAM, (), stdin=json.dumps(request), timeout=limit)
     except TimeoutExpired:
@@ -86,12 +95,12 @@ def put(errand: Errand) -> Answer:
 
 
 def failed(outcome: Crashed | TimedOut) -> Answer:
-    """What there is to say where no answer came."""
+    """Return the answer for a question whose process failed."""
     return Answer(status=outcome.status, failure=outcome.reason)
 
 
 def store(answer: Answer, path: Path) -> None:
-    """Write an answer into a file, whole or not at all."""
+    """Write an answer into a file, completely or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
     part = path.with_suffix(f".{os.getpid()}.part")
     part.write_text(json.dumps(asdict(answer)), "utf-8")
@@ -99,7 +108,7 @@ def store(answer: Answer, path: Path) -> None:
 
 
 def stored(path: Path) -> Answer | None:
-    """The answer in a file; None where none is there, or none that can be read."""
+    """Return the answer in a file; None if there is no file, or if it cannot be read."""
     try:
         known = json.loads(path.read_text("utf-8"))
         orders = tuple(Order(**order) for order in known["orders"])
@@ -109,6 +118,6 @@ def stored(path: Path) -> Answer | None:
 
 
 def question_of(asked: dict[str, Any]) -> Question:
-    """A question from its parts as JSON has them."""
+    """Return the question from its JSON object."""
     lists = {"integrators": tuple(asked["integrators"]), "timesteps": tuple(asked["timesteps"])}
     return Question(**asked | lists)

@@ -1,7 +1,7 @@
-"""The rows of the study of releases: what each version of an engine gives, and what changed from one to the next.
+"""The rows of the study of releases: the results of each version of an engine, and the changes from version to version.
 
-A folder keeps them as `releases.csv` and `changes.csv` for people and tables, and as `releases.jsonl`, a journal whose header
-tells of the machine, for `read`.
+A folder contains them as `releases.csv` and `changes.csv` for users, and as `releases.jsonl` for `read`, a journal whose header
+describes the machine.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -16,29 +16,44 @@ from bodycheck.running import csv_tables, journal
 from bodycheck.running.header import Header
 from bodycheck.running.outcome import Unsupported
 
+#: The file with the records of the study.
 RECORDS = "releases.jsonl"
 
-#: Status of a row of a version that cannot be had here: it tells of no method.
+#: Status of a row for a version that cannot be installed; the row says nothing about a method.
 UNOBTAINABLE = "unobtainable"
 
-#: Behind the name of a figure: by how much it may differ where nothing has changed; see `bodycheck.judging.baseline`.
-ALLOWANCE = "_allowance"
+#: Suffix of the column with the allowed difference of a figure if nothing has changed; see `bodycheck.judging.baseline`.
+ALLOWANCE_SUFFIX = "_allowance"
 
-#: The quantity of a change that is of the status.
+#: The quantity of a change of the status.
 STATUS = "status"
 
-#: A version x method x case: the columns of results, and the allowance of each figure.
+#: The row of a version, method and case: the columns of results, and the allowance of each figure.
 Row = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class Change:
-    """What a method gives in one version and not in the next one that could be measured.
+    """A difference between the results of a method in one version and in the next version that could be measured.
 
-    quantity: a figure's column, or `STATUS`. before, after: the figures, or the statuses. factor: how many times farther from
-    what is right the larger figure is; None of statuses and beside a zero. order_before, order_after: the observed orders in
-    that quantity; None where it has none, or none was seen. scheme_before, scheme_after: the textbook schemes, empty where
-    none is named. timestep: s. allowance: of the difference, by which it may differ where nothing has changed.
+    Parameters
+    ----------
+    engine, case, integrator, timestep
+        The run; the time step is in s.
+    quantity
+        A column of results, or `STATUS`.
+    from_version, to_version
+        The two versions.
+    before, after
+        The figures or the statuses.
+    factor
+        The ratio of the larger error to the smaller one; None for statuses, and if the smaller one is zero.
+    order_before, order_after
+        The observed orders in the quantity; None if there is none.
+    scheme_before, scheme_after
+        The textbook schemes; empty if none is named.
+    allowance
+        The difference that is allowed if nothing has changed.
     """
 
     engine: str
@@ -73,10 +88,17 @@ class ReleasesHeader(Header):
 
 @dataclass(frozen=True)
 class Found:
-    """What a study of releases found.
+    """The results of a study of releases.
 
-    header: as that of results, with `versions` in their order, `cases`, identities by name, `unmeasured`, why nothing is known
-    of some versions, by version, and `notices`.
+    Parameters
+    ----------
+    header
+        The header of results. In addition, it contains the `versions` in order, the identities of the `cases` by name, the
+        reasons why versions are `unmeasured`, and the `notices`.
+    rows
+        The rows of all versions, methods and cases.
+    changes
+        The changes from version to version.
     """
 
     header: ReleasesHeader
@@ -85,12 +107,12 @@ class Found:
 
 
 def made(rows: Iterable[Row]) -> list[Row]:
-    """The rows of runs that were made, however they ended: of releases that can be had, of methods that they have."""
+    """Return the rows of runs that were made, with any status except those of missing releases and missing methods."""
     return [row for row in rows if row["status"] not in (UNOBTAINABLE, Unsupported.status)]
 
 
 def labels(found: Sequence[Found]) -> list[str]:
-    """What tells studies apart: what of their machines differs; of a single study nothing, of equal machines the place."""
+    """Return labels that distinguish studies: a property in which their machines differ, or numbers; empty for one study."""
     machines = [one.header["machine"] for one in found]
     for field in ("processor", "system", "python"):
         told = [str(machine.get(field, "")) for machine in machines]
@@ -100,16 +122,16 @@ def labels(found: Sequence[Found]) -> list[str]:
 
 
 def merged_header(found: Mapping[str, Found]) -> ReleasesHeader:
-    """The header of several studies by their labels: that of the first, with the machines of all.
+    """Return the common header of studies, given by their labels: that of the first, with the machines of all.
 
-    Raises `BadInput` where they are not of one engine, or a case is not the same one in all of them.
+    Raises `BadInput` if the studies are of different engines, or if a case differs between them.
     """
     first, *others = found.values()
     if any(other.header["engines"].keys() != first.header["engines"].keys() for other in others):
         raise BadInput("these studies are of different engines")
     for name, identity in first.header["cases"].items():
         if any(other.header["cases"].get(name, identity) != identity for other in others):
-            raise BadInput(f"{name}: is not the same case in all of these studies")
+            raise BadInput(f"{name}: the case differs between these studies")
     if len(found) == 1:
         return first.header
     machines = {f"{name} of {label}": value for label, one in found.items() for name, value in one.header["machine"].items()}
@@ -117,7 +139,7 @@ def merged_header(found: Mapping[str, Found]) -> ReleasesHeader:
 
 
 def write(found: Found, folder: Path) -> None:
-    """releases.csv, changes.csv and releases.jsonl in a folder, which is made. Raises `BadInput` where they cannot be."""
+    """Write releases.csv, changes.csv and releases.jsonl into a folder. Raises `BadInput` if that fails."""
     try:
         with journal.begin(folder / RECORDS, dict(found.header)) as log:
             for row in found.rows:
@@ -125,7 +147,7 @@ def write(found: Found, folder: Path) -> None:
             for change in found.changes:
                 log.add({"record": "change", "change": asdict(change)})
             further = dict.fromkeys(name for row in found.rows for name in row if name not in COLUMNS)
-            names = sorted(further, key=lambda name: name.endswith(ALLOWANCE))
+            names = sorted(further, key=lambda name: name.endswith(ALLOWANCE_SUFFIX))
             csv_tables.write(folder / "releases.csv", (*COLUMNS, *names), found.rows)
             csv_tables.write(folder / "changes.csv", [field.name for field in fields(Change)], map(asdict, found.changes))
     except OSError as error:
@@ -133,10 +155,10 @@ def write(found: Found, folder: Path) -> None:
 
 
 def read(folder: Path) -> Found:
-    """What `write` has written. Raises `BadInput`."""
+    """Read the results that `write` has written. Raises `BadInput` if they are incomplete or damaged."""
     contents = journal.read(folder / RECORDS)
     if not contents.complete:
-        raise BadInput(f"{folder / RECORDS}: was interrupted while it was written; make it again")
+        raise BadInput(f"{folder / RECORDS}: was interrupted while it was written; run the study again")
     try:
         return Found(
             cast(ReleasesHeader, {name: contents.header[name] for name in get_type_hints(ReleasesHeader)}),
@@ -144,9 +166,9 @@ def read(folder: Path) -> Found:
             tuple(Change(**_present(record["change"])) for record in contents.records if record["record"] == "change"),
         )
     except (KeyError, TypeError) as error:
-        raise BadInput(f"{folder / RECORDS}: no records of a study of releases: {error}") from error
+        raise BadInput(f"{folder / RECORDS}: does not contain records of a study of releases: {error}") from error
 
 
 def _present(row: Row) -> dict[str, Any]:
-    """A row with the present spelling of its method, which earlier versions of bodycheck spelled otherwise."""
+    """Return a row with the present spelling of its method; earlier versions of bodycheck spelled some methods differently."""
     return {**row, "integrator": current(row["integrator"])}

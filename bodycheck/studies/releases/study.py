@@ -1,4 +1,4 @@
-"""What an upgrade of an engine changed: the same cases and methods in each of its releases, and where these differ."""
+"""Run the same cases and methods in several releases of an engine, and find the changes between them."""
 
 import math
 import sys
@@ -30,10 +30,10 @@ from bodycheck.studies.tradeoff.recommendation import COLUMNS
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
 
-#: From a title and a number of things to do to what is told of each; see `bodycheck.console.terminal.progress`.
+#: A function that shows a progress bar for a title and a number of units; see `bodycheck.console.terminal.progress`.
 Bar = Callable[[str, int], "AbstractContextManager[Advance]"]
 
-#: Of which quantity a figure is, of those whose order is observed.
+#: The quantity of each column, for quantities whose order is observed.
 QUANTITIES = {column: quantity for quantity, columns in COLUMNS.items() for column in columns}
 
 Releases = Mapping[str, Environment | Unobtainable]
@@ -41,7 +41,7 @@ Releases = Mapping[str, Environment | Unobtainable]
 
 @dataclass(frozen=True)
 class Tally:
-    """What it took: environments that were made, answers of releases that were measured, and those that were known."""
+    """The numbers of environments that were made, of answers that were measured, and of answers from the cache."""
 
     made: int
     measured: int
@@ -53,17 +53,18 @@ class Tally:
 
 
 def version(text: str) -> str:
-    """A version as it is written everywhere. Raises `BadInput` for what is none."""
+    """Return a version in its normal spelling. Raises `BadInput` for text that is not a version."""
     try:
         return str(Version(text))
     except InvalidVersion as error:
-        raise BadInput(f"{text!r} is no version; one looks like 3.2.0") from error
+        raise BadInput(f"{text!r} is not a version; an example is 3.2.0") from error
 
 
 def chosen(engine: str, versions: Sequence[str], last: int | None) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """The versions that are named and the newest `last` ones, ascending, and what a reader must know of the choice.
+    """Return the named versions and the newest `last` ones, ascending, and notices for the reader about the choice.
 
-    Where there is no index to ask, the newest ones are those of the environments that are there. Raises `BadInput`.
+    If no package index can be reached, the newest versions are those with an environment. Raises `BadInput` for text that is
+    not a version, and if no version is chosen.
     """
     names, notices = {Version(version(text)): version(text) for text in versions}, []
     if last is not None:
@@ -73,10 +74,10 @@ def chosen(engine: str, versions: Sequence[str], last: int | None) -> tuple[tupl
             newest = environments.releases(engine)[-last:]
         except Unobtainable as error:
             newest = tuple(kept(engine))[-last:]
-            notices.append(f"{error}; the newest ones are those whose environments are there")
+            notices.append(f"{error}; the newest releases are those that have an environment")
         names |= {Version(name): name for name in newest}
     if not names:
-        raise BadInput("; ".join(notices) or "give versions, or how many of the newest: --last N")
+        raise BadInput("; ".join(notices) or "give versions, or the number of newest releases: --last N")
     return tuple(names[one] for one in sorted(names)), tuple(notices)
 
 
@@ -90,9 +91,31 @@ def study(
     bar: Bar,
     notices: Sequence[str] = (),
 ) -> tuple[Found, Tally]:
-    """The rows and changes of releases, ascending. notices: what a reader must know of the choice.
+    """Measure releases, and return their rows and changes, and the effort.
 
-    Raises `BadInput` for an integrator that no release has, and for a time step that cannot be run.
+    Parameters
+    ----------
+    engine
+        The name of the engine.
+    versions
+        The releases, ascending.
+    cases
+        The cases to run.
+    integrators
+        Spellings of methods; all that each release offers if it is empty.
+    timesteps
+        Time steps (s); those of `bodycheck.running.plan.plan` if it is empty.
+    jobs
+        The number of processes.
+    bar
+        Shows a progress bar.
+    notices
+        Notices for the reader about the choice of releases.
+
+    Raises
+    ------
+    BadInput
+        If no release has an integrator, or if a time step is not possible.
     """
     plan.check(cases, {}, integrators, timesteps)
     integrators = [Method.parse(spelling, 0.0).name for spelling in integrators]
@@ -105,10 +128,10 @@ def study(
     answers = {(one.version, question.name): answer for (one, question), answer in figures.by_question.items()}
     _refuse_unknown(engine, integrators, answers.values())
     rows = [row for case in cases for row in rows_of(engine, case, obtained, answers)]
-    bare = list(changes(rows))
-    dear = list(dict.fromkeys(_convergences(bare, {case.name: case for case in cases}, obtained)))
-    with bar("observing orders", len(dear)) as progress:
-        observed = release_answers.ask(dear, jobs, progress)
+    found_changes = list(changes(rows))
+    order_questions = list(dict.fromkeys(_convergences(found_changes, {case.name: case for case in cases}, obtained)))
+    with bar("observing orders", len(order_questions)) as progress:
+        observed = release_answers.ask(order_questions, jobs, progress)
     orders = {
         (one.version, question.name, *question.integrators): answer for (one, question), answer in observed.by_question.items()
     }
@@ -127,11 +150,11 @@ def study(
         figures.measured + observed.measured,
         figures.known + observed.known,
     )
-    return Found(header, tuple(rows), tuple(_with_orders(change, orders) for change in bare)), tally
+    return Found(header, tuple(rows), tuple(_with_orders(change, orders) for change in found_changes)), tally
 
 
 def kept(engine: str) -> Mapping[str, Environment]:
-    """The environments that are there, by version. Raises `BadInput` for an engine that says not what it is installed from."""
+    """Return the existing environments by version. Raises `BadInput` for an engine whose package is not known."""
     try:
         return environments.kept(engine)
     except Unobtainable as error:
@@ -139,7 +162,7 @@ def kept(engine: str) -> Mapping[str, Environment]:
 
 
 def _obtained(engine: str, versions: Sequence[str], questions: Sequence[Question], jobs: int, bar: Bar) -> Releases:
-    """Environments, sound ones where anything is still to be run; where all is known it is enough that they are there."""
+    """Return the environments of versions. Those with cached answers are not checked; the others are checked or made."""
     there = kept(engine)
     left = [
         version
@@ -152,9 +175,9 @@ def _obtained(engine: str, versions: Sequence[str], questions: Sequence[Question
 
 
 def changes(rows: Sequence[Row]) -> Iterator[Change]:
-    """What a method gives in one version and not in the next of which there is a row, orders and schemes aside.
+    """Yield the changes of each method from one version to the next that has a row, without orders and schemes.
 
-    rows: the versions of a method on a case in their order.
+    The rows of each method and case must be in the order of the versions.
     """
     methods: dict[RunKey, list[Row]] = defaultdict(list)
     for row in rows:
@@ -163,11 +186,11 @@ def changes(rows: Sequence[Row]) -> Iterator[Change]:
     for key, own in methods.items():
         for before, after in pairwise(own):
             for change in baseline.changes(key, dict(before), dict(after)):
-                yield _bare(change, before["version"], after["version"])
+                yield _without_orders(change, before["version"], after["version"])
 
 
-def _bare(change: baseline.Change, before: str, after: str) -> Change:
-    assert change.base is not None  # both are there
+def _without_orders(change: baseline.Change, before: str, after: str) -> Change:
+    assert change.base is not None  # both versions have the figure
     assert change.now is not None
     return Change(
         engine=change.engine,
@@ -189,17 +212,28 @@ def _bare(change: baseline.Change, before: str, after: str) -> Change:
 
 
 def _refuse_unknown(engine: str, integrators: Sequence[str], answers: Iterable[Answer]) -> None:
-    """Raises `BadInput` for a method that no release has."""
-    told = [answer for answer in answers if not answer.failure]
+    """Raise `BadInput` for a method that no release has."""
+    report = [answer for answer in answers if not answer.failure]
     for integrator in integrators:
-        if told and all(integrator in answer.lacking for answer in told):
-            raise BadInput(f"none of these releases of {engine} has this method: {told[-1].lacking[integrator]}")
+        if report and all(integrator in answer.lacking for answer in report):
+            raise BadInput(f"none of these releases of {engine} has this method: {report[-1].lacking[integrator]}")
 
 
 def rows_of(engine: str, case: Case, obtained: Releases, answers: Mapping[tuple[str, str], Answer]) -> Iterator[Row]:
-    """A row a method and version, in the order of the newest release's methods: what was measured, or why nothing was.
+    """Yield one row per method and version: the measured figures, or the reason why there are none.
 
-    obtained: by version, ascending. answers: by version and case.
+    The methods are in the order of the newest release that has them.
+
+    Parameters
+    ----------
+    engine
+        The name of the engine.
+    case
+        The case.
+    obtained
+        The environments by version, ascending, or why there is none.
+    answers
+        The answers by version and case.
     """
     measured = {
         (row["integrator"], row["timestep"], version): row | {"version": version}
@@ -207,7 +241,7 @@ def rows_of(engine: str, case: Case, obtained: Releases, answers: Mapping[tuple[
         if (version, case.name) in answers
         for row in answers[version, case.name].rows
     }
-    # No release could tell its methods where there is only the empty one.
+    # If no release could name its methods, there is one row per version with an empty method.
     methods: list[tuple[str, float | None]] = list(
         dict.fromkeys((integrator, timestep) for integrator, timestep, _ in measured)
     ) or [("", None)]
@@ -228,7 +262,7 @@ def rows_of(engine: str, case: Case, obtained: Releases, answers: Mapping[tuple[
 def _convergences(
     found: Sequence[Change], cases: Mapping[str, Case], obtained: Releases
 ) -> Iterator[tuple[Environment, Question]]:
-    """What is to be asked of both releases where a figure changed: how the method converges."""
+    """Yield the questions on convergence to both releases between which a figure changed."""
     for change in found:
         for version in (change.from_version, change.to_version):
             one = obtained[version]
@@ -245,7 +279,7 @@ def _with_orders(change: Change, answers: Mapping[tuple[str, ...], Answer]) -> C
 
 
 def _order(change: Change, answer: Answer | None) -> tuple[float | None, str]:
-    """The order in the quantity of a change, and the scheme of its method."""
+    """Return the order in the quantity of a change, and the scheme of its method."""
     orders: dict[str, Order] = {} if answer is None else {order.quantity: order for order in answer.orders}
     own = orders.get(QUANTITIES.get(change.quantity, ""))
     return (own.order if own else None), next((order.scheme for order in orders.values()), "")

@@ -1,7 +1,7 @@
-"""Which textbook scheme an engine's trajectory is, and to how many digits.
+"""Identify the textbook scheme that produces an engine's trajectory, and the number of digits to which it agrees.
 
-The reference steps the exact equations of motion by every scheme that it knows (`reference.schemes.one_step`), with the
-engine's own time step. Two programs of one scheme differ by rounding alone, and how far that may carry them apart has a bound.
+The reference integrates the exact equations of motion by every scheme that it knows (`reference.schemes.one_step`), with the
+engine's time step. Two programs of the same scheme differ only by rounding, and that difference has a bound.
 """
 
 from collections.abc import Callable, Iterable
@@ -21,33 +21,40 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth, distance
 from bodycheck.running.outcome import Completed, Run
 
-#: Seconds from the start in which rounding has hardly grown, so that schemes are told apart best.
-EARLY = 2.0
+#: Time from the start in which rounding errors have hardly grown, so that schemes are distinguished best.
+EARLY_S = 2.0
 
-#: Attitude difference (rad) up to which two trajectories are one in that time.
-SAME = 1e-11
+#: Attitude difference up to which two trajectories count as equal in that time.
+SAME_RAD = 1e-11
 
-#: The part of another's difference that an explanation may leave over.
-LEFT_OVER = 0.01
+#: Largest allowed ratio of a scheme's difference to that of every other scheme, for the scheme to be named.
+MAX_UNEXPLAINED_FRACTION = 0.01
 
-#: How far a step of two programs is apart by rounding: rad of attitude, and parts of the rates and of what changes them.
+#: Difference of two programs per step by rounding: in rad for the attitude, relative for the body rates and their changes.
 #:
-#: The components of a product of unit quaternions are off by 4 units of roundoff each at worst, all four by 8, the angle by 16.
-#: That two programs are at their worst in opposite senses, and are so step after step, is out of the question.
-ROUNDINGS = 16 * 2.0**-53
+#: Each component of a product of unit quaternions has an error of at most 4 units of roundoff, all four of 8, the angle of 16.
+#: It is practically impossible that two programs have their largest errors in opposite directions in every step.
+STEP_ROUNDING = 16 * 2.0**-53
 
-#: Parts of a run; the rounding of each is thought to happen at its start.
-STRETCHES = 200
+#: Number of segments of a run; the rounding of each is assigned to its start.
+SEGMENTS = 200
 
-#: Relative change of the body rates by which derivatives are taken: half of the digits is all that a bound needs.
-NUDGE = 1e-7
+#: Relative change of the body rates in finite differences; a bound needs only half of the digits.
+RELATIVE_RATE_CHANGE = 1e-7
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """A scheme that was tried: its largest attitude difference (rad) from a run, early and in all, infinite where it fails.
+    """A scheme that was compared with a run.
 
-    fits: the difference is at no instant more than rounding allows.
+    Parameters
+    ----------
+    scheme
+        The name of the scheme.
+    early, residual
+        The largest attitude difference (rad) in the first 2 s and in the whole run; infinite if the scheme fails.
+    fits
+        Whether rounding can explain the difference at every instant.
     """
 
     scheme: str
@@ -58,13 +65,21 @@ class Candidate:
 
 @dataclass(frozen=True)
 class Identification:
-    """The scheme whose trajectory a run is, and how near the nearest comes.
+    """The scheme that a run agrees with, and the differences from the closest scheme.
 
-    scheme: empty where none is named. Behind its name stands "on the body twist" where the position is that of this formulation
-    and not of the other, and "in rotation" where it is that of neither. candidates: the nearest first, which is the one with
-    the least position_residual where several fit. Of the nearest: early, residual: the largest attitude difference (rad) in the
-    first 2 s and in the whole run. allowed: what rounding may have made of it by the end (rad). position_residual: the largest
-    distance (m), with the nearer formulation.
+    Parameters
+    ----------
+    scheme
+        The name of the scheme; empty if none is named. The name is followed by "on the body twist" if only that formulation has
+        the position of the run, and by "in rotation" if no formulation has it.
+    early, residual
+        The largest attitude difference (rad) from the closest scheme in the first 2 s and in the whole run.
+    allowed
+        The largest attitude difference (rad) that rounding can cause by the end of the run.
+    position_residual
+        The largest distance (m) from the closest scheme, in the closer formulation.
+    candidates
+        All schemes, the closest first. If several fit, it is the one with the smallest position_residual.
     """
 
     scheme: str
@@ -76,18 +91,30 @@ class Identification:
 
     @property
     def cannot_tell(self) -> bool:
-        """Whether the scene does not tell: no scheme is named although some fit."""
+        """Whether the scene cannot distinguish schemes: some fit, but none is named."""
         return not self.scheme and any(candidate.fits for candidate in self.candidates)
 
 
 def identify(case: Case, run: Run, truth: Truth) -> Identification | None:
-    """The scheme of a completed run of a case; None on a plane, where no scheme is tried.
+    """Identify the scheme of a completed run; return None for a case with a plane, where no scheme is compared.
 
-    A scheme is named where its rotation fits, early to within `SAME`, and where the rotation, or else the position, tells it
-    from every other scheme and from the truth (see `tells`). In a spin about a fixed axis the rotations of all schemes fit,
-    and with the smallest of steps that of the truth does.
+    A scheme is named if its rotation fits, in the first 2 s to within `SAME_RAD`, and if the rotation or the position
+    distinguishes it from every other scheme and from the truth (see `tells`). In a spin about a fixed axis the rotations of
+    all schemes fit, and with very small time steps that of the truth fits too.
 
-    Raises `ValueError` for a run that has no trajectory.
+    Parameters
+    ----------
+    case
+        The case.
+    run
+        A run of the case.
+    truth
+        The truth of the case.
+
+    Raises
+    ------
+    ValueError
+        If the run has no trajectory.
     """
     if not isinstance(run.outcome, Completed):
         raise ValueError(f"the run has no trajectory to identify, its status is {run.outcome.status}: {run.outcome.reason}")
@@ -96,7 +123,7 @@ def identify(case: Case, run: Run, truth: Truth) -> Identification | None:
         return None
     truth = truth.at(trajectory.t)
     error = compare(truth, run).series
-    early = trajectory.t <= EARLY
+    early = trajectory.t <= EARLY_S
 
     turned = {name: differences(scheme, world_velocity, scene, timestep, trajectory)[0] for name, scheme in SCHEMES.items()}
     order = sorted(turned, key=lambda name: (turned[name][early].max(), turned[name].max()))
@@ -118,7 +145,7 @@ def identify(case: Case, run: Run, truth: Truth) -> Identification | None:
     ways = [other for (name, _), other in moved.items() if name != nearest]
     rotation_tells = tells(turn, [error["attitude_error"] - truth.error, *rotations], allowed, early)
     position_tells = in_place and tells(way, [error["position_error"] - truth.position_error, *ways], aside, early)
-    named = nearest in fitting and turn[early].max() <= SAME and (rotation_tells or position_tells)
+    named = nearest in fitting and turn[early].max() <= SAME_RAD and (rotation_tells or position_tells)
     if not in_place:
         formulation = " in rotation"
     elif not tells(way, formulations, aside, early):
@@ -138,37 +165,80 @@ def identify(case: Case, run: Run, truth: Truth) -> Identification | None:
 def differences(
     scheme: Scheme, formulation: Callable[[Scene], Formulation], scene: Scene, timestep: float, trajectory: Trajectory
 ) -> tuple[Array, Array]:
-    """How far a scheme is from a run at its instants: attitude (n,), rad, and position (n,), m; infinite where it fails."""
+    """Return the differences of a scheme from a run at its n instants; they are infinite after the scheme fails.
+
+    Parameters
+    ----------
+    scheme, formulation
+        The scheme, and the velocities that it integrates.
+    scene
+        The scene of the run.
+    timestep
+        The time step (s) of the run.
+    trajectory
+        The trajectory of the run.
+
+    Returns
+    -------
+    The attitude differences (n,), in rad, and the distances of the centres of mass (n,), in m.
+    """
     states = step_through(scheme, formulation, scene, timestep, np.diff(_steps(trajectory, timestep), prepend=0))
     turned = geodesic_angle(normalise(trajectory.quaternion), states[:, 3:7])
     return _or_infinite(turned), _or_infinite(distance(trajectory.position, states[:, :3]))
 
 
 def tells(own: Array, others: Iterable[Array], limit: Array, early: NDArray[np.bool_]) -> bool:
-    """Whether a difference (n,) tells its candidate from others, by theirs (n,).
+    """Return whether a scheme's difference from a run distinguishes it from other candidates.
 
-    Each of them is at some instant beyond the limit (n,) of rounding, and either early or in all a hundred times as large.
+    It does if every other difference exceeds the limit of rounding at some instant, and is a hundred times as large in the
+    first 2 s or in the whole run.
+
+    Parameters
+    ----------
+    own
+        The differences (n,) of the scheme.
+    others
+        The differences (n,) of the other candidates.
+    limit
+        The largest differences (n,) that rounding can cause.
+    early
+        Marks (n,) the instants in the first 2 s.
     """
     return all(
-        (other > limit).any() and (own[early].max() < LEFT_OVER * other[early].max() or own.max() < LEFT_OVER * other.max())
+        (other > limit).any()
+        and (
+            own[early].max() < MAX_UNEXPLAINED_FRACTION * other[early].max()
+            or own.max() < MAX_UNEXPLAINED_FRACTION * other.max()
+        )
         for other in others
     )
 
 
 def allowance(scheme: Scheme, scene: Scene, timestep: float, trajectory: Trajectory) -> Array:
-    """Bound (n,) of the attitude difference (rad) that rounding makes between two programs of a scheme, at a run's instants.
+    """Return a bound (n,) of the attitude difference (rad) that rounding causes between two programs of the same scheme.
 
-    An error made in the attitude stays as it is, one made in the body rates becomes J times as large. The bound is to first
-    order the sum over all steps so far of
+    An error of the attitude stays constant, and an error of the body rates grows by the factor J. To first order, the bound at
+    each of the run's n instants is the sum over all previous steps of
 
         ROUNDINGS (1 + |J| (|Omega| + h (I Omega^2 + m v^2) / i)),
 
-    never less than it was before, with the largest moment I, the least i, and J from the scheme itself, stretch by stretch.
-    The last terms are of the torque about the centre. In spatial algebra v x m v is among them, which vanishes but for its
-    rounding: an engine that does not know a body's speed from its spin rounds the spin by the speed.
+    and it never decreases. I is the largest moment, i the smallest, and J is computed from the scheme for every segment of the
+    run. The last terms come from the torque about the centre of mass. In spatial algebra the torque contains v x m v, which
+    is zero except for rounding: an engine that combines linear and angular velocity rounds the spin by the speed.
+
+    Parameters
+    ----------
+    scheme
+        The scheme of both programs.
+    scene
+        The scene of the run.
+    timestep
+        The time step (s).
+    trajectory
+        The trajectory of the run, with its instants.
     """
     samples = _steps(trajectory, timestep)
-    ends = np.unique(np.linspace(0, samples[-1], STRETCHES + 1).astype(np.int64))
+    ends = np.unique(np.linspace(0, samples[-1], SEGMENTS + 1).astype(np.int64))
     strides = np.diff(ends)
     states = step_through(scheme, world_velocity, scene, timestep, np.diff(ends, prepend=0))
     spin = np.linalg.norm(states[:, 10:], axis=1)
@@ -177,7 +247,7 @@ def allowance(scheme: Scheme, scene: Scene, timestep: float, trajectory: Traject
     torque = (max(moments) * spin**2 + scene.body.mass * speed**2) / min(moments)
     rounded = spin + timestep * torque
 
-    bound = np.full(len(ends), ROUNDINGS)
+    bound = np.full(len(ends), STEP_ROUNDING)
     turn, rates = np.zeros((len(ends), 3, 3)), np.tile(np.eye(3), (len(ends), 1, 1))
     with np.errstate(all="ignore"):  # a scheme that fails has no bound
         for k, stride in enumerate(strides):
@@ -185,28 +255,29 @@ def allowance(scheme: Scheme, scene: Scene, timestep: float, trajectory: Traject
             turn[: k + 1] += turned @ rates[: k + 1]
             rates[: k + 1] = changed @ rates[: k + 1]
             grown = 1 + np.linalg.norm(turn[: k + 1], axis=(1, 2)) * rounded[: k + 1]
-            bound[k + 1] += ROUNDINGS * (grown @ strides[: k + 1])
+            bound[k + 1] += STEP_ROUNDING * (grown @ strides[: k + 1])
     bound = np.minimum(_or_infinite(bound), np.pi)  # no angle is larger
     return np.asarray(np.maximum.accumulate(bound)[np.searchsorted(ends, samples)])
 
 
 def in_position(allowed: Array, trajectory: Trajectory, timestep: float) -> Array:
-    """The distance (n,), m, that rounding makes where it makes the attitude differ by as much as allowed (n,), rad.
+    """Return the distances (n,), in m, that rounding can cause if it can cause the attitude differences `allowed` (n,), in rad.
 
-    A velocity that points elsewhere by an angle leads aside by as much of the way, and the position is rounded in each step.
+    A velocity whose direction is off by an angle leads aside by this angle times the distance travelled. In addition, the
+    position is rounded in every step.
     """
     far, speed = (np.linalg.norm(part, axis=1) for part in (trajectory.position, trajectory.velocity))
     way = np.maximum.accumulate(speed) * trajectory.t
-    return np.asarray(allowed * way + ROUNDINGS * (1 + _steps(trajectory, timestep)) * np.maximum.accumulate(far))
+    return np.asarray(allowed * way + STEP_ROUNDING * (1 + _steps(trajectory, timestep)) * np.maximum.accumulate(far))
 
 
 def _derivatives(scheme: Scheme, scene: Scene, timestep: float, start: Array, end: Array, stride: int) -> tuple[Array, Array]:
-    """Derivatives (3, 3) of the turn in the world (s) and of the body rates by the body rates a stride before.
+    """Return the derivatives (3, 3) of the rotation in the world (s), and of the body rates, by the body rates before a stride.
 
-    start, end: the states (13,) before and after the stride.
+    `start` and `end` are the states (13,) before and after the stride, and `stride` is its number of steps.
     """
     w, x, y, z = start[3:7].tolist()
-    nudge = NUDGE * float(np.linalg.norm(start[10:]) or 1.0)
+    nudge = RELATIVE_RATE_CHANGE * float(np.linalg.norm(start[10:]) or 1.0)
     ends = []
     for axis in np.eye(3):
         p, q, r = (start[10:] + nudge * axis).tolist()
@@ -218,10 +289,10 @@ def _derivatives(scheme: Scheme, scene: Scene, timestep: float, start: Array, en
 
 
 def _steps(trajectory: Trajectory, timestep: float) -> Strides:
-    """Numbers of steps (n,) from the start of a run to its samples."""
+    """Return the numbers of steps (n,) from the start of a run to its samples."""
     return np.rint(trajectory.t / timestep).astype(np.int64)
 
 
 def _or_infinite(values: Array) -> Array:
-    """The same with infinity in the place of what is not a number."""
+    """Return the values with NaN replaced by infinity."""
     return np.where(np.isnan(values), np.inf, values)

@@ -1,34 +1,35 @@
-"""The time steps of a case at which methods are measured."""
+"""Choose the time steps at which methods are measured on a case."""
 
 import math
 from itertools import count
 
 from bodycheck.casefile.case import Case
 
-#: s
-LARGEST = 0.02
+#: The largest time step of any ladder.
+LARGEST_STEP_S = 0.02
 
-#: Angle (rad) by which the body may turn in the largest step: with a larger one there is nothing of an order to be seen.
-LARGEST_TURN = 0.25
+#: Largest rotation of the body in the largest step; with a larger one, no order of convergence is visible.
+LARGEST_TURN_RAD = 0.25
 
-#: Steps of a run with the smallest step, which the Pythonic ones take some seconds for.
-MOST_STEPS = 100_000
+#: Largest number of steps of a run, which takes some seconds with engines that are stepped from Python.
+MAX_STEPS = 100_000
 
-#: Time steps of a ladder, whatever the number of steps that they take.
-FEWEST = 6
+#: Smallest number of time steps in a ladder, regardless of the number of steps of a run.
+MIN_LADDER_LENGTH = 6
 
+#: The leading digits of time steps.
 MANTISSAS = (5.0, 2.0, 1.0)
 
 
 def ladder(case: Case) -> tuple[float, ...]:
-    """Time steps (s), the largest first: 20, 10, 5, 2, 1 ms and so on where they fit the case, else near these.
+    """Return the time steps (s) for a case, the largest first: 20, 10, 5, 2, 1 ms and so on, or values near these.
 
-    They divide the interval of the case's samples or are its multiples, so that runs with different steps have instants in
-    common.
+    Every time step divides the sampling interval of the case or is a multiple of it, so that runs with different time steps
+    have common instants.
     """
     interval = case.duration / (case.samples - 1)
     spin = math.hypot(*case.scene.initial.angular_velocity)
-    largest = min(LARGEST, case.duration / 10, LARGEST_TURN / spin if spin else math.inf)
+    largest = min(LARGEST_STEP_S, case.duration / 10, LARGEST_TURN_RAD / spin if spin else math.inf)
     steps: list[float] = []
     for decade in count(0):
         for mantissa in MANTISSAS:
@@ -36,7 +37,7 @@ def ladder(case: Case) -> tuple[float, ...]:
             if wanted > largest * (1 + 1e-9):
                 continue
             step = fitted(wanted, interval)
-            if case.duration / step > MOST_STEPS * (1 + 1e-9) and len(steps) >= FEWEST:
+            if case.duration / step > MAX_STEPS * (1 + 1e-9) and len(steps) >= MIN_LADDER_LENGTH:
                 return tuple(steps)
             if not steps or step < steps[-1]:
                 steps.append(step)
@@ -44,6 +45,6 @@ def ladder(case: Case) -> tuple[float, ...]:
 
 
 def fitted(wanted: float, interval: float) -> float:
-    """The time step nearest to a wanted one that divides an interval, or is a multiple of it (s)."""
+    """Return the time step (s) closest to a wanted one that divides an interval (s) or is a multiple of it."""
     step = interval / round(interval / wanted) if wanted < interval else interval * round(wanted / interval)
     return float(f"{step:.12g}")

@@ -1,4 +1,4 @@
-"""Print the tables of this study to the terminal."""
+"""Print the tables of the tradeoff study to the terminal."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -11,7 +11,7 @@ from bodycheck.studies.tradeoff.recommendation import Measured, Recommendation
 
 
 def print_tradeoff(rows: Sequence[Mapping[str, Any]], orders: Sequence[Order]) -> None:
-    """A line a run, then a line a method and quantity."""
+    """Print one line per run, then one line per method and quantity."""
     runs = ("case", "engine", "integrator", "step", "status", "position m", "attitude rad", "us/step", "cost s/s", "reason")
     print_table(runs, map(_row, rows))
     print()
@@ -20,13 +20,25 @@ def print_tradeoff(rows: Sequence[Mapping[str, Any]], orders: Sequence[Order]) -
 
 
 def print_recommendations(found: Sequence[Recommendation], front: Sequence[Measured], quantity: str, error: float) -> None:
-    """The methods that keep the limit with their measured neighbours, then the Pareto front."""
+    """Print the methods that keep the limit, with their next larger and smaller time steps, then the Pareto front.
+
+    Parameters
+    ----------
+    found
+        The methods that keep the limit.
+    front
+        The Pareto front.
+    quantity
+        The quantity whose error is limited.
+    error
+        The limit, in the quantity's unit.
+    """
     limit = f"{quantity} error of at most {error:g} ({UNITS[quantity] or 'relative'})"
-    print(f"{limit}, the cheapest first" if found else f"no method that was measured keeps an {limit}")
+    print(f"{limit}, the cheapest first" if found else f"no measured method keeps an {limit}")
     if found:
         header = ("engine", "integrator", "step s", "error", "cost s/s", "coarser step", "its error", "finer step", "its error")
         print_table(header, map(_recommendation, found))
-    print("\nno other method beats these in both error and cost")
+    print("\nno other method surpasses these in both error and cost")
     print_table(("engine", "integrator", "step s", "error", "cost s/s"), map(_method, front))
 
 

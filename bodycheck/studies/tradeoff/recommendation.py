@@ -1,4 +1,4 @@
-"""The cheapest methods that keep an error below a limit, from what a tradeoff study measured: nothing is extrapolated."""
+"""Find the cheapest methods that keep an error below a limit, from the rows of a tradeoff study; nothing is extrapolated."""
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -8,7 +8,7 @@ from typing import Any
 #: A row of the tradeoff study.
 Row = Mapping[str, Any]
 
-#: Where the error of a quantity stands: the second is that of scenes with friction or drag.
+#: The columns with the error of a quantity; the second column is for scenes with friction or drag.
 COLUMNS = {
     "attitude": ("attitude_error",),
     "position": ("position_error",),
@@ -19,7 +19,7 @@ COLUMNS = {
 
 @dataclass(frozen=True)
 class Measured:
-    """One method as it was measured. error: in the quantity's unit. cost: seconds of computing a simulated second."""
+    """One measured method. `error` is in the quantity's unit, `cost` is the computing time (s) per simulated second."""
 
     engine: str
     version: str
@@ -33,7 +33,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Recommendation:
-    """A method that keeps the limit, and the next coarser and finer steps of its integrator that were measured."""
+    """A method that keeps the limit, and its integrator with the next larger and smaller measured time steps."""
 
     method: Measured
     coarser: Measured | None
@@ -41,7 +41,17 @@ class Recommendation:
 
 
 def recommend(rows: Sequence[Row], quantity: str, limit: float) -> list[Recommendation]:
-    """For each integrator the cheapest time step whose error is at most the limit; the cheapest integrator first."""
+    """Return, for each integrator, the cheapest time step that keeps the limit; the cheapest integrator first.
+
+    Parameters
+    ----------
+    rows
+        The rows of one case in a tradeoff study.
+    quantity
+        A key of `COLUMNS`.
+    limit
+        The largest allowed error, in the quantity's unit.
+    """
     found = []
     by_integrator: dict[tuple[str, str], list[Measured]] = defaultdict(list)
     for method in measured(rows, quantity):
@@ -59,7 +69,7 @@ def recommend(rows: Sequence[Row], quantity: str, limit: float) -> list[Recommen
 
 
 def pareto(rows: Sequence[Row], quantity: str) -> list[Measured]:
-    """The methods that no other one beats in both error and cost, the cheapest first."""
+    """Return the methods that no other method surpasses in both error and cost, the cheapest first."""
     front: list[Measured] = []
     for method in sorted(measured(rows, quantity), key=lambda method: (method.cost, method.error)):
         if not front or method.error < front[-1].error:
@@ -68,7 +78,7 @@ def pareto(rows: Sequence[Row], quantity: str) -> list[Measured]:
 
 
 def measured(rows: Sequence[Row], quantity: str) -> list[Measured]:
-    """The rows of one case that have both an error in a quantity and a cost."""
+    """Return the methods of those rows that have both an error of a quantity and a cost."""
     found = []
     for row in rows:
         errors = [row[column] for column in COLUMNS[quantity] if row.get(column) is not None]

@@ -1,4 +1,4 @@
-"""The trade of speed for accuracy: error and cost of every method over a ladder of time steps, and how it converges."""
+"""Measure the error, the cost and the convergence of every method over a ladder of time steps."""
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -25,17 +25,31 @@ from bodycheck.studies.tradeoff.identification import identify
 from bodycheck.studies.tradeoff.ladder import ladder
 from bodycheck.studies.tradeoff.recommendation import COLUMNS
 
-#: What follows the results' columns: the interval of the time per step (s), evaluations of the accelerations a step, and
-#: seconds of computing for a simulated second.
+#: Columns after those of results: the interval of the time per step (s), the evaluations of the accelerations per step, and
+#: the computing time (s) per simulated second.
 COST_COLUMNS = ("time_per_step_low", "time_per_step_high", "evaluations", "cost")
 
 
 def plan(
     cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Task, ...]:
-    """Every case x engine x integrator x time step (s); without time steps those of the case's ladder.
+    """Return a task for every case, engine, integrator and time step.
 
-    Raises `BadInput` as `bodycheck.running.plan.plan` does.
+    Parameters
+    ----------
+    cases
+        The cases.
+    engines
+        The adapters by name.
+    integrators
+        Spellings of methods; all that the engines offer if it is empty.
+    timesteps
+        Time steps (s); those of each case's ladder if it is empty.
+
+    Raises
+    ------
+    BadInput
+        As `bodycheck.running.plan.plan`.
     """
     check(cases, engines, integrators, timesteps)
     tasks = tuple(
@@ -55,18 +69,28 @@ def price(
     engines: Mapping[str, Adapter],
     progress: Callable[[str], None] = lambda done: None,
 ) -> list[dict[str, Any]]:
-    """A row a run: the results' columns and `COST_COLUMNS`, None where a run has no figure.
+    """Measure the costs of runs, and return one row per run with the columns of results and `COST_COLUMNS`.
 
-    Costs are measured now, with nothing else running, the runs of a case in turn; a run that is not ok has none. Where the
-    timing of a case fails, its rows have none either, and the reason why.
-    progress is called with a word on each case.
+    Costs are measured with nothing else running, for all runs of a case in turn. A run that did not complete has no costs. If
+    the measurement of a case fails, its rows have no costs but a reason. Missing values are None.
+
+    Parameters
+    ----------
+    results
+        The results of the runs.
+    verdicts
+        The verdicts on the runs.
+    engines
+        The adapters by name.
+    progress
+        A function that is called with a text after each case.
     """
     costs: dict[Task, Cost] = {}
     untimed: dict[str, str] = {}
     for name, own in _by_case(verdicts).items():
         tasks = {_task(results.cases[name], verdict): verdict for verdict in own if verdict.discrepancy is not None}
         stretches = tuple(_stretch(task, verdict) for task, verdict in tasks.items())
-        ((_, measured),) = pool.call_all(time_in_turn, [stretches], jobs=1, limit=campaign.TIME_LIMIT)
+        ((_, measured),) = pool.call_all(time_in_turn, [stretches], jobs=1, limit=campaign.TIME_LIMIT_S)
         if isinstance(measured, list):
             costs |= dict(zip(tasks, measured, strict=True))
         else:
@@ -81,7 +105,7 @@ def price(
 
 
 def time_in_turn(stretches: Sequence[Stretch]) -> list[Cost]:
-    """The cost of each stretch."""
+    """Return the cost of each stretch, all measured in turn."""
     return cost.summarise(cost.measure(stretches))
 
 
@@ -101,14 +125,14 @@ def _stretch(task: Task, verdict: Verdict) -> Stretch:
 
 
 def _claims(engines: Mapping[str, Adapter], key: RunKey) -> Integrator:
-    """The integrator of a run, with what its engine claims of it."""
+    """Return the integrator of a run, with the order and the evaluations that its engine claims."""
     own = integrator_of(engines[key.engine].engine, key.method)
     assert own is not None  # it was run
     return own
 
 
 def _costs(row: Mapping[str, Any], found: Cost | None, evaluations: int | None) -> dict[str, Any]:
-    """The columns of a row that tell its cost; that of the run itself, which others ran beside, is not told."""
+    """Return the cost columns of a row. The times of the run itself are left out, because other runs disturbed them."""
     empty = dict.fromkeys(("wall_time", "time_per_step", "realtime_factor", *COST_COLUMNS))
     if found is None:
         return empty
@@ -136,9 +160,18 @@ def orders(
     engines: Mapping[str, Adapter],
     progress: Callable[[str], None] = lambda done: None,
 ) -> list[Order]:
-    """The orders of every method in every quantity, and the schemes that the methods are, from their coarsest steps.
+    """Return the orders of every method in every quantity, with the schemes that the runs with the largest steps agree with.
 
-    progress is called with a word on each case.
+    Parameters
+    ----------
+    results
+        The results of the runs.
+    verdicts
+        The verdicts on the runs.
+    engines
+        The adapters by name.
+    progress
+        A function that is called with a text after each case.
     """
     found: list[Order] = []
     for name, own in _by_case(verdicts).items():
@@ -154,7 +187,7 @@ def orders(
 
 
 def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], claimed: int | None) -> Iterator[Order]:
-    """The orders of one method from the verdicts on its completed runs, those with the largest steps first."""
+    """Yield the orders of one method from the verdicts on its completed runs, which begin with the largest time step."""
     coarsest = verdicts[0].run
     truth = results.truth(case.name, coarsest.method.timestep)
     assert isinstance(truth, Truth)  # its run has a discrepancy

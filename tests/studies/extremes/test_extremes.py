@@ -208,7 +208,7 @@ def test_a_study_that_was_killed_ends_as_if_it_had_not_been(tmp_path: Path) -> N
         time.sleep(0.002)
     assert process.returncode == -signal.SIGKILL, f"it was to be killed after {lines} lines of {len(records)}"
     done = subprocess.run(command(case, killed), check=True, capture_output=True, text=True)
-    assert "going on with the interrupted study" in done.stderr
+    assert "resuming the interrupted study" in done.stderr
     for name in ("extremes.csv", "limits.csv"):
         assert (killed / name).read_bytes() == (whole / name).read_bytes()
     # Nothing was done twice.
@@ -233,7 +233,7 @@ def test_the_command_writes_what_it_promises_and_findings_are_no_failures(tmp_pa
     assert (rows.query("axis == 'spin' and integrator == 'Euler'").status == "silent-reset").all()
     np.testing.assert_allclose(limits.spin * limits.largest_stable_timestep, limits.spin_times_step, rtol=1e-15)
     assert journal.read(out / "extremes.jsonl").complete
-    assert "healthy to their engine and not right" in done.stdout
+    assert "wrong without any report by the engine" in done.stdout
 
 
 def test_json_has_rows_and_limits(tmp_path: Path) -> None:
@@ -247,7 +247,7 @@ def test_json_has_rows_and_limits(tmp_path: Path) -> None:
 
 def test_a_case_without_axes_is_bad_input() -> None:
     adapters = {"mujoco": registry.load("mujoco")}
-    with pytest.raises(BadInput, match="projectile: no axes to push along"):
+    with pytest.raises(BadInput, match="projectile: has no axes"):
         extremes.prepare([load("projectile")], adapters, ())
     with pytest.raises(BadInput, match="no engine has an integrator 'rk5'"):
         extremes.prepare([SPIN], adapters, ("rk5",))

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bodycheck import load, simulate
-from bodycheck.studies.extremes.stability import FINE, PRODUCTS, SECTIONS, Bracket, bracket, stable, turning
+from bodycheck.studies.extremes.stability import FINAL_RATIO, PRODUCTS, SECTIONS, Bracket, bracket, stable, turning
 
 
 def search(is_stable: "dict[float, bool] | float", interrupted: bool = False) -> tuple[Bracket, dict[float, bool]]:
@@ -30,7 +30,7 @@ def test_a_limit_is_enclosed_to_two_percent(limit: float) -> None:
         return
     assert found.stable is not None
     assert found.unstable is not None
-    assert found.stable < limit <= found.unstable <= FINE * found.stable
+    assert found.stable < limit <= found.unstable <= FINAL_RATIO * found.stable
     assert len(probes) <= len(PRODUCTS) + 2 * (SECTIONS - 1)
 
 
@@ -48,7 +48,7 @@ def test_a_stable_step_among_unstable_ones_is_not_taken_for_the_limit() -> None:
     limit, island = 0.1, PRODUCTS[1]
     found, _ = search({0.0: limit, island: True})
     assert found.stable is not None
-    assert found.stable < limit < found.stable * FINE
+    assert found.stable < limit < found.stable * FINAL_RATIO
 
 
 CASE = load("extreme-spin")

@@ -336,7 +336,7 @@ def bodycheck(*arguments: object) -> int:
     ("arguments", "words"),
     [
         (("releases", "mujocco", "3.2.0"), "there is no engine 'mujocco'"),
-        (("releases", "mujoco"), "give versions, or how many of the newest"),
+        (("releases", "mujoco"), "give versions, or the number of newest"),
         (("releases", "mujoco", "newest"), "'newest' is no version"),
         (("releases", "mujoco", "--remove", "--last", "2"), "--remove goes with versions"),
         (("releases", "mujoco", "3.2.0", "--case", "nowhere"), "nowhere"),
@@ -391,7 +391,7 @@ def test_a_miniature_engine_through_its_releases(
     assert [look["figure"] for look in found["looks"]] == [pytest.approx(0, abs=1e-12), pytest.approx(2.5e-3, rel=1e-9)]
 
     shutil.rmtree(index)  # from here on there is nothing to install from
-    with pytest.raises(BadInput, match="give them the other way round"):
+    with pytest.raises(BadInput, match="exchange the two"):
         bodycheck("bisect", "toy", "2.0", "1.0", *limit)
     assert bodycheck("bisect", "toy", "1.0", "2.0", *limit) == 1  # between them there may be others
     said = capsys.readouterr()

@@ -18,7 +18,7 @@ from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Diverged, Run
 from bodycheck.running.simulation import sampling_steps
-from bodycheck.studies.tradeoff.identification import ROUNDINGS, SAME, Identification, allowance, identify
+from bodycheck.studies.tradeoff.identification import SAME_RAD, STEP_ROUNDING, Identification, allowance, identify
 from tests.support.cases import shortened
 
 SEMI_IMPLICIT, LINEARLY_IMPLICIT = "semi-implicit Euler", "linearly implicit Euler"
@@ -81,7 +81,7 @@ def test_engines_are_the_schemes_that_they_are(timesteps: tuple[float, ...], cas
     run = simulated(case, engine, integrator, *timesteps)
     identification = found(case, run)
     assert identification.scheme == ENGINES[engine, integrator]
-    assert identification.early <= SAME / 100  # some 1e-14 rad: a thousand times less than is asked for
+    assert identification.early <= SAME_RAD / 100  # some 1e-14 rad: a thousand times less than is asked for
     assert identification.residual <= identification.allowed
     nearest, *others = identification.candidates
     assert nearest.fits
@@ -207,7 +207,7 @@ def torque_left_out(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple
 def test_what_is_not_in_the_list_gets_no_name(timestep: float, case: Case, scheme: Scheme) -> None:
     identification = found(case, miniature(case, scheme, timestep))
     assert identification.scheme == ""
-    assert identification.early > SAME
+    assert identification.early > SAME_RAD
     assert not identification.cannot_tell
 
 
@@ -225,7 +225,7 @@ def test_nor_does_what_only_rounding_could_excuse() -> None:
     case = replace(BRIEF[COMPLEX.name], scene=fast)
     identification = found(case, miniature(case, truncated, 0.01))
     assert identification.cannot_tell
-    assert identification.early > SAME
+    assert identification.early > SAME_RAD
 
 
 def test_nor_does_a_scheme_that_leaves_a_tenth_of_the_discrepancy() -> None:
@@ -235,7 +235,7 @@ def test_nor_does_a_scheme_that_leaves_a_tenth_of_the_discrepancy() -> None:
     run = miniature(case, three_eighths, 0.002)
     identification = found(case, run)
     assert identification.cannot_tell
-    assert identification.early < SAME
+    assert identification.early < SAME_RAD
     error = compare(truth_of(case), run).series["attitude_error"]
     allowed = allowance(SCHEMES[MUNTHE_KAAS], case.scene, 0.002, run.outcome.trajectory)
     assert (error > allowed).any()
@@ -345,7 +345,7 @@ def test_rounding_stays_within_its_allowance(name: str) -> None:
     def noisy(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
         (position, attitude), (linear, angular) = SCHEMES[name](motion, pose, v, h)
         (a, b, c), (p, q, r) = directions = random.normal(size=(2, 3))
-        size = amplified * ROUNDINGS / np.linalg.norm(directions, axis=1)
+        size = amplified * STEP_ROUNDING / np.linalg.norm(directions, axis=1)
         spin = float(np.linalg.norm(angular))
         attitude = turn(attitude, (size[0] * a, size[0] * b, size[0] * c))
         return (position, attitude), (linear, add_scaled(angular, spin * float(size[1]), (p, q, r)))
