@@ -271,7 +271,7 @@ def test_the_report_of_one_machine_or_two(machines: tuple[str, ...]) -> None:
 def test_studies_of_different_cases_are_not_merged() -> None:
     one = found_on("abacus")
     other = replace(one, header=one.header | {"cases": {"spin": "1"}})
-    with pytest.raises(BadInput, match="spin: is not the same case"):
+    with pytest.raises(BadInput, match="spin: the case differs"):
         present({"one": one, "other": other})
     with pytest.raises(BadInput, match="different engines"):
         present({"one": one, "other": replace(one, header=one.header | {"engines": {"pinocchio": "1.0"}})})
