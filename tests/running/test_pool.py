@@ -59,7 +59,7 @@ def test_what_a_call_keeps_of_memory_is_not_missing_to_the_next() -> None:
 )
 def test_a_call_that_goes_wrong_says_how(monkeypatch: pytest.MonkeyPatch, function: Any, argument: Any, reason: str) -> None:
     if argument == "closes its files and goes on":
-        monkeypatch.setattr(pool, "FAREWELL", 0.1)  # seconds for an end that does not come
+        monkeypatch.setattr(pool, "SHUTDOWN_TIMEOUT_S", 0.1)  # seconds for an end that does not come
     ((_, result),) = pool.call_all(function, [argument], jobs=1, limit=LIMIT, memory=MEMORY)
     assert isinstance(result, Crashed)
     assert result.reason.startswith(reason)

@@ -164,7 +164,7 @@ def test_what_is_not_ok_has_no_speed(tmp_path: Path) -> None:
 
 def test_a_timing_that_fails_leaves_no_speed_and_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     results = run([load("projectile")], tmp_path, integrators=("rk4",), timesteps=(0.01,))
-    monkeypatch.setattr(campaign, "TIME_LIMIT", 1e-3)
+    monkeypatch.setattr(campaign, "TIME_LIMIT_S", 1e-3)
     (row,) = tradeoff.price(results, judgement.judge(results), ENGINES)
     assert row["status"] == "ok"
     assert row["attitude_error"] is not None
