@@ -7,6 +7,7 @@ such a figure is taken for its floor. A comment behind each limit says what was 
 import json
 import math
 import re
+from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
@@ -120,8 +121,11 @@ def plan(
 def write(results: Results, verdicts: Sequence[Verdict], places: Mapping[str, Path], margin: float) -> list[Change]:
     """Set the expectations in the files of cases, by their names, from results that were judged. Raises `BadInput`."""
     changes = []
+    by_case: dict[str, list[Verdict]] = defaultdict(list)
+    for verdict in verdicts:
+        by_case[verdict.run.case].append(verdict)
     for name, case in results.cases.items():
-        file, own = places[name], [verdict for verdict in verdicts if verdict.run.case == name]
+        file, own = places[name], by_case[name]
         measurements = [measure(verdict, results.truth(name, verdict.run.method.timestep)) for verdict in own]
         text, made = rewrite(case, measurements, margin)
         parse(text, str(file))

@@ -1,7 +1,9 @@
 """Results with what they are worth, which is what reports are made of: one set of them, or several to be compared."""
 
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from bodycheck.errors import BadInput
@@ -22,6 +24,22 @@ class ResultSet:
     verdicts: Sequence[Verdict]
     parts: Sequence[Attribution] = ()
     label: str = ""
+
+    @cached_property
+    def verdicts_by_case(self) -> Mapping[str, Sequence[Verdict]]:
+        """The verdicts on the runs of each case, by its name."""
+        found: dict[str, list[Verdict]] = defaultdict(list)
+        for verdict in self.verdicts:
+            found[verdict.run.case].append(verdict)
+        return found
+
+    @cached_property
+    def parts_by_case(self) -> Mapping[str, Sequence[Attribution]]:
+        """The parts of the discrepancies of contact of each case, by its name."""
+        found: dict[str, list[Attribution]] = defaultdict(list)
+        for part in self.parts:
+            found[part.case].append(part)
+        return found
 
 
 def judged(results: Results, label: str = "") -> ResultSet:

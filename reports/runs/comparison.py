@@ -63,13 +63,10 @@ def _shown(name: str, shown_name: str, sets: Sequence[ResultSet], several: bool)
     verdicts = [
         replace(verdict, run=replace(verdict.run, case=shown_name))
         for one in sets
-        for verdict in one.verdicts
-        if verdict.run.case == name
+        for verdict in one.verdicts_by_case.get(name, ())
     ]
-    methods = list(dict.fromkeys(map(method, verdicts)))
-    return Shown(
-        shown_name, title, case, tuple(sets), tuple(sorted(verdicts, key=lambda verdict: methods.index(method(verdict))))
-    )
+    places = {key: place for place, key in enumerate(dict.fromkeys(map(method, verdicts)))}
+    return Shown(shown_name, title, case, tuple(sets), tuple(sorted(verdicts, key=lambda verdict: places[method(verdict)])))
 
 
 def header(sets: Sequence[ResultSet]) -> Header:

@@ -154,7 +154,7 @@ def _section(shown: Shown, lines: Mapping[Key, Line], points: int, room: int) ->
     timesteps = dict.fromkeys(verdict.run.method.timestep for verdict in verdicts)
     truths = {(one.label, timestep): one.results.truth(case.name, timestep) for one in shown.sets for timestep in timesteps}
     known = {key: truth for key, truth in truths.items() if isinstance(truth, Truth)}
-    parts = {one.label: [part for part in one.parts if part.case == case.name] for one in shown.sets}
+    parts = {one.label: one.parts_by_case.get(case.name, ()) for one in shown.sets}
     drawn = sorted((v for v in verdicts if v.discrepancy is not None), key=lambda verdict: labels.index(verdict.label))
     return Section(
         name=shown.name,

@@ -8,7 +8,7 @@ repeated from nudged initial states.
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cached_property, lru_cache
 from statistics import median
 from typing import Any
 
@@ -26,6 +26,9 @@ from bodycheck.running.machine import SPEED_TOLERANCE
 
 #: Most runs whose change gets a sentence of its own.
 MOST_CHANGES = 5
+
+#: Truths of each set that are kept in memory: those of one case at its time steps.
+TRUTHS_KEPT = 8
 
 #: Most methods, or keys of a case, that one sentence names.
 MOST_NAMES = 4
@@ -154,7 +157,7 @@ class Pair:
 
     @cached_property
     def _truths(self) -> tuple[Truths, Truths]:
-        return cache(self.base.results.truth), cache(self.other.results.truth)
+        return lru_cache(TRUTHS_KEPT)(self.base.results.truth), lru_cache(TRUTHS_KEPT)(self.other.results.truth)
 
     def _least(self, truths: Truths, case: Shown, verdict: Verdict, names: Sequence[str]) -> dict[str, float]:
         truth = truths(case.case.name, verdict.run.method.timestep)

@@ -1,6 +1,6 @@
 """The report of the ablation: what a scene does not require costs and changes, model by model."""
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from itertools import groupby
 
@@ -42,6 +42,9 @@ def present(header: Header, cases: Mapping[str, Case], rows: Sequence[ModelRow])
     header: as that of results. cases: by name. rows: of the study, those of one case, engine, integrator and step together.
     """
     compared = groups(rows)
+    by_case: dict[str, list[list[ModelRow]]] = defaultdict(list)
+    for own in compared:
+        by_case[own[0].case].append(own)
     missing = [f"Without the engine {engine}: {reason}." for engine, reason in header["missing"].items()]
     failures = Counter((row.status, row.reason) for row in rows if row.reason)
     return StudyReport(
@@ -50,11 +53,7 @@ def present(header: Header, cases: Mapping[str, Case], rows: Sequence[ModelRow])
         header=header,
         notices=(*missing, *(f"{count(amount, 'model')} {status}: {reason}." for (status, reason), amount in failures.items())),
         findings=tuple(finding for own in compared for finding in findings(own)),
-        parts=tuple(
-            part(case, [own for own in compared if own[0].case == name])
-            for name, case in cases.items()
-            if any(row.case == name for row in rows)
-        ),
+        parts=tuple(part(case, by_case[name]) for name, case in cases.items() if name in by_case),
         reading=READING,
     )
 

@@ -67,12 +67,16 @@ class CaseMeasurements:
 
     def row(self, point: Measured) -> Row:
         """The row of a run."""
-        return next(row for row in self._told if _run(row) == (point.engine, point.integrator, point.timestep))
+        return self._by_run[point.engine, point.integrator, point.timestep]
 
     def coarsest(self, engine: str, integrator: str) -> Row | None:
         """The row of a method's completed run with the largest time step, of which its scheme is told; None without any."""
         own = [row for row in self._told if _run(row)[:2] == (engine, integrator)]
         return max(own, key=lambda row: float(row["timestep"]), default=None)
+
+    @cached_property
+    def _by_run(self) -> Mapping[tuple[str, str, float], Row]:
+        return {_run(row): row for row in reversed(self._told)}
 
     @cached_property
     def _told(self) -> Sequence[dict[str, Any]]:

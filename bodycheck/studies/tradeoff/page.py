@@ -48,10 +48,10 @@ def present(header: Header, rows: Sequence[Row], orders: Sequence[Order]) -> Stu
     by_case: dict[str, list[Row]] = defaultdict(list)
     for row in rows:
         by_case[row["case"]].append(row)
-    cases = [
-        CaseMeasurements(name, tuple(own), tuple(order for order in orders if order.case == name))
-        for name, own in by_case.items()
-    ]
+    orders_by_case: dict[str, list[Order]] = defaultdict(list)
+    for order in orders:
+        orders_by_case[order.case].append(order)
+    cases = [CaseMeasurements(name, tuple(own), tuple(orders_by_case[name])) for name, own in by_case.items()]
     lines = _lines(rows)
     return StudyReport(
         title="What accuracy costs",
