@@ -1,10 +1,9 @@
-"""Where a discrepancy of contact comes from: the form of the model, the contact's own softness or error, the time step.
+"""Attribute the errors of a run with contact to the form of the model, the contact constraint, and the time step.
 
-The engine's contacts stand for a friction law, say that of four corners whose loads balance the tipping of the body, which
-need not be the one that the case asks for.
-Both have exact truths: their difference is *model form*. What an engine tends to as its step goes to zero need not be the
-truth of its own law: that difference is *constraint*. What is left at a step, and vanishes with it, is *time step*. The three
-add up.
+The engine's contacts imply a friction law, for example that of four corners whose loads balance the tipping moment. It may
+differ from the law of the case. Both laws have exact truths, whose difference is the *model form* error. The limit of the
+engine's results for vanishing time steps may differ from the truth of its own law; this is the *constraint* error. The
+remaining error at a given step, which vanishes with it, is the *time step* error. The sum of the three is the total error.
 """
 
 import math
@@ -25,16 +24,16 @@ from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.store import Results
 from bodycheck.running.truths import stop_under
 
-#: s, m from the start, rad from the start.
+#: The attributed quantities: time (s), distance from the start (m) and rotation since the start (rad) at the stop.
 QUANTITIES = ("stop_time", "stop_distance", "stop_yaw")
 
 
 @dataclass(frozen=True)
 class Attribution:
-    """The signed parts of one quantity's discrepancy, engine minus truth, in the quantity's unit.
+    """The signed parts of the error of one quantity, engine minus truth, in the quantity's unit.
 
-    total = model_form + constraint + time_step. model_form is None where the engine's contacts make no law of the reference;
-    the constraint then contains it. The last two are None for a method that was run with one step only.
+    The total is the sum of model_form, constraint and time_step. model_form is None if the reference has no law for the
+    engine's contacts; constraint then contains it. The last two are None for a method that was run with one time step only.
     """
 
     case: str
@@ -53,12 +52,13 @@ COLUMNS = tuple(field.name for field in fields(Attribution))
 
 
 def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution]:
-    """The parts of every completed run on a plane whose truth stops.
+    """Return the parts of the errors of every completed run on a plane in whose truth the body stops.
 
-    The stops under the laws of friction are read from the results. Those of earlier versions, and interrupted ones, lack
-    these records: their stops are computed here, once for each case and law.
+    The stops under the laws of friction are read from the results. Interrupted results and those of earlier versions lack
+    these records; their stops are computed here, once for each case and law.
 
-    The limit of a vanishing step is Richardson's, for a discrepancy of first order, from a method's two smallest steps.
+    The limit for vanishing time steps is extrapolated from a method's two smallest steps by Richardson's method for errors of
+    first order.
     """
     stops = dict(results.stops)
     methods: dict[RunKey, dict[float, Run]] = defaultdict(dict)
@@ -112,7 +112,10 @@ def write(attributions: Mapping[str, Iterable[Attribution]], folder: Path) -> No
 def _exact(
     results: Results, name: str, law: Plane | None, stops: dict[tuple[str, Plane], Stop | None]
 ) -> dict[str, float] | None:
-    """The quantities of the truth of a case under a law, None where it does not stop; a stop that is missing is added."""
+    """Return the quantities of a case's truth under a law of friction; None if the body does not stop.
+
+    A stop that is missing in `stops` is computed and added.
+    """
     if law is None:
         return None
     case = results.cases[name]

@@ -1,4 +1,4 @@
-"""Baselines: results in one file, with what rounding explains of each figure, and later results held against them."""
+"""Baselines: files with results and the effect of rounding on each figure, with which later results are compared."""
 
 import json
 import math
@@ -32,21 +32,23 @@ from bodycheck.running.plan import Task
 from bodycheck.running.store import Results
 
 FORMAT = 1
-#: The key of what a file's schema says of the run: versions, machine, and the identities of its cases.
+#: The key of the metadata in a file's schema: versions, machine, and the identities of the cases.
 METADATA = b"bodycheck"
 
 #: What is kept of the header of results.
 HEADER = tuple(name for name in DESCRIPTIONS if name not in ("command", "missing"))
 
-#: Behind the name of a figure: by how much it may differ where nothing has changed. See `rounding.allowances`.
+#: Suffix of the column with the allowed difference of a figure if nothing has changed; see `rounding.allowances`.
 ALLOWANCE = "_allowance"
 
-#: Of the runs that were made of a row (s).
+#: Columns with the shortest and the longest time per step (s) of the runs of a row.
 FASTEST, SLOWEST = "time_per_step_low", "time_per_step_high"
 
+#: The compared figures.
 FIGURES = tuple(name for name, figure in ALL_FIGURES.items() if not figure.of_truth)
 
-NEARLY_SAME = 1.01
+#: Factor between two figures below which their difference is given in relative terms.
+NEARLY_EQUAL_FACTOR = 1.01
 
 Direction = Literal["worse", "better", "new"]
 DIRECTIONS = get_args(Direction)
@@ -56,7 +58,7 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class Baseline:
-    """A file that `save` has written. header: versions and machine. cases: identities by name."""
+    """The contents of a file that `save` has written: versions and machine, identities of cases by name, and rows."""
 
     header: Mapping[str, Any]
     cases: Mapping[str, str]
@@ -65,9 +67,20 @@ class Baseline:
 
 @dataclass(frozen=True)
 class Change:
-    """What is not as it was in one run. what: a figure's column, "status", or "run" for one that is in one file only.
+    """A difference between two baselines in one run.
 
-    base, now: None where there is none. allowance: of the difference of a figure.
+    Attributes
+    ----------
+    case, engine, integrator, timestep
+        The run; the time step is in s.
+    what
+        The column of a figure, "status", or "run" for a run that only one file contains.
+    base, now
+        The old and the new value; None if there is none.
+    allowance
+        The allowed difference of a figure.
+    direction
+        Whether the run got worse or better, or is new.
     """
 
     case: str
@@ -82,12 +95,12 @@ class Change:
 
     @property
     def key(self) -> RunKey:
-        """The run in which it is."""
+        """The key of the run."""
         return RunKey(self.case, self.engine, Method.parse(self.integrator, self.timestep))
 
     @property
     def factor(self) -> float:
-        """How many times farther from what is right the larger of two figures is; infinite where there are no two."""
+        """The ratio of the larger error to the smaller one; infinite if there are no two errors or one is zero."""
         if not (isinstance(self.base, float) and isinstance(self.now, float)):
             return math.inf
         least, most = sorted((distance_from_ideal(self.what, self.base), distance_from_ideal(self.what, self.now)))
@@ -95,19 +108,19 @@ class Change:
 
     @property
     def figures(self) -> tuple[str, str, str]:
-        """Base, now and allowance, with as many digits as it takes to see a difference; empty where there is none."""
+        """Base, now and allowance as text, with enough digits to show a difference; empty for missing values."""
         for digits in (3, 6, 9, 12, 17):
-            base, now = _said(self.base, digits), _said(self.now, digits)
+            base, now = _figure_text(self.base, digits), _figure_text(self.now, digits)
             if base != now:
                 break
-        return base, now, _said(self.allowance, 3)
+        return base, now, _figure_text(self.allowance, 3)
 
     @property
     def amount(self) -> str:
-        """Better or worse, and how many times, or by what part of it where it is nearly the same."""
+        """Whether it is better or worse, and by which factor, or by which fraction if the two are nearly equal."""
         if not math.isfinite(self.factor):
             return self.direction
-        if self.factor < NEARLY_SAME:
+        if self.factor < NEARLY_EQUAL_FACTOR:
             return f"{self.direction} by {self.factor - 1:.1g} of it"
         return f"{self.factor:.3g} times {self.direction}"
 
@@ -123,7 +136,7 @@ class Change:
 
 @dataclass(frozen=True)
 class Pace:
-    """A change of what the steps of a method cost on one machine, over some runs. factor: median of now over base."""
+    """A change of the time per step of a method on one machine. `factor` is the median ratio of new to old over `runs` runs."""
 
     engine: str
     integrator: str
@@ -140,7 +153,17 @@ class Pace:
 
 @dataclass(frozen=True)
 class Difference:
-    """What differs between two baselines, the worst first. versions: what has another version now, with both."""
+    """The differences between two baselines, the worst first.
+
+    Attributes
+    ----------
+    changes
+        The changes of runs.
+    paces
+        The changes of the time per step.
+    versions
+        The programs whose version changed, with the old and the new version.
+    """
 
     changes: tuple[Change, ...]
     paces: tuple[Pace, ...]
@@ -148,11 +171,12 @@ class Difference:
 
     @property
     def worse(self) -> tuple[Change, ...]:
+        """The changes for the worse."""
         return tuple(change for change in self.changes if change.direction == "worse")
 
     @property
     def text(self) -> str:
-        """As one sentence, of changes that there are."""
+        """A summary of the changes, of which there must be at least one, in one sentence."""
         counts = {
             direction: len({change.key for change in self.changes if change.direction == direction}) for direction in DIRECTIONS
         }
@@ -162,7 +186,7 @@ class Difference:
 
 
 def size(verdicts: Sequence[Verdict]) -> int:
-    """How many runs `save` makes."""
+    """Return the number of runs that `save` makes."""
     return rounding.NUDGES * sum(verdict.discrepancy is not None for verdict in verdicts)
 
 
@@ -173,9 +197,25 @@ def save(
     jobs: int,
     progress: Callable[[str], None] = lambda done: None,
 ) -> None:
-    """Write a baseline. Every completed run is made some times more, to see what rounding does to it.
+    """Write a baseline. Every completed run is repeated some times to measure the effect of rounding.
 
-    progress is called with a word on each of these. Raises `BadInput` where the file cannot be written.
+    Parameters
+    ----------
+    path
+        The file.
+    results
+        The results to save.
+    verdicts
+        The verdicts on their runs.
+    jobs
+        The number of processes.
+    progress
+        A function that is called with a text after each repeated run.
+
+    Raises
+    ------
+    BadInput
+        If the file cannot be written.
     """
     allowed = rows(results, verdicts, jobs, progress)
     names = list(dict.fromkeys(name for row in allowed for name in row))
@@ -192,7 +232,7 @@ def save(
 
 
 def read(path: Path) -> Baseline:
-    """The baseline in a file. Raises `BadInput`."""
+    """Read the baseline in a file. Raises `BadInput` if the file cannot be read or is not a baseline."""
     try:
         table = pq.read_table(path)
         told = json.loads((table.schema.metadata or {})[METADATA])
@@ -201,13 +241,13 @@ def read(path: Path) -> Baseline:
         rows = {RunKey.of_row(row): _present(row) for row in table.to_pylist()}
         return Baseline({name: told["header"][name] for name in HEADER}, dict(told["cases"]), rows)
     except (OSError, ValueError, KeyError, TypeError, pa.ArrowException) as error:
-        raise BadInput(f"{path}: no baseline that `bodycheck run --save` has written: {error}") from error
+        raise BadInput(f"{path}: not a baseline of `bodycheck run --save`: {error}") from error
 
 
 def diff(base: Baseline, now: Baseline) -> Difference:
-    """What has changed, beyond what rounding and the truths' own errors explain.
+    """Return the changes that exceed the effect of rounding and the errors of the truths.
 
-    Raises `BadInput` where a case is another one now, as then nothing can be said.
+    Raises `BadInput` if the physics of a case has changed, because its runs cannot be compared then.
     """
     if other := sorted(name for name, told in base.cases.items() if now.cases.get(name, told) != told):
         raise BadInput(f"the case itself has changed, save a new baseline: {', '.join(other)}")
@@ -218,7 +258,7 @@ def diff(base: Baseline, now: Baseline) -> Difference:
 
 
 def as_json(found: Difference) -> dict[str, Any]:
-    """What `bodycheck diff --json` prints."""
+    """Return the JSON object of `bodycheck diff --json`."""
     changes = [{**asdict(change), "text": change.text} for change in found.changes]
     paces = [{**asdict(pace), "text": pace.text} for pace in found.paces]
     versions = {name: {"base": base, "now": now} for name, base, now in found.versions}
@@ -228,16 +268,16 @@ def as_json(found: Difference) -> dict[str, Any]:
 def rows(
     results: Results, verdicts: Sequence[Verdict], jobs: int, progress: Callable[[str], None] = lambda done: None
 ) -> list[Row]:
-    """The rows of results with an allowance of every figure, and with the fastest and the slowest step.
+    """Return the rows of results with the allowance of every figure and with the shortest and the longest time per step.
 
-    Every completed run is made `rounding.NUDGES` times more for it. progress is called with a word on each of these.
+    Every completed run is repeated `rounding.NUDGES` times. Parameters are those of `save`.
     """
     measured = _measured(results, verdicts, jobs, progress)
     return [row | measured.get(RunKey.of_row(row), {}) for row in judgement.records(verdicts)]
 
 
 def _measured(results: Results, verdicts: Sequence[Verdict], jobs: int, progress: Callable[[str], None]) -> dict[RunKey, Row]:
-    """Allowances and times by the run's key."""
+    """Repeat the completed runs with nudged initial states, and return allowances and times by the key of the run."""
     truths = lru_cache(1)(results.truth)
     waiting = {verdict.run.key: verdict.run for verdict in verdicts if verdict.discrepancy is not None}
     tasks = [
@@ -267,7 +307,15 @@ def _row_of(truth: Truth | NoTruth, run: Run, others: Sequence[Run]) -> Row:
 
 
 def changes(key: RunKey, base: Row | None, now: Row | None) -> Iterator[Change]:
-    """What has changed in one run beyond both allowances, from its rows: its being there, its status, or its figures."""
+    """Yield the changes of one run: its existence, its status, or figures that differ by more than both allowances.
+
+    Parameters
+    ----------
+    key
+        The key of the run.
+    base, now
+        The old and the new row; None if the run does not exist there.
+    """
     change = partial(Change, key.case, key.engine, key.method.name, key.method.timestep)
     if base is None or now is None:
         there = [None if row is None else str(row["status"]) for row in (base, now)]
@@ -279,15 +327,15 @@ def changes(key: RunKey, base: Row | None, now: Row | None) -> Iterator[Change]:
         yield change(what="status", base=was, now=is_now, allowance=None, direction=direction)
         return
     for name in FIGURES:
-        figures, allowances = _both(base, now, name), _both(base, now, name + ALLOWANCE)
+        figures, allowances = _entries_of_both(base, now, name), _entries_of_both(base, now, name + ALLOWANCE)
         if figures is None or allowances is None or abs(figures[1] - figures[0]) <= sum(allowances):
             continue
         direction = "better" if distance_from_ideal(name, figures[1]) < distance_from_ideal(name, figures[0]) else "worse"
         yield change(what=name, base=figures[0], now=figures[1], allowance=sum(allowances), direction=direction)
 
 
-def _both(base: Row, now: Row, name: str) -> tuple[float, float] | None:
-    """An entry of two rows, where both have it."""
+def _entries_of_both(base: Row, now: Row, name: str) -> tuple[float, float] | None:
+    """Return an entry of two rows; None unless both have it."""
     one, other = base.get(name), now.get(name)
     return None if one is None or other is None else (float(one), float(other))
 
@@ -296,15 +344,15 @@ def _rank(status: str) -> int:
     return (Completed.status, Unsupported.status).index(status) if status in (Completed.status, Unsupported.status) else 2
 
 
-def _said(value: float | str | None, digits: int) -> str:
+def _figure_text(value: float | str | None, digits: int) -> str:
     return f"{value:.{digits}g}" if isinstance(value, float) else value or ""
 
 
 def _paces(base: Baseline, now: Baseline) -> Iterator[Pace]:
-    """Methods of which most runs take longer, or less, than both spreads and `SPEED_TOLERANCE` explain."""
+    """Yield the methods of which most runs changed their time per step by more than both spreads and `SPEED_TOLERANCE`."""
     factors: dict[tuple[str, str], list[tuple[float, float]]] = defaultdict(list)
     for key in base.rows.keys() & now.rows.keys():
-        fastest, slowest = (_both(base.rows[key], now.rows[key], name) for name in (FASTEST, SLOWEST))
+        fastest, slowest = (_entries_of_both(base.rows[key], now.rows[key], name) for name in (FASTEST, SLOWEST))
         if fastest is not None and slowest is not None:
             spread = slowest[0] / fastest[0] * slowest[1] / fastest[1]
             factors[key.engine, key.method.name].append(
@@ -326,5 +374,5 @@ def _versions(base: Baseline, now: Baseline) -> Iterator[tuple[str, str, str]]:
 
 
 def _present(row: Row) -> Row:
-    """A row of a baseline with the present spelling of its method."""
+    """Return a row of a baseline with the present spelling of its method."""
     return row | {"status": str(row["status"]), "integrator": current(row["integrator"])}

@@ -1,7 +1,7 @@
-"""How a method converges as its time step vanishes: the order that is observed, and the error that stays.
+"""Observe the convergence of a method as the time step vanishes: its order, and the error that remains.
 
-A method tends to some limit, which need not be the truth: a soft contact's is not. Its order is therefore read off the
-differences between runs with successive time steps, in which the limit cancels, and what the limit is off by is its floor.
+The limit of a method may differ from the truth, for example with soft contacts. Therefore the order is determined from the
+differences between runs with successive time steps, in which the limit cancels. The error of the limit is the floor.
 """
 
 import math
@@ -20,28 +20,32 @@ from bodycheck.reference.observables import observe
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth, distance
 
-#: The quantities that are observed, with their units. Energy and angular momentum are relative, as in the results.
+#: The observed quantities with their units. Energy and angular momentum are relative, as in the results.
 UNITS = {"attitude": "rad", "position": "m", "energy": "", "angular_momentum": ""}
 
-#: Instants that all runs must have in common, the start aside.
-FEWEST_INSTANTS = 4
+#: Smallest number of instants, without the start, that all runs must have in common.
+MIN_COMMON_INSTANTS = 4
 
-#: Errors are in the asymptotic range where so many successive local orders, or more, differ by at most this part of them.
-FEWEST_ORDERS, ALIKE = 3, 0.1
+#: Errors are in the asymptotic range if at least this many successive local orders differ by at most this fraction.
+MIN_ORDERS, MAX_ORDER_SPREAD = 3, 0.1
 
-#: Local orders beyond these are those of rounding, or of a motion that was lost.
-LOWEST, HIGHEST = 0.25, 10.0
+#: Local orders outside this range are caused by rounding, or by a motion that was lost.
+MIN_ORDER, MAX_ORDER = 0.25, 10.0
 
-
-#: An error so many times larger than what is left of its convergence is that of the limit.
-STANDING = 3.0
+#: Ratio of an error to the remaining change by convergence, above which it is the error of the limit.
+FLOOR_RATIO = 3.0
 
 
 @dataclass(frozen=True)
 class Convergence:
-    """order: the median of the local orders in the asymptotic range, low and high their extremes; None where there is none.
+    """The observed convergence of one quantity.
 
-    floor: the error that the method does not get below however small its step; None where it was still falling.
+    Attributes
+    ----------
+    order, low, high
+        The median, the minimum and the maximum of the local orders in the asymptotic range; None if there is no such range.
+    floor
+        The error below which no time step gets; None if the error was still decreasing.
     """
 
     order: float | None
@@ -53,13 +57,19 @@ class Convergence:
 def observe_convergence(
     runs: Sequence[tuple[float, Trajectory]], truth: Truth, errors: Mapping[str, Sequence[float]]
 ) -> dict[str, Convergence]:
-    """The convergence of each of `UNITS`; none where the runs have too few instants in common.
+    """Return the convergence of each quantity of `UNITS`; empty if the runs have too few instants in common.
 
-    runs: n time steps (s), the largest first, and trajectories of one method. truth: of their scene. errors: the n largest
-    ones of each quantity, over all samples of each run.
+    Parameters
+    ----------
+    runs
+        The time steps (s) and trajectories of n runs of one method, the largest time step first.
+    truth
+        The truth of the scene.
+    errors
+        The largest error of each run, for each quantity.
     """
     trajectories = common([trajectory for _, trajectory in runs])
-    if len(runs) < 2 or len(trajectories[0]) <= FEWEST_INSTANTS:
+    if len(runs) < 2 or len(trajectories[0]) <= MIN_COMMON_INSTANTS:
         return {}
     timesteps = [timestep for timestep, _ in runs]
     seen = [measured(truth, trajectory) for trajectory in trajectories]
@@ -70,7 +80,7 @@ def observe_convergence(
 
 
 def attitude_order(runs: Sequence[tuple[float, Trajectory]], truth: Truth) -> float:
-    """The local order in attitude from three runs of one method, as above; nan where they tell none."""
+    """Return the local order of the attitude from three runs of one method, with their time steps (s); NaN if there is none."""
     timesteps = [timestep for timestep, _ in runs]
     seen = [measured(truth, trajectory) for trajectory in common([trajectory for _, trajectory in runs])]
     (order,) = local_orders(timesteps, [apart("attitude", coarse, fine) for coarse, fine in pairwise(seen)])
@@ -78,7 +88,17 @@ def attitude_order(runs: Sequence[tuple[float, Trajectory]], truth: Truth) -> fl
 
 
 def converge(timesteps: Sequence[float], errors: Sequence[float], changes: Sequence[float]) -> Convergence:
-    """The convergence of n errors with their time steps, the largest first, and of the n - 1 changes between them."""
+    """Return the convergence of one quantity.
+
+    Parameters
+    ----------
+    timesteps
+        The n time steps (s), the largest first.
+    errors
+        The n errors.
+    changes
+        The n - 1 differences between runs with successive time steps.
+    """
     window = asymptotic(local_orders(timesteps, changes))
     stays = floor(timesteps, errors, changes)
     return (
@@ -89,9 +109,9 @@ def converge(timesteps: Sequence[float], errors: Sequence[float], changes: Seque
 
 
 def local_orders(timesteps: Sequence[float], changes: Sequence[float]) -> list[float]:
-    """The order p from each three successive steps, nan where they tell none.
+    """Return the order p from each three successive time steps; NaN if they determine none.
 
-    An error G h^p above any limit changes by |G| (h0^p - h1^p) and |G| (h1^p - h2^p); their ratio gives p.
+    A deviation G h^p from the limit changes by |G| (h0^p - h1^p) and |G| (h1^p - h2^p); the ratio of the two gives p.
     """
     return [_local_order(*timesteps[place : place + 3], *changes[place : place + 2]) for place in range(len(timesteps) - 2)]
 
@@ -100,40 +120,40 @@ def _local_order(h0: float, h1: float, h2: float, first: float, second: float) -
     def excess(p: float) -> float:
         return float((h0 / h1) ** p - 1 - first / second * (1 - (h2 / h1) ** p))
 
-    if not (first > 0 and second > 0 and excess(LOWEST) * excess(HIGHEST) < 0):
+    if not (first > 0 and second > 0 and excess(MIN_ORDER) * excess(MAX_ORDER) < 0):
         return math.nan
-    return float(brentq(excess, LOWEST, HIGHEST))
+    return float(brentq(excess, MIN_ORDER, MAX_ORDER))
 
 
 def asymptotic(orders: Sequence[float]) -> list[float]:
-    """The longest run of successive local orders that agree, of several the one with the finest steps; empty if none does."""
+    """Return the longest sequence of successive local orders that agree; of several, the one with the smallest steps."""
     best: list[float] = []
     for start in range(len(orders)):
-        for stop in range(start + FEWEST_ORDERS, len(orders) + 1):
+        for stop in range(start + MIN_ORDERS, len(orders) + 1):
             window = list(orders[start:stop])
-            alike = all(map(math.isfinite, window)) and max(window) - min(window) <= ALIKE * max(window)
+            alike = all(map(math.isfinite, window)) and max(window) - min(window) <= MAX_ORDER_SPREAD * max(window)
             if alike and len(window) >= len(best):
                 best = window
     return best
 
 
 def floor(timesteps: Sequence[float], errors: Sequence[float], changes: Sequence[float]) -> float | None:
-    """The error that stays, from n errors and the n - 1 changes between them.
+    """Return the error that remains for vanishing time steps; None if the error was still decreasing.
 
-    It is the last error where what is left of its convergence, at first order or better, is far smaller. It is the smallest
-    error where finer steps than that one's have not made it smaller: rounding.
+    It is the last error if the remaining change by convergence, at first order or better, is far smaller. It is the smallest
+    error if smaller time steps did not decrease it further, because of rounding. Parameters are those of `converge`.
     """
     if not any(errors):
         return None
     left = changes[-1] / (timesteps[-2] / timesteps[-1] - 1)
-    if errors[-1] > STANDING * left:
+    if errors[-1] > FLOOR_RATIO * left:
         return errors[-1]
     smallest = int(np.argmin(errors))
     return errors[smallest] if smallest < len(errors) - 1 else None
 
 
 def common(trajectories: Sequence[Trajectory]) -> list[Trajectory]:
-    """The trajectories at the instants that all of them have."""
+    """Return the trajectories at the instants that all of them have."""
     keys = [_keys(trajectory.t, max(float(t.t[-1]) for t in trajectories)) for trajectory in trajectories]
     shared = reduce(np.intersect1d, keys)
     places = [np.searchsorted(own, shared) for own in keys]
@@ -141,12 +161,12 @@ def common(trajectories: Sequence[Trajectory]) -> list[Trajectory]:
 
 
 def _keys(t: Array, longest: float) -> Strides:
-    """Instants as whole numbers: multiples of different time steps meet to rounding only."""
+    """Return instants as integers, because multiples of different time steps are equal only up to rounding."""
     return np.rint(t / longest * 2**40).astype(np.int64)
 
 
 def measured(truth: Truth, trajectory: Trajectory) -> dict[str, Array]:
-    """The values (n, k) of each of `UNITS`."""
+    """Return the values (n, k) of each quantity of `UNITS` at the n instants of a trajectory."""
     reference = observe(truth.scene, truth.trajectory)
     energy, momentum = energy_size(reference), angular_momentum_size(truth.scene, reference)
     seen = observe(truth.scene, trajectory)
@@ -159,6 +179,6 @@ def measured(truth: Truth, trajectory: Trajectory) -> dict[str, Array]:
 
 
 def apart(quantity: str, one: dict[str, Array], other: dict[str, Array]) -> float:
-    """The largest difference of a quantity at any instant."""
+    """Return the largest difference of a quantity over all instants."""
     difference = geodesic_angle if quantity == "attitude" else distance
     return float(difference(one[quantity], other[quantity]).max())

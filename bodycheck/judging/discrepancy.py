@@ -1,4 +1,4 @@
-"""How far a run is from the truth: every figure of `bodycheck.figures` that exists in the scene and was measured."""
+"""Compute the errors of a run: all figures of `bodycheck.figures` that apply to the scene and were measured."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from bodycheck.running.outcome import Completed, Run
 
 @dataclass(frozen=True)
 class Summary:
-    """The figures of a discrepancy without its series over time.
+    """The figures of a run without the series over time.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Discrepancy:
     figures: Mapping[str, float]
 
     def maxima(self) -> dict[str, float]:
-        """The largest value of every series, and the figures that are one number, by their names."""
+        """Return the largest value of every series, and the figures that are one number, by their names."""
         return {name: float(values.max()) for name, values in self.series.items()} | dict(self.figures)
 
     def summary(self) -> Summary:
@@ -60,7 +60,7 @@ class Discrepancy:
 
 
 def compare(truth: Truth, run: Run) -> Discrepancy:
-    """Return the discrepancy of a completed run from the truth of its case at the same instants.
+    """Return the errors of a completed run against the truth of its case at the same instants.
 
     Nothing is integrated here; `bodycheck.judging.comparison.compare` also takes a truth at other instants. Raises
     `ValueError` for a run that has no trajectory, and for a truth that is not at the instants of the run.

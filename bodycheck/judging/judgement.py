@@ -1,4 +1,4 @@
-"""What stored runs are worth: discrepancies from the truth, expectations, and one row of results a run."""
+"""Judge stored runs: compute their errors, check their expectations, and make one row of results per run."""
 
 import math
 from collections import defaultdict
@@ -20,20 +20,30 @@ from bodycheck.running import csv_tables
 from bodycheck.running.outcome import Completed, Outcome, Run, Unsupported
 from bodycheck.running.store import Results
 
-#: Of every table of results. Those of `FURTHER` that any run has follow.
+#: The columns of every table of results. The columns of `FURTHER` that any run has follow.
 COLUMNS = (
     *("case", "engine", "version", "integrator", "timestep", "status", "passed", "reason"),
     *ALWAYS_TABLED,
     *("steps", "wall_time", "time_per_step", "realtime_factor"),
 )
 
-#: The column before these where results of several sets are in one table.
+#: The first column of a table with the results of several sets.
 LABEL = "set"
 
 
 @dataclass(frozen=True)
 class Breach:
-    """What of an expectation does not hold: a figure's name, or "status"; both sides in words; and what else is to be said."""
+    """A part of an expectation that does not hold.
+
+    Attributes
+    ----------
+    name
+        The column of a figure, or "status".
+    measured, expected
+        The measured and the expected value as text, with units.
+    notes
+        Additional information for the user.
+    """
 
     name: str
     measured: str
@@ -42,13 +52,25 @@ class Breach:
 
     @property
     def text(self) -> str:
-        """As one sentence."""
+        """The breach in one sentence."""
         return "; ".join((f"{self.name} is {self.measured}, expected {self.expected}", *self.notes))
 
 
 @dataclass(frozen=True)
 class Judged:
-    """An expectation, held against a run on a day. text: what is to be said of it; a known discrepancy is told either way."""
+    """The result of checking one expectation against one run on a given date.
+
+    Attributes
+    ----------
+    expectation
+        The expectation.
+    breaches
+        The parts of the expectation that do not hold.
+    held
+        Whether the expectation counts as held; it does if a known discrepancy is still tolerated.
+    text
+        A message for the user; never empty for a known discrepancy.
+    """
 
     expectation: Expectation
     breaches: tuple[Breach, ...]
@@ -67,9 +89,9 @@ class Verdict:
     outcome
         The outcome of the run; `Unsupported` for a completed run that has no truth to be compared with.
     discrepancy
-        The figures of the run; None for a run that is not ok.
+        The figures of the run; None for a run whose status is not ok.
     passed
-        Whether every expectation holds; None where nothing was expected of the run.
+        Whether every expectation holds; None if there are no expectations for the run.
     reason
         Why the run is not ok, which expectation does not hold, or which discrepancy is known.
     known
@@ -77,7 +99,7 @@ class Verdict:
     judged
         The judgement on each expectation, in the order of the case.
     label
-        The label of the results that the run is from, where several are judged together.
+        The label of the results that contain the run, if several are judged together.
     """
 
     run: Run
@@ -90,7 +112,7 @@ class Verdict:
     label: str = ""
 
     def row(self) -> dict[str, Any]:
-        """The run's row of results, with the columns `COLUMNS`; what a run that is not ok lacks is absent."""
+        """Return the run's row of results. Columns that the run has no value for are absent."""
         method = self.run.method
         row: dict[str, Any] = {
             **({LABEL: self.label} if self.label else {}),
@@ -173,7 +195,7 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
 
 
 def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
-    """The rows of results with all of `COLUMNS`, in their order; None where a run has no figure."""
+    """Return the rows of results with all of `COLUMNS`, in their order; missing values are None."""
     rows = [verdict.row() for verdict in verdicts]
     more = [name for name in FURTHER if any(name in row for row in rows)]
     labels = (LABEL,) if any(LABEL in row for row in rows) else ()
@@ -181,7 +203,7 @@ def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
 
 
 def table(verdicts: Iterable[Verdict]) -> pd.DataFrame:
-    """One row a run, in the columns and order of `records`."""
+    """Return a table with one row per run, in the columns and order of `records`."""
     return _frame(records(verdicts))
 
 
@@ -207,10 +229,20 @@ def broken(
     order: float | None,
     bounds: Mapping[str, float],
 ) -> tuple[Breach, ...]:
-    """What of an expectation does not hold.
+    """Return the parts of an expectation that do not hold.
 
-    discrepancy: of a run that is ok. order: what was observed, None where the runs with finer steps are not there.
-    bounds: of the truth's own errors, by the figure's name.
+    Parameters
+    ----------
+    expectation
+        The expectation.
+    outcome
+        The outcome of the run.
+    discrepancy
+        The figures of the run; None for a run whose status is not ok.
+    order
+        The observed order; None if the runs with smaller time steps are missing.
+    bounds
+        The bounds of the truth's own errors, by the column of the figure.
     """
     if outcome.status != expectation.status:
         return (Breach("status", outcome.status, expectation.status, (outcome.reason,) if outcome.reason else ()),)
@@ -238,7 +270,7 @@ def _breach(limit: Limit, measured: Mapping[str, float], discrepancy: Summary, b
 
 
 def settle(expectation: Expectation, breaches: tuple[Breach, ...], today: date) -> Judged:
-    """Whether an expectation counts as held on a day."""
+    """Decide whether an expectation with the given breaches counts as held on a date."""
     text = "; ".join(breach.text for breach in breaches)
     if not expectation.known:
         return Judged(expectation, breaches, not breaches, text)
@@ -255,13 +287,13 @@ def _concerning(case: Case, run: Run) -> list[Expectation]:
 
 
 def _finer(run: Run, results: Results) -> list[Run]:
-    """The runs of the same method with a half and a quarter of the time step, as far as there are any."""
+    """Return the existing runs of the same method with a half and a quarter of the time step."""
     finer = (results.run(replace(run.key, method=run.method.at(run.method.timestep / by))) for by in REFINEMENTS)
     return [one for one in finer if one is not None]
 
 
 def _order(truth: Truth | NoTruth, runs: Sequence[Run]) -> float | None:
-    """The observed order in attitude; None where not all the runs are there."""
+    """Return the observed order of the attitude; None if a run is missing or has not completed."""
     completed = [(run.method.timestep, run.outcome) for run in runs if isinstance(run.outcome, Completed)]
     if len(completed) != 1 + len(REFINEMENTS) or isinstance(truth, NoTruth):
         return None

@@ -1,4 +1,4 @@
-"""Results with what they are worth, which is what reports are made of: one set of them, or several to be compared."""
+"""Sets of results with their verdicts, from which reports of one set or of several compared sets are made."""
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -15,9 +15,18 @@ from bodycheck.running.store import Results
 
 @dataclass(frozen=True, eq=False)
 class ResultSet:
-    """One set of results, the verdicts on its runs, and the parts of their discrepancies of contact.
+    """One set of results.
 
-    label: what tells it from the others of a report, where there are several, and what its verdicts have for theirs.
+    Attributes
+    ----------
+    results
+        The results.
+    verdicts
+        The verdicts on the runs; they have the label of the set.
+    parts
+        The parts of the errors of runs with contact.
+    label
+        Distinguishes the set from others in the same report; empty if there is only one.
     """
 
     results: Results
@@ -43,13 +52,13 @@ class ResultSet:
 
 
 def judged(results: Results, label: str = "") -> ResultSet:
-    """Results, judged."""
+    """Judge results, and return them with a label."""
     verdicts = [replace(verdict, label=label) for verdict in judgement.judge(results)]
     return ResultSet(results, verdicts, attribution.attribute(results, verdicts), label)
 
 
 def labels(folders: Sequence[Path]) -> list[str]:
-    """What tells results apart by the folders that they are in: the shortest ends of their paths that differ; none for one.
+    """Return labels that distinguish folders of results: the shortest ends of their paths that differ; empty for one folder.
 
     Raises `BadInput` for a folder that is given twice.
     """
@@ -65,6 +74,6 @@ def labels(folders: Sequence[Path]) -> list[str]:
 
 
 def write(sets: Sequence[ResultSet], folder: Path) -> None:
-    """results.csv, results.parquet and, where there is contact, attribution.csv in a folder."""
+    """Write results.csv, results.parquet and, if there are runs with contact, attribution.csv into a folder."""
     judgement.write([verdict for one in sets for verdict in one.verdicts], folder)
     attribution.write({one.label: one.parts for one in sets}, folder)

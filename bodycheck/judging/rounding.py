@@ -1,12 +1,12 @@
-"""What rounding alone may do to the figures of a run: by so much may two machines differ that run the same versions.
+"""Tolerances for differences that rounding alone can cause between two machines running the same versions.
 
-Processors and libraries of mathematics round differently. In a run of n steps every number is rounded n times and more, by the
-relative size u = 2^-53 (2^-24 in single precision): by chance this adds up to sqrt(n) u, and where all goes one way, to n u.
-What the motion makes of it, in ten seconds of a flip thousands of times as much, is measured: the run is made again from
-initial states that were nudged by sqrt(n) u, and what this moves a figure by is its spread. That serves contacts and solvers
-that iterate as well as free flight.
+Processors and mathematical libraries round differently. In a run of n steps, every number is rounded at least n times with the
+relative error u = 2^-53 (2^-24 in single precision). Random errors add up to sqrt(n) u, systematic ones to n u. The motion
+amplifies them, for example by thousands in ten seconds of a flip. This is measured: the run is repeated from initial states
+that are nudged by sqrt(n) u, and the resulting change of a figure is its spread. The method works for contacts and iterative
+solvers as well as for free flight.
 
-A figure that is the difference of two numbers of size S is allowed `MARGIN` (spread + n u S), and the truth's own error.
+The tolerance of a figure that is the difference of two numbers of size S is `MARGIN` (spread + n u S), plus the truth's error.
 """
 
 import math
@@ -25,20 +25,29 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Run
 
-#: Runs from nudged initial states.
+#: Number of runs with nudged initial states.
 NUDGES = 4
 
-#: A step rounds a number several times, and four nudges are few.
+#: Factor for several roundings per step and the small number of nudged runs.
 #:
-#: With it, what the engines' builds for x86-64 and aarch64 differ by is at most half of what is allowed, over all shipped
-#: cases.
+#: With this factor, the differences between the engines' builds for x86-64 and aarch64 are at most half of the tolerance, over
+#: all shipped cases.
 MARGIN = 8.0
 
 
 def nudged(case: Case, run: Run, seed: int) -> Case:
-    """The case with its initial state moved in random directions by as much as rounding may come to in a run of it.
+    """Return a case whose initial state is moved in random directions by the expected rounding error of a run.
 
-    Each part of the state is moved relative to its largest size in the run. On a plane the body stays flat.
+    Each part of the state is moved relative to its largest absolute value in the run. On a plane the body stays flat.
+
+    Parameters
+    ----------
+    case
+        The case.
+    run
+        A completed run of the case.
+    seed
+        The seed of the random directions.
     """
     assert isinstance(run.outcome, Completed)
     random = np.random.default_rng(seed)
@@ -63,9 +72,16 @@ def nudged(case: Case, run: Run, seed: int) -> Case:
 
 
 def allowances(truth: Truth, run: Run, others: Sequence[Run]) -> dict[str, float]:
-    """How far each figure of a completed run may be from what other machines give, by its column.
+    """Return the tolerance of each figure of a completed run between machines, by its column.
 
-    others: the runs from nudged initial states, of which figures that are not there are infinitely far away.
+    Parameters
+    ----------
+    truth
+        The truth of the case.
+    run
+        The run.
+    others
+        The runs with nudged initial states. If one of them lacks a figure, the tolerance of the figure is infinite.
     """
     moved = [compare(truth, other).maxima() if isinstance(other.outcome, Completed) else {} for other in others]
     figures = compare(truth, run).maxima()
@@ -77,7 +93,17 @@ def allowances(truth: Truth, run: Run, others: Sequence[Run]) -> dict[str, float
 
 
 def unamplified(truth: Truth, run: Run, names: Iterable[str]) -> dict[str, float]:
-    """The least that is allowed figures of a completed run, by column: what it is where the motion amplifies no rounding."""
+    """Return the tolerances of a completed run's figures, by column, without amplification of rounding by the motion.
+
+    Parameters
+    ----------
+    truth
+        The truth of the case.
+    run
+        The run.
+    names
+        The columns of the figures.
+    """
     assert isinstance(run.outcome, Completed)
     trajectory = run.outcome.trajectory
     all_one_way = run.outcome.steps * _unit_of_rounding(trajectory)
@@ -90,7 +116,7 @@ def unamplified(truth: Truth, run: Run, names: Iterable[str]) -> dict[str, float
 
 
 def _unit_of_rounding(trajectory: Trajectory) -> float:
-    """Of the arithmetic in which an engine seems to keep its states."""
+    """Return the unit roundoff of the precision in which the engine seems to keep its states."""
     states = np.hstack([trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity])
     with np.errstate(over="ignore"):
         single = np.array_equal(states.astype(np.float32), states)

@@ -31,7 +31,7 @@ RECORDS = "run.jsonl"
 
 
 class Writer:
-    """Writes a results folder; use as a context, whose regular end writes the footer.
+    """Writes a results folder. It is a context manager, whose regular end writes the footer.
 
     Continues a folder in which the same work was interrupted, which it recognises by the `identity` in the header. Any other
     results are replaced.

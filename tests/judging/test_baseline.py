@@ -283,7 +283,7 @@ def not_baselines(folder: Path) -> Iterator[Path]:
 
 def test_what_is_no_baseline_is_refused(flips: Path, tmp_path: Path) -> None:
     for path in not_baselines(tmp_path):
-        with pytest.raises(BadInput, match="no baseline that `bodycheck run --save` has written"):
+        with pytest.raises(BadInput, match="not a baseline of `bodycheck run --save`"):
             baseline.read(path)
     done = diff(flips, tmp_path / "missing.parquet")
     assert (done.returncode, done.stdout) == (2, "")
