@@ -7,9 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from bodycheck.reports.quantities import milliseconds
-
-#: Engine, integrator, time step (s) and label of the set of results; the label is empty if there is only one set.
-Key = tuple[str, str, float, str]
+from bodycheck.running.key import RunKey
 
 #: Two shades for each hue: the colours of Okabe and Ito, which colour-blind readers can distinguish, with the palest
 #: deepened so that all are readable on white and on black.
@@ -45,53 +43,66 @@ class Line:
 
     Parameters
     ----------
-    engine, integrator
-        The method.
-    timestep
-        Time step (s); 0 for a line through all time steps.
+    key
+        The method over all cases, with the label of its set of results; its time step is 0 for a line through all time steps.
     label
         Name of the method in this report.
     colour, dash, width
         Style; the dash is lengths on and off, and lengths and width are in pixels.
-    results
-        Label of the set of results.
     """
 
-    engine: str
-    integrator: str
-    timestep: float
+    key: RunKey
     label: str
     colour: str
     dash: tuple[int, ...]
     width: float
-    results: str = ""
+
+    @property
+    def engine(self) -> str:
+        """The name of the engine."""
+        return self.key.engine
+
+    @property
+    def integrator(self) -> str:
+        """The integrator with its options."""
+        return self.key.method.name
+
+    @property
+    def timestep(self) -> float:
+        """The time step (s); 0 for a line through all time steps."""
+        return self.key.method.timestep
+
+    @property
+    def results(self) -> str:
+        """The label of the set of results, empty if there is only one set."""
+        return self.key.label
 
 
-def assign(keys: Iterable[Key]) -> dict[Key, Line]:
+def assign(keys: Iterable[RunKey]) -> dict[RunKey, Line]:
     """Return a line for every method, engine by engine and otherwise in the order of first appearance.
 
     Labels contain the time step only if the methods have several.
     """
     given = list(dict.fromkeys(keys))
-    engines = list(dict.fromkeys(engine for engine, *_ in given))
-    steps = sorted({timestep for _, _, timestep, _ in given}, reverse=True)
-    labels = list(dict.fromkeys(label for *_, label in given))
+    engines = list(dict.fromkeys(key.engine for key in given))
+    steps = sorted({key.method.timestep for key in given}, reverse=True)
+    labels = list(dict.fromkeys(key.label for key in given))
     others = sorted(set(engines) - set(FIRST))
     hues = {engine: HUES[place % len(HUES)] for place, engine in enumerate((*FIRST, *others))}
     lines = {}
     for engine in engines:
-        own = [key for key in given if key[0] == engine]
-        integrators = list(dict.fromkeys(integrator for _, integrator, _, _ in own))
-        for key in sorted(own, key=lambda key: integrators.index(key[1])):
-            _, integrator, timestep, results = key
+        own = [key for key in given if key.engine == engine]
+        integrators = list(dict.fromkeys(key.method.name for key in own))
+        for key in sorted(own, key=lambda key: integrators.index(key.method.name)):
+            integrator, timestep = key.method.name, key.method.timestep
             place = integrators.index(integrator)
             step = f" {milliseconds(timestep)}" if len(steps) > 1 else ""
-            label = f"{engine} {integrator}{step}" + (f" ({results})" if results else "")
+            label = f"{engine} {integrator}{step}" + (f" ({key.label})" if key.label else "")
             turns, dash = divmod(place, len(DASHES))
-            earlier = len(labels) - 1 - labels.index(results)
+            earlier = len(labels) - 1 - labels.index(key.label)
             colour = paled(hues[engine][(place + turns) % 2], earlier)
             width = WIDTHS[min(steps.index(timestep), len(WIDTHS) - 1)] * (1 + BAND * earlier)
-            lines[key] = Line(engine, integrator, timestep, label, colour, DASHES[dash], width, results)
+            lines[key] = Line(key, label, colour, DASHES[dash], width)
     return lines
 
 

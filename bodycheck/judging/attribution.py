@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bodycheck.adapters.method import Method
 from bodycheck.judging.judgement import LABEL, Verdict
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.planar import Stop, yaw
@@ -46,6 +47,11 @@ class Attribution:
     model_form: float | None
     constraint: float | None
     time_step: float | None
+
+    @property
+    def key(self) -> RunKey:
+        """The run."""
+        return RunKey(self.case, self.engine, Method.parse(self.integrator, self.timestep))
 
 
 COLUMNS = tuple(field.name for field in fields(Attribution))

@@ -17,6 +17,7 @@ from bodycheck.judging.convergence import attitude_order
 from bodycheck.judging.discrepancy import Summary, compare
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import csv_tables
+from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Outcome, Run, Unsupported
 from bodycheck.running.store import Results
 
@@ -110,6 +111,11 @@ class Verdict:
     known: bool = False
     judged: tuple[Judged, ...] = ()
     label: str = ""
+
+    @property
+    def key(self) -> RunKey:
+        """The key of the run, with the label of its set of results."""
+        return replace(self.run.key, label=self.label)
 
     def row(self) -> dict[str, Any]:
         """Return the run's row of results. Columns that the run has no value for are absent."""

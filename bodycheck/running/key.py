@@ -37,6 +37,14 @@ class RunKey:
         """
         return cls(row["case"], row["engine"], Method.parse(current(row["integrator"]), float(row["timestep"])), label)
 
+    @classmethod
+    def of_method(cls, engine: str, spelling: str, timestep: float = 0.0, label: str = "") -> "RunKey":
+        """Return the key of a method over all cases; without a time step (s), with any.
+
+        Raises `BadInput` for text that is no spelling of a method.
+        """
+        return cls("", engine, Method.parse(spelling, timestep), label)
+
     @property
     def over_cases(self) -> "RunKey":
         """The key of the same engine and method that stands for all cases."""

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from bodycheck.running.key import RunKey
+
 
 @dataclass(frozen=True)
 class Order:
@@ -35,3 +37,8 @@ class Order:
     claimed: int | None
     scheme: str
     scheme_residual: float | None
+
+    @property
+    def method(self) -> RunKey:
+        """The key of the engine and the method, over all cases and time steps."""
+        return RunKey.of_method(self.engine, self.integrator)

@@ -65,8 +65,9 @@ def _shown(name: str, shown_name: str, sets: Sequence[ResultSet], several: bool)
         for one in sets
         for verdict in one.verdicts_by_case.get(name, ())
     ]
-    places = {key: place for place, key in enumerate(dict.fromkeys(map(method, verdicts)))}
-    return Shown(shown_name, title, case, tuple(sets), tuple(sorted(verdicts, key=lambda verdict: places[method(verdict)])))
+    places = {key: place for place, key in enumerate(dict.fromkeys(verdict.run.key for verdict in verdicts))}
+    ordered = sorted(verdicts, key=lambda verdict: places[verdict.run.key])
+    return Shown(shown_name, title, case, tuple(sets), tuple(ordered))
 
 
 def header(sets: Sequence[ResultSet]) -> Header:
@@ -95,9 +96,3 @@ def _merged(values: Mapping[str, str]) -> str:
     if len(set(values.values())) == 1:
         return next(iter(values.values()))
     return ", ".join(f"{value} ({label})" for label, value in values.items())
-
-
-def method(verdict: Verdict) -> tuple[str, str, float]:
-    """Return the engine, integrator and time step (s) of a run."""
-    run = verdict.run
-    return run.engine, run.method.name, run.method.timestep

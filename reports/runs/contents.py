@@ -8,7 +8,7 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reference.truth import Truth
 from bodycheck.reports.finding import Finding
-from bodycheck.reports.lines import Key, Line, assign
+from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, TABLED, Quantity, bound, milliseconds, number
 from bodycheck.reports.runs import comparison, curves
 from bodycheck.reports.runs.comparison import Shown
@@ -19,9 +19,10 @@ from bodycheck.reports.runs.matrix import Matrix, matrices
 from bodycheck.reports.runs.origins import Origins, origins
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback, playback
 from bodycheck.reports.runs.scenes import Fact, describe
-from bodycheck.reports.runs.summary import broken, expectation_status, failure_status, headline, key_of, notices, tally
+from bodycheck.reports.runs.summary import broken, expectation_status, failure_status, headline, notices, tally
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.running.header import Header
+from bodycheck.running.key import RunKey
 
 #: Most numbers in all curves of a report together, some 4 MB, so that even a large report opens.
 MOST_NUMBERS = 300_000
@@ -120,7 +121,7 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     """Return the contents of a report of one set of results or, to compare them, of several sets with labels."""
     shown = comparison.shown(sets)
     verdicts = [verdict for case in shown for verdict in case.verdicts]
-    lines = assign(map(key_of, verdicts))
+    lines = assign(verdict.key.over_cases for verdict in verdicts)
     points = max(2, min(MOST_POINTS, MOST_NUMBERS // max(1, 4 * len(verdicts))))
     room = MOST_CHARACTERS // max(1, len(shown))
     sections = tuple(_section(case, lines, points, room) for case in shown)
@@ -145,11 +146,11 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     )
 
 
-def _failure(verdict: Verdict, lines: Mapping[Key, Line]) -> Failure:
-    return Failure(verdict.run.case, lines[key_of(verdict)].label, failure_status(verdict), verdict.reason)
+def _failure(verdict: Verdict, lines: Mapping[RunKey, Line]) -> Failure:
+    return Failure(verdict.run.case, lines[verdict.key.over_cases].label, failure_status(verdict), verdict.reason)
 
 
-def _section(shown: Shown, lines: Mapping[Key, Line], points: int, room: int) -> Section:
+def _section(shown: Shown, lines: Mapping[RunKey, Line], points: int, room: int) -> Section:
     case, verdicts, labels = shown.case, shown.verdicts, [one.label for one in shown.sets]
     timesteps = dict.fromkeys(verdict.run.method.timestep for verdict in verdicts)
     truths = {(one.label, timestep): one.results.truth(case.name, timestep) for one in shown.sets for timestep in timesteps}
@@ -164,10 +165,10 @@ def _section(shown: Shown, lines: Mapping[Key, Line], points: int, room: int) ->
         facts=describe(case, list(truths.values())),
         table=_table(verdicts) if verdicts else None,
         origins=origins(parts),
-        curves=curves.draw({lines[key_of(verdict)].label: verdict for verdict in drawn}, known, points),
+        curves=curves.draw({lines[verdict.key.over_cases].label: verdict for verdict in drawn}, known, points),
         playback=playback(
             case.scene,
-            {lines[key_of(verdict)]: verdict for verdict in verdicts},
+            {lines[verdict.key.over_cases]: verdict for verdict in verdicts},
             {timestep: truth for (_, timestep), truth in known.items()},
             room,
         ),

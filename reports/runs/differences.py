@@ -20,8 +20,9 @@ from bodycheck.judging.rounding import unamplified
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number, verb
-from bodycheck.reports.runs.comparison import Comparison, Shown, method
+from bodycheck.reports.runs.comparison import Comparison, Shown
 from bodycheck.running.header import Header
+from bodycheck.running.key import RunKey
 from bodycheck.running.machine import SPEED_TOLERANCE
 
 #: Most runs whose change gets a sentence of its own.
@@ -43,9 +44,6 @@ ROUNDING_CAVEAT = (
     "measures this."
 )
 
-#: Engine, integrator and time step (s).
-Method = tuple[str, str, float]
-
 #: The truth of a case, by its name, at a time step (s).
 Truths = Callable[[str, float], Truth | NoTruth]
 
@@ -56,7 +54,9 @@ class Change:
 
     Parameters
     ----------
-    case, method
+    case
+        The name of the case as the report has it.
+    run
         The run.
     name
         The column of the number.
@@ -67,7 +67,7 @@ class Change:
     """
 
     case: str
-    method: Method
+    run: RunKey
     name: str
     base: float
     now: float
@@ -94,7 +94,7 @@ class Change:
             if base != now:
                 break
         values = f"from {base} to {now} {quantity.unit}".rstrip()
-        text = f", the {quantity.title.lower()} of {method_text(self.method)} changed {values}."
+        text = f", the {quantity.title.lower()} of {method_text(self.run)} changed {values}."
         return Finding("Changed", "In ", self.case, text)
 
 
@@ -111,7 +111,7 @@ class Pair:
         """Return the runs that both have, of cases that are the same in both."""
         found = []
         for case in self.cases:
-            here, there = ({method(v): v for v in case.verdicts if v.label == one.label} for one in (self.base, self.other))
+            here, there = ({v.run.key: v for v in case.verdicts if v.label == one.label} for one in (self.base, self.other))
             found += [(case, here[key], there[key]) for key in here if key in there]
         return found
 
@@ -150,7 +150,7 @@ class Pair:
             return None
         least = [self._least(truths, case, verdict, names) for truths, verdict in zip(self._truths, (one, other), strict=True)]
         changes = (
-            Change(case.name, method(one), name, here[name], there[name], sum(own[name] for own in least)) for name in names
+            Change(case.name, one.run.key, name, here[name], there[name], sum(own[name] for own in least)) for name in names
         )
         beyond = [change for change in changes if abs(change.now - change.base) > change.least]
         return max(beyond, key=lambda change: (change.factor, change.name), default=None)
@@ -183,10 +183,9 @@ def compare(sets: Sequence[ResultSet], cases: Sequence[Shown]) -> Comparison:
     )
 
 
-def method_text(key: Method) -> str:
+def method_text(key: RunKey) -> str:
     """Return a method in words."""
-    engine, integrator, timestep = key
-    return f"{engine} {integrator} at {milliseconds(timestep)}"
+    return f"{key.engine} {key.method.name} at {milliseconds(key.method.timestep)}"
 
 
 def _findings(pair: Pair) -> Iterator[Finding]:
@@ -200,7 +199,7 @@ def _findings(pair: Pair) -> Iterator[Finding]:
     for case, one, other in pair.changed_status:
         why = f" ({other.outcome.reason})" if other.outcome.reason else ""
         statuses = f"from {one.outcome.status} to {other.outcome.status}{why}"
-        yield Finding("Status", "In ", case.name, f", the status of {method_text(method(one))} changed {statuses}.")
+        yield Finding("Status", "In ", case.name, f", the status of {method_text(one.run.key)} changed {statuses}.")
     yield from _alone(pair)
     yield from _paces(pair)
 
@@ -241,12 +240,12 @@ def _agreement(pair: Pair) -> str:
 
 def _alone(pair: Pair) -> Iterator[Finding]:
     """Yield a finding for each set about runs that only this set has, unless the sets have different cases of that name."""
-    both = {(case.name, method(one)) for case, one, _ in pair.common}
+    both = {one.run.key for _, one, _ in pair.common}
     for side in (pair.base, pair.other):
         amounts: dict[str, int] = defaultdict(int)
         for case in pair.cases:
             for verdict in case.verdicts if case.name == case.case.name else ():
-                if verdict.label == side.label and (case.name, method(verdict)) not in both:
+                if verdict.label == side.label and verdict.run.key not in both:
                     amounts[f"{verdict.run.engine} {verdict.run.method.name}"] += 1
         if amounts:
             methods = listing([f"{name} ({amount})" for name, amount in amounts.items()], MOST_NAMES, "method")

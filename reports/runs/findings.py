@@ -9,9 +9,9 @@ from bodycheck.judging.attribution import Attribution
 from bodycheck.judging.discrepancy import Summary
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reports.finding import COMPARABLE_ATTITUDE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
-from bodycheck.reports.lines import Key, Line
+from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import bound, count, listing, number
-from bodycheck.reports.runs.summary import key_of
+from bodycheck.running.key import RunKey
 
 #: Attitude errors (rad) below this may be the rounding of thousands of steps and are not compared between engines.
 ROUNDING_ATTITUDE_RAD = 1e-9
@@ -58,16 +58,16 @@ def within_truth(maxima: Mapping[str, float]) -> bool:
     return maxima["attitude_error"] <= maxima["truth_error"]
 
 
-def measured(verdicts: Sequence[Verdict], lines: Mapping[Key, Line]) -> list[Measured]:
+def measured(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> list[Measured]:
     """Return the runs whose errors were measured."""
     return [
-        Measured(lines[key_of(verdict)], verdict, verdict.discrepancy, verdict.discrepancy.maxima())
+        Measured(lines[verdict.key.over_cases], verdict, verdict.discrepancy, verdict.discrepancy.maxima())
         for verdict in verdicts
         if verdict.discrepancy is not None
     ]
 
 
-def findings(runs: Sequence[Measured], parts: Sequence[Attribution], lines: Mapping[Key, Line]) -> tuple[Finding, ...]:
+def findings(runs: Sequence[Measured], parts: Sequence[Attribution], lines: Mapping[RunKey, Line]) -> tuple[Finding, ...]:
     """Return findings about the completed runs and about the parts of their contact discrepancies.
 
     The largest errors come first, then the method with the smallest errors, then the causes.
@@ -90,13 +90,13 @@ def findings(runs: Sequence[Measured], parts: Sequence[Attribution], lines: Mapp
     return tuple(finding for finding in found if finding is not None)
 
 
-def _contact(parts: Sequence[Attribution], lines: Mapping[Key, Line]) -> Finding | None:
+def _contact(parts: Sequence[Attribution], lines: Mapping[RunKey, Line]) -> Finding | None:
     """Return the largest effect of the form of a contact model on the rotation until the stop."""
     formed = [part for part in parts if part.quantity == "stop_yaw" and part.model_form]
     if not formed:
         return None
     worst = max(formed, key=lambda part: abs(part.model_form or 0.0))
-    form, label = worst.model_form or 0.0, lines[worst.engine, worst.integrator, worst.timestep, ""].label
+    form, label = worst.model_form or 0.0, lines[worst.key.over_cases].label
     rest = ""
     if worst.constraint is not None and worst.time_step is not None:
         constraint, time_step = number(worst.constraint, 3), number(worst.time_step, 3)

@@ -2,19 +2,16 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from bodycheck.casefile.case import Case
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Scene
-from bodycheck.reports.lines import Key, Line
+from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound, milliseconds, number
 from bodycheck.reports.runs.findings import within_truth
-from bodycheck.reports.runs.summary import key_of
-
-#: Engine, integrator and label of the set of results, which identify a column.
-Method = tuple[str, str, str]
+from bodycheck.running.key import RunKey
 
 
 @dataclass(frozen=True)
@@ -157,7 +154,7 @@ def kind_of(scene: Scene) -> Kind:
     return translation if needs.rotation == "none" else turning
 
 
-def matrices(cases: Mapping[str, Case], verdicts: Sequence[Verdict], lines: Mapping[Key, Line]) -> tuple[Matrix, ...]:
+def matrices(cases: Mapping[str, Case], verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> tuple[Matrix, ...]:
     """Return a matrix for each kind of which any case has a run, in the order of `KINDS`."""
     kinds = {name: kind_of(case.scene) for name, case in cases.items()}
     found = []
@@ -168,30 +165,26 @@ def matrices(cases: Mapping[str, Case], verdicts: Sequence[Verdict], lines: Mapp
     return tuple(found)
 
 
-def _matrix(kind: Kind, cases: Mapping[str, Case], verdicts: Sequence[Verdict], lines: Mapping[Key, Line]) -> Matrix:
-    used = {key_of(verdict) for verdict in verdicts}
-    columns: dict[Method, Column] = {}
+def _matrix(kind: Kind, cases: Mapping[str, Case], verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> Matrix:
+    used = {verdict.key.over_cases for verdict in verdicts}
+    columns: dict[RunKey, Column] = {}
     for key, line in lines.items():
         if key in used:
-            columns.setdefault(_method(line), Column(*_method(line), line.colour))
+            columns.setdefault(key.over_steps, Column(line.engine, line.integrator, line.results, line.colour))
     steps = Counter(verdict.run.method.timestep for verdict in verdicts)
     common = max(steps, key=lambda step: (steps[step], step))
-    by_cell: dict[tuple[str, Method], list[Figure]] = {}
+    by_cell: dict[RunKey, list[Figure]] = {}
     for verdict in verdicts:
-        by_cell.setdefault((verdict.run.case, _method(lines[key_of(verdict)])), []).append(_figure(verdict, kind))
+        by_cell.setdefault(verdict.key.over_steps, []).append(_figure(verdict, kind))
     rows = tuple(
         Row(
             name,
             " ".join((name, *case.tags)),
-            tuple(_cell(by_cell.get((name, method), ()), common) for method in columns),
+            tuple(_cell(by_cell.get(replace(key, case=name), ()), common) for key in columns),
         )
         for name, case in cases.items()
     )
     return Matrix(kind, common, tuple(columns.values()), rows)
-
-
-def _method(line: Line) -> Method:
-    return line.engine, line.integrator, line.results
 
 
 def _cell(figures: Sequence[Figure], common: float) -> Cell | None:

@@ -6,16 +6,11 @@ from collections.abc import Mapping, Sequence
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.finding import Finding
-from bodycheck.reports.lines import Key, Line
+from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import count, verb
+from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Unsupported
 from bodycheck.running.store import Results
-
-
-def key_of(verdict: Verdict) -> Key:
-    """Return the key of the method and the set of results of a run."""
-    run = verdict.run
-    return run.engine, run.method.name, run.method.timestep, verdict.label
 
 
 def headline(results: Results, verdicts: Sequence[Verdict]) -> str:
@@ -76,13 +71,13 @@ def failure_status(verdict: Verdict) -> str:
     return "expectation broken" if isinstance(verdict.outcome, Completed) else verdict.outcome.status
 
 
-def broken(verdicts: Sequence[Verdict], lines: Mapping[Key, Line]) -> Finding | None:
+def broken(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> Finding | None:
     """Return how many runs failed, and how and why the first of them did; None if none failed."""
     failed = [verdict for verdict in verdicts if verdict.passed is False]
     if not failed:
         return None
     first, cases = failed[0], len({verdict.run.case for verdict in failed})
-    label, status = lines[key_of(first)].label, failure_status(first)
+    label, status = lines[first.key.over_cases].label, failure_status(first)
     start = f"{label} failed in "
     if len(failed) > 1:
         start = f"{count(len(failed), 'run')} failed in {count(cases, 'case')}. The first is {label} in "

@@ -18,6 +18,7 @@ from bodycheck.commands.saved import EXTREMES
 from bodycheck.errors import BadInput
 from bodycheck.judging import result_set
 from bodycheck.reports.lines import assign
+from bodycheck.running.key import RunKey
 from bodycheck.running.store import RECORDS
 from tests.support import saved_results
 from tests.support.saved_results import REPORT, TABLES, call
@@ -369,12 +370,12 @@ def test_labels_are_the_shortest_ends_of_paths_that_differ(tmp_path: Path) -> No
 
 def test_sets_keep_the_hue_of_an_engine_and_are_drawn_apart() -> None:
     methods = [(engine, f"i{k}", step) for engine in ("mujoco", "pinocchio") for k in range(8) for step in (0.002, 0.001)]
-    lines = assign((*method, label) for method in methods for label in ("before", "between", "after"))
+    lines = assign(RunKey.of_method(*method, label) for method in methods for label in ("before", "between", "after"))
     assert len({(line.colour, line.dash, line.width) for line in lines.values()}) == len(lines)
-    alone = assign((*method, "") for method in methods)
+    alone = assign(RunKey.of_method(*method) for method in methods)
     for method in methods:
-        before, between, after = (lines[*method, label] for label in ("before", "between", "after"))
-        one = alone[*method, ""]
+        before, between, after = (lines[RunKey.of_method(*method, label)] for label in ("before", "between", "after"))
+        one = alone[RunKey.of_method(*method)]
         assert (after.colour, after.width) == (one.colour, one.width)
         assert before.dash == between.dash == after.dash == one.dash
         assert before.width > 1.5 * between.width / 1.2 > after.width

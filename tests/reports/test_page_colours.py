@@ -7,6 +7,7 @@ from itertools import pairwise
 import pytest
 
 from bodycheck.reports.lines import HUES, assign
+from bodycheck.running.key import RunKey
 
 STYLE = (resources.files("bodycheck.reports") / "templates" / "report.css").read_text("utf-8")
 DARK = "@media screen and (prefers-color-scheme: dark) {"
@@ -98,7 +99,9 @@ def test_lines_can_be_seen_on_both_grounds() -> None:
 
 def test_an_engine_has_one_hue() -> None:
     """Whatever it is run with; the second shade of a pair tells integrators apart."""
-    lines = assign((engine, f"i{place}", 0.002, "") for engine in ("zeta", "pinocchio", "mujoco") for place in range(20))
+    lines = assign(
+        RunKey.of_method(engine, f"i{place}", 0.002) for engine in ("zeta", "pinocchio", "mujoco") for place in range(20)
+    )
     for engine in ("zeta", "pinocchio", "mujoco"):
         own = {line.colour for line in lines.values() if line.engine == engine}
         assert own in [set(pair) for pair in HUES]

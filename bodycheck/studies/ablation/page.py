@@ -13,6 +13,7 @@ from bodycheck.reports.quantities import QUANTITIES, count, listing, millisecond
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.running.header import Header
+from bodycheck.running.key import RunKey
 from bodycheck.studies.ablation.rows import Change, ModelRow
 
 #: Lengths below this (m) are told in mm.
@@ -130,7 +131,7 @@ def required(needs: Requirements) -> str:
 
 def chart(rows: Sequence[ModelRow]) -> Chart:
     """Bars of the relative costs."""
-    (line,) = assign([(rows[0].engine, rows[0].integrator, 0.0, "")]).values()
+    (line,) = assign([RunKey.of_method(rows[0].engine, rows[0].integrator)]).values()
     drawn = [row for row in rows if row.relative_cost is not None]
     alt = "; ".join(f"{row.model} {number(row.relative_cost, 3)}" for row in drawn)
     return Chart(

@@ -7,10 +7,11 @@ from dataclasses import asdict, dataclass, replace
 from packaging.version import Version
 
 from bodycheck.reports.charts import ZOOMING
-from bodycheck.reports.lines import HUES, Key, Line, assign, paled
+from bodycheck.reports.lines import HUES, Line, assign, paled
 from bodycheck.reports.quantities import QUANTITIES, Quantity, count, listing, milliseconds, number
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
+from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed
 from bodycheck.studies.releases.chart import Point, release_chart
 from bodycheck.studies.releases.findings import findings, named, orders
@@ -63,7 +64,7 @@ def present(found: Mapping[str, Found]) -> StudyReport:
     )
 
 
-def _hued(lines: Mapping[Key, Line]) -> dict[Key, Line]:
+def _hued(lines: Mapping[RunKey, Line]) -> dict[RunKey, Line]:
     """The same lines with a hue an integrator: there is one engine."""
     integrators = list(dict.fromkeys(line.integrator for line in lines.values()))
     sets = list(dict.fromkeys(line.results for line in lines.values()))
@@ -74,8 +75,8 @@ def _hued(lines: Mapping[Key, Line]) -> dict[Key, Line]:
     return found
 
 
-def _key(label: str, row: Row) -> Key:
-    return row["engine"], row["integrator"], row["timestep"], label
+def _key(label: str, row: Row) -> RunKey:
+    return RunKey.of_row(row, label).over_cases
 
 
 def _headline(told: _Told) -> str:

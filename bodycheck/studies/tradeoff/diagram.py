@@ -8,6 +8,7 @@ from bodycheck.reports.charts import INK, Spec, log_axis, method_scale, zoomable
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import Quantity, bound
 from bodycheck.reports.series import rounded
+from bodycheck.running.key import RunKey
 from bodycheck.studies.tradeoff.recommendation import Measured
 
 #: Of stored costs: none that were measured apart fall together.
@@ -23,16 +24,14 @@ FAR = 1e4
 QUIET = {"clip": True, "tooltip": None, "aria": False}
 
 
-def diagram(
-    quantity: Quantity, points: Sequence[Measured], lines: Mapping[tuple[str, str], Line], truth_error: float = 0.0
-) -> Spec:
+def diagram(quantity: Quantity, points: Sequence[Measured], lines: Mapping[RunKey, Line], truth_error: float = 0.0) -> Spec:
     """Errors in a quantity against seconds of computing for a simulated second, with the Pareto front of the methods shown.
 
-    points: of one case, at least one error not zero. lines: by engine and integrator. truth_error: the truth's own error in
+    points: of one case, at least one error not zero. lines: by method. truth_error: the truth's own error in
     the quantity, 0 where it is not known; errors below it count as equal to it. Zeros have no place on a log scale and are
     left out. The parameter `hidden` holds the labels of methods that are switched off.
     """
-    drawn = list(dict.fromkeys(lines[point.engine, point.integrator] for point in points))
+    drawn = list(dict.fromkeys(lines[point.method] for point in points))
     x = {
         "field": "cost",
         "type": "quantitative",
@@ -66,11 +65,11 @@ def diagram(
     return zoomable(layers, height=320) | {"params": [{"name": "hidden", "value": []}]}
 
 
-def _columns(points: Sequence[Measured], lines: Mapping[tuple[str, str], Line]) -> list[dict[str, Any]]:
+def _columns(points: Sequence[Measured], lines: Mapping[RunKey, Line]) -> list[dict[str, Any]]:
     """A row a method with its points in arrays, from the largest time step to the smallest."""
     methods: dict[str, list[Measured]] = defaultdict(list)
     for point in sorted(points, key=lambda point: -point.timestep):
-        methods[lines[point.engine, point.integrator].label].append(point)
+        methods[lines[point.method].label].append(point)
     return [
         {
             "method": method,

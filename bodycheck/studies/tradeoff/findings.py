@@ -7,6 +7,7 @@ from bodycheck.judging.convergence import UNITS
 from bodycheck.reports.finding import COMPARABLE_ATTITUDE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import bound, count, listing, milliseconds, number
+from bodycheck.running.key import RunKey
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements
 from bodycheck.studies.tradeoff.recommendation import Measured
@@ -26,16 +27,13 @@ TELLING_FLOOR = 1e-6
 #: Errors (rad, m) for which the cheapest method is named.
 ROUND_ERRORS = (1e-3, 1e-6)
 
-#: engine, integrator
-Method = tuple[str, str]
-
-Lines = Mapping[Method, Line]
+Lines = Mapping[RunKey, Line]
 Place = tuple[CaseMeasurements, Order]
 #: A case, by how much a method's attitude differs from a scheme's there (rad), and from the truth's (rad).
 Identified = tuple[str, float, float]
 
 #: A method, the least of its errors (rad, m), and the smallest of its time steps (s).
-Floor = tuple[Method, float, float]
+Floor = tuple[RunKey, float, float]
 
 
 def findings(cases: Sequence[CaseMeasurements], lines: Lines) -> tuple[Finding, ...]:
@@ -61,7 +59,7 @@ def _telling(case: CaseMeasurements, order: Order) -> bool:
 
 def _own_points(case: CaseMeasurements, order: Order) -> list[Measured]:
     """What was measured of a method, a time step each."""
-    return [point for point in case.points(order.quantity) if _method(point) == _method(order)]
+    return [point for point in case.points(order.quantity) if point.method == order.method]
 
 
 def _orders(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
@@ -72,14 +70,14 @@ def _orders(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
         for order in case.orders
         if order.quantity in CLAIMED and order.order is not None and order.claimed is not None and not case.contact
     ]
-    short: dict[Method, list[Place]] = defaultdict(list)
+    short: dict[RunKey, list[Place]] = defaultdict(list)
     for case, order in claims:
         if falls_short(case, order):
-            short[_method(order)].append((case, order))
+            short[order.method].append((case, order))
     if claims and not short:
         observed = count(len(claims), "observed order")
         return [Finding("Order", f"Nothing falls short of its claim: {observed} in attitude or position, {SHORT:g} allowed.")]
-    groups: dict[object, list[Method]] = defaultdict(list)
+    groups: dict[object, list[RunKey]] = defaultdict(list)
     for method, own in short.items():
         groups[_likeness(own)].append(method)
     return [_short([lines[method] for method in methods], short[methods[0]]) for methods in groups.values()]
@@ -109,13 +107,13 @@ def _short(methods: Sequence[Line], places: Sequence[Place]) -> Finding:
 
 def _schemes(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
     """Which textbook schemes the methods are, and what that explains: a sentence a scheme and set of cases."""
-    named: dict[tuple[str, Method], list[Identified]] = defaultdict(list)
+    named: dict[tuple[str, RunKey], list[Identified]] = defaultdict(list)
     for case in cases:
-        for order in {_method(order): order for order in case.orders if order.scheme}.values():
-            row = case.coarsest(*_method(order))
+        for order in {order.method: order for order in case.orders if order.scheme}.values():
+            row = case.coarsest(order.method)
             if row is not None and "attitude_error" in row and order.scheme_residual is not None:
-                named[order.scheme, _method(order)].append((case.name, order.scheme_residual, row["attitude_error"]))
-    groups: dict[tuple[str, tuple[str, ...]], list[Method]] = defaultdict(list)
+                named[order.scheme, order.method].append((case.name, order.scheme_residual, row["attitude_error"]))
+    groups: dict[tuple[str, tuple[str, ...]], list[RunKey]] = defaultdict(list)
     for (scheme, method), runs in named.items():
         groups[scheme, tuple(name for name, _, _ in runs)].append(method)
     return [
@@ -146,7 +144,7 @@ def _floors(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
             own = _own_points(case, order) if order.quantity in CLAIMED and order.floor is not None else []
             if own and (least := min(point.error for point in own)) > TELLING_FLOOR:
                 finest = min(point.timestep for point in own)
-                floors[order.engine, order.quantity][case.name].append((_method(order), least, finest))
+                floors[order.engine, order.quantity][case.name].append((order.method, least, finest))
     return [_floor(quantity, by_case, lines) for (_, quantity), by_case in floors.items()]
 
 
@@ -189,10 +187,10 @@ def _cheapest(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
 
 def _ranking(points: Sequence[Measured], error: float) -> list[Measured]:
     """Of each method that keeps an error its cheapest run that does, the cheapest first."""
-    best: dict[Method, Measured] = {}
+    best: dict[RunKey, Measured] = {}
     for point in sorted(points, key=lambda point: point.cost):
         if point.error <= error:
-            best.setdefault(_method(point), point)
+            best.setdefault(point.method, point)
     return list(best.values())
 
 
@@ -223,8 +221,8 @@ def _cheapest_of_one(quantity: str, error: float, where: str, ranking: Sequence[
 
 def _cheapest_of_many(quantity: str, error: float, cases: int, kept: Mapping[str, Sequence[Measured]], lines: Lines) -> Finding:
     unit = UNITS[quantity]
-    wins = Counter(_method(ranking[0]) for ranking in kept.values())
-    steps = {method: [r[0].timestep for r in kept.values() if _method(r[0]) == method] for method in wins}
+    wins = Counter(ranking[0].method for ranking in kept.values())
+    steps = {method: [r[0].timestep for r in kept.values() if r[0].method == method] for method in wins}
     told = [
         f"{lines[method].label} in {amount} (at {_range([milliseconds(step, 4) for step in sorted(set(steps[method]))])})"
         for method, amount in wins.most_common()
@@ -238,11 +236,7 @@ def _cheapest_of_many(quantity: str, error: float, cases: int, kept: Mapping[str
 
 
 def _at(point: Measured, lines: Lines) -> str:
-    return f"{lines[_method(point)].label} at {milliseconds(point.timestep, 4)}"
-
-
-def _method(owner: Measured | Order) -> Method:
-    return owner.engine, owner.integrator
+    return f"{lines[point.method].label} at {milliseconds(point.timestep, 4)}"
 
 
 def _be(methods: Sequence[Line]) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 
 from bodycheck.judging.convergence import UNITS
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound
+from bodycheck.running.key import RunKey
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.recommendation import COLUMNS, Measured, measured, pareto
 
@@ -67,16 +68,16 @@ class CaseMeasurements:
 
     def row(self, point: Measured) -> Row:
         """The row of a run."""
-        return self._by_run[point.engine, point.integrator, point.timestep]
+        return self._by_run[point.method, point.timestep]
 
-    def coarsest(self, engine: str, integrator: str) -> Row | None:
+    def coarsest(self, method: RunKey) -> Row | None:
         """The row of a method's completed run with the largest time step, of which its scheme is told; None without any."""
-        own = [row for row in self._told if _run(row)[:2] == (engine, integrator)]
+        own = [row for row in self._told if _method(row) == method]
         return max(own, key=lambda row: float(row["timestep"]), default=None)
 
     @cached_property
-    def _by_run(self) -> Mapping[tuple[str, str, float], Row]:
-        return {_run(row): row for row in reversed(self._told)}
+    def _by_run(self) -> Mapping[tuple[RunKey, float], Row]:
+        return {(_method(row), row["timestep"]): row for row in reversed(self._told)}
 
     @cached_property
     def _told(self) -> Sequence[dict[str, Any]]:
@@ -85,8 +86,8 @@ class CaseMeasurements:
         return [row for row in told if row["status"] == "ok" and row.keys() >= COSTS]
 
 
-def _run(row: Row) -> tuple[str, str, float]:
-    return row["engine"], row["integrator"], row["timestep"]
+def _method(row: Row) -> RunKey:
+    return RunKey.of_method(row["engine"], row["integrator"])
 
 
 def _printed(error: float) -> float:

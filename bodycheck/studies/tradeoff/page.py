@@ -10,6 +10,7 @@ from bodycheck.reports.quantities import Quantity, bound, count, listing, millis
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.running.header import Header
+from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Unsupported
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff import findings as tradeoff_summary
@@ -18,8 +19,8 @@ from bodycheck.studies.tradeoff.findings import falls_short
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Row
 from bodycheck.studies.tradeoff.recommendation import Measured
 
-#: By engine and integrator: a curve goes through all time steps.
-Lines = Mapping[tuple[str, str], Line]
+#: By method with any time step: a curve goes through all time steps.
+Lines = Mapping[RunKey, Line]
 
 #: Time steps of one method without figures that are listed.
 MOST_STEPS_NAMED = 4
@@ -65,8 +66,7 @@ def present(header: Header, rows: Sequence[Row], orders: Sequence[Order]) -> Stu
 
 
 def _lines(rows: Sequence[Row]) -> Lines:
-    assigned = assign((row["engine"], row["integrator"], 0.0, "") for row in rows)
-    return {(engine, integrator): line for (engine, integrator, *_), line in assigned.items()}
+    return assign(RunKey.of_method(row["engine"], row["integrator"]) for row in rows)
 
 
 def _headline(cases: Sequence[CaseMeasurements], lines: Lines) -> str:
@@ -84,7 +84,7 @@ def _notices(header: Header, rows: Sequence[Row]) -> tuple[str, ...]:
 
 def _part(case: CaseMeasurements, lines: Lines) -> Part:
     drawn = {name: case.points(name) for name in case.quantities}
-    methods = {(point.engine, point.integrator) for points in drawn.values() for point in points}
+    methods = {point.method for points in drawn.values() for point in points}
     tables = []
     if case.orders:
         tables.append(("Orders", _orders(case)))
@@ -119,13 +119,13 @@ def _steps(timesteps: Sequence[float]) -> str:
 
 def _chart(case: CaseMeasurements, name: str, quantity: Quantity, lines: Lines) -> Chart:
     points, front, truth_error = case.points(name), case.front(name), case.truth_error(name)
-    by_method = {(point.engine, point.integrator): lines[point.engine, point.integrator] for point in points}
+    by_method = {point.method: lines[point.method] for point in points}
     ends = [_told(point, quantity, lines) for point in (front[0], front[-1])]
     alt = (
         f"{quantity.title} against computing time for a simulated second on log scales, {count(len(by_method), 'method')}. "
         f"The Pareto front has {count(len(front), 'point')}: {' to '.join(dict.fromkeys(ends))}."
     )
-    zero = listing(list(dict.fromkeys(by_method[p.engine, p.integrator].label for p in points if p.error == 0)))
+    zero = listing(list(dict.fromkeys(by_method[p.method].label for p in points if p.error == 0)))
     return Chart(
         title=quantity.title,
         specification=diagram(quantity, points, by_method, truth_error),
@@ -135,15 +135,15 @@ def _chart(case: CaseMeasurements, name: str, quantity: Quantity, lines: Lines) 
 
 
 def _told(point: Measured, quantity: Quantity, lines: Lines) -> str:
-    label, step = lines[point.engine, point.integrator].label, milliseconds(point.timestep, 4)
+    label, step = lines[point.method].label, milliseconds(point.timestep, 4)
     return f"{quantity.with_unit(point.error)} for {number(point.cost, 3)} s with {label} at {step}"
 
 
 def _orders(case: CaseMeasurements) -> Table:
     """A row a method: its order in each quantity, its floors where it has any, and its scheme where the case tells schemes."""
-    methods: dict[tuple[str, str, str], dict[str, Order]] = defaultdict(dict)
+    methods: dict[RunKey, dict[str, Order]] = defaultdict(dict)
     for order in case.orders:
-        methods[order.engine, order.version, order.integrator][order.quantity] = order
+        methods[order.method][order.quantity] = order
     told = [name for name in UNITS if name in case.quantities]
     floored = [name for name in told if any(name in own and own[name].floor is not None for own in methods.values())]
     schemes = any(order.scheme or (order.scheme_residual or 0.0) > case.truth_error("attitude") for order in case.orders)
@@ -155,13 +155,13 @@ def _orders(case: CaseMeasurements) -> Table:
         *(f"{_title(name)} floor, {_unit(name)}" for name in floored),
     )
     rows = []
-    for (engine, version, integrator), own in methods.items():
+    for own in methods.values():
         first = next(iter(own.values()))
         scheme, residual = ((Entry(first.scheme or "–"),), (_figure(first.scheme_residual),)) if schemes else ((), ())
         claimed = Entry("–") if first.claimed is None else Entry(str(first.claimed), first.claimed)
         observed = [_observed(own.get(name)) for name in told]
         floors = [_floor(own.get(name), case.truth_error(name)) for name in floored]
-        names = Entry(f"{engine} {version}".rstrip()), Entry(integrator)
+        names = Entry(f"{first.engine} {first.version}".rstrip()), Entry(first.integrator)
         rows.append((*names, *scheme, *residual, claimed, *observed, *floors))
     short = tuple(any(falls_short(case, order) for order in own.values()) for own in methods.values())
     return Table(

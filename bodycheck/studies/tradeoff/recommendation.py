@@ -5,6 +5,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from bodycheck.running.key import RunKey
+
 #: A row of the tradeoff study.
 Row = Mapping[str, Any]
 
@@ -30,6 +32,11 @@ class Measured:
     cost_low: float
     cost_high: float
 
+    @property
+    def method(self) -> RunKey:
+        """The key of the engine and the method, over all cases and time steps."""
+        return RunKey.of_method(self.engine, self.integrator)
+
 
 @dataclass(frozen=True)
 class Recommendation:
@@ -53,9 +60,9 @@ def recommend(rows: Sequence[Row], quantity: str, limit: float) -> list[Recommen
         The largest allowed error, in the quantity's unit.
     """
     found = []
-    by_integrator: dict[tuple[str, str], list[Measured]] = defaultdict(list)
+    by_integrator: dict[RunKey, list[Measured]] = defaultdict(list)
     for method in measured(rows, quantity):
-        by_integrator[method.engine, method.integrator].append(method)
+        by_integrator[method.method].append(method)
     for methods in by_integrator.values():
         methods.sort(key=lambda method: -method.timestep)
         keeping = [method for method in methods if method.error <= limit]

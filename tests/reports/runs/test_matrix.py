@@ -18,7 +18,7 @@ from bodycheck.reports.lines import assign
 from bodycheck.reports.runs import markdown_report
 from bodycheck.reports.runs.findings import findings, measured
 from bodycheck.reports.runs.matrix import KINDS, Matrix, decade, kind_of, matrices
-from bodycheck.reports.runs.summary import broken, expectation_status, headline, key_of, tally
+from bodycheck.reports.runs.summary import broken, expectation_status, headline, tally
 from bodycheck.running.outcome import Completed, Diverged, Run
 
 FLIP, FLIGHT, DRAG, SLIDE = "intermediate-axis-flip", "projectile", "football-drag", "sliding-brick"
@@ -39,7 +39,7 @@ def ended(verdict: Verdict, passed: bool | None, reason: str = "", **values: Any
 
 def matrices_of(*verdicts: Verdict) -> tuple[Matrix, ...]:
     cases = {name: load(name) for name in dict.fromkeys(verdict.run.case for verdict in verdicts)}
-    return matrices(cases, verdicts, assign(map(key_of, verdicts)))
+    return matrices(cases, verdicts, assign(verdict.key.over_cases for verdict in verdicts))
 
 
 @pytest.mark.parametrize("name", shipped())
@@ -139,7 +139,7 @@ def test_a_known_discrepancy_is_not_said_to_hold() -> None:
 
 def test_what_failed_is_told_with_the_first_of_it() -> None:
     runs = [ended(ran(name), False, "attitude_error is 1 rad") for name in (FLIP, FLIGHT)]
-    lines = assign(map(key_of, runs))
+    lines = assign(verdict.key.over_cases for verdict in runs)
     assert broken([ran(FLIP)], lines) is None
     alone, both = broken(runs[:1], lines), broken(runs, lines)
     assert alone is not None
@@ -157,7 +157,7 @@ def test_what_is_said_of_flights_is_not_said_of_every_case() -> None:
     ]
     slide = [ran(SLIDE, penetration=1e-4)]
     for verdicts, words in ((flights, "over all cases"), (flights + slide, "over 2 flights")):
-        lines = assign(map(key_of, verdicts))
+        lines = assign(verdict.key.over_cases for verdict in verdicts)
         told = {finding.subject: finding.text for finding in findings(measured(verdicts, lines), (), lines)}
         assert f"The attitude error {words} is smallest with mujoco b: at most 1e-6 rad" in told["Closest"]
 
@@ -169,6 +169,6 @@ def test_rounding_is_not_compared_between_engines() -> None:
         for engine, rounding in (("mujoco", 7e-13), ("pinocchio", 2e-13))
         for name, error in ((FLIP, 2.1), ("free-brick", rounding))
     ]
-    lines = assign(map(key_of, verdicts))
+    lines = assign(verdict.key.over_cases for verdict in verdicts)
     told = {finding.subject: finding.text for finding in findings(measured(verdicts, lines), (), lines)}
     assert "mujoco Euler and pinocchio Euler have the same attitude and position errors in all cases" in told["Alike"]

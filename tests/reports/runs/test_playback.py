@@ -23,7 +23,6 @@ from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.runs import html_report, tracks
 from bodycheck.reports.runs import playback as playing
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, MOST_SHOWN, Playback, playback
-from bodycheck.reports.runs.summary import key_of
 from bodycheck.running.outcome import Completed
 from tests.support.cases import shortened
 from tests.support.truths import truth_for_runs
@@ -160,8 +159,8 @@ def runs_of(name: str, duration: float, samples: int, *timesteps: float) -> Play
         for engine, integrators in METHODS.items()
         for integrator in integrators
     ]
-    lines = assign(map(key_of, judged))
-    return {lines[key_of(one)]: one for one in judged}, exact
+    lines = assign(verdict.key.over_cases for verdict in judged)
+    return {lines[one.key.over_cases]: one for one in judged}, exact
 
 
 @pytest.fixture(scope="module")
@@ -252,7 +251,7 @@ def test_a_hundred_cases_of_twenty_methods_stay_small(flips: Played) -> None:
     for copy in range(4):
         for one in runs.values():
             other = replace(one, run=replace(one.run, method=Method.parse(f"{one.run.method.name}-{copy}", 0.002)))
-            more[replace(assign([key_of(other)])[key_of(other)])] = other
+            more[replace(assign([other.key.over_cases])[other.key.over_cases])] = other
     data = data_of(FLIP, (more, truths), MOST_CHARACTERS // 100)
     assert 100 * len(json.dumps(data, separators=(",", ":"))) < 1.1 * MOST_CHARACTERS
 
@@ -314,7 +313,7 @@ def test_a_truth_that_is_too_fast_is_told_of() -> None:
     case = shortened(load("extreme-spin"), 4.0, 11)
     exact = truth_for_runs(case, 0.002)
     one = verdict(case, exact, simulate(case, "mujoco", "RK4", 0.002))
-    line = assign([key_of(one)])[key_of(one)]
+    line = assign([one.key.over_cases])[one.key.over_cases]
     found = playback(case.scene, {line: one}, {0.002: exact}, MOST_CHARACTERS)
     assert found is not None
     assert found.data is None

@@ -25,6 +25,7 @@ from bodycheck.reports.runs import html_report, markdown_report, time_charts
 from bodycheck.reports.runs.contents import Contents, gather
 from bodycheck.reports.series import corners, ends, envelope, rounded
 from bodycheck.running import campaign, plan, store
+from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
 from bodycheck.running.store import Results
 from tests.support import pages
@@ -353,13 +354,19 @@ def test_words() -> None:
 
 
 def test_lines_tell_methods_apart() -> None:
-    keys = [(engine, f"i{k}", step) for engine in ("zeta", "pinocchio", "mujoco") for k in range(5) for step in (0.002, 0.001)]
-    lines = assign((*key, "") for key in keys)
+    keys = [
+        RunKey.of_method(engine, f"i{k}", step)
+        for engine in ("zeta", "pinocchio", "mujoco")
+        for k in range(5)
+        for step in (0.002, 0.001)
+    ]
+    lines = assign(keys)
     assert len({(line.colour, line.dash, line.width) for line in lines.values()}) == len(keys)
-    assert lines["mujoco", "i0", 0.002, ""].label == "mujoco i0 2 ms"
-    alone = assign([("mujoco", "i0", 0.002, "")])
-    assert alone["mujoco", "i0", 0.002, ""].colour == lines["mujoco", "i0", 0.002, ""].colour
-    assert alone["mujoco", "i0", 0.002, ""].label == "mujoco i0"
+    first = RunKey.of_method("mujoco", "i0", 0.002)
+    assert lines[first].label == "mujoco i0 2 ms"
+    alone = assign([first])
+    assert alone[first].colour == lines[first].colour
+    assert alone[first].label == "mujoco i0"
 
 
 def test_a_legend_only_where_asked(contents: Contents) -> None:
