@@ -197,7 +197,7 @@ def run(
     try:
         return making.run(environment.python, ["-m", module, *arguments], stdin, timeout)
     except OSError as error:
-        raise Unobtainable(f"{environment.engine} {environment.version} has gone: {error}") from error
+        raise Unobtainable(f"{environment.engine} {environment.version} is no longer there: {error}") from error
 
 
 def cache_folder() -> Path:
@@ -236,7 +236,7 @@ def _make(folder: Path, release: Release) -> None:
             # If the engine fails checks after every attempt, the release itself is at fault, which a study is to find out.
             usable = usable or made
         if usable is None:
-            raise Unobtainable(f"{release.engine} {release.version} cannot be had here: {failures[0]}")
+            raise Unobtainable(f"{release.engine} {release.version} is not available here: {failures[0]}")
         _finish(usable, folder, release)
 
 
@@ -265,7 +265,7 @@ def _release(engine: str, version: str) -> Release:
     try:
         return Release(engine, distribution, str(Version(version)))
     except InvalidVersion as error:
-        raise Unobtainable(f"{version!r} is no version of {engine}: it must be one by PEP 440, as in 3.1.6") from error
+        raise Unobtainable(f"{version!r} is not a version of {engine}; a version looks like 3.1.6 (PEP 440)") from error
 
 
 def _home() -> Path:

@@ -157,7 +157,7 @@ def _output(
     try:
         done = subprocesses.run(command, variables, stdin, CALL_LIMIT_S)
     except subprocess.TimeoutExpired as error:
-        raise InstallationFailed(f"it was not installed within {CALL_LIMIT_S:g} s") from error
+        raise InstallationFailed(f"the installation took longer than {CALL_LIMIT_S:g} s") from error
     except OSError as error:
         raise InstallationFailed(f"{command[0]} cannot be run: {error}") from error
     if done.returncode:
@@ -175,4 +175,4 @@ def _failure(text: str, requirements: Sequence[str]) -> InstallationFailed:
         return NotOnOffer(f"there is no wheel of it for Python {platform.python_version()} on this platform")
     if any(NOT_THERE.format(requirement) in reason for requirement in requirements):
         return NotOnOffer("the index has no wheel of this version")
-    return InstallationFailed(reason or "the installer gives no reason")
+    return InstallationFailed(reason or "no reason was given")

@@ -148,7 +148,7 @@ def make(folder: Path, release: Release, attempt: Attempt) -> bool:
     latest_upload = None
     if attempt.as_of_release:
         if (uploaded := installation.release_day(release.distribution, release.version)) is None:
-            raise InstallationFailed("the day of its release is not known")
+            raise InstallationFailed("the package sources do not tell when it was released")
         latest_upload = uploaded + UPLOAD_DELAY
     numpy_here = metadata.version("numpy")
     installation.make(folder)
@@ -183,14 +183,14 @@ def output(python: Path, code: str, *arguments: str) -> str:
     try:
         done = run(python, ["-c", code, *arguments], None, INSPECTION_LIMIT_S)
     except subprocess.TimeoutExpired as error:
-        raise InstallationFailed(f"it was not imported within {INSPECTION_LIMIT_S:g} s") from error
+        raise InstallationFailed(f"the import took longer than {INSPECTION_LIMIT_S:g} s") from error
     except OSError as error:
         raise InstallationFailed(f"its interpreter cannot be run: {error}") from error
     if done.returncode < 0:
-        raise InstallationFailed(f"it died of signal {-done.returncode} when it was imported")
+        raise InstallationFailed(f"the import was ended by signal {-done.returncode}")
     if done.returncode:
         last = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
-        raise InstallationFailed(f"it died when it was imported: {last}")
+        raise InstallationFailed(f"the import failed: {last}")
     return done.stdout.strip()
 
 

@@ -106,12 +106,12 @@ def read(path: Path) -> Contents:
     try:
         header, *records = [json.loads(line) for line in _whole_lines(path).splitlines()]
         if not all(isinstance(record, dict) for record in (header, *records)) or header.get("record") != "header":
-            raise ValueError("its first line is no header, or another one no record")
+            raise ValueError("the first line must be a header and all others records")
     except (OSError, ValueError, RecursionError) as error:
-        raise BadJournal(f"{path}: no journal: {error}") from error
+        raise BadJournal(f"{path}: not a journal: {error}") from error
     complete = bool(records) and records[-1].get("record") == "footer"
     if complete and (ended := records[-1].get("records")) != len(records) - 1:
-        raise BadJournal(f"{path}: no whole journal: {len(records) - 1} records, {ended} when it was ended")
+        raise BadJournal(f"{path}: damaged: it has {len(records) - 1} records, but its footer counts {ended}")
     return Contents(header, tuple(records[:-1] if complete else records), complete)
 
 

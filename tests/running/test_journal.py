@@ -117,9 +117,9 @@ def test_the_lock_of_a_process_ends_with_it(tmp_path: Path) -> None:
 def test_what_is_no_journal_is_bad_input(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "journal.jsonl"
     path.write_bytes(content)
-    with pytest.raises(BadInput, match="no journal"):
+    with pytest.raises(BadInput, match="not a journal"):
         journal.read(path)
     with journal.resume(path, HEADER) as begun:
         assert begun.records == ()
-    with pytest.raises(BadInput, match="no journal"):
+    with pytest.raises(BadInput, match="not a journal"):
         journal.read(tmp_path / "absent.jsonl")
