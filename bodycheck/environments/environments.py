@@ -47,8 +47,8 @@ MARKER = "bodycheck.json"
 #: Follows the name of an environment in the name of a folder in which one is being made.
 UNFINISHED = ".unfinished-"
 
-#: Memory in bytes that an installation may use: more than any machine has, as installers need no limit.
-INSTALLATION_MEMORY = 1 << 40
+#: Memory that an installation may use: more than any machine has, as installers need no limit.
+INSTALLATION_MEMORY_BYTES = 1 << 40
 
 
 class Unobtainable(Exception):
@@ -120,7 +120,7 @@ def obtain_all(engine: str, versions: Sequence[str], jobs: int, progress: "Advan
     tasks = [(engine, version) for version in dict.fromkeys(versions)]
     limit = len(making.ATTEMPTS) * installation.CALL_LIMIT_S
     found: dict[str, Environment | Unobtainable] = {}
-    with closing(pool.call_all(_try_to_obtain, tasks, jobs, limit, INSTALLATION_MEMORY)) as answers:
+    with closing(pool.call_all(_try_to_obtain, tasks, jobs, limit, INSTALLATION_MEMORY_BYTES)) as answers:
         for (_, version), result in answers:
             match result:
                 case Crashed() | TimedOut():
