@@ -49,9 +49,14 @@ def bodycheck(*arguments: object, folder: Path | None = None, **environment: str
 
 def bodycheck_process(*arguments: object, prelude: str = "", folder: Path | None = None, **environment: str) -> Done:
     """The same in a process of its own. prelude: Python code that is run there before the command is imported."""
-    start = "import sys\nsys.argv = ['bodycheck', *sys.argv[1:]]\nfrom bodycheck.commands.command_line import main\nmain()"
-    command = [sys.executable, "-c", f"{prelude}\n{start}", *map(str, arguments)]
+    command = as_process(*arguments, prelude=prelude)
     return subprocess.run(command, capture_output=True, text=True, cwd=folder, env=_environment(environment))
+
+
+def as_process(*arguments: object, prelude: str = "") -> list[str]:
+    """The program and its arguments that make a command a process."""
+    start = "import sys\nsys.argv = ['bodycheck', *sys.argv[1:]]\nfrom bodycheck.commands.command_line import main\nmain()"
+    return [sys.executable, "-c", f"{prelude}\n{start}", *map(str, arguments)]
 
 
 def _environment(more: dict[str, str]) -> dict[str, str]:

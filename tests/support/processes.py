@@ -41,25 +41,27 @@ def calls_here() -> Iterator[None]:
 
 @dataclass
 class Countdown:
-    """A clock for `bodycheck.running.pool` that stands still until so many calls are done, and is then an hour ahead.
+    """A clock for `bodycheck.running.pool` that stands still until so many calls are done, and then goes by hours.
 
     With it a call that hangs is stopped as soon as it is the last, and no other one is, however slow the machine.
     """
 
     left: int
-    ahead: float = 3600.0
+    now: float = 0.0
 
     def advance(self, done: str, count: int = 1, /) -> None:
         """Count what is done; the progress that campaigns and studies report."""
         self.left -= count
 
     def monotonic(self) -> float:
-        return 0.0 if self.left > 0 else self.ahead
+        """The time (s): an hour later each time that it is asked for when only one call is left."""
+        self.now += 3600.0 if self.left <= 0 else 0.0
+        return self.now
 
 
 @contextmanager
 def stopped_when_last(calls: int) -> Iterator[Countdown]:
-    """A clock for so many calls of which the last one hangs."""
+    """A clock for so many calls, one of which hangs."""
     clock = Countdown(calls - 1)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pool, "time", SimpleNamespace(monotonic=clock.monotonic, sleep=time.sleep))

@@ -1,14 +1,15 @@
 """The study of extremes: what it finds with real engines, what it makes of engines that fail, and that nothing ends it."""
 
 import json
-import os
 import random
 import signal
 import subprocess
 import sys
 import time
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -30,13 +31,12 @@ from bodycheck.studies.extremes.page import present
 from bodycheck.studies.extremes.points import points
 from bodycheck.studies.extremes.rows import STATUSES, Limit, Row
 from bodycheck.studies.extremes.study import follow
-from tests.support.cases import shortened
+from tests.support.campaigns import adapters, header
+from tests.support.cases import STEADY_SPIN, a_case
+from tests.support.commands import Done, as_process, bodycheck, bodycheck_process
+from tests.support.processes import calls_here, stopped_when_last
 
 SPIN = load("extreme-spin")
-
-
-def silent(done: str, count: int = 1, /) -> None:
-    pass
 
 
 def run(case: Case, engine: str, integrator: str, timestep: float = 0.002) -> Diagnosis:
@@ -52,11 +52,15 @@ def spun(s: float, duration: float = 2.0) -> Case:
 
 
 def study(
-    cases: list[Case], engines: tuple[str, ...], folder: Path, integrators: tuple[str, ...] = (), limit: float = 60.0
+    cases: list[Case], engines: tuple[str, ...], folder: Path, integrators: tuple[str, ...] = (), jobs: int = 0, **options: Any
 ) -> tuple[list[Row], list[Limit]]:
-    adapters = {name: registry.load(name) for name in engines}
-    head = campaign.header([], {name: adapter.engine.version for name, adapter in adapters.items()}, {})
-    with extremes.results(extremes.prepare(cases, adapters, integrators), folder, head, 2, silent, limit) as found:
+    """What a study finds. jobs: worker processes, which engines need that die or hang; options: those of `extremes.results`."""
+    prepared = extremes.prepare(cases, adapters(*engines), integrators)
+    options = {"progress": lambda done, count=1: None} | options
+    with (
+        nullcontext() if jobs else calls_here(),
+        extremes.results(prepared, folder, header(*engines), jobs or 1, **options) as found,
+    ):
         return found
 
 
@@ -143,9 +147,9 @@ FAILING = {
 
 
 def test_every_engine_that_fails_on_purpose_has_its_own_status(miniatures: Path, tmp_path: Path) -> None:
-    case = replace(shortened(load("osrf-boxes-simple"), 1.0, 11), extremes=(("timestep", (0.1,)),))
-    # 8 s: a hundred times what a call takes that does not hang.
-    rows, limits = study([case], tuple(FAILING), tmp_path, limit=8.0)
+    case = replace(STEADY_SPIN, extremes=(("timestep", (0.1,)),))
+    with stopped_when_last(len(FAILING)) as clock:
+        rows, limits = study([case], tuple(FAILING), tmp_path, jobs=2, limit=8.0, progress=clock.advance)
     assert {row.engine for row in rows if row.believed} == {
         engine for engine, (status, said, _) in FAILING.items() if said == "healthy" and status != "ok"
     }
@@ -158,47 +162,42 @@ def test_every_engine_that_fails_on_purpose_has_its_own_status(miniatures: Path,
 
 @pytest.mark.parametrize("engine", ["raising", pytest.param("dying", marks=pytest.mark.slow)])
 def test_steps_at_which_an_engine_dies_are_not_stable(engine: str, miniatures: Path, tmp_path: Path) -> None:
-    case = replace(shortened(load("osrf-boxes-simple"), 1.0, 11), extremes=(("spin", (1.0,)),))
-    _, limits = study([case], ("exact", engine), tmp_path)
+    case = replace(STEADY_SPIN, extremes=(("spin", (1.0,)),))
+    _, limits = study([case], ("exact", engine), tmp_path, jobs=2 if engine == "dying" else 0)
     found = {limit.engine: limit for limit in limits}
     assert found["exact"].spin_times_step == pytest.approx(2 * np.pi)
     assert found["exact"].smallest_unstable_timestep is None
     assert found[engine].largest_stable_timestep is None
 
 
-SMALL = """\
-format = 1
-name = "small"
-title = "A brick to be pushed a little"
-[body]
-shape = "brick"
-semi_axes = [0.1, 0.3, 0.2]
-mass = 1.0
-[initial]
-angular_velocity = [0.1, 0.0, 10.0]
-[run]
-duration = 2.0
-samples = 101
-[extremes]
-spin = [300.0]
-timestep = [0.002, 0.01]
-steps = [1e3, 1e4, 2e4]
-"""
+METHODS = ("--engine", "mujoco", "--integrator", "Euler", "--integrator", "RK4")
 
 
-def command(case: Path, out: Path) -> list[str]:
-    code = "import sys\nsys.argv = ['bodycheck', *sys.argv[1:]]\nfrom bodycheck.commands.command_line import main\nmain()"
-    options = ("--engine", "mujoco", "--integrator", "Euler", "--integrator", "RK4", "--jobs", "2", "--out", str(out))
-    return [sys.executable, "-c", code, "extremes", str(case), *options]
+def small(folder: Path, **axes: list[float]) -> Path:
+    """The file of a brick that spins, to be pushed along some axes."""
+    body = {"shape": "brick", "semi_axes": [0.1, 0.3, 0.2], "mass": 1.0}
+    run = {"duration": 2.0, "samples": 101}
+    path = folder / "small.case.toml"
+    spin = {"angular_velocity": [0.1, 0.0, 10.0]}
+    path.write_text(a_case("small", title="A brick to be pushed a little", body=body, initial=spin, run=run, extremes=axes))
+    return path
 
 
-def test_a_study_that_was_killed_ends_as_if_it_had_not_been(tmp_path: Path) -> None:
-    case = tmp_path / "small.case.toml"
-    case.write_text(SMALL)
-    whole, killed = tmp_path / "whole", tmp_path / "killed"
-    subprocess.run(command(case, whole), check=True, capture_output=True)
-    records = (whole / extremes.RECORDS).read_text().splitlines()
-    process = subprocess.Popen(command(case, killed), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Done]:
+    """The case of a study that nothing disturbs, in processes of its own, and how it ended; its results are in `out` beside."""
+    folder = tmp_path_factory.mktemp("whole")
+    case = small(folder, spin=[300.0], timestep=[0.002, 0.01], steps=[1e3, 1e4, 2e4])
+    return case, bodycheck_process("extremes", case, *METHODS, "--jobs", 2, "--out", folder / "out")
+
+
+def test_a_study_that_was_killed_ends_as_if_it_had_not_been(whole: tuple[Path, Done], tmp_path: Path) -> None:
+    case, done = whole
+    assert done.returncode == 0, done.stderr
+    undisturbed, killed = case.parent / "out", tmp_path / "killed"
+    records = (undisturbed / extremes.RECORDS).read_text().splitlines()
+    command = ("extremes", case, *METHODS, "--jobs", 2, "--out", killed)
+    process = subprocess.Popen(as_process(*command), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     lines = random.randint(2, len(records) - 2)
     while process.poll() is None:
         path = killed / extremes.RECORDS
@@ -207,20 +206,19 @@ def test_a_study_that_was_killed_ends_as_if_it_had_not_been(tmp_path: Path) -> N
             process.wait()
         time.sleep(0.002)
     assert process.returncode == -signal.SIGKILL, f"it was to be killed after {lines} lines of {len(records)}"
-    done = subprocess.run(command(case, killed), check=True, capture_output=True, text=True)
+    done = bodycheck_process(*command)
+    assert done.returncode == 0, done.stderr
     assert "resuming the interrupted study" in done.stderr
     for name in ("extremes.csv", "limits.csv"):
-        assert (killed / name).read_bytes() == (whole / name).read_bytes()
+        assert (killed / name).read_bytes() == (undisturbed / name).read_bytes()
     # Nothing was done twice.
     again = (killed / extremes.RECORDS).read_text().splitlines()
     assert len(set(again)) == len(again)
 
 
-def test_the_command_writes_what_it_promises_and_findings_are_no_failures(tmp_path: Path) -> None:
-    case = tmp_path / "small.case.toml"
-    case.write_text(SMALL)
-    out = tmp_path / "out"
-    done = subprocess.run(command(case, out), capture_output=True, text=True, env=os.environ | {"COLUMNS": "200"})
+def test_the_command_writes_what_it_promises_and_findings_are_no_failures(whole: tuple[Path, Done]) -> None:
+    case, done = whole
+    out = case.parent / "out"
     assert done.returncode == 0, done.stderr
     names = {"extremes.csv", "limits.csv", "report.html", "report.md", "extremes.jsonl"}
     assert {path.name for path in out.iterdir()} == names
@@ -236,10 +234,8 @@ def test_the_command_writes_what_it_promises_and_findings_are_no_failures(tmp_pa
     assert "wrong without any report by the engine" in done.stdout
 
 
-def test_json_has_rows_and_limits(tmp_path: Path) -> None:
-    case = tmp_path / "small.case.toml"
-    case.write_text(SMALL.split("[extremes]")[0] + "[extremes]\nsteps = [1e3]\n")
-    done = subprocess.run([*command(case, tmp_path / "out"), "--json"], capture_output=True, text=True)
+def test_json_has_rows_and_limits(calls_here: None, tmp_path: Path) -> None:
+    done = bodycheck("extremes", small(tmp_path, steps=[1e3]), *METHODS, "--out", tmp_path / "out", "--json")
     found = json.loads(done.stdout)
     assert [row["integrator"] for row in found["rows"]] == ["Euler", "RK4"]
     assert found["limits"] == []
