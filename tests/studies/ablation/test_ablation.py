@@ -10,9 +10,7 @@ import pandas as pd
 import pytest
 
 from bodycheck import load
-from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
-from bodycheck.commands.command_line import app
 from bodycheck.errors import BadInput
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.trajectory import Trajectory
@@ -21,9 +19,12 @@ from bodycheck.studies import cost
 from bodycheck.studies.ablation import page as report
 from bodycheck.studies.ablation import study as ablation
 from bodycheck.studies.ablation.rows import Change, ModelRow
+from tests.support.campaigns import adapters
 from tests.support.cases import shortened
+from tests.support.commands import call
+from tests.support.processes import calls_here
 
-ADAPTERS = {engine: registry.load(engine) for engine in ("mujoco", "pinocchio")}
+ADAPTERS = adapters("mujoco", "pinocchio")
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +35,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     case = place / "free-brick.case.toml"
     case.write_text(text.replace("samples = 1001", "samples = 11"))
     out = place / "out"
-    assert app(["ablate", str(case), "sliding-brick", "--out", str(out)], result_action="return_value") == 0
+    with calls_here():
+        assert call("ablate", case, "sliding-brick", "--out", out) == 0
     return out
 
 
@@ -89,12 +91,11 @@ def test_the_report_has_the_tables_of_both_engines(folder: Path) -> None:
     assert (folder / "report.html").stat().st_size > 1e5
 
 
-def test_rows_can_be_read_by_a_program(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+def test_rows_can_be_read_by_a_program(calls_here: None, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     case = tmp_path / "disk.case.toml"
     text = load("curling-disk").text.partition("[[expect]]")[0]
     case.write_text(text.replace("duration = 0.8", "duration = 0.05").replace("samples = 801", "samples = 6"))
-    arguments = ["ablate", str(case), "--engine", "pinocchio", "--timestep", "0.01", "--json"]
-    assert app(arguments, result_action="return_value") == 0
+    assert call("ablate", case, "--engine", "pinocchio", "--timestep", 0.01, "--json") == 0
     rows = {row["model"]: row for row in json.loads(capsys.readouterr().out)}
     assert rows["planar"]["relative_cost"] == 1
     # A disk has no corners for rigid contacts.
