@@ -3,6 +3,7 @@
 import ast
 import shutil
 from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -21,7 +22,6 @@ FLOORS = (
     {"commands", "pytest_plugin"},
     {"__main__", "__init__"},
 )
-
 
 #: The package of each engine, by the folder of its adapter: imported there and nowhere else.
 ENGINES = {"mujoco": "mujoco", "pinocchio": "pinocchio"}
@@ -71,8 +71,32 @@ def faults(root: Path) -> list[str]:
     return found
 
 
+def graph(root: Path) -> dict[str, set[str]]:
+    """The modules of a checkout, and which of them each one imports at once: not later, and not for types alone."""
+    names = {}
+    for room, place in rooms(root).items():
+        for path in modules(place) if room != "cases" else ():
+            inside = path.relative_to(place).with_suffix("").parts if place.is_dir() else ()
+            names[".".join(("bodycheck", room, *(part for part in inside if part != "__init__")))] = path
+    found = {}
+    for name, path in names.items():
+        used = set()
+        for node in ast.parse(path.read_text("utf-8")).body:
+            if isinstance(node, ast.ImportFrom):
+                used |= {node.module or "", *(f"{node.module}.{alias.name}" for alias in node.names)}
+        found[name] = (used & names.keys()) - {name}
+    return found
+
+
 def test_every_import_goes_down() -> None:
     assert faults(ROOT) == []
+
+
+def test_no_module_imports_itself_by_a_detour() -> None:
+    order = list(TopologicalSorter(graph(ROOT)).static_order())  # raises CycleError with the modules of a circle
+    assert len(order) > 150
+    with pytest.raises(CycleError):
+        list(TopologicalSorter(graph(ROOT) | {order[0]: {order[-1]}, order[-1]: {order[0]}}).static_order())
 
 
 def test_the_frame_of_reports_imports_no_report_of_runs() -> None:
