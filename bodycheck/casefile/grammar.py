@@ -28,6 +28,7 @@ from bodycheck.casefile.values import (
 )
 from bodycheck.figures.columns import LIMITED
 
+#: Version of the format of case files.
 FORMAT = 1
 
 
@@ -45,6 +46,7 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
 
+#: Description of the key `inertia`.
 INERTIA = "principal moments A, B, C, or the whole tensor along I, J, K, kg m^2"
 AnyInertia = Annotated[
     Annotated[PositiveVector, Tag("moments")] | Annotated[Matrix, Tag("tensor")], Discriminator(_kind_of_inertia)

@@ -24,6 +24,7 @@ app = App(
     default_parameter=Parameter(negative=(), show_default=False),
 )
 
+#: All commands, in the order of their registration.
 COMMANDS = (
     *(run, tradeoff, recommend, extremes, ablate, releases, bisect, report, diff),
     *(truth, cases, engines, validate, new, schema, expect),

@@ -25,6 +25,7 @@ from bodycheck.studies.extremes.rows import Limit, Row
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff import page as tradeoff
 
+#: The file with the records of a study of extremes.
 EXTREMES = "extremes.jsonl"
 
 #: How to read a column of results by its kind in `bodycheck.columns`.

@@ -54,6 +54,7 @@ class Attribution:
         return RunKey(self.case, self.engine, Method.parse(self.integrator, self.timestep))
 
 
+#: The columns of attribution.csv.
 COLUMNS = tuple(field.name for field in fields(Attribution))
 
 

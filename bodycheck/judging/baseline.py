@@ -31,6 +31,7 @@ from bodycheck.running.outcome import Completed, Run, Unsupported
 from bodycheck.running.plan import Task
 from bodycheck.running.store import Results
 
+#: Version of the format of baselines.
 FORMAT = 1
 #: The key of the metadata in a file's schema: versions, machine, and the identities of the cases.
 METADATA = b"bodycheck"

@@ -23,6 +23,7 @@ TOLERANCE = 0.02
 #: The body of all scenes.
 BODY = Body(mass=2.0, moments=(0.3, 0.4, 0.5))
 
+#: The sine and the cosine of 45 degrees.
 HALF = math.sqrt(0.5)
 
 # The principal axes (I, J, K) lie along K, (I + J) / sqrt(2), (J - I) / sqrt(2) of the body.
@@ -39,6 +40,7 @@ class Obvious:
     after: State
 
 
+#: The scenes of the check.
 SCENES = (
     Obvious(
         "a body falls straight down",

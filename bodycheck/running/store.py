@@ -26,7 +26,9 @@ from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Run, TimedOut, Unsupported
 from bodycheck.running.trajectory_files import TRAJECTORIES, StoredTrajectory, run_path, truth_path
 
+#: Version of the format of results folders.
 FORMAT = 1
+#: The file with the records.
 RECORDS = "run.jsonl"
 
 

@@ -200,6 +200,7 @@ def _no_witness(scene: Scene, times: Array) -> NoReturn:
     raise OutOfReach("witnesses are not asked")
 
 
+#: A backend that makes `truth` skip the checks by integration.
 NO_WITNESSES = Backend("none", _no_witness, _no_witness)
 
 

@@ -313,7 +313,7 @@ def test_the_chart_has_a_line_a_method_and_a_ring_where_it_changed() -> None:
 def test_versions_are_ordered_as_versions_and_named_once() -> None:
     assert releases.chosen("mujoco", ("3.10.0", "3.9", "3.9", "4"), None) == (("3.9", "3.10.0", "4"), ())
     for versions, last in ((("new",), None), ((), None), ((), 0), (("3.1",), -1)):
-        with pytest.raises(BadInput, match=r"is no version|give versions|must be at least 1"):
+        with pytest.raises(BadInput, match=r"is not a version|give versions|must be at least 1"):
             releases.chosen("mujoco", versions, last)
 
 
@@ -337,11 +337,11 @@ def bodycheck(*arguments: object) -> int:
     [
         (("releases", "mujocco", "3.2.0"), "there is no engine 'mujocco'"),
         (("releases", "mujoco"), "give versions, or the number of newest"),
-        (("releases", "mujoco", "newest"), "'newest' is no version"),
-        (("releases", "mujoco", "--remove", "--last", "2"), "--remove goes with versions"),
+        (("releases", "mujoco", "newest"), "'newest' is not a version"),
+        (("releases", "mujoco", "--remove", "--last", "2"), "--remove cannot be combined with --last"),
         (("releases", "mujoco", "3.2.0", "--case", "nowhere"), "nowhere"),
         (("releases", "mujoco", "3.2.0", "--case", "projectile", "--timestep", "-1"), "time step -1 s: must be positive"),
-        (("releases", "mujoco", "3.2.0", "--out", __file__), "no folder can be made there"),
+        (("releases", "mujoco", "3.2.0", "--out", __file__), "the folder cannot be made"),
         (("bisect", "mujoco", "4", "4.0.0", "--case", "projectile", "--quantity", "tilt", "--limit", "1"), "cannot be both"),
     ],
 )
