@@ -127,7 +127,7 @@ def test_what_was_interrupted_is_reported_as_that(copy: Callable[..., Path], cap
     lines = (folder / RECORDS).read_text().splitlines(keepends=True)
     (folder / RECORDS).write_text("".join(lines[:-3]))
     assert call("report", folder) == 2
-    assert f"interrupted, and reported as far as it went: {folder}" in capsys.readouterr().err
+    assert f"interrupted; the report contains the runs before the interruption: {folder}" in capsys.readouterr().err
     assert markdown(folder).startswith("# bodycheck: Interrupted. ")
     assert json.loads((folder / "results.json").read_text())["complete"] is False
     assert len(pd.read_csv(folder / "results.csv")) == sum('"record": "run"' in line for line in lines[:-3])
