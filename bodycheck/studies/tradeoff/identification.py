@@ -6,6 +6,7 @@ engine's time step. Two programs of the same scheme differ only by rounding, and
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -182,7 +183,7 @@ def differences(
     -------
     The attitude differences (n,), in rad, and the distances of the centres of mass (n,), in m.
     """
-    states = step_through(scheme, formulation, scene, timestep, np.diff(_steps(trajectory, timestep), prepend=0))
+    states = _states(scheme, formulation, scene, timestep, tuple(_steps(trajectory, timestep).tolist()))
     turned = geodesic_angle(normalise(trajectory.quaternion), states[:, 3:7])
     return _or_infinite(turned), _or_infinite(distance(trajectory.position, states[:, :3]))
 
@@ -240,7 +241,7 @@ def allowance(scheme: Scheme, scene: Scene, timestep: float, trajectory: Traject
     samples = _steps(trajectory, timestep)
     ends = np.unique(np.linspace(0, samples[-1], SEGMENTS + 1).astype(np.int64))
     strides = np.diff(ends)
-    states = step_through(scheme, world_velocity, scene, timestep, np.diff(ends, prepend=0))
+    states = _states(scheme, world_velocity, scene, timestep, tuple(ends.tolist()))
     spin = np.linalg.norm(states[:, 10:], axis=1)
     speed = np.interp(ends * timestep, trajectory.t, np.linalg.norm(trajectory.velocity, axis=1))
     moments = scene.body.moments
@@ -250,8 +251,7 @@ def allowance(scheme: Scheme, scene: Scene, timestep: float, trajectory: Traject
     bound = np.full(len(ends), STEP_ROUNDING)
     turn, rates = np.zeros((len(ends), 3, 3)), np.tile(np.eye(3), (len(ends), 1, 1))
     with np.errstate(all="ignore"):  # a scheme that fails has no bound
-        for k, stride in enumerate(strides):
-            turned, changed = _derivatives(scheme, scene, timestep, states[k], states[k + 1], int(stride))
+        for k, (turned, changed) in enumerate(_linearised(scheme, scene, timestep, tuple(ends.tolist()))):
             turn[: k + 1] += turned @ rates[: k + 1]
             rates[: k + 1] = changed @ rates[: k + 1]
             grown = 1 + np.linalg.norm(turn[: k + 1], axis=(1, 2)) * rounded[: k + 1]
@@ -269,6 +269,26 @@ def in_position(allowed: Array, trajectory: Trajectory, timestep: float) -> Arra
     far, speed = (np.linalg.norm(part, axis=1) for part in (trajectory.position, trajectory.velocity))
     way = np.maximum.accumulate(speed) * trajectory.t
     return np.asarray(allowed * way + STEP_ROUNDING * (1 + _steps(trajectory, timestep)) * np.maximum.accumulate(far))
+
+
+# The methods of all engines are compared with the same schemes at the same time steps and instants: one scene at a time.
+@lru_cache(maxsize=2 * len(SCHEMES) * len(FORMULATIONS))
+def _states(
+    scheme: Scheme, formulation: Callable[[Scene], Formulation], scene: Scene, timestep: float, ends: tuple[int, ...]
+) -> Array:
+    """Return the states (n, 13) of a scheme after the numbers of steps `ends` (n,)."""
+    states = step_through(scheme, formulation, scene, timestep, np.diff(ends, prepend=0))
+    states.setflags(write=False)
+    return states
+
+
+@lru_cache(maxsize=len(SCHEMES))
+def _linearised(scheme: Scheme, scene: Scene, timestep: float, ends: tuple[int, ...]) -> tuple[tuple[Array, Array], ...]:
+    """Return the derivatives of every segment of a scheme's run, as `_derivatives` does; segments end at the steps `ends`."""
+    states = _states(scheme, world_velocity, scene, timestep, ends)
+    return tuple(
+        _derivatives(scheme, scene, timestep, states[k], states[k + 1], ends[k + 1] - ends[k]) for k in range(len(ends) - 1)
+    )
 
 
 def _derivatives(scheme: Scheme, scene: Scene, timestep: float, start: Array, end: Array, stride: int) -> tuple[Array, Array]:

@@ -72,9 +72,9 @@ def of_states(case: Case, states: np.ndarray, steps: np.ndarray, timestep: float
     return Run(case.name, "miniature", "1.0", Method.parse("own", timestep), Completed(trajectory, int(steps[-1]), 1.0))
 
 
-@pytest.mark.parametrize(("engine", "integrator"), ENGINES)
-@pytest.mark.parametrize("case", [FLIP, COMPLEX], ids=lambda case: case.name)
 @pytest.mark.parametrize("timesteps", [(0.02, 0.01, 0.005), (0.01, 0.005), (0.002,)], ids=["coarsest", "10ms", "2ms"])
+@pytest.mark.parametrize("case", [FLIP, COMPLEX], ids=lambda case: case.name)
+@pytest.mark.parametrize(("engine", "integrator"), ENGINES)
 def test_engines_are_the_schemes_that_they_are(timesteps: tuple[float, ...], case: Case, engine: str, integrator: str) -> None:
     if timesteps == (0.002,):
         case = BRIEF[case.name]
