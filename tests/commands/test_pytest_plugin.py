@@ -2,19 +2,14 @@
 
 import importlib
 import os
-import signal
 import subprocess
 import sys
-import threading
-import time
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
 
 from bodycheck.figures import columns
-from bodycheck.running import pool
-from bodycheck.running.outcome import Crashed, TimedOut
 
 SPIN = """\
 format = 1
@@ -57,7 +52,7 @@ def write(repository: pytest.Pytester, text: str, name: str = "spin") -> Path:
     return path
 
 
-def test_a_wrong_expectation_explains_itself(repository: pytest.Pytester) -> None:
+def test_a_wrong_expectation_explains_itself(calls_here: None, repository: pytest.Pytester) -> None:
     """Expected, measured, the worst moment, the truth's own bound, the place in the file, and what to do next."""
     write(repository, SPIN + expect("position_error = 1e-9", "energy_drift = 1e-9", engine="wrong"))
     result = repository.runpytest()
@@ -84,7 +79,7 @@ def test_a_wrong_expectation_explains_itself(repository: pytest.Pytester) -> Non
     result.stdout.fnmatch_lines(["FAILED spin.case.toml::wrong-closed-form-0.1 - position_error is 1 m, expected at most*"])
 
 
-def test_an_item_a_method_and_every_expectation_of_it_counts(repository: pytest.Pytester) -> None:
+def test_an_item_a_method_and_every_expectation_of_it_counts(calls_here: None, repository: pytest.Pytester) -> None:
     text = SPIN + expect("position_error = 1e-9") + expect("attitude_error = 1e-9") + expect('status = "diverged"')
     write(repository, text + expect("position_error = 1e-9", timestep=0.05))
     result = repository.runpytest("-v")
@@ -103,7 +98,7 @@ def test_whatever_may_be_expected_has_a_meaning() -> None:
     assert {"status", *columns.LIMITED} <= columns.EXPECTED.keys()
 
 
-def test_an_order_is_seen_from_finer_runs(repository: pytest.Pytester) -> None:
+def test_an_order_is_seen_from_finer_runs(calls_here: None, repository: pytest.Pytester) -> None:
     method = {"engine": "mujoco", "integrator": "Euler", "timestep": 0.01}
     write(repository, TUMBLE + expect("order = 1", **method))
     repository.runpytest().assert_outcomes(passed=1)
@@ -130,7 +125,7 @@ def test_engines_that_die_are_failed_tests_and_the_others_go_on(repository: pyte
     )
 
 
-def test_a_known_discrepancy_passes_until_its_day_and_is_told(repository: pytest.Pytester) -> None:
+def test_a_known_discrepancy_passes_until_its_day_and_is_told(calls_here: None, repository: pytest.Pytester) -> None:
     for name, day, limit in (("now", "2999-01-01", "1e-9"), ("over", "2020-01-01", "1e-9"), ("mended", "2020-01-01", "2.0")):
         known = expect(f"position_error = {limit}", 'known = "https://example.org/7"', f'until = "{day}"', engine="wrong")
         write(repository, SPIN + known, name)
@@ -181,7 +176,7 @@ def test_tests_are_chosen(repository: pytest.Pytester, arguments: tuple[str, ...
     assert [line.split("::")[1] for line in result.outlines if line.startswith("spin.case.toml::")] == chosen
 
 
-def test_tags_of_strangers_do_nothing_but_name(repository: pytest.Pytester) -> None:
+def test_tags_of_strangers_do_nothing_but_name(calls_here: None, repository: pytest.Pytester) -> None:
     """skip would skip, and what is no name would be no marker. A marker that is the user's own may be a tag."""
     write(repository, SPIN + expect("position_error = 1e-9"))
     result = repository.runpytest("--strict-markers", "-v", "-m", "steady")
@@ -191,7 +186,7 @@ def test_tags_of_strangers_do_nothing_but_name(repository: pytest.Pytester) -> N
     repository.runpytest("--strict-markers", "-m", "slow").assert_outcomes(skipped=1)
 
 
-def test_what_engines_say_commands_no_terminal_and_breaks_no_file(repository: pytest.Pytester) -> None:
+def test_what_engines_say_commands_no_terminal_and_breaks_no_file(calls_here: None, repository: pytest.Pytester) -> None:
     repository.makepyfile(
         crying_out="""
         from miniature import Miniature
@@ -240,34 +235,6 @@ def test_who_has_no_case_files_imports_nothing(pytester: pytest.Pytester) -> Non
     pytester.makepyfile(f"import sys\ndef test_light(): assert [m for m in {heavy} if m in sys.modules] == []")
     plugins = ("hypothesispytest", "xdist")
     pytester.runpytest_subprocess(*(f"-pno:{name}" for name in plugins)).assert_outcomes(passed=1)
-
-
-def process(argument: str) -> int:
-    match argument:
-        case "die":
-            os.kill(os.getpid(), signal.SIGSEGV)
-        case "hang":
-            time.sleep(600)
-        case "poison":
-            threading.Timer(0.3, lambda: os._exit(7)).start()
-        case "late":
-            time.sleep(1.0)
-    return os.getpid()
-
-
-def test_a_process_is_kept_between_calls_and_replaced_when_it_dies() -> None:
-    with pool.caller(process, limit=20.0) as call:
-        first = call("")
-        assert call("") == first != os.getpid()
-        assert call("die") == Crashed("its process died of signal SIGSEGV")
-        second = call("")
-        assert isinstance(second, int)
-        assert second != first
-    with pool.caller(process, limit=3.0) as call:
-        assert call("hang") == TimedOut(3.0)
-        # The thread that the first call leaves behind ends the process in the second: that is made again, in a fresh one.
-        poisoned = call("poison")
-        assert call("late") not in (poisoned, Crashed("its process exited with code 7"))
 
 
 def test_the_process_ends_with_the_session(repository: pytest.Pytester) -> None:

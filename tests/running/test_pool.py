@@ -22,6 +22,7 @@ from tests.support.calls import (
     misbehaving,
     pids_in,
     poisoned,
+    whose_process,
     without_looking,
 )
 
@@ -99,6 +100,21 @@ def test_calls_that_nobody_waits_for_are_stopped(tmp_path: Path) -> None:
     (worker,) = pids_in(pids, 1)
     calls.close()
     assert not is_running(worker)
+
+
+def test_a_process_is_kept_between_calls_and_replaced_when_it_dies() -> None:
+    with pool.caller(whose_process, limit=LIMIT) as call:
+        first = call("")
+        assert call("") == first != os.getpid()
+        assert call("die") == Crashed("its process died of signal SIGSEGV")
+        second = call("")
+        assert isinstance(second, int)
+        assert second != first
+        # The thread that the first call leaves behind ends the process in the second: that is made again, in a fresh one.
+        poisoned = call("poison")
+        assert call("late") not in (poisoned, Crashed("its process exited with code 7"))
+    with pool.caller(whose_process, limit=1.0) as call:
+        assert call("hang") == TimedOut(1.0)
 
 
 def test_where_no_process_can_be_started_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -68,6 +68,16 @@ def misbehaving(how: str) -> Any:
     return how
 
 
+def whose_process(what: str) -> int:
+    """The process that this is called in, unless it is to die or to hang."""
+    if what == "die":
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if what == "hang":
+        time.sleep(600)
+    poisoned(what)
+    return os.getpid()
+
+
 def holding_the_interpreter(pids: str) -> None:
     """Hangs in C with the lock of the interpreter held, so that no other thread of the process runs."""
     with open(pids, "a") as file:

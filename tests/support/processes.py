@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -29,13 +30,18 @@ def calls_here() -> Iterator[None]:
         return pickle.loads(pickle.dumps(result))
 
     def call_all(
-        function: Callable[[Any], Any], arguments: Sequence[Any], jobs: int, limit: float, memory: int = pool.MEMORY_LIMIT_BYTES
+        function: Callable[[Any], Any], arguments: Sequence[Any], *limits: Any, **more_limits: Any
     ) -> Generator[tuple[Any, Any], None, None]:
         for argument in arguments:
             yield argument, call(function, argument)
 
+    @contextmanager
+    def caller(function: Callable[[Any], Any], *limits: Any, **more_limits: Any) -> Iterator[Callable[[Any], Any]]:
+        yield partial(call, function)
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pool, "call_all", call_all)
+        patch.setattr(pool, "caller", caller)
         yield
 
 
