@@ -43,15 +43,16 @@ def chosen(engine: Engine, scene: Scene, asked: Sequence[str]) -> tuple[str, ...
     Returns
     -------
     The named methods that the engine offers for the scene. A method whose options are not offered by default is included if
-    the engine offers its integrator for the scene and knows the options.
+    the engine has its integrator and its options for the scene.
     """
     plain = offered(engine, scene)
     if not asked:
         return plain
     names = [Method.parse(spelling, 0.0) for spelling in asked]
     wanted = dict.fromkeys(method.name for method in names)
-    own = [method.name for method in names if method.options and method.name not in plain and method.integrator in plain]
-    return (*(name for name in plain if name in wanted), *dict.fromkeys(name for name in own if knows(engine, name)))
+    others = [method for method in names if method.options and method.name not in plain and knows(engine, method.name)]
+    fitting = [method.name for method in others if not_offered(engine, scene, method) is None]
+    return (*(name for name in plain if name in wanted), *dict.fromkeys(fitting))
 
 
 def integrator_of(engine: Engine, method: Method) -> Integrator | None:
