@@ -6,7 +6,8 @@ A report is `report.html`, one file that works from disk without a network, and 
 This folder is the frame that all reports share:
 
 - `study`: the contents of a study's report, before they are laid out; the pages of `bodycheck.studies` make them.
-- `finding`, `tables`, `lines`, `quantities`: sentences, tables, the style of each method, names of quantities and numbers.
+- `finding`, `notices`, `tables`, `lines`, `quantities`: sentences, tables, the line of each method, names of quantities,
+  numbers as text.
 - `charts`, `series`, `plot_files`: parts of charts, curves with few points, and plots as files.
 - `html`, `markdown`: the writers. `templates/` has the pages, styles and scripts, and `templates/player/` the player.
 

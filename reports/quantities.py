@@ -53,11 +53,16 @@ PLOTTED = tuple(sorted((name for name in QUANTITIES if FIGURES[name].plotted), k
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """Return a number with so many significant digits and an exponent without padding; a dash for None and NaN."""
+    """Return a number with so many significant digits; a dash for None and NaN.
+
+    Numbers below 10 000 are written without an exponent even if they have fewer digits, and exponents without padding.
+    """
     if value is None or math.isnan(value):
         return "–"
     mantissa, e, exponent = f"{value:.{digits}g}".partition("e")
-    return f"{mantissa}e{int(exponent)}" if e else mantissa
+    if not e:
+        return mantissa
+    return f"{float(f'{mantissa}e{exponent}'):.0f}" if 0 < int(exponent) < 4 else f"{mantissa}e{int(exponent)}"
 
 
 def bound(value: float, digits: int = 4) -> str:

@@ -45,7 +45,12 @@ KINDS = (
     ),
     Kind("translation", "Flight without rotation", "position_error", "Nothing rotates. The position error shows everything."),
     Kind("drag", "Flight against drag", "position_error", "Drag acts on the centre of mass and does not affect the rotation."),
-    Kind("contact", "Contact with a plane", "position_error", "The position error shows where friction takes the body."),
+    Kind(
+        "contact",
+        "Contact with a plane",
+        "position_error",
+        "Friction determines where the body goes, which the position error shows.",
+    ),
 )
 
 

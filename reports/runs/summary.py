@@ -7,6 +7,7 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line
+from bodycheck.reports.notices import missing_engines, unsupported
 from bodycheck.reports.quantities import count, verb
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Unsupported
@@ -18,12 +19,12 @@ def headline(results: Results, verdicts: Sequence[Verdict]) -> str:
     runs, failed = len(verdicts), sum(verdict.passed is False for verdict in verdicts)
     tolerated = sum(map(_tolerated, verdicts))
     held = sum(verdict.passed is True for verdict in verdicts) - tolerated
-    unsupported = sum(_unsupported(verdict) for verdict in verdicts)
+    refused = sum(_unsupported(verdict) for verdict in verdicts)
     if not runs:
         text = "No run finished"
     elif failed:
         text = f"{failed} of {count(runs, 'run')} failed"
-    elif unsupported == runs:
+    elif refused == runs:
         text = f"None of {count(runs, 'run')} is supported by its engine"
     elif held or tolerated:
         known = f" and {tolerated} {verb(tolerated, 'has', 'have')} a known discrepancy" if tolerated else ""
@@ -37,11 +38,11 @@ def tally(verdicts: Sequence[Verdict]) -> tuple[tuple[str, int], ...]:
     """Return how many runs ended in each way. Rare ways are left out if there are none; the usual ones are always given."""
     statuses = Counter(verdict.outcome.status for verdict in verdicts)
     passed = Counter(verdict.passed for verdict in verdicts)
-    completed, unsupported = statuses.pop(Completed.status, 0), statuses.pop(Unsupported.status, 0)
+    completed, refused = statuses.pop(Completed.status, 0), statuses.pop(Unsupported.status, 0)
     asked = [("runs", len(verdicts)), ("completed", completed), ("passed", passed[True]), ("failed", passed[False])]
     unasked = sum(verdict.passed is None and not _unsupported(verdict) for verdict in verdicts)
     more = [("known discrepancies", sum(map(_tolerated, verdicts))), ("without expectations", unasked)]
-    return (*asked, *statuses.items(), ("unsupported", unsupported), *((name, amount) for name, amount in more if amount))
+    return (*asked, *statuses.items(), ("unsupported", refused), *((name, amount) for name, amount in more if amount))
 
 
 def notices(one: ResultSet) -> tuple[str, ...]:
@@ -52,10 +53,8 @@ def notices(one: ResultSet) -> tuple[str, ...]:
             f"The command was interrupted after {count(len(verdicts), 'run')}. "
             "Runs that had not finished by then are missing from this report."
         )
-    for engine, reason in results.header["missing"].items():
-        texts.append(f"The engine {engine} was not used: {reason}.")
-    for reason, amount in Counter(verdict.outcome.reason for verdict in verdicts if _unsupported(verdict)).items():
-        texts.append(f"{count(amount, 'run')} {verb(amount, 'is', 'are')} not supported by the engine: {reason}.")
+    texts += missing_engines(results.header)
+    texts += unsupported(verdict.outcome.reason for verdict in verdicts if _unsupported(verdict))
     return tuple(f"{one.label}: {text}" if one.label else text for text in texts)
 
 

@@ -254,17 +254,17 @@ def test_findings_have_the_measured_numbers(study: Study) -> None:
     for quantity in ("attitude", "position"):
         assert naive[quantity].order == pytest.approx(2, abs=0.1)  # at five time steps of a second of tumbling
         assert f"{naive[quantity].order:.2f}" in study.told("Order")
-    assert "pinocchio rk4-naive: order " in study.told("Order")
-    assert f"where 4 is claimed, on {FLIP}." in study.told("Order")
+    assert "pinocchio rk4-naive has an observed order of " in study.told("Order")
+    assert f"instead of the claimed 4, on {FLIP}." in study.told("Order")
     assert "mujoco" not in study.told("Order")
 
     euler = [o for o in study.orders if o.case == FLIP and o.scheme == "semi-implicit Euler"]
     assert {o.engine for o in euler} == {"mujoco", "pinocchio"}
-    (sentence,) = [text for text in study.told("Scheme").splitlines() if " semi-implicit Euler to " in text]
+    (sentence,) = [text for text in study.told("Scheme").splitlines() if " semi-implicit Euler to within " in text]
     coarsest = next(r for r in study.rows if (r["case"], r["integrator"], r["timestep"]) == (FLIP, "Euler", STEPS[0]))
-    assert sentence.startswith("mujoco Euler and pinocchio semi-implicit-euler are semi-implicit Euler to ")
-    assert sentence.endswith(f"on {FLIP}: that explains a discrepancy of up to {number(coarsest['attitude_error'], 2)} rad.")
-    residual = float(sentence.partition(" Euler to ")[2].split()[0])
+    assert sentence.startswith("mujoco Euler and pinocchio semi-implicit-euler agree with semi-implicit Euler to within ")
+    assert sentence.endswith(f"on {FLIP}. This explains a discrepancy of up to {number(coarsest['attitude_error'], 2)} rad.")
+    residual = float(sentence.partition(" Euler to within ")[2].split()[0])
     largest = max(o.scheme_residual or 0.0 for o in euler)
     assert largest <= residual <= 1.1 * largest  # rounded up to two digits
 
@@ -272,7 +272,7 @@ def test_findings_have_the_measured_numbers(study: Study) -> None:
 def test_the_soft_contact_has_a_floor(study: Study) -> None:
     """A soft contact tends to another motion than a rigid one's, whatever the time step."""
     for sentence in study.told("Floor").splitlines():
-        assert re.match(r"mujoco .* do(es)? not get below .* with any time step down to 1 ms, on ", sentence)
+        assert re.match(r"With mujoco .* the \w+ error does not fall below .* at any time step down to 1 ms, on ", sentence)
         assert sentence.endswith(f"{SLIDE}.")
     slid = [o for o in study.orders if (o.case, o.integrator) == (SLIDE, "Euler") and o.floor is not None]
     told = [o.quantity for o in slid if o.quantity in ("attitude", "position")]
@@ -286,11 +286,11 @@ def test_the_cheapest_keeps_the_error(study: Study) -> None:
     sentences = study.told("Cheapest").splitlines()
     assert sentences
     (flight,) = [text for text in sentences if FLIGHT in text]
-    error = 1e-6 if "keeps 1e-6 m" in flight else 1e-3
+    error = 1e-6 if "at most 1e-6 m" in flight else 1e-3
     keeping = [point for point in study.case(FLIGHT).points("position") if point.error <= error]
     best = min(keeping, key=lambda point: point.cost)
     assert f"is {best.engine} {best.integrator} at {milliseconds(best.timestep, 4)} on {FLIGHT}" in flight
-    assert f"{number(best.cost, 2)} s of computing" in flight
+    assert f"a simulated second takes {number(best.cost, 2)} s" in flight
 
 
 def test_tables_have_the_measured_numbers(study: Study, page: str) -> None:
@@ -360,10 +360,10 @@ def test_what_was_not_measured_is_left_out() -> None:
     (part,) = report.parts
     assert [chart.title for chart in part.charts] == ["Attitude error", "Position error"]
     assert [drawn(chart.specification) for chart in part.charts] == [(1, 1, 1), (1, 1, 1)]
-    assert part.charts[1].notes == ("With errors of zero, which are not drawn: mujoco Euler.",)
-    assert part.texts == ("Without figures, diverged: mujoco RK4 at 5 ms and 1 ms.",)
+    assert part.charts[1].notes == ("Errors of zero, which are not drawn, occur with mujoco Euler.",)
+    assert part.texts == ("Runs with the status diverged have no results: mujoco RK4 at 5 ms and 1 ms.",)
     assert [line.label for line in part.lines] == ["mujoco Euler"]
-    assert report.headline == "2 methods on 1 case, 5 runs, 2 of them without figures"
+    assert report.headline == "2 methods on 1 case: 5 runs, 2 of them without results"
     text = html.render_study(report)
     pages.check(text)
     assert "nan" not in Page(text).text.lower().split()
@@ -398,7 +398,7 @@ def test_as_many_cases_as_are_shipped() -> None:
     assert len(html.render_study(report)) < 3.5e6
     text = markdown.render_study(report)
     assert len(text) < 65_536
-    left_out = int(re.findall(r"Left out here for their size: (\d+) tables", text)[0])
+    left_out = int(re.findall(r"(\d+) tables were left out", text)[0])
     assert text.count("<details>") + left_out == 23
 
 
@@ -470,47 +470,54 @@ def test_methods_that_fall_short_alike_are_told_together() -> None:
             spread = {"order": observed, "order_low": observed, "order_high": observed, "claimed": 4}
             orders.append(order(case=case, integrator=integrator, **spread))
     assert texts(present(HEADER, rows, orders), "Order") == [
-        "mujoco one and mujoco two: order 2.00 in attitude is observed where 4 is claimed, on spin and 1 other case.",
-        "mujoco three: order 1.50 in attitude is observed where 4 is claimed, on spin and 1 other case.",
+        "mujoco one and mujoco two have an observed order of 2.00 in attitude instead of the claimed 4, "
+        "on spin and 1 other case.",
+        "mujoco three has an observed order of 1.50 in attitude instead of the claimed 4, on spin and 1 other case.",
     ]
 
 
 def test_orders_as_claimed() -> None:
     report = present(HEADER, curve("Euler", [1e-1, 1e-2], [1e-3, 1e-2]), [order(), order(quantity="position")])
     (sentence,) = texts(report, "Order")
-    assert sentence == "Nothing falls short of its claim: 2 observed orders in attitude or position, 0.25 allowed."
+    assert sentence == "None of 2 observed orders of attitude and position is lower than claimed by more than 0.25."
     assert report.parts[0].tables[0][1].failed == (False,)
 
 
 @pytest.mark.parametrize(
     ("residual", "meaning"),
-    [(2e-13, "that explains a discrepancy of 0.1 rad"), (0.02, "the discrepancy is 0.1 rad")],
+    [(2e-13, "This explains a discrepancy of 0.1 rad."), (0.02, "The discrepancy is 0.1 rad.")],
 )
 def test_a_scheme_explains_what_it_leaves_nothing_of(residual: float, meaning: str) -> None:
     rows = curve("Euler", [1e-1, 1e-2], [1e-3, 1e-2])
     report = present(HEADER, rows, [order(scheme="semi-implicit Euler", scheme_residual=residual)])
     (sentence,) = texts(report, "Scheme")
-    assert sentence == f"mujoco Euler is semi-implicit Euler to {number(residual)} rad over the whole run, on spin: {meaning}."
+    assert sentence == (
+        f"mujoco Euler agrees with semi-implicit Euler to within {number(residual)} rad over the whole run, on spin. {meaning}"
+    )
 
 
 def test_floors_above_rounding_are_told() -> None:
     rows = [*curve("Euler", [1e-1, 2.7e-4], [1e-3, 1e-2]), *curve("RK4", [1e-9, 1e-12], [1e-3, 1e-2])]
     orders = [order(floor=2.7e-4), order(integrator="RK4", floor=1e-12)]
     (sentence,) = texts(present(HEADER, rows, orders), "Floor")
-    assert sentence == "mujoco Euler does not get below 0.00027 rad in attitude with any time step down to 5 ms, on spin."
+    assert (
+        sentence
+        == "With mujoco Euler the attitude error does not fall below 0.00027 rad at any time step down to 5 ms, on spin."
+    )
 
 
 def test_the_cheapest_on_one_case() -> None:
     rows = [*curve("Euler", [1e-1, 1e-4], [1e-4, 1e-2]), *curve("RK4", [1e-4, 1e-7], [4e-4, 5e-3])]
     first, second = texts(present(HEADER, rows, []), "Cheapest")
     assert first == (
-        "The cheapest that keeps 0.001 rad in attitude is mujoco RK4 at 10 ms on spin, with 0.0001 rad for 0.0004 s of "
-        "computing a simulated second (0.00036 to 0.00048 in repeats); next is mujoco Euler at 5 ms, at 25 times the cost."
+        "The cheapest method with an attitude error of at most 0.001 rad is mujoco RK4 at 10 ms on spin. "
+        "Its error is 0.0001 rad, and a simulated second takes 0.0004 s (0.00036 to 0.00048 s in repeated timings). "
+        "The next is mujoco Euler at 5 ms, at 25 times the cost."
     )
-    assert "keeps 1e-6 rad in attitude is mujoco RK4 at 5 ms on spin" in second
+    assert "an attitude error of at most 1e-6 rad is mujoco RK4 at 5 ms on spin" in second
     rows = [*curve("Euler", [1e-7], [1e-3]), *curve("RK4", [1e-7], [1.1e-3])]
     (only,) = texts(present(HEADER, rows, []), "Cheapest")
-    assert only.endswith("next is mujoco RK4 at 10 ms, at 1.1 times the cost, though their timings overlap.")
+    assert only.endswith("The next is mujoco RK4 at 10 ms, at 1.1 times the cost, although their timings overlap.")
 
 
 def test_the_cheapest_on_many_cases() -> None:
@@ -521,18 +528,21 @@ def test_the_cheapest_on_many_cases() -> None:
     rows = [*best("a", "Euler"), *best("b", "RK4"), *best("c", "RK4"), row(case="d", attitude_error=1.0)]
     first, second = texts(present(HEADER, rows, []), "Cheapest")
     assert first == (
-        "Of 4 cases, the cheapest that keeps 0.001 rad in attitude is mujoco RK4 in 2 (at 10 ms) and mujoco Euler in 1 "
-        "(at 10 ms); in 1 no method keeps it."
+        "Over 4 cases, the cheapest method with an attitude error of at most 0.001 rad is mujoco RK4 in 2 (at 10 ms) and "
+        "mujoco Euler in 1 (at 10 ms). In 1 no method achieves this."
     )
-    assert second == "No method keeps 1e-6 rad in attitude in any of 4 cases."
+    assert second == "No method has an attitude error of at most 1e-6 rad in any of 4 cases."
     (only,) = texts(present(HEADER, [row(attitude_error=1.0)], []), "Cheapest")
-    assert only == "No method keeps 0.001 rad in attitude."
+    assert only == "No method has an attitude error of at most 0.001 rad."
 
 
 def test_what_limits_the_study_is_said_first() -> None:
     rows = [row(), failed(engine="drake", status="unsupported", reason="it does not model drag")]
     report = present(HEADER | {"missing": {"dart": "dart is not installed"}}, rows, [])
-    assert report.notices == ("Without the engine dart: dart is not installed.", "1 run unsupported: it does not model drag.")
+    assert report.notices == (
+        "The engine dart was not used: dart is not installed.",
+        "1 run is not supported by the engine: it does not model drag.",
+    )
     for text in (Page(html.render_study(report)).text, markdown.render_study(report)):
         assert "dart is not installed" in text
-        assert "Without figures, unsupported: drake Euler at 10 ms." in text
+        assert "Runs with the status unsupported have no results: drake Euler at 10 ms." in text

@@ -1,4 +1,4 @@
-"""The report of the ablation: what a scene does not require costs and changes, model by model."""
+"""The report of the ablation: what larger models than a scene requires cost and change, model by model."""
 
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
@@ -9,6 +9,7 @@ from bodycheck.reference.requirements import Requirements, requirements
 from bodycheck.reports.charts import INK, Spec, framed
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import assign
+from bodycheck.reports.notices import missing_engines
 from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
@@ -16,43 +17,53 @@ from bodycheck.running.header import Header
 from bodycheck.running.key import RunKey
 from bodycheck.studies.ablation.rows import Change, ModelRow
 
-#: Lengths below this (m) are told in mm.
-NEAR = 0.1
+#: Lengths below this (m) are given in mm.
+MILLIMETRES_BELOW_M = 0.1
 
-#: An error that a model changes by less, relatively or in its unit, is the same.
+#: Changes of an error below this count as none: relative, and in the unit of the error.
 ALIKE, ROUNDING = 1e-6, 1e-12
 
 #: Height of a bar in a chart, in pixels.
 BAR = 34
 
+#: Units of the changes.
 UNITS = {"position": "m", "attitude": "rad"}
 
+#: Explanations for readers.
 READING = (
-    "Each model has all that the one above it has, and what it adds; the first is the smallest that is exact for the scene but "
-    "for the steps. Costs are of a step, relative to the smallest model's, timed side by side in turn: the median of the "
-    "rounds, with the least and the most.",
-    "A change is the largest distance between the motions on a model and on the smallest one, at the same step. It is held "
-    "against the time-step errors of both together, each twice what the motion changes by when the step is halved: farther "
-    "apart than that, the two models are not one physics. Below the rounding of all steps, a model changes nothing.",
+    "Each model has everything that the model above it has, and what the column “Adds” names. The first model is the smallest "
+    "one that is exact for the scene, except for time-step errors. The relative cost is that of a step, divided by that of the "
+    "smallest model. All models are timed in turn; the tables give the median of the rounds, the least and the most.",
+    "A change is the largest distance between the motions on a model and on the smallest one, at the same time step. It is "
+    "compared with the sum of the time-step errors of both models. The time-step error of a model is twice the change of its "
+    "motion when the step is halved. If the motions are farther apart than that, the two models do not describe the same "
+    "physics. If they are closer than the rounding of all steps, the model does not change the motion.",
 )
 
 
 def present(header: Header, cases: Mapping[str, Case], rows: Sequence[ModelRow]) -> StudyReport:
-    """What the study's report says.
+    """Return the contents of the report.
 
-    header: as that of results. cases: by name. rows: of the study, those of one case, engine, integrator and step together.
+    Parameters
+    ----------
+    header
+        Versions, machine and command.
+    cases
+        The cases, by name.
+    rows
+        The rows of the study; those of one case, engine, integrator and time step follow one another.
     """
     compared = groups(rows)
     by_case: dict[str, list[list[ModelRow]]] = defaultdict(list)
     for own in compared:
         by_case[own[0].case].append(own)
-    missing = [f"Without the engine {engine}: {reason}." for engine, reason in header["missing"].items()]
     failures = Counter((row.status, row.reason) for row in rows if row.reason)
+    failed = (f"{count(amount, 'model')} ended as {status}: {reason}." for (status, reason), amount in failures.items())
     return StudyReport(
-        title="What is not needed",
+        title="What larger models cost and change",
         headline=f"{count(len(rows), 'model')} in {count(len(compared), 'comparison')}",
         header=header,
-        notices=(*missing, *(f"{count(amount, 'model')} {status}: {reason}." for (status, reason), amount in failures.items())),
+        notices=(*missing_engines(header), *failed),
         findings=tuple(finding for own in compared for finding in findings(own)),
         parts=tuple(part(case, by_case[name]) for name, case in cases.items() if name in by_case),
         reading=READING,
@@ -60,60 +71,62 @@ def present(header: Header, cases: Mapping[str, Case], rows: Sequence[ModelRow])
 
 
 def groups(rows: Sequence[ModelRow]) -> list[list[ModelRow]]:
-    """The models of each case, engine, integrator and time step, the smallest first."""
+    """Return the models of each case, engine, integrator and time step, the smallest first."""
     return [list(own) for _, own in groupby(rows, key=lambda row: (row.case, row.engine, row.integrator, row.timestep))]
 
 
 def findings(rows: Sequence[ModelRow]) -> list[Finding]:
-    """What the largest model that ran costs and changes, and the first model that is another physics than the smallest."""
+    """Return what the largest model that ran costs and changes, and the first model with other physics than the smallest."""
     smallest, *larger = rows
-    method = f"{named(smallest)} on "
+    before = f"With {named(smallest)} on "
     ran = [row for row in larger if row.relative_cost is not None and row.changes]
     found = []
     if ran:
         low, most, high = (
             number(value, 3) for value in (ran[-1].relative_cost_low, ran[-1].relative_cost, ran[-1].relative_cost_high)
         )
-        costs = f"{ran[-1].model} costs {most} times as much ({low} to {high}) as {smallest.model}"
-        found.append(Finding("What is not needed", method, smallest.case, f": {costs}, and {effect(ran[-1].changes)}."))
+        costs = f"the model {ran[-1].model} costs {most} times as much ({low} to {high}) as {smallest.model}"
+        found.append(Finding("Larger model", before, smallest.case, f", {costs} and {effect(ran[-1].changes)}."))
     for row in ran:
         apart = [name for name, change in row.changes.items() if not change.agrees]
         if apart:
-            told = listing([f"{with_unit(row.changes[name].size, name)} in {name}" for name in apart])
+            sizes = listing([f"{with_unit(row.changes[name].size, name)} in {name}" for name in apart])
             limit = listing([with_unit(row.changes[name].time_step, name) for name in apart])
-            differs = f"{row.model} differs from {smallest.model} by {told}"
-            after = f": {differs}, more than the time-step errors of both ({limit})."
-            found.append(Finding("Not one physics", method, row.case, after))
+            differs = f"the model {row.model} differs from {smallest.model} by {sizes}"
+            after = f", {differs}, which is more than the time-step errors of both ({limit})."
+            found.append(Finding("Different physics", before, row.case, after))
             break
     return found
 
 
 def named(row: ModelRow) -> str:
+    """Return the method of a row in words."""
     return f"{row.engine} {row.integrator} at {milliseconds(row.timestep, 4)}"
 
 
 def effect(changes: Mapping[str, Change]) -> str:
-    """What a model changes, in words."""
+    """Return what a model changes, as the end of a sentence."""
     changed = {name: change for name, change in changes.items() if not change.is_rounding}
     if not changed:
-        return "changes nothing"
-    told = listing([f"the {name} by {with_unit(change.size, name)}" for name, change in changed.items()])
+        return "does not change the motion"
+    sizes = listing([f"the {name} by {with_unit(change.size, name)}" for name, change in changed.items()])
     within = "within" if all(change.agrees for change in changed.values()) else "beyond"
-    return f"changes {told}, {within} the time-step errors"
+    return f"changes {sizes}, {within} the time-step errors"
 
 
 def with_unit(value: float, quantity: str) -> str:
-    if quantity == "position" and 0 < value < NEAR:
+    """Return a change (m or rad) with its unit, small lengths in mm."""
+    if quantity == "position" and 0 < value < MILLIMETRES_BELOW_M:
         return f"{number(1e3 * value, 3)} mm"
     return f"{number(value, 3)} {UNITS[quantity]}"
 
 
 def part(case: Case, compared: Sequence[Sequence[ModelRow]]) -> Part:
-    """One case: its charts, and two tables a comparison."""
+    """Return the part of one case: its charts, and two tables for each comparison."""
     tables = []
     for rows in compared:
         tables.append((f"{named(rows[0])}: cost and motion", costs(rows)))
-        tables.append((f"{named(rows[0])}: errors, and how they change", errors(rows)))
+        tables.append((f"{named(rows[0])}: errors and their changes", errors(rows)))
     return Part(
         name=case.name,
         title=case.name,
@@ -124,40 +137,43 @@ def part(case: Case, compared: Sequence[Sequence[ModelRow]]) -> Part:
 
 
 def required(needs: Requirements) -> str:
+    """Return what a scene requires, as a sentence."""
     names = [f"{needs.rotation} rotation" if name == "rotation" else name for name in needs.names()]
     coordinates = count(needs.degrees_of_freedom, "degree") + " of freedom"
-    return f"It requires {listing(names)}: {coordinates}." if names else "It requires nothing: it is at rest."
+    if not names:
+        return "The scene requires nothing, as the body is at rest."
+    return f"The scene requires {listing(names)}: {coordinates}."
 
 
 def chart(rows: Sequence[ModelRow]) -> Chart:
-    """Bars of the relative costs."""
+    """Return the chart of the relative costs."""
     (line,) = assign([RunKey.of_method(rows[0].engine, rows[0].integrator)]).values()
     drawn = [row for row in rows if row.relative_cost is not None]
     alt = "; ".join(f"{row.model} {number(row.relative_cost, 3)}" for row in drawn)
     return Chart(
         title=f"Cost of a step, relative to the smallest model: {named(rows[0])}",
         specification=bars(drawn, line.colour),
-        alt=f"Relative cost of a step: {alt}.",
+        alt=f"Bars show the relative cost of a step: {alt}.",
     )
 
 
 def bars(rows: Sequence[ModelRow], colour: str) -> Spec:
-    """A bar a model with the spread of its rounds and its figure."""
+    """Return a chart with a bar for each model, the spread of its rounds, and its number."""
     values = [
         {
             "model": row.model,
             "cost": row.relative_cost,
             "low": row.relative_cost_low,
             "high": row.relative_cost_high,
-            "told": f"{number(row.relative_cost, 3)}×",
+            "label": f"{number(row.relative_cost, 3)}×",
             "effect": effect(row.changes),
         }
         for row in rows
     ]
     most = max(row.relative_cost_high or 0.0 for row in rows)
-    room = {"domain": [0, 1.15 * most], "nice": False}  # for the figures behind the bars
-    x = {"type": "quantitative", "title": "Cost of a step, relative", "scale": room}
-    tooltip = [{"field": name} for name in ("model", "told", "low", "high", "effect")]
+    room = {"domain": [0, 1.15 * most], "nice": False}  # for the numbers behind the bars
+    x = {"type": "quantitative", "title": "Relative cost of a step", "scale": room}
+    tooltip = [{"field": name} for name in ("model", "label", "low", "high", "effect")]
     layers: list[Spec] = [
         {
             "mark": {"type": "bar", "color": colour, "opacity": 0.75, "height": {"band": 0.6}},
@@ -166,7 +182,7 @@ def bars(rows: Sequence[ModelRow], colour: str) -> Spec:
         {"mark": {"type": "rule", "color": INK}, "encoding": {"x": {**x, "field": "low"}, "x2": {"field": "high"}}},
         {
             "mark": {"type": "text", "align": "left", "dx": 6, "color": INK, "fontSize": 11},
-            "encoding": {"x": {**x, "field": "high"}, "text": {"field": "told"}},
+            "encoding": {"x": {**x, "field": "high"}, "text": {"field": "label"}},
         },
     ]
     y = {"field": "model", "type": "nominal", "sort": None, "title": None, "axis": {"ticks": False, "labelLimit": 240}}
@@ -174,10 +190,10 @@ def bars(rows: Sequence[ModelRow], colour: str) -> Spec:
 
 
 def costs(rows: Sequence[ModelRow]) -> Table:
-    """A row a model: its cost, and how far its motion is from the smallest one's."""
+    """Return a table with one row for each model: its cost, and the change of its motion from the smallest model."""
     words = ("Model", "Adds")
     figures = (
-        *("Time per step, µs", "Cost, relative", "at least", "at most"),
+        *("Time per step, µs", "Relative cost", "Least", "Most"),
         *("Position change, m", "Time-step errors, m", "Attitude change, rad", "Time-step errors, rad"),
     )
     disagree = tuple(any(not change.agrees for change in row.changes.values()) for row in rows)
@@ -194,30 +210,34 @@ def costs(rows: Sequence[ModelRow]) -> Table:
             for row in rows
         ),
         failed=disagree,
-        notes=("Coloured: farther from the smallest model than both time-step errors together.",) if any(disagree) else (),
+        notes=("Coloured rows are farther from the smallest model than both time-step errors together.",)
+        if any(disagree)
+        else (),
     )
 
 
 def changed(change: Change | None) -> tuple[Entry, Entry]:
+    """Return the cells of a change: its size and the time-step errors."""
     if change is None:
         return Entry("–"), Entry("–")
-    size = Entry("none", None, f"{number(change.size, 3)}, rounding") if change.is_rounding else figure(change.size)
+    size = Entry("none", None, f"{number(change.size, 3)}, which is rounding") if change.is_rounding else figure(change.size)
     return size, figure(change.time_step)
 
 
 def errors(rows: Sequence[ModelRow]) -> Table:
-    """A row a model: every error of its run, with the difference from the smallest model's."""
+    """Return a table with one row for each model: the errors of its run, with the differences from the smallest model."""
     names = [name for name in QUANTITIES if any(name in row.errors for row in rows)]
     return Table(
         columns=("Model", *(QUANTITIES[name].label for name in names)),
         numeric=(False, *(True for _ in names)),
         rows=tuple((Entry(row.model), *(compared(row, rows[0], name) for name in names)) for row in rows),
         failed=(False,) * len(rows),
-        notes=("In brackets: the difference from the smallest model's; = where there is none.",),
+        notes=("The difference from the smallest model is in brackets; = means that there is none.",),
     )
 
 
 def compared(row: ModelRow, smallest: ModelRow, name: str) -> Entry:
+    """Return the cell of an error, with its difference from the smallest model."""
     value, before = row.errors.get(name), smallest.errors.get(name)
     if value is None or before is None or row is smallest:
         return figure(value)
@@ -227,4 +247,5 @@ def compared(row: ModelRow, smallest: ModelRow, name: str) -> Entry:
 
 
 def figure(value: float | None) -> Entry:
+    """Return the cell of a number."""
     return Entry(number(value, 3), value)

@@ -1,11 +1,12 @@
-"""How runs end over spin and time step, as a heat map."""
+"""The outcomes of runs over spin and time step, as a heat map."""
 
 from collections.abc import Sequence
 
 from bodycheck.reports.charts import INK, Spec
 from bodycheck.studies.extremes.rows import STATUSES, Row
 
-#: Okabe and Ito's colours, which colour-blind readers tell apart, and others as light: black letters are readable on all.
+#: Colours of Okabe and Ito, which colour-blind readers can distinguish, and others that are as light: black letters are
+#: readable on all of them.
 COLOURS = {
     "ok": "#009e73",
     "inaccurate": "#f0e442",
@@ -19,6 +20,7 @@ COLOURS = {
     "unsupported": "#dedede",
 }
 
+#: Letters in the cells.
 LETTERS = {
     "ok": "",
     "inaccurate": "I",
@@ -37,7 +39,7 @@ CELL = 26
 
 
 def outcome_map(rows: Sequence[Row]) -> Spec:
-    """A cell a spin and time step, coloured and lettered by the status of the run there; complete with its data."""
+    """Return a complete chart with a cell for each spin and time step, with the colour and letter of the status of the run."""
     seen = [status for status in STATUSES if any(row.status == status for row in rows)]
     values = [{"spin": row.value, "step": row.timestep, "status": row.status, "detail": row.detail} for row in rows]
     text = {"labelColor": INK, "titleColor": INK, "labelFontSize": 11, "titleFontSize": 11, "titleFontWeight": "normal"}
@@ -63,7 +65,7 @@ def outcome_map(rows: Sequence[Row]) -> Spec:
                         {"field": "spin", "title": "spin, rad/s", "type": "quantitative"},
                         {"field": "step", "title": "time step, s", "type": "quantitative"},
                         {"field": "status", "type": "nominal"},
-                        {"field": "detail", "title": "seen", "type": "nominal"},
+                        {"field": "detail", "title": "reason", "type": "nominal"},
                     ],
                 },
             },

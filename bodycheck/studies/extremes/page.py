@@ -1,4 +1,4 @@
-"""The report of the study of extremes: first what engines take for healthy and is not, then how far every method goes."""
+"""The report of the study of extremes: first errors that engines did not report, then the limits of every method."""
 
 from collections import Counter, defaultdict
 from collections.abc import Sequence
@@ -6,49 +6,55 @@ from typing import Any
 
 from bodycheck.casefile.axes import AXES
 from bodycheck.reports.finding import Finding
-from bodycheck.reports.quantities import count, listing, milliseconds, number
+from bodycheck.reports.notices import missing_engines, unsupported
+from bodycheck.reports.quantities import count, listing, milliseconds, number, verb
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.running.header import Header
 from bodycheck.studies.extremes.outcome_map import outcome_map
 from bodycheck.studies.extremes.rows import HEALTHY, STATUSES, Limit, Row
 
-#: Values that are listed one by one.
+#: Most values that are listed one by one.
 MOST_VALUES = 4
 
-GONE = ("diverged", "silent-reset", "crashed", "frozen")
+#: Statuses of runs that broke down.
+BROKEN = ("diverged", "silent-reset", "crashed", "frozen")
 
-#: Anchors of the parts that are of no single case.
-BELIEVED, STABILITY = "said-healthy", "stability"
+#: Anchors of the parts about all cases.
+UNREPORTED, STABILITY = "unreported-errors", "stability"
 
+#: Explanations for readers.
 READING = (
-    "ok: attitude within 1 rad of the truth, centre of mass within 1 % of the way travelled, energy of rotation within 1 % of "
-    "the initial one. inaccurate: bounded, but one of these is lost. energy-gain, energy-loss: the energy of rotation goes one "
-    "way, by more than 1 %. frozen: what should move stands still to the last bit. diverged: not a number, out of all bounds, "
-    "or the engine gave up. silent-reset: the engine went on from a state of its own, which only its warning counters tell. "
-    "crashed: an error, or the death of the process. timeout: no end in the time allowed. unsupported: the engine refuses.",
-    "An engine says “healthy” where it steps to the end and signals nothing. extremes.csv has every run with its engine's "
-    "words and what was seen of it.",
-    "Stable is called a step with which the body still turns after 100 turns, its energy of rotation never twice the initial "
-    "one. A method that gains a little energy in every step has no such limit in the strict sense; the figure then says how "
-    "small a step 100 turns need.",
+    "The status of a run says how it ended. ok: the attitude is within 1 rad of the truth, the centre of mass within 1 % of "
+    "the distance travelled, and the rotational energy within 1 % of its initial value. inaccurate: the motion is bounded, but "
+    "one of these limits is exceeded. energy-gain and energy-loss: the rotational energy changes in one direction by more than "
+    "1 %. frozen: a value that should change stays the same to the last bit. diverged: a value is not a number or out of all "
+    "bounds, or the engine gave up. silent-reset: the engine continued from a state of its own, which only its warning "
+    "counters show. crashed: there was an error, or the process died. timeout: the run did not end in the time allowed. "
+    "unsupported: the engine refused the run.",
+    "An engine reported no problem if it stepped to the end and signalled nothing; extremes.csv then has “healthy” as its "
+    "words. The table has every run, with the words of the engine and what was seen in the states.",
+    "A time step is stable if the body still turns after 100 turns and its rotational energy has never reached twice the "
+    "initial value. A method that gains a little energy in every step has no such limit in the strict sense. The number then "
+    "shows how small the time step must be for 100 turns.",
 )
 
 
 def present(header: Header, rows: Sequence[Row], limits: Sequence[Limit]) -> StudyReport:
-    """What the study's report says. header: as that of results. rows, limits: in the order of the study."""
-    believed = [row for row in rows if row.believed]
+    """Return the contents of the report. The header is that of results; rows and limits are in the order of the study."""
+    unreported = [row for row in rows if row.believed]
     cases: dict[str, list[Row]] = defaultdict(list)
     for row in rows:
         cases[row.case].append(row)
+    runs = count(len(rows), "run")
     return StudyReport(
-        title="Where engines stop being right",
-        headline=f"{len(believed)} of {count(len(rows), 'run')} are healthy to their engine and are not",
+        title="Where engines stop being correct",
+        headline=f"In {len(unreported)} of {runs} the engine reported no problem although the result is wrong",
         header=header,
         notices=_notices(header, rows),
-        findings=(*_believed(rows), *_long_runs(rows), *_resets(rows), *_stability(limits), *_killed(rows)),
+        findings=(*_unreported(rows), *_long_runs(rows), *_resets(rows), *_stability(limits), *_killed(rows)),
         parts=(
-            *((_healthy_and_not(believed),) if believed else ()),
+            *((_unreported_errors(unreported),) if unreported else ()),
             *(_case(name, own) for name, own in cases.items()),
             *((_limits(limits),) if limits else ()),
         ),
@@ -57,22 +63,21 @@ def present(header: Header, rows: Sequence[Row], limits: Sequence[Limit]) -> Stu
 
 
 def _notices(header: Header, rows: Sequence[Row]) -> tuple[str, ...]:
-    missing = [f"Without the engine {engine}: {reason}." for engine, reason in header["missing"].items()]
-    refused = Counter(row.detail for row in rows if row.status == "unsupported")
-    return (*missing, *(f"{count(amount, 'run')} unsupported: {reason}." for reason, amount in refused.items()))
+    return (*missing_engines(header), *unsupported(row.detail for row in rows if row.status == "unsupported"))
 
 
-def _believed(rows: Sequence[Row]) -> list[Finding]:
+def _unreported(rows: Sequence[Row]) -> list[Finding]:
     kinds = Counter(row.status for row in rows if row.believed)
     if not kinds:
         return []
     text = listing([f"{amount} {status}" for status, amount in kinds.most_common()])
-    before = f"{count(kinds.total(), 'run')} went to the end without a word from the engine, and are not right: {text}. See "
-    return [Finding("Said healthy", before, BELIEVED, ".")]
+    runs = count(kinds.total(), "run")
+    before = f"In {runs} the engine reported no problem although the result is wrong: {text}. See "
+    return [Finding("Unreported errors", before, UNREPORTED, ".")]
 
 
 def _long_runs(rows: Sequence[Row]) -> list[Finding]:
-    """Methods that break after more steps than they had gone without a word; those of which the same is to be said together."""
+    """Return findings about methods that break down in longer runs than they completed without a warning."""
     runs: dict[tuple[str, str], list[Row]] = defaultdict(list)
     for row in rows:
         if row.axis == "steps":
@@ -80,16 +85,14 @@ def _long_runs(rows: Sequence[Row]) -> list[Finding]:
     breaks: dict[tuple[str, str], list[str]] = defaultdict(list)
     for (case, method), own in runs.items():
         ordered = sorted(own, key=lambda row: row.value)
-        endured = [row for row in ordered if row.engine_said == HEALTHY and row.status not in GONE]
-        broken = [row for row in ordered if row.status in GONE]
+        endured = [row for row in ordered if row.engine_said == HEALTHY and row.status not in BROKEN]
+        broken = [row for row in ordered if row.status in BROKEN]
         if endured and broken and broken[0].value > endured[-1].value:
             words = broken[0].engine_said if broken[0].engine_said != HEALTHY else broken[0].detail
-            ends = (
-                f"{_figure(endured[-1].value)} steps without a word and does not survive {_figure(broken[0].value)}: {words}."
-            )
-            breaks[case, ends].append(method)
+            steps = f"{_figure(endured[-1].value)} steps without a warning, but a run of {_figure(broken[0].value)} fails"
+            breaks[case, f"{steps}: {words}."].append(method)
     return [
-        Finding("Long runs", "In ", case, f" a run with {listing(methods)} goes {ends}")
+        Finding("Long runs", "In ", case, f", a run with {listing(methods)} completes {ends}")
         for (case, ends), methods in breaks.items()
     ]
 
@@ -102,14 +105,15 @@ def _resets(rows: Sequence[Row]) -> list[Finding]:
     if not resets:
         return []
     mildest = [min(own, key=lambda row: row.value) for own in axes.values()]
-    places = listing([f"{_axis(row.axis)} from {_value(row)} at {milliseconds(row.timestep)}" for row in mildest])
+    places = listing([f"{_axis(row.axis)} {_value(row)} at {milliseconds(row.timestep)}" for row in mildest])
     engines = listing(sorted({row.engine for row in resets}))
     runs = count(len(resets), "run")
-    return [Finding("Silent resets", f"{engines} started over in {runs}, with no error to the caller: {places}.")]
+    smallest = f"The smallest {verb(len(mildest), 'value is', 'values are')} {places}."
+    return [Finding("Silent resets", f"{engines} started over in {runs} and reported no error to the caller. {smallest}")]
 
 
 def _stability(limits: Sequence[Limit]) -> list[Finding]:
-    """The largest products of spin and step, methods of the same one together; then where there is none at all."""
+    """Return findings about the largest stable products of spin and time step, and about spins without a stable time step."""
     products: dict[str, list[str]] = defaultdict(list)
     for method, own in _by_method(limits).items():
         known = {number(limit.spin_times_step, 3) for limit in own if limit.spin_times_step is not None}
@@ -123,11 +127,11 @@ def _stability(limits: Sequence[Limit]) -> list[Finding]:
     if products:
         texts = [f"{product} rad with {listing(methods)}" for product, methods in products.items()]
         found.append(
-            Finding("Stability", f"The most that a body may turn in one step: {'; '.join(texts)}. See ", STABILITY, ".")
+            Finding("Stability", f"The largest rotation in a stable time step is {'; '.join(texts)}. See ", STABILITY, ".")
         )
     if none:
         texts = [f"at {_figure(spin)} rad/s with {listing(methods)}" for spin, methods in none.items()]
-        found.append(Finding("Unstable", f"No step at all is stable {'; '.join(texts)}."))
+        found.append(Finding("Unstable", f"No time step is stable {'; '.join(texts)}."))
     return found
 
 
@@ -136,12 +140,15 @@ def _killed(rows: Sequence[Row]) -> list[Finding]:
     methods = sorted({_method(row) for row in rows if row.status in dead})
     if not dead:
         return []
-    text = listing([f"{count(amount, 'run')} {status}" for status, amount in dead.items()])
-    return [Finding("No end", f"{text}, with {listing(methods, MOST_VALUES, 'method')}.")]
+    text = listing([f"{count(amount, 'run')} with the status {status}" for status, amount in dead.items()])
+    return [Finding("No result", f"{text} gave no result. The methods are {listing(methods, MOST_VALUES, 'method')}.")]
 
 
-def _healthy_and_not(rows: Sequence[Row]) -> Part:
-    """A row for all runs along an axis that end alike, of methods that do so at the same points; the first is told of."""
+def _unreported_errors(rows: Sequence[Row]) -> Part:
+    """Return the part about runs whose engine reported no problem.
+
+    Runs are grouped by case, axis, status and values. Methods that share all of these share a row.
+    """
     groups: dict[tuple[str, str, str, str], list[Row]] = defaultdict(list)
     for row in rows:
         groups[row.case, row.axis, row.status, _method(row)].append(row)
@@ -154,10 +161,10 @@ def _healthy_and_not(rows: Sequence[Row]) -> Part:
         numeric=(False,) * 6,
         rows=tuple(tuple(map(Entry, (case, listing(methods), *seen))) for (case, *seen), methods in ordered),
         failed=(True,) * len(ordered),
-        notes=("The reason is what was seen of the first of these runs.",),
+        notes=("The reason is that of the first of these runs.",),
     )
-    text = "The engine stepped to the end and signalled nothing. A caller who does not check sees a result."
-    return Part(BELIEVED, "Said healthy, and not", (text,), (), (("Runs that end alike", table),))
+    text = "The engine stepped to the end and reported no problem. A caller who does not check the result takes it for correct."
+    return Part(UNREPORTED, "Errors that the engine did not report", (text,), (), (("Runs by outcome", table),))
 
 
 def _case(name: str, rows: Sequence[Row]) -> Part:
@@ -165,22 +172,20 @@ def _case(name: str, rows: Sequence[Row]) -> Part:
     for row in rows:
         axes[row.axis].append(row)
     maps = axes["spin"] if len({row.timestep for row in axes.get("spin", ())}) > 1 else []
-    charts = tuple(_map(methods, own) for methods, own in _alike(maps))
-    tables = tuple((f"Along {_axis(axis)}", _outcomes(axis, own)) for axis, own in axes.items() if own)
+    charts = tuple(_map(methods, own) for methods, own in _by_outcomes(maps))
+    tables = tuple((f"Outcomes by {_axis(axis)}", _outcomes(axis, own)) for axis, own in axes.items() if own)
     return Part(name, name, (), charts, tables)
 
 
 def _map(methods: str, rows: Sequence[Row]) -> Chart:
     kinds = Counter(row.status for row in rows)
-    alt = (
-        f"How runs of {methods} end, by spin and time step: {listing([f'{n} {status}' for status, n in kinds.most_common()])}."
-    )
-    return Chart(methods, outcome_map(rows), alt)
+    outcomes = listing([f"{amount} {status}" for status, amount in kinds.most_common()])
+    return Chart(methods, outcome_map(rows), f"The chart shows the outcomes of {methods} by spin and time step: {outcomes}.")
 
 
 def _outcomes(axis: str, rows: Sequence[Row]) -> Table:
-    """Values by methods, those that end alike everywhere in one column."""
-    columns = _alike(rows)
+    """Return the table of outcomes by value and method; methods with the same outcomes everywhere share a column."""
+    columns = _by_outcomes(rows)
     several = len({row.timestep for row in rows}) > 1 and axis != "timestep"
     places = [(_value(row), milliseconds(row.timestep)) for row in columns[0][1]]
     heads = (_axis(axis).capitalize(), *(("Time step",) if several else ()))
@@ -196,8 +201,8 @@ def _outcomes(axis: str, rows: Sequence[Row]) -> Table:
     )
 
 
-def _alike(rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
-    """The runs of one method for all that end alike at all points, under the names of them all; points in one order."""
+def _by_outcomes(rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
+    """Return the names and the runs of methods with the same outcomes everywhere. Points are in the same order for all."""
     groups: dict[tuple[str, ...], list[tuple[str, list[Row]]]] = defaultdict(list)
     for method, own in _by_method(rows).items():
         groups[tuple(row.status for row in own)].append((method, own))
@@ -216,10 +221,10 @@ def _limits(limits: Sequence[Limit]) -> Part:
         numeric=(False, *(True for _ in spins)),
         rows=tuple(rows),
         failed=(False,) * len(rows),
-        notes=("–: no step that was tried is stable.",),
+        notes=("– means that no time step that was tried is stable.",),
     )
-    text = "How far the body turns in the largest stable step, rad. limits.csv has the steps themselves."
-    return Part(STABILITY, "Stability", (text,), (), (("Largest stable product of spin and step, rad", table),))
+    text = "The table shows how far the body turns in the largest stable time step, in rad. The time steps are in limits.csv."
+    return Part(STABILITY, "Stability", (text,), (), (("Largest stable product of spin and time step, rad", table),))
 
 
 def _by_method(rows: Sequence[Any]) -> dict[str, list[Any]]:
@@ -248,13 +253,13 @@ def _value(row: Row) -> str:
 
 
 def _values(rows: Sequence[Row]) -> str:
-    """The values of some runs, and their time steps where these are several."""
+    """Return the values of runs in words, and the range of their time steps if there are several."""
     values = sorted({row.value for row in rows})
     unit = _unit(rows[0].axis)
-    told = listing([_figure(value) for value in values]) if len(values) <= MOST_VALUES else _range(values)
+    listed = listing([_figure(value) for value in values]) if len(values) <= MOST_VALUES else _range(values)
     steps = sorted({row.timestep for row in rows})
     at = f", {milliseconds(steps[0])} to {milliseconds(steps[-1])}" if len(steps) > 1 and rows[0].axis != "timestep" else ""
-    return f"{told} {unit}".rstrip() + at
+    return f"{listed} {unit}".rstrip() + at
 
 
 def _range(values: Sequence[float]) -> str:
@@ -262,5 +267,5 @@ def _range(values: Sequence[float]) -> str:
 
 
 def _figure(value: float) -> str:
-    """A value of an axis, all digits that were given."""
+    """Return a value of an axis with all digits that were given."""
     return number(value, 4 if float(f"{value:.4g}") == value else 15)

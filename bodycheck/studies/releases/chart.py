@@ -1,4 +1,4 @@
-"""A figure by release, a line a method, with rings where it changed."""
+"""Charts of a quantity by release, with a line for each method and rings where it changed."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -8,18 +8,18 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import Quantity, number
 from bodycheck.reports.series import rounded
 
-#: A method, a version, a figure, None where there is none, and from what it changed, empty where it did not.
+#: Line of a method, version, number or None, and the number that it changed from as text, empty if it did not change.
 Point = tuple[Line, str, float | None, str]
 
-#: Area of what marks a change (pixels).
+#: Area of the ring that marks a change (square pixels).
 RING = 150
 
 
 def release_chart(quantity: Quantity, versions: Sequence[str], points: Sequence[Point]) -> Spec:
-    """A figure against versions, in their order, complete with its data.
+    """Return a complete chart of a quantity against versions, in their order.
 
-    Zeros have no place on a log scale; they and what is not there leave a gap. The parameter `hidden` holds the labels of
-    methods that are switched off.
+    Zeros, which a log scale cannot show, and missing numbers leave gaps. The parameter `hidden` holds the labels of methods
+    that are switched off.
     """
     lines = list(dict.fromkeys(line for line, *_ in points))
     label = {"labelAngle": -60, "labelFontSize": 10, "labelOverlap": False, "grid": False}
@@ -34,10 +34,10 @@ def release_chart(quantity: Quantity, versions: Sequence[str], points: Sequence[
     tooltip = [
         {"field": "method", "type": "nominal"},
         {"field": "version", "type": "nominal", "title": "release"},
-        {"field": "told", "type": "nominal", "title": quantity.title.lower()},
+        {"field": "label", "type": "nominal", "title": quantity.title.lower()},
     ]
     scales = {channel: method_scale(channel, lines) for channel in ("strokeDash", "strokeWidth")}
-    # Releases are no numbers: what is zoomed is the figure alone.
+    # Releases are not numbers, so that only the vertical axis zooms.
     zoom = {"type": "interval", "encodings": ["y"], "zoom": "wheel![event.ctrlKey || event.metaKey]"}
     ring = {"type": "point", "clip": True, "aria": False, "filled": False, "size": RING, "strokeWidth": 1.6, "opacity": 0.9}
     layers: list[Spec] = [
@@ -66,6 +66,6 @@ def release_chart(quantity: Quantity, versions: Sequence[str], points: Sequence[
 def _values(point: Point, quantity: Quantity) -> Mapping[str, Any]:
     line, version, value, before = point
     drawn = rounded([value])[0] if value else None
-    told = number(value) if not before else f"{before} → {number(value)}"
-    said = f"{told} {quantity.unit}".rstrip()
-    return {"method": line.label, "version": version, "value": drawn, "told": said, "changed": bool(before and drawn)}
+    shown = number(value) if not before else f"{before} → {number(value)}"
+    label = f"{shown} {quantity.unit}".rstrip()
+    return {"method": line.label, "version": version, "value": drawn, "label": label, "changed": bool(before and drawn)}

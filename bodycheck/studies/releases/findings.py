@@ -1,4 +1,4 @@
-"""What upgrades changed, as sentences made of measurements."""
+"""Findings about what upgrades changed, as sentences made of measurements."""
 
 import math
 from collections import defaultdict
@@ -12,27 +12,34 @@ from bodycheck.reports.quantities import QUANTITIES, count, listing, millisecond
 from bodycheck.running.outcome import Completed
 from bodycheck.studies.releases.rows import STATUS, Change, Row
 
+#: Whole orders in words.
 ORDINALS = {1: "first", 2: "second", 3: "third", 4: "fourth", 5: "fifth", 6: "sixth"}
 
-#: An observed order so near to a whole number is called by it.
+#: Largest relative distance of an observed order from the whole number that it is called by.
 WHOLE = 0.1
 
-#: Two observed orders that are so far apart are two.
+#: Difference from which two observed orders count as different.
 OTHER = 0.25
 
-#: Of the figures of which the same can be said, those that are told, the first best.
+#: Quantities that findings prefer, the best first.
 PREFERRED = ("attitude_error", "position_error")
 
-Told = Sequence[tuple[Line, Change]]
+#: A change with the line of its method.
+LabelledChange = tuple[Line, Change]
 
 
-def findings(changes: Told, rows: Sequence[Row]) -> tuple[Finding, ...]:
-    """A sentence an upgrade and what it did to methods, with the change that says most; or that the rows that are ok agree."""
+def findings(changes: Sequence[LabelledChange], rows: Sequence[Row]) -> tuple[Finding, ...]:
+    """Return sentences on the changes at each upgrade, each with the change that shows most.
+
+    Without changes it is one sentence that the completed runs agree.
+    """
     measured = [row for row in rows if row["status"] == Completed.status]
     releases = len({row["version"] for row in measured})
     if not changes and releases > 1:
-        return (Finding("No change", f"{count(len(measured), 'run')} of {count(releases, 'release')} agree to rounding."),)
-    upgrades: dict[tuple[str, str], list[tuple[Line, Change]]] = defaultdict(list)
+        return (
+            Finding("No change", f"{count(len(measured), 'run')} of {count(releases, 'release')} agree to within rounding."),
+        )
+    upgrades: dict[tuple[str, str], list[LabelledChange]] = defaultdict(list)
     for line, change in changes:
         upgrades[change.from_version, change.to_version].append((line, change))
     ordered = sorted(upgrades.values(), key=lambda own: Version(own[0][1].to_version))
@@ -40,59 +47,61 @@ def findings(changes: Told, rows: Sequence[Row]) -> tuple[Finding, ...]:
 
 
 def named(line: Line) -> str:
-    """The integrator, with the results that the line is of where there are several."""
+    """Return the integrator of a line, with the label of its set of results if there is one."""
     return f"{line.integrator} ({line.results})" if line.results else line.integrator
 
 
 def orders(change: Change) -> str:
-    """The observed orders before and after, as tables have them."""
+    """Return the observed orders before and after a change, as text for tables."""
     texts = ["–" if order is None else f"{order:.2f}" for order in (change.order_before, change.order_after)]
     return " → ".join(dict.fromkeys(texts))
 
 
-def _figures(upgrade: Told) -> Iterator[Finding]:
-    """Methods of which the same is to be said together."""
-    methods: dict[tuple[str, str], list[tuple[Line, Change]]] = defaultdict(list)
+def _figures(upgrade: Sequence[LabelledChange]) -> Iterator[Finding]:
+    """Yield a finding about numbers for each group of methods with the same change."""
+    methods: dict[tuple[str, str], list[LabelledChange]] = defaultdict(list)
     for line, change in upgrade:
         if change.quantity != STATUS:
             methods[change.integrator, line.results].append((line, change))
-    alike: dict[tuple[str, str, str], list[tuple[Line, Change]]] = defaultdict(list)
+    alike: dict[tuple[str, str, str, str], list[LabelledChange]] = defaultdict(list)
     for own in methods.values():
-        line, change = max(own, key=lambda told: _telling(told[1]))
+        line, change = max(own, key=lambda labelled: _importance(labelled[1]))
         others = len({other.case for _, other in own}) - 1
-        further = f"; changed on {count(others, 'other case')} too" if others else ""
-        alike[_did(change), change.case, f" at {milliseconds(change.timestep)}{further}."].append((line, change))
-    for (did, case, where), told in alike.items():
-        names = [named(line) for line, _ in told]
-        _, change = told[0]
-        between = f"Between {change.from_version} and {change.to_version} {listing(names)} {did} on "
-        yield Finding(f"{change.engine} {change.to_version}", between, case, where)
+        further = f" {count(others, 'other case')} changed too." if others else ""
+        after = f" at {milliseconds(change.timestep)}.{further}"
+        alike[_what(change, ""), _values(change), change.case, after].append((line, change))
+    for (_, values, case, after), own in alike.items():
+        _, change = own[0]
+        did = _what(change, listing([named(line) for line, _ in own]))
+        between = f"Between {change.from_version} and {change.to_version}, {did} {values} on "
+        yield Finding(f"{change.engine} {change.to_version}", between, case, after)
 
 
-def _did(change: Change) -> str:
-    """What happened to a method, with the figures."""
+def _values(change: Change) -> str:
+    """Return the numbers of a change, with as many digits as it takes to show it."""
     quantity = QUANTITIES[change.quantity]
-    assert isinstance(change.before, float)  # it is no status
+    assert isinstance(change.before, float)  # because it is not a status
     assert isinstance(change.after, float)
     before, after = _apart(change.before, change.after)
-    return f"{_what(change)}: {before} → {after} {quantity.unit}".rstrip()
+    return f"from {before} to {after} {quantity.unit}".rstrip()
 
 
-def _what(change: Change) -> str:
-    """What happened to a method, for what follows a colon: the figures."""
-    subject = change.quantity.rpartition("_")[0].replace("_", " ")
-    scheme = ""
-    if change.scheme_before and change.scheme_after and change.scheme_before != change.scheme_after:
-        scheme = f"from {change.scheme_before} to {change.scheme_after}"
-    if _other_order(change):
-        went = f"went from {_order(change.order_before)} to {_order(change.order_after)} order in {subject}"
-        return f"{went}, {scheme}" if scheme else went
+def _what(change: Change, methods: str) -> str:
+    """Return what changed in methods, up to the word "changed", which the numbers follow."""
     title = QUANTITIES[change.quantity].title.lower()
-    return f"went {scheme}, {title}" if scheme else f"changed its {title}"
+    went = []
+    if _other_order(change):
+        subject = change.quantity.rpartition("_")[0].replace("_", " ")
+        went.append(f"from {_order(change.order_before)} to {_order(change.order_after)} order in {subject}")
+    if change.scheme_before and change.scheme_after and change.scheme_before != change.scheme_after:
+        went.append(f"from {change.scheme_before} to {change.scheme_after}")
+    if went:
+        return f"{methods} went {listing(went)}: the {title} changed"
+    return f"the {title} of {methods} changed"
 
 
-def _statuses(upgrade: Told) -> Iterator[Finding]:
-    """Methods that went from one status to another one together."""
+def _statuses(upgrade: Sequence[LabelledChange]) -> Iterator[Finding]:
+    """Yield a finding for each change of status, with all methods that have it."""
     statuses: dict[tuple[str, str], list[Change]] = defaultdict(list)
     for _, change in upgrade:
         if change.quantity == STATUS:
@@ -100,14 +109,14 @@ def _statuses(upgrade: Told) -> Iterator[Finding]:
     for (before, after), own in statuses.items():
         change, methods = own[0], listing(list(dict.fromkeys(change.integrator for change in own)), 6, "method")
         others = len({other.case for other in own}) - 1
-        went = f"runs of {methods} went from {before} to {after}"
-        between = f"Between {change.from_version} and {change.to_version} {went} on "
+        went = f"the status of runs with {methods} changed from {before} to {after}"
+        between = f"Between {change.from_version} and {change.to_version}, {went} on "
         further = f" and {count(others, 'other case')}." if others else "."
         yield Finding(f"{change.engine} {change.to_version}", between, change.case, further)
 
 
-def _telling(change: Change) -> tuple[bool, bool, int, float]:
-    """The larger, the more a change says of a method."""
+def _importance(change: Change) -> tuple[bool, bool, int, float]:
+    """Return a key by which changes that show more about a method are larger."""
     preferred = len(PREFERRED) - PREFERRED.index(change.quantity) if change.quantity in PREFERRED else 0
     other_scheme = change.scheme_before != change.scheme_after
     return _other_order(change), other_scheme, preferred, change.factor or math.inf
@@ -119,13 +128,13 @@ def _other_order(change: Change) -> bool:
 
 
 def _order(order: float | None) -> str:
-    assert order is not None  # both are known where they differ
+    assert order is not None  # because orders that differ are both known
     whole = round(order)
     return ORDINALS[whole] if whole in ORDINALS and abs(order - whole) <= WHOLE * whole else f"{order:.2f}-th"
 
 
 def _apart(before: float, after: float) -> tuple[str, str]:
-    """Two figures with as many digits as it takes to see a difference."""
+    """Return two numbers with as many digits as it takes to see a difference."""
     for digits in (3, 4, 6, 9, 12):
         if number(before, digits) != number(after, digits):
             break

@@ -1,4 +1,4 @@
-"""The report of the study of releases: what each upgrade changed, and every figure by release, case by case."""
+"""The report of the study of releases: what each upgrade changed, and the numbers by release, case by case."""
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -17,26 +17,26 @@ from bodycheck.studies.releases.chart import Point, release_chart
 from bodycheck.studies.releases.findings import findings, named, orders
 from bodycheck.studies.releases.rows import STATUS, Change, Found, Row, made, merged_header
 
-#: The figure that is drawn and tabled whether it changed or not.
+#: The quantity that is drawn and tabled whether it changed or not.
 PRIMARY = "attitude_error"
 
+#: Explanations for readers.
 READING = (
-    "Every release runs in an environment of its own, and the same bodycheck runs all of them. A change is named where two "
-    "releases that follow one another differ by more than the bound of the truth's own error, rounding, and what runs from "
-    "nudged initial states differ by among themselves; where nothing is named they agree to that. A release that could not be "
-    "measured is stepped over.",
-    "In each chart a line is a method, and a ring is around the first release that gives something else. A gap is a release "
-    "that could not be had, lacks the method, or has no figure; an error of zero has no place on a log scale either. "
+    "Every release runs in an environment of its own, and the same bodycheck runs all of them. A change is reported if two "
+    "successive releases differ by more than the truth's own error, rounding, and the spread of runs from nudged initial "
+    "states explain. Otherwise they agree within these limits. A release that could not be measured is skipped.",
+    "In each chart a line is a method, and a ring marks the first release with another value. A gap means that the release was "
+    "not available, lacks the method or has no number, or that the number is zero, which a log scale cannot show. "
     f"{ZOOMING} The legend switches methods on and off in all charts.",
-    "Orders and schemes are observed where a figure changed, in both releases: an order p says that an error shrinks like the "
-    "p-th power of the time step, a scheme is named where the engine's trajectory is that of the textbook scheme. "
-    "releases.csv has all figures, changes.csv all changes.",
+    "Orders and schemes are observed in both releases where a number changed. An order p means that the error decreases like "
+    "the p-th power of the time step. A scheme is named if the engine's trajectory is that of the textbook scheme. "
+    "releases.csv has all numbers, and changes.csv has all changes.",
 )
 
 
 @dataclass(frozen=True)
-class _Told:
-    """What is to be drawn: rows and changes with the line of their method."""
+class _Labelled:
+    """Rows and changes with the lines of their methods, and all versions in order."""
 
     rows: Sequence[tuple[Line, Row]]
     changes: Sequence[tuple[Line, Change]]
@@ -44,28 +44,28 @@ class _Told:
 
 
 def present(found: Mapping[str, Found]) -> StudyReport:
-    """What the study's report says. found: by a label, such as `release_rows.labels` gives; an empty one of a single study."""
+    """Return the contents of the report of studies by label (see `rows.labels`); the label of a single study is empty."""
     rows = [(_key(label, row), row) for label, one in found.items() for row in one.rows if row["integrator"]]
     changes = [(_key(label, asdict(change)), change) for label, one in found.items() for change in one.changes]
     lines = _hued(assign(key for key, _ in (*rows, *changes)))
-    told = _Told(
+    labelled = _Labelled(
         [(lines[key], row) for key, row in rows],
         [(lines[key], change) for key, change in changes],
         sorted({version for one in found.values() for version in one.header["versions"]}, key=Version),
     )
     return StudyReport(
         title="What upgrades changed",
-        headline=_headline(told),
+        headline=_headline(labelled),
         header=merged_header(found),
         notices=tuple(f"{label}: {text}" if label else text for label, one in found.items() for text in _notices(one)),
-        findings=findings(told.changes, [row for _, row in told.rows]),
-        parts=tuple(_part(case, told) for case in dict.fromkeys(row["case"] for _, row in told.rows)),
+        findings=findings(labelled.changes, [row for _, row in labelled.rows]),
+        parts=tuple(_part(case, labelled) for case in dict.fromkeys(row["case"] for _, row in labelled.rows)),
         reading=READING,
     )
 
 
 def _hued(lines: Mapping[RunKey, Line]) -> dict[RunKey, Line]:
-    """The same lines with a hue an integrator: there is one engine."""
+    """Return the same lines with a hue for each integrator, as there is only one engine."""
     integrators = list(dict.fromkeys(line.integrator for line in lines.values()))
     sets = list(dict.fromkeys(line.results for line in lines.values()))
     found = {}
@@ -79,10 +79,10 @@ def _key(label: str, row: Row) -> RunKey:
     return RunKey.of_row(row, label).over_cases
 
 
-def _headline(told: _Told) -> str:
-    changed = {change.integrator for _, change in told.changes}
-    upgrades = {(change.from_version, change.to_version) for _, change in told.changes}
-    ran = made(row for _, row in told.rows)
+def _headline(labelled: _Labelled) -> str:
+    changed = {change.integrator for _, change in labelled.changes}
+    upgrades = {(change.from_version, change.to_version) for _, change in labelled.changes}
+    ran = made(row for _, row in labelled.rows)
     runs = f"{count(len(ran), 'run')} of {count(len({row['version'] for row in ran}), 'release')}"
     if changed:
         return f"{count(len(changed), 'integrator')} changed at {count(len(upgrades), 'upgrade')}, in {runs}"
@@ -94,9 +94,9 @@ def _notices(found: Found) -> list[str]:
     return [*(f"{notice}." for notice in found.header["notices"]), *unmeasured]
 
 
-def _part(case: str, told: _Told) -> Part:
-    rows = [(line, row) for line, row in told.rows if row["case"] == case]
-    changes = [(line, change) for line, change in told.changes if change.case == case]
+def _part(case: str, labelled: _Labelled) -> Part:
+    rows = [(line, row) for line, row in labelled.rows if row["case"] == case]
+    changes = [(line, change) for line, change in labelled.changes if change.case == case]
     changed = {change.quantity for _, change in changes}
     drawn = [
         quantity
@@ -107,9 +107,9 @@ def _part(case: str, told: _Told) -> Part:
     return Part(
         name=case,
         title=case,
-        texts=() if changes else ("All releases that were measured agree to rounding.",),
-        charts=tuple(_chart(quantity, rows, changes, told.versions) for quantity in drawn),
-        tables=(*tables, (QUANTITIES[PRIMARY].label, _by_release(rows, told.versions))),
+        texts=() if changes else ("All releases that were measured agree to within rounding.",),
+        charts=tuple(_chart(quantity, rows, changes, labelled.versions) for quantity in drawn),
+        tables=(*tables, (QUANTITIES[PRIMARY].label, _by_release(rows, labelled.versions))),
         lines=tuple(dict.fromkeys(line for line, _ in rows)),
     )
 
@@ -125,20 +125,20 @@ def _chart(
     for line, row in rows:
         value = before.get((line, row["version"]))
         points.append((line, row["version"], row.get(quantity.name), number(value) if isinstance(value, float) else ""))
-    told = [
-        f"{line.label} {number(change.before)} → {number(change.after)} at {change.to_version}"
+    happened = [
+        f"{line.label} from {number(change.before)} to {number(change.after)} at {change.to_version}"
         for line, change in changes
         if change.quantity == quantity.name and isinstance(change.before, float) and isinstance(change.after, float)
     ]
-    happened = listing(told, 6, "change") if told else "no change"
-    alt = f"{quantity.title} by release on a log scale, {count(len({line for line, _ in rows}), 'method')}: {happened}."
+    changed = f"The changes are {listing(happened, 6, 'change')}." if happened else "There is no change."
+    alt = f"{quantity.title} by release on a log scale, for {count(len({line for line, _ in rows}), 'method')}. {changed}"
     zero = listing(list(dict.fromkeys(line.label for line, _, value, _ in points if value == 0)))
-    notes = (f"With a figure of zero, which is not drawn: {zero}.",) if zero else ()
+    notes = (f"Values of zero, which are not drawn, occur with {zero}.",) if zero else ()
     return Chart(quantity.title, release_chart(quantity, versions, points), alt, notes)
 
 
 def _changes(changes: Sequence[tuple[Line, Change]]) -> Table:
-    words = ("Integrator", "Between", "Time step", "Figure", "Order", "Scheme")
+    words = ("Integrator", "Between", "Time step", "Quantity", "Order", "Scheme")
     figures = ("Before", "After", "Factor")
     rows = []
     for line, change in changes:
@@ -158,7 +158,7 @@ def _changes(changes: Sequence[tuple[Line, Change]]) -> Table:
         numeric=(False,) * len(words) + (True,) * len(figures),
         rows=tuple(rows),
         failed=(False,) * len(rows),
-        notes=("Factor: how many times farther from mechanics the larger of the two figures is.",),
+        notes=("The factor says how many times farther from the exact value the larger of the two numbers is.",),
     )
 
 
@@ -167,7 +167,7 @@ def _figure(name: str) -> str:
 
 
 def _by_release(rows: Sequence[tuple[Line, Row]], versions: Sequence[str]) -> Table:
-    """A row a release, a column a method."""
+    """Return a table with one row for each release and one column for each method."""
     cells: dict[str, dict[Line, Row]] = defaultdict(dict)
     for line, row in rows:
         cells[row["version"]][line] = row

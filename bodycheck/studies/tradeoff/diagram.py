@@ -1,4 +1,4 @@
-"""Work-precision diagrams: what an error costs, a curve a method through its time steps, on log scales."""
+"""Work-precision diagrams: errors against cost on log scales, with a curve for each method through its time steps."""
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -11,31 +11,40 @@ from bodycheck.reports.series import rounded
 from bodycheck.running.key import RunKey
 from bodycheck.studies.tradeoff.recommendation import Measured
 
-#: Of stored costs: none that were measured apart fall together.
+#: Significant digits of stored costs, so that different measured costs remain different.
 COST_DIGITS = 6
 
-#: How far below the truth's own error a diagram goes.
+#: Factor by which a diagram extends below the truth's own error.
 BAND = 10.0
 
-#: An error so many times larger than the truth's own is drawn without it, so that the curves have the room.
+#: If all errors exceed the truth's own by this factor, it is left out so that the curves have more room.
 FAR = 1e4
 
-#: Marks that say nothing of their own.
+#: Properties of marks without tooltips and without descriptions for screen readers.
 QUIET = {"clip": True, "tooltip": None, "aria": False}
 
 
 def diagram(quantity: Quantity, points: Sequence[Measured], lines: Mapping[RunKey, Line], truth_error: float = 0.0) -> Spec:
-    """Errors in a quantity against seconds of computing for a simulated second, with the Pareto front of the methods shown.
+    """Return a chart of errors against computing time per simulated second, with the Pareto front of the methods shown.
 
-    points: of one case, at least one error not zero. lines: by method. truth_error: the truth's own error in
-    the quantity, 0 where it is not known; errors below it count as equal to it. Zeros have no place on a log scale and are
-    left out. The parameter `hidden` holds the labels of methods that are switched off.
+    A log scale cannot show zeros, which are left out. The parameter `hidden` holds the labels of methods that are switched off.
+
+    Parameters
+    ----------
+    quantity
+        The quantity of the errors.
+    points
+        Runs of one case, at least one with an error other than zero.
+    lines
+        Lines by method.
+    truth_error
+        The truth's own error in the quantity; 0 if it is not known. Errors below it count as equal to it.
     """
     drawn = list(dict.fromkeys(lines[point.method] for point in points))
     x = {
         "field": "cost",
         "type": "quantitative",
-        "title": "Computing time for a simulated second, s",
+        "title": "Computing time per simulated second, s",
         "scale": {"type": "log", "nice": False, "padding": 12},
         "axis": log_axis("x") | {"grid": False},
     }
@@ -46,16 +55,16 @@ def diagram(quantity: Quantity, points: Sequence[Measured], lines: Mapping[RunKe
         "scale": {"type": "log", "nice": False, "domain": _domain(points, truth_error)},
         "axis": log_axis("y"),
     }
-    cheapest_first = [{"field": "cost"}, {"field": "told"}]
+    cheapest_first = [{"field": "cost"}, {"field": "bounded"}]
     measured = {
         "data": {"values": _columns(points, lines)},
         "transform": [
             {"filter": "indexof(hidden, datum.method) < 0"},
             {"flatten": ["timestep", "cost", "low", "high", "error"]},
-            {"calculate": f"max(datum.error, {truth_error!r})", "as": "told"},
-            {"window": [{"op": "min", "field": "told", "as": "least"}], "sort": cheapest_first, "frame": [None, 0]},
+            {"calculate": f"max(datum.error, {truth_error!r})", "as": "bounded"},
+            {"window": [{"op": "min", "field": "bounded", "as": "least"}], "sort": cheapest_first, "frame": [None, 0]},
             {"window": [{"op": "lag", "field": "least", "as": "before"}], "sort": cheapest_first},
-            {"calculate": "datum.before == null || datum.told < datum.before", "as": "front"},
+            {"calculate": "datum.before == null || datum.bounded < datum.before", "as": "front"},
             {"filter": "datum.error > 0"},
         ],
         "encoding": {"x": x, "y": y, "color": method_scale("color", drawn)},
@@ -66,7 +75,7 @@ def diagram(quantity: Quantity, points: Sequence[Measured], lines: Mapping[RunKe
 
 
 def _columns(points: Sequence[Measured], lines: Mapping[RunKey, Line]) -> list[dict[str, Any]]:
-    """A row a method with its points in arrays, from the largest time step to the smallest."""
+    """Return a row for each method with its points in arrays, from the largest time step to the smallest."""
     methods: dict[str, list[Measured]] = defaultdict(list)
     for point in sorted(points, key=lambda point: -point.timestep):
         methods[lines[point.method].label].append(point)
@@ -97,7 +106,7 @@ def _curves(lines: Sequence[Line]) -> Spec:
 
 
 def _front() -> list[Spec]:
-    """The front as a step under the curves, and rings around its points."""
+    """Return layers with the front as steps under the curves, and with rings around its points."""
     own, ink = [{"filter": "datum.front"}], {"color": {"value": INK}}
     order = {"field": "cost", "type": "quantitative"}
     step = {"type": "line", "interpolate": "step-after", "strokeWidth": 6, "opacity": 0.13}
@@ -109,7 +118,7 @@ def _front() -> list[Spec]:
 
 
 def _points(quantity: Quantity) -> list[Spec]:
-    """The points, with the spread of the repeated timings; larger near the pointer."""
+    """Return layers with the spread of the repeated timings and with points, the nearest of which grows at the pointer."""
     hover = {"type": "point", "on": "pointermove", "nearest": True, "clear": "pointerout", "encodings": ["x", "y"]}
     return [
         {"mark": {"type": "rule", "opacity": 0.35, **QUIET}, "encoding": {"x": {"field": "low"}, "x2": {"field": "high"}}},
@@ -125,7 +134,7 @@ def _points(quantity: Quantity) -> list[Spec]:
 
 
 def _tooltip(quantity: Quantity) -> Spec:
-    """What the pointer shows of the nearest point. There `datum` is the point, which has its row as its own `datum`."""
+    """Return the tooltip of a point. In its expression `datum` is the row, or the point, which has the row as its `datum`."""
     row = "(datum.datum || datum)"
     unit = f" + ' {quantity.unit}'" if quantity.unit else ""
     return {
@@ -133,13 +142,13 @@ def _tooltip(quantity: Quantity) -> Spec:
             "expr": f"{{'method': {row}.method, 'time step': format({row}.timestep * 1e3, '.4~g') + ' ms', "
             f"'{quantity.title.lower()}': format({row}.error, '.4~g'){unit}, "
             f"'computing time': format({row}.cost, '.3~g') + ' s', "
-            f"'in repeats': format({row}.low, '.3~g') + ' to ' + format({row}.high, '.3~g') + ' s'}}"
+            f"'repeated timings': format({row}.low, '.3~g') + ' to ' + format({row}.high, '.3~g') + ' s'}}"
         }
     }
 
 
 def _truth(truth_error: float, y: Spec) -> Spec:
-    """The truth's own error as a grey band, named."""
+    """Return a layer with the truth's own error as a grey band with a label."""
     label = f"the truth's own error, {bound(truth_error, 2)} rad"
     edge = {**y, "field": "floor"}
     text = {"type": "text", "align": "left", "baseline": "top", "dx": 4, "dy": 3, "fontSize": 10, "text": label, "color": INK}

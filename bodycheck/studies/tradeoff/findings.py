@@ -1,4 +1,4 @@
-"""What the tradeoff study found, as sentences made of measurements."""
+"""Findings of the tradeoff study, as sentences made of measurements."""
 
 from collections import Counter, defaultdict
 from collections.abc import Collection, Mapping, Sequence
@@ -6,64 +6,73 @@ from collections.abc import Collection, Mapping, Sequence
 from bodycheck.judging.convergence import UNITS
 from bodycheck.reports.finding import COMPARABLE_ATTITUDE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
 from bodycheck.reports.lines import Line
-from bodycheck.reports.quantities import bound, count, listing, milliseconds, number
+from bodycheck.reports.quantities import bound, count, listing, milliseconds, number, verb
 from bodycheck.running.key import RunKey
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements
 from bodycheck.studies.tradeoff.recommendation import Measured
 
-#: An observed order falls short when even its most is so much below what is claimed.
-SHORT = 0.25
+#: An observed order is lower than claimed if even its largest value is lower by more than this.
+ORDER_TOLERANCE = 0.25
 
-#: Quantities in which a claimed order is held against a method.
+#: Quantities whose observed orders are compared with the claimed order.
 CLAIMED = ("attitude", "position")
 
-#: A scheme explains a discrepancy of which it leaves no larger part.
+#: A scheme explains a discrepancy if it leaves at most this share of it.
 EXPLAINED = 0.01
 
-#: Floors (rad, m) above this are no rounding, and told.
-TELLING_FLOOR = 1e-6
+#: Floors (rad, m) above this are not rounding and are reported.
+LEAST_FLOOR = 1e-6
 
 #: Errors (rad, m) for which the cheapest method is named.
 ROUND_ERRORS = (1e-3, 1e-6)
 
+#: The two quantities in sentences, with their articles.
+ERRORS = {"attitude": "an attitude error", "position": "a position error"}
+
+#: Lines by method.
 Lines = Mapping[RunKey, Line]
+
+#: A case, and an order observed in it.
 Place = tuple[CaseMeasurements, Order]
-#: A case, by how much a method's attitude differs from a scheme's there (rad), and from the truth's (rad).
+
+#: A case, and the differences there of a method's attitude from that of a scheme and from that of the truth (rad).
 Identified = tuple[str, float, float]
 
-#: A method, the least of its errors (rad, m), and the smallest of its time steps (s).
+#: A method, its smallest error (rad, m), and its smallest time step (s).
 Floor = tuple[RunKey, float, float]
 
 
 def findings(cases: Sequence[CaseMeasurements], lines: Lines) -> tuple[Finding, ...]:
-    """What a reader must know first; lines: by engine and integrator."""
+    """Return the findings on orders, schemes, floors and the cheapest methods. Lines are by engine and integrator."""
     return (*_orders(cases, lines), *_schemes(cases, lines), *_floors(cases, lines), *_cheapest(cases, lines))
 
 
 def falls_short(case: CaseMeasurements, order: Order) -> bool:
-    """Whether the order observed in attitude or position is less than claimed, where one as claimed would have been seen.
+    """Return whether the observed order of attitude or position is lower than claimed.
 
-    It would have been where the part of the error that the time step makes is far above what the truth is known to.
+    Orders are compared only if the claimed order could have been observed: if the part of the error that depends on the time
+    step is far above the truth's own error, and not in contact.
     """
     if order.quantity not in CLAIMED or order.order_high is None or order.claimed is None or case.contact:
         return False
-    return order.order_high < order.claimed - SHORT and _telling(case, order)
+    return order.order_high < order.claimed - ORDER_TOLERANCE and _is_observable(case, order)
 
 
-def _telling(case: CaseMeasurements, order: Order) -> bool:
+def _is_observable(case: CaseMeasurements, order: Order) -> bool:
+    """Return whether the part of the error that depends on the time step is far above the truth's own error."""
     limit = {"attitude": COMPARABLE_ATTITUDE * case.truth_error("attitude"), "position": COMPARABLE_POSITION_M}[order.quantity]
     errors = [point.error for point in _own_points(case, order)]
     return bool(errors) and max(errors) - min(errors) > limit
 
 
 def _own_points(case: CaseMeasurements, order: Order) -> list[Measured]:
-    """What was measured of a method, a time step each."""
+    """Return the measurements of a method, one for each time step."""
     return [point for point in case.points(order.quantity) if point.method == order.method]
 
 
 def _orders(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
-    """Claimed orders that fall short, a sentence for methods that do alike; or that none does."""
+    """Return a finding for each group of methods with the same orders below the claimed ones, or one that there are none."""
     claims = [
         (case, order)
         for case in cases
@@ -76,7 +85,8 @@ def _orders(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
             short[order.method].append((case, order))
     if claims and not short:
         observed = count(len(claims), "observed order")
-        return [Finding("Order", f"Nothing falls short of its claim: {observed} in attitude or position, {SHORT:g} allowed.")]
+        text = f"None of {observed} of attitude and position is lower than claimed by more than {ORDER_TOLERANCE:g}."
+        return [Finding("Order", text)]
     groups: dict[object, list[RunKey]] = defaultdict(list)
     for method, own in short.items():
         groups[_likeness(own)].append(method)
@@ -84,12 +94,12 @@ def _orders(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
 
 
 def _likeness(places: Sequence[Place]) -> object:
-    """Equal for methods of which one sentence can be said: the claims, cases and orders, to the digits that are printed."""
+    """Return a key that is equal for methods with the same claims, cases and orders, to the digits that are printed."""
     return tuple((case.name, order.quantity, order.claimed, f"{order.order:.2f}") for case, order in places)
 
 
 def _short(methods: Sequence[Line], places: Sequence[Place]) -> Finding:
-    """places: of one of the methods, which the others share."""
+    """Return a finding about methods that share the cases and orders of `places`."""
     quantities: dict[str, list[str]] = defaultdict(list)
     for quantity in CLAIMED:
         own = sorted(order.order or 0.0 for _, order in places if order.quantity == quantity)
@@ -99,14 +109,15 @@ def _short(methods: Sequence[Line], places: Sequence[Place]) -> Finding:
     worst, order = max(places, key=lambda place: (place[1].claimed or 0) - (place[1].order or 0.0))
     return Finding(
         "Order",
-        f"{_names(methods)}: order {observed} is observed where {order.claimed} is claimed, on ",
+        f"{_names(methods)} {verb(len(methods), 'has', 'have')} an observed order of {observed} "
+        f"instead of the claimed {order.claimed}, on ",
         worst.name,
         f"{_others({case.name for case, _ in places})}.",
     )
 
 
 def _schemes(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
-    """Which textbook schemes the methods are, and what that explains: a sentence a scheme and set of cases."""
+    """Return a finding for each textbook scheme and set of cases: which methods it is, and which discrepancies it explains."""
     named: dict[tuple[str, RunKey], list[Identified]] = defaultdict(list)
     for case in cases:
         for order in {order.method: order for order in case.orders if order.scheme}.values():
@@ -127,22 +138,23 @@ def _scheme(scheme: str, methods: Sequence[Line], runs: Sequence[Identified]) ->
     where, _, most = max(runs, key=lambda run: run[2])
     discrepancy = f"{'up to ' if len(runs) > 1 else ''}{number(most, 2)} rad"
     explained = all(left <= EXPLAINED * error for _, left, error in runs)
-    meaning = f"that explains a discrepancy of {discrepancy}" if explained else f"the discrepancy is {discrepancy}"
+    meaning = f"This explains a discrepancy of {discrepancy}." if explained else f"The discrepancy is {discrepancy}."
+    agrees = verb(len(methods), "agrees", "agree")
     return Finding(
         "Scheme",
-        f"{_names(methods)} {_be(methods)} {scheme} to {bound(residual, 2)} rad over the whole run, on ",
+        f"{_names(methods)} {agrees} with {scheme} to within {bound(residual, 2)} rad over the whole run, on ",
         where,
-        f"{_others({name for name, _, _ in runs})}: {meaning}.",
+        f"{_others({name for name, _, _ in runs})}. {meaning}",
     )
 
 
 def _floors(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
-    """Errors that no time step mended, far above rounding: of each engine and quantity where they are largest."""
+    """Return findings about errors above rounding that no time step reduces, for each engine and quantity the largest."""
     floors: dict[tuple[str, str], dict[str, list[Floor]]] = defaultdict(lambda: defaultdict(list))
     for case in cases:
         for order in case.orders:
             own = _own_points(case, order) if order.quantity in CLAIMED and order.floor is not None else []
-            if own and (least := min(point.error for point in own)) > TELLING_FLOOR:
+            if own and (least := min(point.error for point in own)) > LEAST_FLOOR:
                 finest = min(point.timestep for point in own)
                 floors[order.engine, order.quantity][case.name].append((order.method, least, finest))
     return [_floor(quantity, by_case, lines) for (_, quantity), by_case in floors.items()]
@@ -153,23 +165,23 @@ def _floor(quantity: str, by_case: Mapping[str, Sequence[Floor]], lines: Lines) 
     methods, errors, finest = zip(*by_case[where], strict=True)
     return Finding(
         "Floor",
-        f"{_names([lines[method] for method in methods])} {'does' if len(methods) == 1 else 'do'} not get below "
-        f"{_range([number(error, 2) for error in sorted(errors)])} {UNITS[quantity]} in {quantity} "
-        f"with any time step down to {milliseconds(max(finest), 4)}, on ",
+        f"With {_names([lines[method] for method in methods])} the {quantity} error does not fall below "
+        f"{_range([number(error, 2) for error in sorted(errors)])} {UNITS[quantity]} "
+        f"at any time step down to {milliseconds(max(finest), 4)}, on ",
         where,
-        f"{_likewise(len(by_case) - 1)}.",
+        f".{_more_floors(len(by_case) - 1)}",
     )
 
 
-def _likewise(cases: int) -> str:
-    return f"; {count(cases, 'other case')} {'has' if cases == 1 else 'have'} floors, too" if cases else ""
+def _more_floors(cases: int) -> str:
+    return f" {count(cases, 'other case')} {verb(cases, 'has', 'have')} floors too." if cases else ""
 
 
 def _cheapest(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
     found: list[Finding] = []
     for quantity in CLAIMED:
         own = [case for case in cases if case.primary == quantity]
-        # Of limits that the same runs keep at the least cost the lowest is told, of those that none keeps the highest.
+        # Limits with the same cheapest runs share a finding: it names the lowest of them, or the highest that no run keeps.
         by_winners: dict[object, Finding] = {}
         for error in ROUND_ERRORS if own else ():
             ranked = {case.name: _ranking(case.points(quantity), error) for case in own}
@@ -186,7 +198,7 @@ def _cheapest(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
 
 
 def _ranking(points: Sequence[Measured], error: float) -> list[Measured]:
-    """Of each method that keeps an error its cheapest run that does, the cheapest first."""
+    """Return the cheapest run of each method with an error of at most `error`, the cheapest first."""
     best: dict[RunKey, Measured] = {}
     for point in sorted(points, key=lambda point: point.cost):
         if point.error <= error:
@@ -196,55 +208,47 @@ def _ranking(points: Sequence[Measured], error: float) -> list[Measured]:
 
 def _none_keeps(quantity: str, error: float, cases: int) -> Finding:
     anywhere = f" in any of {cases} cases" if cases > 1 else ""
-    return Finding("Cheapest", f"No method keeps {number(error)} {UNITS[quantity]} in {quantity}{anywhere}.")
+    return Finding("Cheapest", f"No method has {ERRORS[quantity]} of at most {number(error)} {UNITS[quantity]}{anywhere}.")
 
 
 def _cheapest_of_one(quantity: str, error: float, where: str, ranking: Sequence[Measured], lines: Lines) -> Finding:
     first, unit = ranking[0], UNITS[quantity]
-    spread = f"{number(first.cost_low, 2)} to {number(first.cost_high, 2)}"
+    spread = f"{number(first.cost_low, 2)} to {number(first.cost_high, 2)} s"
     after = (
-        f", with {number(first.error, 2)} {unit} for {number(first.cost, 2)} s of computing a simulated second "
-        f"({spread} in repeats)"
+        f". Its error is {number(first.error, 2)} {unit}, and a simulated second takes {number(first.cost, 2)} s "
+        f"({spread} in repeated timings)."
     )
     if len(ranking) > 1:
         second = ranking[1]
-        after += f"; next is {_at(second, lines)}, at {number(second.cost / first.cost, 2)} times the cost"
-        if second.cost_low <= first.cost_high:
-            after += ", though their timings overlap"
-    return Finding(
-        "Cheapest",
-        f"The cheapest that keeps {number(error)} {unit} in {quantity} is {_at(first, lines)} on ",
-        where,
-        f"{after}.",
-    )
+        overlap = ", although their timings overlap" if second.cost_low <= first.cost_high else ""
+        after += f" The next is {_at(second, lines)}, at {number(second.cost / first.cost, 2)} times the cost{overlap}."
+    return Finding("Cheapest", f"The cheapest {_condition(quantity, error)} is {_at(first, lines)} on ", where, after)
 
 
 def _cheapest_of_many(quantity: str, error: float, cases: int, kept: Mapping[str, Sequence[Measured]], lines: Lines) -> Finding:
-    unit = UNITS[quantity]
     wins = Counter(ranking[0].method for ranking in kept.values())
     steps = {method: [r[0].timestep for r in kept.values() if r[0].method == method] for method in wins}
-    told = [
+    winners = [
         f"{lines[method].label} in {amount} (at {_range([milliseconds(step, 4) for step in sorted(set(steps[method]))])})"
         for method, amount in wins.most_common()
     ]
-    rest = f"; in {cases - len(kept)} no method keeps it" if len(kept) < cases else ""
-    return Finding(
-        "Cheapest",
-        f"Of {count(cases, 'case')}, the cheapest that keeps {number(error)} {unit} in {quantity} is "
-        f"{listing(told, MOST_NAMES, 'method')}{rest}.",
+    rest = f" In {cases - len(kept)} no method achieves this." if len(kept) < cases else ""
+    text = (
+        f"Over {count(cases, 'case')}, the cheapest {_condition(quantity, error)} is {listing(winners, MOST_NAMES, 'method')}."
     )
+    return Finding("Cheapest", text + rest)
+
+
+def _condition(quantity: str, error: float) -> str:
+    return f"method with {ERRORS[quantity]} of at most {number(error)} {UNITS[quantity]}"
 
 
 def _at(point: Measured, lines: Lines) -> str:
     return f"{lines[point.method].label} at {milliseconds(point.timestep, 4)}"
 
 
-def _be(methods: Sequence[Line]) -> str:
-    return "is" if len(methods) == 1 else "are"
-
-
 def _others(cases: Collection[str]) -> str:
-    """What follows the name of one of so many cases."""
+    """Return what follows the name of one case if there are others."""
     return f" and {count(len(cases) - 1, 'other case')}" if len(cases) > 1 else ""
 
 
@@ -253,5 +257,5 @@ def _names(lines: Sequence[Line]) -> str:
 
 
 def _range(texts: Sequence[str]) -> str:
-    """Of texts of numbers in order: the first and the last, or the one that all are."""
+    """Return the first and the last of numbers in order, or only one if they are the same."""
     return texts[0] if texts[0] == texts[-1] else f"{texts[0]} to {texts[-1]}"

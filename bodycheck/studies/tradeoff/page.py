@@ -1,11 +1,12 @@
-"""The report of the tradeoff study: what an error costs with each method, and how the methods converge, case by case."""
+"""The report of the tradeoff study: the cost of an error with each method, and the convergence of methods, case by case."""
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
 from bodycheck.judging.convergence import UNITS
 from bodycheck.reports.charts import ZOOMING
 from bodycheck.reports.lines import Line, assign
+from bodycheck.reports.notices import missing_engines, unsupported
 from bodycheck.reports.quantities import Quantity, bound, count, listing, milliseconds, number
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
@@ -19,32 +20,40 @@ from bodycheck.studies.tradeoff.findings import falls_short
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Row
 from bodycheck.studies.tradeoff.recommendation import Measured
 
-#: By method with any time step: a curve goes through all time steps.
+#: Lines by method with any time step, as a curve goes through all time steps.
 Lines = Mapping[RunKey, Line]
 
-#: Time steps of one method without figures that are listed.
+#: Most time steps of one method that are listed one by one.
 MOST_STEPS_NAMED = 4
 
+#: Explanations for readers.
 READING = (
-    "In each diagram a curve is a method, from its largest time step at the left to its smallest: errors, the largest over the "
-    "sampled instants, against the computing time that a simulated second takes. The bars are the least and the most of the "
-    "repeated timings, the points their median. Rings mark the Pareto front of the methods shown: no other point is both "
-    "cheaper and closer. Below the truth's own error, the grey band, an attitude error says nothing; zeros have no place on a "
-    "log scale and are left out.",
-    f"{ZOOMING} The legend switches methods on and off in all charts; the front is then that of the others.",
-    "An observed order p says that an error shrinks like the p-th power of the time step. It is the median over the asymptotic "
-    "range, the steps at which local orders agree, and stands with its least and its most; – where no such range was found. A "
-    "floor is an error below which a method does not get with any of its time steps, at the instants that all of them share. A "
-    "scheme is named where the engine's trajectory is that of the textbook scheme, stepped with the same time step; the "
-    "residual is the largest attitude difference from the nearest one. What is claimed of an integrator is claimed of smooth "
-    "motion, and not held against it in contact.",
+    "In each diagram a curve is a method, from its largest time step on the left to its smallest. It shows the largest error "
+    "over the sampled instants against the computing time per simulated second. Points are the medians of repeated timings, "
+    "and bars show the least and the most. Rings mark the Pareto front of the methods shown: no other point is both cheaper "
+    "and more accurate. Attitude errors below the truth's own error, the grey band, have no meaning. Zeros are left out, "
+    "because a log scale cannot show them.",
+    f"{ZOOMING} The legend switches methods on and off in all charts; the Pareto front is then that of the other methods.",
+    "An observed order p means that the error decreases like the p-th power of the time step. It is the median over the "
+    "asymptotic range, which consists of the time steps at which local orders agree, and is given with the least and the most; "
+    "– means that no such range was found. A floor is an error that a method does not get below with any of its time steps, at "
+    "the instants that all of them share. A scheme is named if the engine's trajectory is that of the textbook scheme with the "
+    "same time step; the residual is the largest attitude difference from the nearest scheme. Claimed orders are for smooth "
+    "motion and are not compared with orders in contact.",
 )
 
 
 def present(header: Header, rows: Sequence[Row], orders: Sequence[Order]) -> StudyReport:
-    """What the study's report says.
+    """Return the contents of the report.
 
-    header: as that of results. rows: of the study, one a run. orders: of its methods on its cases.
+    Parameters
+    ----------
+    header
+        Versions, machine and command.
+    rows
+        The rows of the study, one for each run.
+    orders
+        The orders of its methods on its cases.
     """
     by_case: dict[str, list[Row]] = defaultdict(list)
     for row in rows:
@@ -72,14 +81,13 @@ def _lines(rows: Sequence[Row]) -> Lines:
 def _headline(cases: Sequence[CaseMeasurements], lines: Lines) -> str:
     runs = sum(len(case.rows) for case in cases)
     completed = sum(row["status"] == "ok" for case in cases for row in case.rows)
-    without = f", {runs - completed} of them without figures" if completed < runs else ""
-    return f"{count(len(lines), 'method')} on {count(len(cases), 'case')}, {count(runs, 'run')}{without}"
+    without = f", {runs - completed} of them without results" if completed < runs else ""
+    return f"{count(len(lines), 'method')} on {count(len(cases), 'case')}: {count(runs, 'run')}{without}"
 
 
 def _notices(header: Header, rows: Sequence[Row]) -> tuple[str, ...]:
-    missing = [f"Without the engine {engine}: {reason}." for engine, reason in header["missing"].items()]
-    unsupported = Counter(row["reason"] for row in rows if row["status"] == Unsupported.status)
-    return (*missing, *(f"{count(amount, 'run')} unsupported: {reason}." for reason, amount in unsupported.items()))
+    refused = (row["reason"] for row in rows if row["status"] == Unsupported.status)
+    return (*missing_engines(header), *unsupported(refused))
 
 
 def _part(case: CaseMeasurements, lines: Lines) -> Part:
@@ -101,13 +109,15 @@ def _part(case: CaseMeasurements, lines: Lines) -> Part:
 
 
 def _failures(rows: Sequence[Row]) -> tuple[str, ...]:
-    """Which methods have no figures at which time steps, a sentence a status."""
+    """Return a sentence for each status other than ok, with the methods and time steps that ended so."""
     steps: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     for row in rows:
         if row["status"] != "ok":
             steps[row["status"]][f"{row['engine']} {row['integrator']}"].append(row["timestep"])
     return tuple(
-        f"Without figures, {status}: " + "; ".join(f"{method} at {_steps(own)}" for method, own in methods.items()) + "."
+        f"Runs with the status {status} have no results: "
+        + "; ".join(f"{method} at {_steps(own)}" for method, own in methods.items())
+        + "."
         for status, methods in steps.items()
     )
 
@@ -120,9 +130,9 @@ def _steps(timesteps: Sequence[float]) -> str:
 def _chart(case: CaseMeasurements, name: str, quantity: Quantity, lines: Lines) -> Chart:
     points, front, truth_error = case.points(name), case.front(name), case.truth_error(name)
     by_method = {point.method: lines[point.method] for point in points}
-    ends = [_told(point, quantity, lines) for point in (front[0], front[-1])]
+    ends = [_point_text(point, quantity, lines) for point in (front[0], front[-1])]
     alt = (
-        f"{quantity.title} against computing time for a simulated second on log scales, {count(len(by_method), 'method')}. "
+        f"{quantity.title} against computing time per simulated second on log scales, for {count(len(by_method), 'method')}. "
         f"The Pareto front has {count(len(front), 'point')}: {' to '.join(dict.fromkeys(ends))}."
     )
     zero = listing(list(dict.fromkeys(by_method[p.method].label for p in points if p.error == 0)))
@@ -130,28 +140,28 @@ def _chart(case: CaseMeasurements, name: str, quantity: Quantity, lines: Lines) 
         title=quantity.title,
         specification=diagram(quantity, points, by_method, truth_error),
         alt=alt,
-        notes=(f"With errors of zero, which are not drawn: {zero}.",) if zero else (),
+        notes=(f"Errors of zero, which are not drawn, occur with {zero}.",) if zero else (),
     )
 
 
-def _told(point: Measured, quantity: Quantity, lines: Lines) -> str:
+def _point_text(point: Measured, quantity: Quantity, lines: Lines) -> str:
     label, step = lines[point.method].label, milliseconds(point.timestep, 4)
     return f"{quantity.with_unit(point.error)} for {number(point.cost, 3)} s with {label} at {step}"
 
 
 def _orders(case: CaseMeasurements) -> Table:
-    """A row a method: its order in each quantity, its floors where it has any, and its scheme where the case tells schemes."""
+    """Return a table with one row for each method: its orders, and its floors and scheme if any method has one."""
     methods: dict[RunKey, dict[str, Order]] = defaultdict(dict)
     for order in case.orders:
         methods[order.method][order.quantity] = order
-    told = [name for name in UNITS if name in case.quantities]
-    floored = [name for name in told if any(name in own and own[name].floor is not None for own in methods.values())]
+    ordered = [name for name in UNITS if name in case.quantities]
+    floored = [name for name in ordered if any(name in own and own[name].floor is not None for own in methods.values())]
     schemes = any(order.scheme or (order.scheme_residual or 0.0) > case.truth_error("attitude") for order in case.orders)
     words = ("Engine", "Integrator", *(("Scheme",) if schemes else ()))
     figures = (
         *(("Residual, rad",) if schemes else ()),
         "Claimed",
-        *(f"{_title(name)} order" for name in told),
+        *(f"{_title(name)} order" for name in ordered),
         *(f"{_title(name)} floor, {_unit(name)}" for name in floored),
     )
     rows = []
@@ -159,7 +169,7 @@ def _orders(case: CaseMeasurements) -> Table:
         first = next(iter(own.values()))
         scheme, residual = ((Entry(first.scheme or "–"),), (_figure(first.scheme_residual),)) if schemes else ((), ())
         claimed = Entry("–") if first.claimed is None else Entry(str(first.claimed), first.claimed)
-        observed = [_observed(own.get(name)) for name in told]
+        observed = [_observed(own.get(name)) for name in ordered]
         floors = [_floor(own.get(name), case.truth_error(name)) for name in floored]
         names = Entry(f"{first.engine} {first.version}".rstrip()), Entry(first.integrator)
         rows.append((*names, *scheme, *residual, claimed, *observed, *floors))
@@ -169,7 +179,7 @@ def _orders(case: CaseMeasurements) -> Table:
         numeric=(False,) * len(words) + (True,) * len(figures),
         rows=tuple(rows),
         failed=short,
-        notes=("Coloured: the order observed in attitude or position falls short of what is claimed.",) if any(short) else (),
+        notes=("In coloured rows the observed order of attitude or position is lower than claimed.",) if any(short) else (),
     )
 
 
@@ -200,9 +210,9 @@ def _unit(quantity: str) -> str:
 
 
 def _front(case: CaseMeasurements, name: str) -> Table:
-    """The runs of a Pareto front, the cheapest first."""
+    """Return the table of the runs of a Pareto front, the cheapest first."""
     words = ("Engine", "Integrator", "Time step")
-    figures = (case.quantities[name].label, "Computing time, s", "at least", "at most", "Times real time", "Evaluations a step")
+    figures = (case.quantities[name].label, "Computing time, s", "Least", "Most", "Times real time", "Evaluations per step")
     truth_error = case.truth_error(name)
     rows = tuple(
         (
@@ -220,14 +230,14 @@ def _front(case: CaseMeasurements, name: str) -> Table:
         rows=rows,
         failed=(False,) * len(rows),
         notes=(
-            "No other run is both cheaper and closer. Computing time: for a simulated second, the median of repeated timings, "
-            "with the least and the most.",
+            "No other run is both cheaper and more accurate than one of these. The computing time is that of a simulated "
+            "second: the median of repeated timings, the least and the most.",
         ),
     )
 
 
 def _floored(error: float, truth_error: float) -> Entry:
-    """An error as a front has it, that has no smaller ones than the truth's own."""
+    """Return the cell of an error on a front, where errors below the truth's own count as equal to it."""
     if 0 < truth_error >= error:
         return Entry(f"≤ {bound(truth_error)}", None, "within the truth's own error")
     return Entry(number(error), error)

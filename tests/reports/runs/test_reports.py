@@ -347,6 +347,7 @@ def test_bounds_are_rounded_up() -> None:
 def test_words() -> None:
     assert number(None) == number(math.nan) == "–"
     assert number(1.5e-7) == "1.5e-7"
+    assert (number(110, 2), number(12345), number(9996, 3)) == ("110", "1.234e4", "1e4")
     assert count(1, "run") == "1 run"
     assert listing(["a"]) == "a"
     assert listing(["a", "b", "c"]) == "a, b and c"

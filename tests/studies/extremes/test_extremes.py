@@ -275,15 +275,17 @@ def test_the_report_begins_with_what_engines_take_for_healthy() -> None:
     ]
     report = present(campaign.header([], {"pinocchio": "1"}, {}), rows, limits)
     believed = sum(row.believed for row in rows)
-    assert report.headline == f"{believed} of {len(rows)} runs are healthy to their engine and are not"
-    assert report.findings[0].subject == "Said healthy"
-    assert report.parts[0].name == report.findings[0].where == "said-healthy"
+    assert report.headline == f"In {believed} of {len(rows)} runs the engine reported no problem although the result is wrong"
+    assert report.findings[0].subject == "Unreported errors"
+    assert report.parts[0].name == report.findings[0].where == "unreported-errors"
     statuses = [row[4].text for row in report.parts[0].tables[0][1].rows]
     assert statuses == sorted(statuses, key=STATUSES.index, reverse=True)
     told = {finding.subject: finding.text for finding in report.findings}
-    assert "semi-implicit-euler goes 1000 steps without a word and does not survive 2e5: not a number" in told["Long runs"]
+    assert (
+        "semi-implicit-euler completes 1000 steps without a warning, but a run of 2e5 fails: not a number" in told["Long runs"]
+    )
     assert "3.2 rad with pinocchio rk4" in told["Stability"]
-    assert "No step at all is stable at 1 rad/s with a b" in told["Unstable"]
+    assert "No time step is stable at 1 rad/s with a b" in told["Unstable"]
     spun = report.parts[1]
     drawn = [value for chart in spun.charts for value in chart.specification["data"]["values"]]
     assert {(value["spin"], value["step"]) for value in drawn} == {(s, h) for s in (1.0, 300.0, 1e3) for h in (0.002, 0.01)}
