@@ -9,7 +9,6 @@ import pandas as pd
 import pytest
 
 from bodycheck import CaseFaults, compare, load, simulate, truth
-from bodycheck.adapters import registry
 from bodycheck.casefile.case import parse
 from bodycheck.figures import contact
 from bodycheck.figures.definition import Comparison
@@ -20,8 +19,9 @@ from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Body, Brick, Scene, State
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truth import Truth
-from bodycheck.running import campaign, store
 from bodycheck.running.plan import plan
+from tests.support import campaigns
+from tests.support.campaigns import adapters
 from tests.support.cases import shortened
 
 BRICK = Body(1.0, (0.01, 0.01, 0.02), Brick((0.1, 0.2, 0.05)))
@@ -114,11 +114,8 @@ def test_pinocchio_converges_to_the_straight_slide_with_order_1(integrator: str)
 
 def attributed(tmp_path: Path, name: str, integrators: tuple[str, ...]) -> dict[tuple[str, str], Attribution]:
     """The parts at the smaller of two steps, by integrator and quantity."""
-    adapters = {engine: registry.load(engine) for engine in ("mujoco", "pinocchio")}
-    tasks = plan([load(name)], adapters, integrators, (1e-3, 5e-4))
-    with campaign.results(tasks, tmp_path, campaign.header([], dict.fromkeys(adapters, "1"), {}), 2):
-        pass
-    results = store.read(tmp_path)
+    tasks = plan([load(name)], adapters("mujoco", "pinocchio"), integrators, (1e-3, 5e-4))
+    results = campaigns.results(tasks, tmp_path)
     found = attribute(results, judgement.judge(results))
     return {(part.integrator, part.quantity): part for part in found if part.timestep == 5e-4}
 
@@ -180,11 +177,8 @@ def test_a_brick_at_rest_stays_at_rest() -> None:
 
 def test_the_stop_is_stored_and_its_columns_follow(tmp_path: Path) -> None:
     case = shortened(load("curling-brick"), 0.8, 81)
-    adapters = {name: registry.load(name) for name in ("mujoco", "pinocchio")}
-    tasks = plan([case, load("projectile")], adapters, ("Euler", "law-force", "rk4"), (0.01,))
-    with campaign.results(tasks, tmp_path, campaign.header([], dict.fromkeys(adapters, "1"), {}), 2):
-        pass
-    results = store.read(tmp_path)
+    tasks = plan([case, load("projectile")], adapters("mujoco", "pinocchio"), ("Euler", "law-force", "rk4"), (0.01,))
+    results = campaigns.results(tasks, tmp_path)
     stored, exact = results.truth(case.name, 0.01), truth(case)
     assert stored.stop == exact.stop
     judgement.write(judgement.judge(results), tmp_path)

@@ -10,16 +10,15 @@ from typing import Any
 import pytest
 
 from bodycheck import load, reports
-from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import parse
 from bodycheck.judging import attribution, judgement
 from bodycheck.judging.result_set import ResultSet
-from bodycheck.running import campaign, plan, store
+from bodycheck.running import plan
 from bodycheck.running.outcome import Crashed
 from tests.reports.runs.test_reports import BROKEN, FLIGHT, FLIP, shortened
 from tests.studies.test_study_report import hostile_report
-from tests.support import ROOT
+from tests.support import ROOT, campaigns
 from tests.support.browser import Visit, visiting
 from tests.support.pages import HOSTILE
 
@@ -61,17 +60,13 @@ CONTRASTS = """() => {
 @pytest.fixture(scope="session")
 def sets(tmp_path_factory: pytest.TempPathFactory) -> list[ResultSet]:
     """A flip with a broken expectation and a run that crashed, a flight, and a slide at two time steps, by both engines."""
-    engines = {name: registry.load(name) for name in ("mujoco", "pinocchio")}
+    engines = campaigns.adapters("mujoco", "pinocchio")
     flip = parse(shortened(FLIP).text + BROKEN, FLIP)
     slide = replace(load(SLIDE), expectations=())
     tasks = plan.plan((flip,), engines, ("Euler", "RK4", "implicit", "discrete", "semi-implicit-euler", "rk4", "rk4-naive"), ())
     tasks += plan.plan((shortened(FLIGHT),), engines, ("RK4", "rk4"), ())
     tasks += plan.plan((slide,), engines, ("Euler", "law-force"), (0.002, 0.001))
-    head = campaign.header(("bodycheck", "run"), {name: engine.engine.version for name, engine in engines.items()}, {})
-    place = tmp_path_factory.mktemp("results")
-    with campaign.results(tasks, place, head, jobs=2):
-        pass
-    results = store.read(place)
+    results = campaigns.results(tasks, tmp_path_factory.mktemp("results"))
     verdicts = judgement.judge(results)
     crashed = replace(verdicts[0].run, method=Method.parse("gone", 0.002))
     reason = f"RuntimeError: {LONG}\n{HOSTILE}"

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from bodycheck import load, reports, truth
-from bodycheck.adapters import registry
 from bodycheck.casefile.case import Case, parse
 from bodycheck.judging.result_set import judged
 from bodycheck.reference.inertia import angular_momentum
@@ -22,9 +21,10 @@ from bodycheck.reference.scene import Brick
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reports.runs import tracks
 from bodycheck.reports.runs.playback import RATE_TOLERANCE
-from bodycheck.running import campaign, plan, store
+from bodycheck.running import plan
 from bodycheck.running.outcome import Completed
 from bodycheck.running.store import Results
+from tests.support import campaigns
 from tests.support.browser import Visit, visiting
 from tests.support.cases import shortened
 
@@ -39,17 +39,13 @@ ROUNDING = 0.06
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
     """Three bodies that tumble for four seconds, one that slides for less than one, and one that slides far."""
-    place = tmp_path_factory.mktemp("player")
-    engines = {name: registry.load(name) for name in ("mujoco", "pinocchio")}
+    engines = campaigns.adapters("mujoco", "pinocchio")
     cases = [shortened(load(name), END, 401) for name in FLYING] + [shortened(load(SLIDE), 0.8, 401)]
     slide = load(SLIDE).text.partition("[[expect]]")[0]
     fast = re.sub(r"velocity = .*", "velocity = [12.0, 3.0, 0.0]", slide, count=1).replace(SLIDE, FAR)
     written = [*map(written_again, cases), parse(re.sub(r"duration = .*", "duration = 2.0", fast), FAR)]
     tasks = plan.plan(written, engines, ("Euler", "RK4", "implicitfast", "semi-implicit-euler", "rk4", "admm"), ())
-    head = campaign.header(("bodycheck", "run"), {name: engine.engine.version for name, engine in engines.items()}, {})
-    with campaign.results(tasks, place, head, jobs=2):
-        pass
-    return store.read(place)
+    return campaigns.results(tasks, tmp_path_factory.mktemp("player"))
 
 
 def written_again(case: Case) -> Case:

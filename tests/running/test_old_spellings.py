@@ -8,13 +8,14 @@ import pyarrow.parquet as pq
 import pytest
 
 from bodycheck import load
-from bodycheck.adapters import registry
 from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import CaseFaults, parse, parse_stored
-from bodycheck.commands.command_line import app
 from bodycheck.judging import baseline, judgement
-from bodycheck.running import campaign, store
+from bodycheck.running import store
 from bodycheck.running.plan import Task
+from tests.support import campaigns
+from tests.support.commands import call
+from tests.support.processes import calls_here
 
 NEW, OLD = "Euler:model=planar", "Euler-planar"
 
@@ -27,10 +28,7 @@ EXPECT = '[[expect]]\nengine = "mujoco"\nintegrator = "{}"\ntimestep = 0.002\npo
 def results(tmp_path: Path) -> store.Results:
     """A results folder with one run, as an earlier version wrote it."""
     case = parse(TEXT + EXPECT.format(NEW), "new")
-    head = campaign.header([], {"mujoco": registry.load("mujoco").engine.version}, {})
-    folder = tmp_path / "old"
-    with campaign.results([Task(case, "mujoco", Method.parse(NEW, 0.002))], folder, head):
-        pass
+    folder = campaigns.results([Task(case, "mujoco", Method.parse(NEW, 0.002))], tmp_path / "old").folder
     records = folder / store.RECORDS
     lines = [json.loads(line) for line in records.read_text("utf-8").splitlines()]
     for record in lines:
@@ -57,7 +55,7 @@ def test_an_old_spelling_in_a_case_is_a_fault_with_the_new_one() -> None:
 def test_old_results_are_judged_and_reported_under_the_new_spelling(results: store.Results) -> None:
     (verdict,) = judgement.judge(results)
     assert (verdict.run.method.name, verdict.passed) == (NEW, True)
-    assert app(["report", str(results.folder)], result_action="return_value") == 0
+    assert call("report", results.folder) == 0
     table = (results.folder / "results.csv").read_text("utf-8")
     assert NEW in table
     assert OLD not in table
@@ -65,7 +63,8 @@ def test_old_results_are_judged_and_reported_under_the_new_spelling(results: sto
 
 def test_old_baselines_are_compared_under_the_new_spelling(results: store.Results, tmp_path: Path) -> None:
     new, old = tmp_path / "new.parquet", tmp_path / "old.parquet"
-    baseline.save(new, results, judgement.judge(results), 1)
+    with calls_here():
+        baseline.save(new, results, judgement.judge(results), 1)
     table = pq.read_table(new)
     column = table.column_names.index("integrator")
     pq.write_table(table.set_column(column, "integrator", [[OLD]]), old)
@@ -74,9 +73,4 @@ def test_old_baselines_are_compared_under_the_new_spelling(results: store.Result
 
 def test_an_old_spelling_on_the_command_line_names_the_new_one(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(Exception, match=f"'{OLD}' is now spelled '{NEW}'"):
-        app(
-            ["run", "sliding-brick", "--integrator", OLD],
-            exit_on_error=False,
-            print_error=False,
-            result_action="return_value",
-        )
+        call("run", "sliding-brick", "--integrator", OLD)

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bodycheck import load, reports
-from bodycheck.adapters import offers, registry
+from bodycheck.adapters import offers
 from bodycheck.adapters.contract import Adapter, Method
 from bodycheck.judging import judgement
 from bodycheck.judging.convergence import UNITS
@@ -22,13 +22,12 @@ from bodycheck.reports import html, markdown
 from bodycheck.reports.charts import Spec
 from bodycheck.reports.quantities import milliseconds, number
 from bodycheck.reports.study import Part, StudyReport
-from bodycheck.running import campaign, store
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff import study as tradeoff
 from bodycheck.studies.tradeoff.findings import falls_short
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements
 from bodycheck.studies.tradeoff.page import present
-from tests.support import pages
+from tests.support import campaigns, pages
 from tests.support.cases import shortened
 from tests.support.pages import HOSTILE, Page, attributes_of, markdown_tables
 
@@ -68,7 +67,7 @@ class Study:
 @pytest.fixture(scope="session")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     """A flip, a flight in which nothing turns, and a slide, of a second or less, through both engines at five time steps."""
-    engines = {name: registry.load(name) for name in ("mujoco", "pinocchio")}
+    engines = campaigns.adapters("mujoco", "pinocchio")
     flip, flight = (shortened(load(name), 1.0, 51) for name in (FLIP, FLIGHT))
     slide = replace(load(SLIDE), expectations=())
     methods = {
@@ -77,11 +76,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
         slide: ("Euler", "law-force"),
     }
     tasks = [task for case, own in methods.items() for task in tradeoff.plan((case,), engines, own, STEPS)]
-    head = campaign.header(("bodycheck", "tradeoff"), {name: engine.engine.version for name, engine in engines.items()}, {})
-    place = tmp_path_factory.mktemp("tradeoff")
-    with campaign.results(tasks, place, head, jobs=2):
-        pass
-    results = store.read(place)
+    results = campaigns.results(tasks, tmp_path_factory.mktemp("tradeoff"), command=("bodycheck", "tradeoff"))
     verdicts = judgement.judge(results)
     rows = [timed_once(own, engines) for own in judgement.records(verdicts)]
     orders = tradeoff.orders(results, verdicts, engines)

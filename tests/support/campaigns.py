@@ -22,17 +22,21 @@ def adapters(*engines: str) -> dict[str, Adapter]:
     return {name: registry.load(name) for name in engines}
 
 
-def header(*engines: str, command: Sequence[str] = ("bodycheck", "run")) -> dict[str, Any]:
+#: What a header says of the command that made the results.
+COMMAND = ("bodycheck", "run")
+
+
+def header(*engines: str, command: Sequence[str] = COMMAND) -> dict[str, Any]:
     """The header of results of some engines, of which none is missing."""
     return campaign.header(command, {name: adapter.engine.version for name, adapter in adapters(*engines).items()}, {})
 
 
-def results(tasks: Sequence[Task], folder: Path, jobs: int = 0, **options: Any) -> Results:
+def results(tasks: Sequence[Task], folder: Path, jobs: int = 0, command: Sequence[str] = COMMAND, **options: Any) -> Results:
     """What became of some tasks, all engines of which are installed, in a folder.
 
     jobs: the number of worker processes; 0 for none, where no engine dies or hangs. options: those of `campaign.results`.
     """
-    head = header(*dict.fromkeys(task.engine for task in tasks))
+    head = header(*dict.fromkeys(task.engine for task in tasks), command=command)
     with nullcontext() if jobs else calls_here(), campaign.results(tasks, folder, head, jobs or 1, **options):
         pass
     return store.read(folder)

@@ -1,9 +1,6 @@
 """What CI systems read of a run: JUnit XML, GitHub's annotations, the summary of a step."""
 
-import os
 import re
-import subprocess
-import sys
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
@@ -17,6 +14,7 @@ from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reports.runs import github, junit
 from bodycheck.running.outcome import Crashed
+from tests.support.commands import Done, bodycheck
 from tests.support.truths import truth_for_runs
 
 SPIN = """\
@@ -158,13 +156,11 @@ def workflow(tmp_path: Path) -> dict[str, str]:
     return {"GITHUB_ACTIONS": "true", "GITHUB_WORKSPACE": str(tmp_path), "GITHUB_STEP_SUMMARY": str(tmp_path / "summary.md")}
 
 
-def run(folder: Path, *arguments: object, **environment: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "bodycheck", "run", *map(str, arguments), "--engine", "mujoco", "--integrator", "RK4"]
-    outside = {name: value for name, value in os.environ.items() if not name.startswith("GITHUB_")}
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=outside | environment)
+def run(folder: Path, *arguments: object, **environment: str) -> Done:
+    return bodycheck("run", *arguments, "--engine", "mujoco", "--integrator", "RK4", folder=folder, **environment)
 
 
-def test_a_step_of_a_workflow(tmp_path: Path, workflow: dict[str, str]) -> None:
+def test_a_step_of_a_workflow(calls_here: None, tmp_path: Path, workflow: dict[str, str]) -> None:
     (tmp_path / "spin.case.toml").write_text(SPIN + HELD + BROKEN)
     done = run(tmp_path, "spin.case.toml", "projectile", "--junit", "junit.xml", "--json", **workflow)
     assert done.returncode == 1
@@ -177,7 +173,7 @@ def test_a_step_of_a_workflow(tmp_path: Path, workflow: dict[str, str]) -> None:
     assert ElementTree.parse(tmp_path / "junit.xml").getroot().get("failures") == "1"
 
 
-def test_elsewhere_nothing_is_annotated(tmp_path: Path, workflow: dict[str, str]) -> None:
+def test_elsewhere_nothing_is_annotated(calls_here: None, tmp_path: Path, workflow: dict[str, str]) -> None:
     (tmp_path / "spin.case.toml").write_text(SPIN + BROKEN)
     done = run(tmp_path, "spin.case.toml", **workflow | {"GITHUB_ACTIONS": ""})
     assert done.returncode == 1

@@ -12,7 +12,6 @@ import pytest
 import vl_convert
 
 from bodycheck import reports
-from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import Case, load, parse
 from bodycheck.judging import judgement
@@ -24,11 +23,11 @@ from bodycheck.reports.quantities import bound, count, listing, number
 from bodycheck.reports.runs import html_report, markdown_report, time_charts
 from bodycheck.reports.runs.contents import Contents, gather
 from bodycheck.reports.series import corners, ends, envelope, rounded
-from bodycheck.running import campaign, plan, store
+from bodycheck.running import plan, store
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
 from bodycheck.running.store import Results
-from tests.support import pages
+from tests.support import campaigns, pages
 from tests.support.pages import HOSTILE, Page, attributes_of, markdown_tables
 
 FLIP, FLIGHT = "intermediate-axis-flip", "projectile"
@@ -55,14 +54,11 @@ def shortened(name: str, **strings: str) -> Case:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two cases through both engines: a flip that Euler's method gets wrong, and a flight in which nothing turns."""
     place = tmp_path_factory.mktemp("results")
-    engines = {name: registry.load(name) for name in ("mujoco", "pinocchio")}
+    engines = campaigns.adapters("mujoco", "pinocchio")
     flip = shortened(FLIP)
     cases = (parse(flip.text + BROKEN, FLIP), shortened(FLIGHT))
     tasks = plan.plan(cases, engines, ("Euler", "RK4", "semi-implicit-euler", "body-twist-euler", "rk4"), ())
-    head = campaign.header(("bodycheck", "run", "<b>"), {name: engine.engine.version for name, engine in engines.items()}, {})
-    with campaign.results(tasks, place, head, jobs=2):
-        pass
-    return place
+    return campaigns.results(tasks, place, command=("bodycheck", "run", "<b>")).folder
 
 
 @pytest.fixture(scope="session")
