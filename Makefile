@@ -15,11 +15,8 @@ lint: $(VENV)/.installed-for-development
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
-# Type checkers do not follow the import hooks of an editable install, so that they read a normal one.
 types: $(VENV)/.installed-for-development
-	rm -rf build
-	$(BIN)/pip install --quiet --no-deps --no-build-isolation --target build/installed .
-	MYPYPATH=build/installed $(BIN)/mypy
+	$(BIN)/mypy
 
 # All tests of a file in one process: what they share is made once.
 tests: $(VENV)/.installed-for-development

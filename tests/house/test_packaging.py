@@ -1,28 +1,22 @@
 """The wheel holds what the checkout holds: every module, the cases, the templates, the type marker."""
 
-import os
 import subprocess
 import sys
+import tarfile
 import zipfile
 from pathlib import Path
 
 import pytest
 
 from tests.support import ROOT
+from tests.support.distributions import build_sdist, build_wheel
 
 FOLDERS = {"bodycheck": ""} | {name: f"{name}/" for name in ("reference", "adapters", "cases", "reports")}
 
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Built outside of the checkout, where files of an earlier build could get into it."""
-    out = tmp_path_factory.mktemp("wheel")
-    settings = out / "setup.cfg"
-    settings.write_text(f"[build]\nbuild_base = {out / 'build'}\n[egg_info]\negg_base = {out}\n")
-    command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "--wheel-dir", out, ROOT]
-    done = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"DIST_EXTRA_CONFIG": str(settings)})
-    assert done.returncode == 0, done.stderr
-    return next(out.glob("*.whl"))
+    return build_wheel(tmp_path_factory.mktemp("wheel"))
 
 
 def test_the_wheel_has_every_file_of_the_package(wheel: Path) -> None:
@@ -36,6 +30,21 @@ def test_the_wheel_has_every_file_of_the_package(wheel: Path) -> None:
     names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
     assert names == expected
     assert "bodycheck/cases/free-brick.case.toml" in names
+
+
+def test_the_source_distribution_makes_the_same_wheel(wheel: Path, tmp_path: Path) -> None:
+    """It holds real files where the checkout has links."""
+    (tmp_path / "sdist").mkdir()
+    with tarfile.open(build_sdist(tmp_path / "sdist")) as archive:
+        assert not [member.name for member in archive if member.issym() or member.islnk()]
+        archive.extractall(tmp_path, filter="data")
+    (source,) = (path for path in tmp_path.iterdir() if path.name.startswith("bodycheck-"))
+    (tmp_path / "wheel").mkdir()
+    again = build_wheel(tmp_path / "wheel", source)
+    one, other = ({entry.filename: entry.CRC for entry in zipfile.ZipFile(file).infolist()} for file in (wheel, again))
+    assert {name: crc for name, crc in one.items() if ".dist-info/" not in name} == {
+        name: crc for name, crc in other.items() if ".dist-info/" not in name
+    }
 
 
 def test_a_normal_install_runs(wheel: Path, tmp_path: Path) -> None:
