@@ -124,27 +124,35 @@ def results(
             progress("", there)
         with closing(pool.call_all(perform, left, jobs, limit, memory)) as answers:
             for argument, result in answers:
-                match argument, result:
-                    case Task(), Run():
-                        writer.add_run(result, places[argument])
-                    case Task(case, engine, method), Crashed() | TimedOut():
-                        writer.add_run(Run(case.name, engine, head["engines"][engine], method, result), places[argument])
-                    case TruthTask(case, timestep), Truth():
-                        writer.add_truth(case, timestep, result)
-                    case TruthTask(case, timestep), NoTruth() | Crashed() | TimedOut():
-                        writer.add_missing_truth(case, timestep, f"the reference: {result.reason}")
+                _add(writer, argument, result, places, head["engines"])
                 progress(_name(argument))
         needed = _stop_tasks({case.name: case for case in cases}, store.read(folder).runs())
         stops = [task for task in needed if not writer.has_stop(task.case.name, task.law)]
         with closing(pool.call_all(perform_stop, stops, jobs, limit, memory)) as found:
             for task, stop in found:
-                match stop:
-                    case Stop() | None:
-                        writer.add_stop(task.case.name, task.law, stop)
-                    case Crashed() | TimedOut():
-                        writer.add_stop(task.case.name, task.law, None, stop.reason)
+                stopped, reason = (None, stop.reason) if isinstance(stop, Crashed | TimedOut) else (stop, "")
+                writer.add_stop(task.case.name, task.law, stopped, reason)
                 progress(_name(task), 0)
         yield replace(store.read(folder), complete=True)
+
+
+def _add(
+    writer: Writer,
+    argument: TruthTask | Task,
+    result: Run | Truth | NoTruth | Crashed | TimedOut,
+    places: Mapping[Task, int],
+    versions: Mapping[str, str],
+) -> None:
+    """Write a run at its place in the plan, or a truth, or why there is none. versions: of the engines, by name."""
+    match argument, result:
+        case Task(), Run():
+            writer.add_run(result, places[argument])
+        case Task(case, engine, method), Crashed() | TimedOut():
+            writer.add_run(Run(case.name, engine, versions[engine], method, result), places[argument])
+        case TruthTask(case, timestep), Truth():
+            writer.add_truth(case, timestep, result)
+        case TruthTask(case, timestep), NoTruth() | Crashed() | TimedOut():
+            writer.add_missing_truth(case, timestep, f"the reference: {result.reason}")
 
 
 def _identity(tasks: Sequence[Task], head: Header, limit: float, memory: int) -> str:

@@ -114,12 +114,10 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
     first = choose(played, reach if scene.plane is not None else math.inf)
     kept: dict[Shown, dict[str, Any]] = {}
     undrawn, left_out = [], []
-    room = most - len(_json(record))
-    if room < 0:
+    if (room := most - len(_json(record))) < 0:
         return Playback(None, "", ("There is no animation, to keep this file small.",))
     for one in (*first, *(other for other in played if other not in first)):
-        entry = _run(one, scene, reach, rates)
-        if entry is None:
+        if (entry := _run(one, scene, reach, rates)) is None:
             undrawn.append(name_of(one.line))
         elif (room := room - len(_json(entry))) < 0:
             left_out.append(name_of(one.line))

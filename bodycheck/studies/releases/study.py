@@ -132,25 +132,34 @@ def study(
     order_questions = list(dict.fromkeys(_convergences(found_changes, {case.name: case for case in cases}, obtained)))
     with bar("observing orders", len(order_questions)) as progress:
         observed = release_answers.ask(order_questions, jobs, progress)
-    orders = {
-        (one.version, question.name, *question.integrators): answer for (one, question), answer in observed.by_question.items()
-    }
-    head = campaign.header(sys.argv, {engine: " to ".join(dict.fromkeys((versions[0], versions[-1])))}, {})
-    unmeasured = {version: str(one) for version, one in obtained.items() if isinstance(one, Unobtainable)}
-    unmeasured |= {version: answer.failure for (version, _), answer in answers.items() if answer.failure}
-    header: ReleasesHeader = {
-        **head,
-        "versions": list(versions),
-        "unmeasured": unmeasured,
-        "notices": list(notices),
-        "cases": {case.name: identity(case) for case in cases},
-    }
+    orders = {(one.version, asked.name, *asked.integrators): found for (one, asked), found in observed.by_question.items()}
     tally = Tally(
         sum(isinstance(one, Environment) and one.version not in there for one in obtained.values()),
         figures.measured + observed.measured,
         figures.known + observed.known,
     )
+    header = _header(engine, cases, obtained, answers, notices)
     return Found(header, tuple(rows), tuple(_with_orders(change, orders) for change in found_changes)), tally
+
+
+def _header(
+    engine: str,
+    cases: Sequence[Case],
+    obtained: Releases,
+    answers: Mapping[tuple[str, str], Answer],
+    notices: Sequence[str],
+) -> ReleasesHeader:
+    """Return the header of a study. obtained: by version, ascending. answers: by version and case."""
+    versions = list(obtained)
+    unmeasured = {version: str(one) for version, one in obtained.items() if isinstance(one, Unobtainable)}
+    unmeasured |= {version: answer.failure for (version, _), answer in answers.items() if answer.failure}
+    return {
+        **campaign.header(sys.argv, {engine: " to ".join(dict.fromkeys((versions[0], versions[-1])))}, {}),
+        "versions": versions,
+        "unmeasured": unmeasured,
+        "notices": list(notices),
+        "cases": {case.name: identity(case) for case in cases},
+    }
 
 
 def kept(engine: str) -> Mapping[str, Environment]:

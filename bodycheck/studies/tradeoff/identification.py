@@ -147,20 +147,19 @@ def identify(case: Case, run: Run, truth: Truth) -> Identification | None:
     rotation_tells = tells(turn, [error["attitude_error"] - truth.error, *rotations], allowed, early)
     position_tells = in_place and tells(way, [error["position_error"] - truth.position_error, *ways], aside, early)
     named = nearest in fitting and turn[early].max() <= SAME_RAD and (rotation_tells or position_tells)
-    if not in_place:
-        formulation = " in rotation"
-    elif not tells(way, formulations, aside, early):
-        formulation = ""
+    told = formulation if tells(way, formulations, aside, early) else ""
     return Identification(
-        scheme=nearest + formulation if named else "",
+        scheme=nearest + (told if in_place else " in rotation") if named else "",
         early=float(turn[early].max()),
         residual=float(turn.max()),
         allowed=float(allowed[-1]),
         position_residual=float(way.max()),
-        candidates=tuple(
-            Candidate(name, float(turned[name][early].max()), float(turned[name].max()), name in fitting) for name in order
-        ),
+        candidates=tuple(_candidate(name, turned[name], early, name in fitting) for name in order),
     )
+
+
+def _candidate(name: str, turned: Array, early: NDArray[np.bool_], fits: bool) -> Candidate:
+    return Candidate(name, float(turned[early].max()), float(turned.max()), fits)
 
 
 def differences(
