@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bodycheck.adapters.method import RENAMED, Method, current
+from bodycheck.adapters.method import FORMER_SPELLINGS, Method, current
 from bodycheck.errors import BadInput
 
 WORDS = st.text(st.characters(codec="ascii", categories=("Ll", "Lu", "Nd"), include_characters="-_."), min_size=1, max_size=12)
@@ -50,7 +50,7 @@ def test_what_is_no_spelling_is_bad_input(spelling: str, words: str) -> None:
 @pytest.mark.parametrize(
     ("old", "new"),
     [
-        *RENAMED.items(),
+        *FORMER_SPELLINGS.items(),
         ("Euler-fluid:model=everything", "Euler:drag=fluid,model=everything"),
         ("Euler-planar:cone=elliptic", "Euler:model=planar,cone=elliptic"),
     ],

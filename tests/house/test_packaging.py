@@ -1,17 +1,21 @@
-"""The wheel holds what the checkout holds: every module, the cases, the templates, the type marker."""
+"""Distributions hold what the checkout holds, as files of their own, and type checkers and editors read what they install."""
 
+import os
+import stat
 import subprocess
 import sys
 import tarfile
 import zipfile
 from pathlib import Path
 
+import jedi
 import pytest
 
 from tests.support import ROOT
-from tests.support.distributions import build_sdist, build_wheel
+from tests.support.distributions import build_editable, build_sdist, build_wheel, installed
 
 FOLDERS = {"bodycheck": ""} | {name: f"{name}/" for name in ("reference", "adapters", "cases", "reports")}
+SHIPPED = ("**/*.py", "*.case.toml", "template.toml", "*.schema.json", "templates/*.*", "templates/player/*.js", "py.typed")
 
 
 @pytest.fixture(scope="module")
@@ -19,32 +23,34 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return build_wheel(tmp_path_factory.mktemp("wheel"))
 
 
+def contents(wheel: Path) -> dict[str, int]:
+    """The checksums of a wheel's files by their names."""
+    with zipfile.ZipFile(wheel) as archive:
+        return {entry.filename: entry.CRC for entry in archive.infolist() if ".dist-info/" not in entry.filename}
+
+
 def test_the_wheel_has_every_file_of_the_package(wheel: Path) -> None:
-    shipped = {"**/*.py", "*.case.toml", "template.toml", "*.schema.json", "templates/*.*", "templates/player/*.js", "py.typed"}
-    expected = {
+    """As real files where the checkout has links."""
+    assert contents(wheel).keys() == {
         f"bodycheck/{prefix}{path.relative_to(ROOT / folder).as_posix()}"
         for folder, prefix in FOLDERS.items()
-        for pattern in shipped
+        for pattern in SHIPPED
         for path in (ROOT / folder).glob(pattern)
     }
-    names = {name for name in zipfile.ZipFile(wheel).namelist() if ".dist-info/" not in name}
-    assert names == expected
-    assert "bodycheck/cases/free-brick.case.toml" in names
+    assert "bodycheck/cases/free-brick.case.toml" in contents(wheel)
+    with zipfile.ZipFile(wheel) as archive:
+        assert not [entry.filename for entry in archive.infolist() if stat.S_ISLNK(entry.external_attr >> 16)]
 
 
 def test_the_source_distribution_makes_the_same_wheel(wheel: Path, tmp_path: Path) -> None:
-    """It holds real files where the checkout has links."""
+    """It too holds real files where the checkout has links."""
     (tmp_path / "sdist").mkdir()
     with tarfile.open(build_sdist(tmp_path / "sdist")) as archive:
-        assert not [member.name for member in archive if member.issym() or member.islnk()]
+        assert not [member.name for member in archive if not (member.isreg() or member.isdir())]
         archive.extractall(tmp_path, filter="data")
     (source,) = (path for path in tmp_path.iterdir() if path.name.startswith("bodycheck-"))
     (tmp_path / "wheel").mkdir()
-    again = build_wheel(tmp_path / "wheel", source)
-    one, other = ({entry.filename: entry.CRC for entry in zipfile.ZipFile(file).infolist()} for file in (wheel, again))
-    assert {name: crc for name, crc in one.items() if ".dist-info/" not in name} == {
-        name: crc for name, crc in other.items() if ".dist-info/" not in name
-    }
+    assert contents(build_wheel(tmp_path / "wheel", source)) == contents(wheel)
 
 
 def test_a_normal_install_runs(wheel: Path, tmp_path: Path) -> None:
@@ -58,3 +64,46 @@ def test_a_normal_install_runs(wheel: Path, tmp_path: Path) -> None:
     file, count = done.stdout.split()
     assert Path(file).is_relative_to(tmp_path)
     assert int(count) == len(list((ROOT / "cases").glob("*.case.toml")))
+
+
+#: What a user of the package writes.
+SCRIPT = "from bodycheck.casefile.case import Case\nfrom bodycheck.adapters.contract import Engine\nreveal_type(Case)\nEngine\n"
+
+
+@pytest.fixture(scope="module", params=["wheel", "editable"])
+def python(request: pytest.FixtureRequest, wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The interpreter of an environment in which bodycheck, and nothing else, is installed, or is editable."""
+    built = wheel if request.param == "wheel" else build_editable(tmp_path_factory.mktemp("editable"))
+    return installed(built, tmp_path_factory.mktemp("environment"))
+
+
+@pytest.fixture
+def script(tmp_path: Path) -> Path:
+    path = tmp_path / "script.py"
+    path.write_text(SCRIPT)
+    return path
+
+
+def outside() -> dict[str, str]:
+    """The environment variables of a process that knows nothing of the checkout."""
+    return {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "MYPYPATH")}
+
+
+def test_mypy_knows_the_types_of_an_install(python: Path, script: Path) -> None:
+    """Of other packages, which are not in that environment, it need not know anything."""
+    options = ("--python-executable", python, "--ignore-missing-imports", "--cache-dir", script.parent / "cache")
+    command = [sys.executable, "-m", "mypy", *options, script]
+    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, cwd=script.parent, env=outside())
+    (revealed,) = (line for line in done.stdout.splitlines() if "Revealed type" in line)
+    assert "scene: bodycheck.reference.scene.Scene" in revealed
+    assert "-> bodycheck.casefile.case.Case" in revealed
+
+
+def test_jedi_finds_the_source_of_an_install(python: Path, script: Path) -> None:
+    environment = jedi.create_environment(str(python), safe=False, env_vars=outside())
+    source = jedi.Script(SCRIPT, path=script, environment=environment)
+    for line, module, name in ((1, "casefile/case.py", "Case"), (4, "adapters/contract.py", "Engine")):
+        (found,) = source.goto(line, SCRIPT.splitlines()[line - 1].index(name), follow_imports=True)
+        assert (found.name, found.type) == (name, "class")
+        assert found.module_path is not None
+        assert found.module_path.read_text() == (ROOT / "bodycheck" / module).read_text()

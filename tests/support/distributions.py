@@ -1,8 +1,10 @@
-"""Wheels and source distributions of the checkout, built outside of it so that files of an earlier build cannot get in."""
+"""Distributions of the checkout and environments of their own, all made outside of it: nothing of an earlier build gets in."""
 
 import os
 import subprocess
 import sys
+import venv
+import zipfile
 from pathlib import Path
 
 from tests.support import ROOT
@@ -18,6 +20,20 @@ def build_wheel(out: Path, source: Path = ROOT) -> Path:
 def build_sdist(out: Path) -> Path:
     """Build the source distribution of the checkout into a folder and return its path."""
     return _build("build_sdist", out, ROOT)
+
+
+def build_editable(out: Path) -> Path:
+    """Build the wheel that an editable install of the checkout unpacks, into a folder, and return its path."""
+    return _build("build_editable", out, ROOT)
+
+
+def installed(wheel: Path, folder: Path) -> Path:
+    """Make an environment in which a wheel, and nothing else, is installed, and return its interpreter."""
+    venv.create(folder, symlinks=True)
+    (site,) = folder.glob("lib/python*/site-packages")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(site)
+    return folder / "bin" / "python"
 
 
 def _build(kind: str, out: Path, source: Path) -> Path:
