@@ -6,45 +6,29 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from subprocess import DEVNULL, PIPE
-from typing import Any
 
 import pytest
-import vl_convert
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
 from bodycheck import load
-from bodycheck.commands import command_line
 from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.errors import BadInput
-from bodycheck.reports import html, markdown
 from bodycheck.studies.releases import rows as release_rows
 from bodycheck.studies.releases import study as releases
 from bodycheck.studies.releases.page import present
 from bodycheck.studies.releases.questions import Answer, store, stored
 from bodycheck.studies.releases.rows import UNOBTAINABLE, Change, Found
-from tests.support import MINIATURES, ROOT, pages, wheels
+from tests.support import MINIATURES, ROOT, wheels
+from tests.support.commands import call
+from tests.support.release_rows import HEADER, change, failed, row
 
 FLIP = load("intermediate-axis-flip")
-HEADER = {
-    "bodycheck": "0",
-    "started": "2026-01-01T00:00:00+00:00",
-    "command": ["bodycheck", "releases", "<b>"],
-    "machine": {"processor": "abacus", "system": "wood"},
-    "packages": {},
-    "engines": {"mujoco": "1.0 to 3.0"},
-    "missing": {},
-    "versions": ["1.0", "2.0", "3.0"],
-    "cases": {"spin": "0"},
-    "unmeasured": {},
-    "notices": [],
-}
 
 SPIN = """\
 format = 1
@@ -60,30 +44,6 @@ angular_velocity = [0.0, 0.0, 5.0]
 duration = 0.5
 samples = 26
 """
-
-Row = dict[str, Any]
-
-
-def row(version: str, error: float = 0.1, allowance: float = 1e-9, **others: Any) -> Row:
-    known = {"case": "spin", "engine": "mujoco", "version": version, "integrator": "RK4", "timestep": 0.001, "status": "ok"}
-    figures = {"attitude_error": error, "attitude_error_allowance": allowance, "truth_error": 1e-14}
-    return {**known, "reason": "", **figures, **others}
-
-
-def failed(version: str, status: str, reason: str = "why", **others: Any) -> Row:
-    return {name: value for name, value in row(version, **others).items() if not name.startswith("attitude")} | {
-        "status": status,
-        "reason": reason,
-    }
-
-
-def change(**others: Any) -> Change:
-    known = Change("mujoco", "spin", "RK4", "attitude_error", "1.0", "2.0", 2e-5, 3e-9, 6667.0, 2.0, 4.0, "", "", 0.001, 1e-10)
-    return replace(known, **others)
-
-
-def told(changes: Sequence[Change], rows: Sequence[Row] = (row("1.0", 2e-5), row("2.0", 3e-9))) -> list[str]:
-    return [finding.text for finding in present({"": Found(HEADER, tuple(rows), tuple(changes))}).findings]
 
 
 figure = st.floats(1e-12, 10.0)
@@ -190,131 +150,6 @@ def test_half_an_answer_is_none(tmp_path: Path) -> None:
     assert stored(path) is None
 
 
-def test_an_order_that_changed_is_told_in_words() -> None:
-    assert told([change(before=2.1e-5, after=3.3e-9)]) == [
-        "Between 1.0 and 2.0, RK4 went from second to fourth order in attitude: "
-        "the attitude error changed from 2.1e-5 to 3.3e-9 rad on spin at 1 ms."
-    ]
-    named = change(integrator="RK4", scheme_before="averaged Runge-Kutta 4", scheme_after="Runge-Kutta-Munthe-Kaas 4")
-    assert "in attitude and from averaged Runge-Kutta 4 to Runge-Kutta-Munthe-Kaas 4: " in told([named])[0]
-
-
-def test_a_change_without_another_order_is_told_by_its_scheme_or_its_figure() -> None:
-    same = change(before=0.683, after=0.659, order_before=1.02, order_after=0.98, factor=1.04)
-    assert told([same]) == ["Between 1.0 and 2.0, the attitude error of RK4 changed from 0.683 to 0.659 rad on spin at 1 ms."]
-    scheme = replace(same, scheme_before="semi-implicit Euler", scheme_after="linearly implicit Euler")
-    assert told([scheme]) == [
-        "Between 1.0 and 2.0, RK4 went from semi-implicit Euler to linearly implicit Euler: "
-        "the attitude error changed from 0.683 to 0.659 rad on spin at 1 ms."
-    ]
-    close = change(before=0.1234567, after=0.1234568, order_before=None)
-    assert "0.1234567 to 0.1234568 rad" in told([close])[0] or "0.123457 to 0.123457" not in told([close])[0]
-
-
-def test_one_sentence_a_method_and_upgrade_with_what_says_most() -> None:
-    more = [
-        change(quantity="energy_drift", order_before=None, factor=1e9),
-        change(),
-        change(case="top", factor=2.0),
-        change(case="top", factor=2.0, timestep=0.002),
-    ]
-    (sentence,) = told(more)
-    assert sentence.endswith(
-        "in attitude: the attitude error changed from 2e-5 to 3e-9 rad on spin at 1 ms. 1 other case changed too."
-    )
-    later = change(from_version="2.0", to_version="10.0")
-    first, second, third = told([later, change(), change(integrator="implicit"), change(integrator="Euler", after=4e-9)])
-    assert first.startswith("Between 1.0 and 2.0, RK4 and implicit went from second to fourth order in attitude: ")
-    assert "from 2e-5 to 3e-9" in first
-    assert second.startswith("Between 1.0 and 2.0, Euler went from second to fourth order in attitude: ")
-    assert "from 2e-5 to 4e-9 rad on spin" in second
-    assert third.startswith("Between 2.0 and 10.0, RK4 went")
-
-
-def test_what_came_or_went_is_told_together() -> None:
-    gone = change(quantity="status", before="unsupported", after="ok", factor=None, order_before=None, order_after=None)
-    assert told([gone, replace(gone, integrator="Euler"), replace(gone, case="top")]) == [
-        "Between 1.0 and 2.0, the status of runs with RK4 and Euler changed from unsupported to ok on spin and 1 other case."
-    ]
-
-
-def test_that_nothing_changed_is_told() -> None:
-    assert told([]) == ["2 runs of 2 releases agree to within rounding."]
-    assert not told([], [row("1.0")])
-
-
-def test_what_could_not_be_measured_is_said_first() -> None:
-    header = HEADER | {"unmeasured": {"2.0": "no wheel"}, "notices": ["no index"]}
-    report = present({"": Found(header, (row("1.0"), failed("2.0", UNOBTAINABLE)), ())})
-    assert report.notices == ("no index.", "2.0 was not measured: no wheel.")
-
-
-def found_on(machine: str, error: float = 3e-9) -> Found:
-    hostile = failed("3.0", "crashed", pages.HOSTILE)
-    header = HEADER | {"machine": HEADER["machine"] | {"processor": machine}}
-    return Found(header, (row("1.0", 2e-5), row("2.0", error), hostile), (change(after=error),))
-
-
-@pytest.mark.parametrize("machines", [("abacus",), ("abacus", "slide rule"), ("abacus", "abacus")])
-def test_the_report_of_one_machine_or_two(machines: tuple[str, ...]) -> None:
-    found = [found_on(machine) for machine in machines]
-    labels = release_rows.labels(found)
-    report = present(dict(zip(labels, found, strict=True)))
-    expected = {("abacus",): [""], ("abacus", "slide rule"): ["abacus", "slide rule"]}.get(machines, ["machine 1", "machine 2"])
-    assert labels == expected
-    (part,) = report.parts
-    assert [line.results for line in part.lines] == expected
-    (finding,) = report.findings  # what is the same on both machines is said once
-    assert [f"RK4 ({label})" in finding.text for label in labels] == list(map(bool, labels))
-    page, text = html.render_study(report), markdown.render_study(report)
-    pages.check(page)
-    for label in filter(None, labels):
-        assert label in pages.Page(page).text
-        assert label in text
-
-
-def test_studies_of_different_cases_are_not_merged() -> None:
-    one = found_on("abacus")
-    other = replace(one, header=one.header | {"cases": {"spin": "1"}})
-    with pytest.raises(BadInput, match="spin: the case differs"):
-        present({"one": one, "other": other})
-    with pytest.raises(BadInput, match="different engines"):
-        present({"one": one, "other": replace(one, header=one.header | {"engines": {"pinocchio": "1.0"}})})
-
-
-def test_reports_are_made_again_from_what_is_saved(tmp_path: Path) -> None:
-    for machine in ("abacus", "slide rule"):
-        release_rows.write(found_on(machine), tmp_path / machine)
-    assert bodycheck("report", tmp_path / "abacus", tmp_path / "slide rule", "--out", tmp_path / "both") == 0
-    assert "RK4 (abacus) and RK4 (slide rule)" in (tmp_path / "both" / "report.md").read_text()
-    assert bodycheck("report", tmp_path / "abacus") == 0
-    assert "Between 1.0 and 2.0, RK4 went" in (tmp_path / "abacus" / "report.md").read_text()
-    saved = tmp_path / "abacus" / "releases.jsonl"
-    saved.write_text("\n".join(saved.read_text().splitlines()[:-1]) + "\n")
-    with pytest.raises(BadInput, match="was interrupted"):
-        bodycheck("report", tmp_path / "abacus")
-
-
-def test_the_chart_has_a_line_a_method_and_a_ring_where_it_changed() -> None:
-    rows = [row("1.0", 2e-5), row("2.0", 3e-9), failed("10.0", "crashed"), row("11.0", 3e-9)]
-    header = HEADER | {"versions": ["1.0", "2.0", "10.0", "11.0"]}
-    report = present({"": Found(header, tuple(rows), (change(),))})
-    (chart,) = report.parts[0].charts
-    (layer,) = chart.specification["layer"]
-    values = layer["data"]["values"]
-    assert [(one["version"], one["value"], one["changed"]) for one in values] == [
-        ("1.0", 2e-5, False),
-        ("2.0", 3e-9, True),
-        ("10.0", None, False),
-        ("11.0", 3e-9, False),
-    ]
-    assert layer["encoding"]["x"]["sort"] == ["1.0", "2.0", "10.0", "11.0"]
-    svg = vl_convert.vegalite_to_svg(json.dumps(chart.specification))
-    # The line is broken at the release without a figure, and one symbol is a ring.
-    assert svg.count('stroke-width="1.6"') == 1
-    assert chart.alt.endswith("mujoco RK4 from 2e-5 to 3e-9 at 2.0.")
-
-
 def test_versions_are_ordered_as_versions_and_named_once() -> None:
     assert releases.chosen("mujoco", ("3.10.0", "3.9", "3.9", "4"), None) == (("3.9", "3.10.0", "4"), ())
     for versions, last in ((("new",), None), ((), None), ((), 0), (("3.1",), -1)):
@@ -328,13 +163,6 @@ def test_without_an_index_the_newest_are_those_that_are_there(monkeypatch: pytes
     monkeypatch.setenv("UV_NO_INDEX", "1")
     with pytest.raises(BadInput, match="cannot be listed"):
         releases.chosen("mujoco", (), 2)
-
-
-def bodycheck(*arguments: object) -> int:
-    """The exit code of the command, in this process. Raises `BadInput`."""
-    code = command_line.app(list(map(str, arguments)), exit_on_error=False, print_error=False, result_action="return_value")
-    assert isinstance(code, int)
-    return code
 
 
 @pytest.mark.parametrize(
@@ -355,7 +183,7 @@ def test_what_cannot_be_asked_is_refused_before_anything_is_installed(
 ) -> None:
     monkeypatch.setenv("BODYCHECK_CACHE", str(tmp_path / "cache"))
     with pytest.raises(BadInput, match=words):
-        bodycheck(*arguments)
+        call(*arguments)
     assert not (tmp_path / "cache" / "environments").exists()
 
 
@@ -389,7 +217,7 @@ def test_a_miniature_engine_through_its_releases(
     index: Path, spin: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     limit = ("--case", spin, *METHOD, "--quantity", "angular_velocity_error", "--limit", "1e-6", "--json")
-    assert bodycheck("bisect", "toy", "1.0", "2.0", *limit) == 0
+    assert call("bisect", "toy", "1.0", "2.0", *limit) == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["last_good"], found["first_bad"], found["made"]) == ("1.0", "2.0", 2)
     # One per mille of 5 rad/s a second, after half a second.
@@ -397,14 +225,14 @@ def test_a_miniature_engine_through_its_releases(
 
     shutil.rmtree(index)  # from here on there is nothing to install from
     with pytest.raises(BadInput, match="exchange the two"):
-        bodycheck("bisect", "toy", "2.0", "1.0", *limit)
-    assert bodycheck("bisect", "toy", "1.0", "2.0", *limit) == 1  # between them there may be others
+        call("bisect", "toy", "2.0", "1.0", *limit)
+    assert call("bisect", "toy", "1.0", "2.0", *limit) == 1  # between them there may be others
     said = capsys.readouterr()
     assert json.loads(said.out) == found | {"made": 0}
     assert "cannot be listed" in said.err
 
     asked = ("releases", "toy", "1.0", "3.0", "--case", spin, *METHOD, "--out", tmp_path / "out", "--json")
-    assert bodycheck(*asked) == 1  # 3.0 cannot be had
+    assert call(*asked) == 1  # 3.0 cannot be had
     told = json.loads(capsys.readouterr().out)
     assert told["took"] == {"made": 0, "measured": 0, "known": 1}
     assert [(one["version"], one["status"]) for one in told["rows"]] == [("1.0", "ok"), ("3.0", UNOBTAINABLE)]
@@ -413,7 +241,7 @@ def test_a_miniature_engine_through_its_releases(
     assert {path.name for path in (tmp_path / "out").iterdir()} == names
     assert "3.0 was not measured" in (tmp_path / "out" / "report.md").read_text()
 
-    assert bodycheck("releases", "toy", "--remove") == 0
+    assert call("releases", "toy", "--remove") == 0
     assert "removed 1.0, 2.0" in capsys.readouterr().out
 
 
@@ -449,7 +277,7 @@ def test_what_mujoco_4_changed_of_a_tumbling_box(tmp_path: Path) -> None:
     except Unobtainable as error:
         pytest.skip(str(error))
     case = ("--case", "osrf-boxes-complex", "--timestep", "0.001", "--out", tmp_path)
-    assert bodycheck("releases", "mujoco", "3.16.0", "3.17.0", "4.0.0", *case) == 0
+    assert call("releases", "mujoco", "3.16.0", "3.17.0", "4.0.0", *case) == 0
     found = release_rows.read(tmp_path)
     assert {(one.from_version, one.to_version) for one in found.changes} == {("3.17.0", "4.0.0")}
     (rk4,) = [one for one in found.changes if one.integrator == "RK4" and one.quantity == "attitude_error"]

@@ -109,7 +109,7 @@ def priced(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[dict[str,
     results = run(cases, tmp_path_factory.mktemp("priced"), timesteps=(0.01, 0.005, 0.002, 0.001))
     verdicts = judgement.judge(results)
     with calls_here(), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(cost, "LONG_ENOUGH", cost.LONG_ENOUGH / 10)
+        patch.setattr(cost, "MIN_TIMING_S", cost.MIN_TIMING_S / 10)
         rows = tradeoff.price(results, verdicts, ENGINES)
     return {case.name: [row for row in rows if row["case"] == case.name] for case in cases}
 
