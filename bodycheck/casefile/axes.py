@@ -228,7 +228,7 @@ AXES: dict[str, Axis] = {
         ),
         Axis(
             name="size",
-            title="Size, times that of the case",
+            title="Relative size",
             meaning="factor of all lengths of the body at the same density",
             remark="from 1e-10 to 1e10; the mass goes with the cube, the moments with the fifth power",
             values=Factors,

@@ -83,6 +83,7 @@ class Change:
 
     @property
     def grew(self) -> bool:
+        """Return whether the number is now farther from the ideal."""
         return distance_from_ideal(self.name, self.now) > distance_from_ideal(self.name, self.base)
 
     @property
@@ -189,7 +190,7 @@ def method_text(key: RunKey) -> str:
 
 
 def _findings(pair: Pair) -> Iterator[Finding]:
-    yield Finding("Sets", _origins(pair))
+    yield Finding("Sets", _versions(pair))
     yield Finding("In common", _agreement(pair))
     for change in pair.changed[:MOST_CHANGES]:
         yield change.finding
@@ -200,11 +201,11 @@ def _findings(pair: Pair) -> Iterator[Finding]:
         why = f" ({other.outcome.reason})" if other.outcome.reason else ""
         statuses = f"from {one.outcome.status} to {other.outcome.status}{why}"
         yield Finding("Status", "In ", case.name, f", the status of {method_text(one.run.key)} changed {statuses}.")
-    yield from _alone(pair)
-    yield from _paces(pair)
+    yield from _only_in_one(pair)
+    yield from _cost_changes(pair)
 
 
-def _origins(pair: Pair) -> str:
+def _versions(pair: Pair) -> str:
     """Return a sentence on the versions and machines of both sets."""
     one, other = (_leaves(side.results.header) for side in (pair.base, pair.other))
     apart = [
@@ -238,7 +239,7 @@ def _agreement(pair: Pair) -> str:
     return text + (ROUNDING_CAVEAT if pair.changed else "")
 
 
-def _alone(pair: Pair) -> Iterator[Finding]:
+def _only_in_one(pair: Pair) -> Iterator[Finding]:
     """Yield a finding for each set about runs that only this set has, unless the sets have different cases of that name."""
     both = {one.run.key for _, one, _ in pair.common}
     for side in (pair.base, pair.other):
@@ -254,7 +255,7 @@ def _alone(pair: Pair) -> Iterator[Finding]:
             yield Finding("In one only", text)
 
 
-def _paces(pair: Pair) -> Iterator[Finding]:
+def _cost_changes(pair: Pair) -> Iterator[Finding]:
     """Yield a finding about methods whose steps became slower or faster, if the machine is the same."""
     if pair.base.results.header["machine"] != pair.other.results.header["machine"]:
         yield Finding("Cost", "The sets were made on different machines, so the cost of steps is not compared.")

@@ -40,6 +40,7 @@ class Measured:
 
     @property
     def case(self) -> str:
+        """Return the name of the case."""
         return self.verdict.run.case
 
     @property

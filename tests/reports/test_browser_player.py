@@ -167,7 +167,7 @@ def test_a_runs_body_has_the_attitude_that_its_engine_gave(flip: tuple[Visit, An
         assert geodesic_angle(motion.quaternion[sample], drawn) <= tracks.TOLERANCE
         off = geodesic_angle(motion.quaternion[sample], exact.quaternion[0])
         assert abs(off - geodesic_angle(drawn, right)) <= 2 * tracks.TOLERANCE
-        told = svg.locator("xpath=..").locator(".told").inner_text()
+        told = svg.locator("xpath=..").locator(".reading").inner_text()
         angle, shift = (float(figure) for figure in re.findall(r"off by ([\d.]+) rad\s+and ([\d.]+) m", told)[0])
         assert angle == pytest.approx(off, abs=2.1 * tracks.TOLERANCE)
         away = float(np.linalg.norm(motion.position[sample] - exact.position[0]))

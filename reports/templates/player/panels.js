@@ -5,7 +5,7 @@
 const panelsOf = ({ truth, runs }, shown, solid, onPlane, chosen) =>
   [truth, ...shown].map((body, k) => {
     const { picture, draw } = bodyPicture(solid, onPlane);
-    const words = html("p", { class: "told" });
+    const words = html("p", { class: "reading" });
     const swatch = html("i", { class: "swatch" });
     const head = html("div", { class: "head" }, swatch);
     if (k) {
@@ -22,4 +22,4 @@ const panelsOf = ({ truth, runs }, shown, solid, onPlane, chosen) =>
   });
 
 const polhodePanel = ({ picture }) =>
-  html("div", { class: "panel wide" }, html("div", { class: "head" }, "Polhodes"), picture, html("p", { class: "told" }, "angular momentum\nin the body"));
+  html("div", { class: "panel wide" }, html("div", { class: "head" }, "Polhodes"), picture, html("p", { class: "reading" }, "angular momentum\nin the body"));

@@ -14,7 +14,7 @@ const firstAzimuth = (data, { truth, stateOf }) => {
   return Math.hypot(momentum[0], momentum[1]) > 0.35 * length(momentum) ? Math.atan2(momentum[1], momentum[0]) - 1.1 : -1;
 };
 
-// The first time at which the runs shown are farthest from the truth, or 0 if they cannot be told from it.
+// The first time at which the runs shown are farthest from the truth, or 0 if they cannot be distinguished from it.
 const firstTime = (data, { truth, stateOf }, shown) => {
   const apart = (t) => {
     const exact = stateOf(truth, t);

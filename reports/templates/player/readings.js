@@ -1,7 +1,7 @@
-// What is written under the pictures and said of them to readers who do not see them.
+// Texts under the pictures, and descriptions of the pictures for screen readers.
 // Uses vectors.js and elements.js.
 
-// rad: bodies whose attitudes differ by less cannot be told apart, as each is drawn within `within` of its samples.
+// Angle (rad) below which the attitudes of two bodies cannot be distinguished, as each is drawn to `within` rad.
 const indistinct = (within) => 2.5 * within;
 
 // How far a run is from the truth: the difference of attitudes (rad), and the words.
@@ -16,13 +16,13 @@ const differenceOf = (run, state, truth, { plane, within, body: { reach } }) => 
 };
 const turningWords = (state) => `turning at\n${number(length(state.rate))} rad/s`;
 
-// Names the pictures for what they show, and tells it to screen readers if the reader is using this player.
+// Describes the pictures, and lets screen readers announce the descriptions if the reader is using this player.
 // panels: of the truth, then of the runs shown. status: the element that screen readers announce.
 const announce = (figure, panels, shown, time, status) => {
   const attitude = panels[0].picture.dataset.quaternion.split(",").map(Number);
   const axis = rotate(attitude, AXES[2]).map((x) => number(x, 2));
   const names = [`the truth, its axis K along (${axis.join(", ")})`, ...shown.map(({ label }) => label)];
-  const sayings = panels.map(({ words }, k) => `${names[k]}: ${words.textContent}`);
-  panels.forEach(({ picture }, k) => picture.setAttribute("aria-label", `At ${time}, ${sayings[k]}`));
-  if (status.textContent || document.activeElement?.closest(".player") === figure) status.textContent = `At ${time}: ${sayings.join("; ")}.`;
+  const descriptions = panels.map(({ words }, k) => `${names[k]}: ${words.textContent}`);
+  panels.forEach(({ picture }, k) => picture.setAttribute("aria-label", `At ${time}, ${descriptions[k]}`));
+  if (status.textContent || document.activeElement?.closest(".player") === figure) status.textContent = `At ${time}: ${descriptions.join("; ")}.`;
 };
