@@ -4,7 +4,7 @@ Here a way is one such computation: the truth itself, a numerical integration of
 form.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from typing import Any
 
@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from bodycheck.reference import truth
 from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.exact.start import start
 from bodycheck.reference.flight import closed_form, torque_free
-from bodycheck.reference.flight.closed_form import smallest_rotation
-from bodycheck.reference.principal_frame import along_principal_axes, in_body_frame
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
+from bodycheck.reference.witness import angle_between
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,6 @@ def certify(scene: Scene, times: Array) -> Certificate:
     """
     if scene.plane is not None:
         raise NotModelled("a body on a plane in more ways than the two whose disagreement bounds its error")
-    body_frame, scene = scene, along_principal_axes(scene)
     found = truth.truth(scene, times)
     plain = truth.dop853()
     ways: dict[str, NDArray[Any]] = {
@@ -68,14 +67,14 @@ def certify(scene: Scene, times: Array) -> Certificate:
         f"euler-lagrange, {plain.name}": plain.euler_lagrange(scene, times),
         f"quasi-coordinates, {plain.name}": plain.quasi_coordinates(scene, times),
     }
-    body, start = scene.body, scene.initial
-    if smallest_rotation(body.moments, start.angular_velocity) is closed_form.SYMMETRIC:
+    begin = start(scene)
+    if closed_form.smallest_form(begin.moments, begin.rates) is closed_form.SYMMETRIC:
         # The elliptic functions hold for this body too, and are computed by other formulas.
-        ways[ELLIPTIC_WAY], _ = torque_free.rotation(body.moments, start.angular_velocity, start.quaternion, times)
+        ways[ELLIPTIC_WAY] = torque_free.rotation(begin, times).attitude
     try:
         from bodycheck.reference.integration import sensitivity, taylor
     except ImportError:
-        difference, growth = truth.attitude_difference, None
+        difference, growth = angle_between, None
         quadruple: tuple[str, ...] = ()
     else:
         difference, growth = taylor.attitude_difference, sensitivity.growth(scene, times).of_any
@@ -85,9 +84,8 @@ def certify(scene: Scene, times: Array) -> Certificate:
         quadruple = tuple(ways)[-2:]
 
     apart = {(one, other): np.maximum.accumulate(difference(ways[one], ways[other])) for one, other in combinations(ways, 2)}
-    bound = closed_form.bound(scene, times)
+    bound = closed_form.flight(scene, times).bounds.error
     if quadruple:
         lagrange, euler = quadruple
         bound = np.minimum(bound, apart[TRUTH_WAY, lagrange] + 2 * apart[lagrange, euler])
-    in_frame = replace(found, scene=body_frame, trajectory=in_body_frame(body_frame, found.trajectory))
-    return Certificate(in_frame, apart, bound, growth)
+    return Certificate(found, apart, bound, growth)

@@ -1,26 +1,22 @@
-"""Mass, centre of mass and inertia of rigid bodies, and their principal axes [G 2.9, 2.27-2.32].
+"""Inertia of rigid bodies in double precision [G 2.9, 2.27-2.32]; `exact.inertia` has what the truth is computed from.
 
 Inertia is always about the centre of mass.
 """
 
-import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from bodycheck.reference.exact.inertia import moments
+from bodycheck.reference.exact.numbers import doubles
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.principal_frame import IDENTITY
-from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Quaternion, Shape, Sphere, Vector
+from bodycheck.reference.scene import Body, Shape, Vector
 from bodycheck.reference.trajectory import Array
 
 #: Relative amount by which A + B may fall short of C, because of rounding in the moments of a disc or a needle.
 TRIANGLE_TOLERANCE = 1e-12
-
-#: Every order of three axes, and every choice of their signs.
-_AXIS_ORDERS = ([0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2])
-_AXIS_SIGNS = [np.array([i, j, k]) for i in (1, -1) for j in (1, -1) for k in (1, -1)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,50 +39,9 @@ class MassProperties:
 
 
 def principal_moments(shape: Shape, mass: float) -> Vector:
-    """Moments A, B, C (kg m^2) about I, J, K of a homogeneous solid of the given mass (kg): the integrals of [G 2.29]."""
-    match shape:
-        case Brick((a, b, c)):
-            return mass * (b * b + c * c) / 3, mass * (a * a + c * c) / 3, mass * (a * a + b * b) / 3
-        case Ellipsoid((a, b, c)):
-            return mass * (b * b + c * c) / 5, mass * (a * a + c * c) / 5, mass * (a * a + b * b) / 5
-        case Cylinder(radius, half_length):
-            across = mass * (radius * radius / 4 + half_length * half_length / 3)
-            return across, across, mass * radius * radius / 2
-        case Sphere(radius):
-            moment = 2 * mass * radius * radius / 5
-            return moment, moment, moment
-
-
-def solid(shape: Shape, mass: float, position: ArrayLike = (0, 0, 0), quaternion: ArrayLike = (1, 0, 0, 0)) -> MassProperties:
-    """Mass properties of a homogeneous solid that is displaced and rotated in some frame.
-
-    Parameters
-    ----------
-    shape
-        Shape of the solid.
-    mass
-        Mass (kg).
-    position
-        (3,) centre of mass in that frame (m).
-    quaternion
-        (4,) quaternion w, x, y, z of any length, which rotates components along the axes of the shape to that frame.
-
-    Returns
-    -------
-    MassProperties
-        The mass properties in that frame.
-    """
-    turn = _rotation_matrix(quaternion)
-    inertia = turn @ np.diag(principal_moments(shape, mass)) @ turn.T
-    return MassProperties(mass, np.asarray(position, dtype=float), inertia)
-
-
-def particles(masses: ArrayLike, positions: ArrayLike) -> MassProperties:
-    """Mass properties of particles with masses (n,), kg, at positions (n, 3), m: the sums in [G 2.9] and [G 2.29]."""
-    m, r = np.asarray(masses, dtype=float), np.asarray(positions, dtype=float)
-    mass = float(m.sum())
-    centre = np.asarray(m @ r / mass)
-    return MassProperties(mass, centre, _second_moments_to_inertia((r - centre).T @ (m[:, None] * (r - centre))))
+    """Moments A, B, C (kg m^2) about I, J, K of a homogeneous solid of the given mass (kg), as the nearest doubles."""
+    a, b, c = doubles(moments(shape, mass))
+    return a, b, c
 
 
 def mesh(vertices: ArrayLike, triangles: ArrayLike, mass: float) -> MassProperties:
@@ -126,35 +81,6 @@ def mesh(vertices: ArrayLike, triangles: ArrayLike, mass: float) -> MassProperti
     second = np.einsum("n,ni,nj->ij", volumes, sums, sums) + np.einsum("n,nki,nkj->ij", volumes, corners, corners)
     second = mass * (second / (20 * volume) - np.outer(centre, centre))
     return MassProperties(mass, origin + centre, _second_moments_to_inertia(second))
-
-
-def composite(parts: Sequence[MassProperties]) -> MassProperties:
-    """Mass properties of several bodies joined into one, all given in the same frame, by the parallel-axis theorem."""
-    centres = particles([part.mass for part in parts], [part.centre for part in parts])
-    inertia = centres.inertia + sum(part.inertia for part in parts)
-    return MassProperties(centres.mass, centres.centre, inertia)
-
-
-def principal_axes(inertia: Array) -> tuple[Vector, Quaternion]:
-    """Principal moments and principal axes of a symmetric inertia tensor (3, 3), kg m^2 [G p. 49].
-
-    Returns the moments A, B, C (kg m^2), and the unit quaternion (w, x, y, z) that rotates components along the principal
-    axes to components in the frame of the tensor. Of the possible orders and signs of the axes, those are chosen that give the
-    smallest rotation; a diagonal tensor gives no rotation at all. Where moments are equal, their axes are arbitrary.
-    """
-    if not (inertia - np.diag(np.diag(inertia))).any():
-        a, b, c = np.diag(inertia).tolist()
-        return (a, b, c), (1.0, 0.0, 0.0, 0.0)
-    from scipy.spatial.transform import Rotation  # as in `_rotation_matrix`
-
-    _, axes = np.linalg.eigh(inertia)
-    best = max(
-        (axes[:, order] * signs for order in _AXIS_ORDERS for signs in _AXIS_SIGNS),
-        key=lambda turn: float(np.trace(turn)) if np.linalg.det(turn) > 0 else -math.inf,
-    )
-    a, b, c = np.einsum("ij,ik,jk->k", inertia, best, best).tolist()
-    w, x, y, z = Rotation.from_matrix(best).as_quat(canonical=True, scalar_first=True).tolist()
-    return (a, b, c), (w, x, y, z)
 
 
 def inertia_tensor(body: Body) -> Array:

@@ -6,7 +6,10 @@ cheap to send to another process.
 """
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from bodycheck.reference.definition import Definition
 
 #: Three components, in the unit and the frame that the context states.
 Vector = tuple[float, float, float]
@@ -129,6 +132,10 @@ class Scene:
         The plane that the body lies on, or None for free flight.
     drag
         Coefficient c (kg/m) of the quadratic drag F = -c |v| v at the centre of mass.
+    definition
+        What the case file says of the body and its initial rotation, of which the doubles of `body` and `initial` are the
+        nearest; None where these are all that is known. It counts only as long as they are the ones that follow from it, so
+        that a scene in which they are replaced is the scene of the new numbers; see `exact.start`.
     """
 
     body: Body
@@ -136,6 +143,7 @@ class Scene:
     gravity: float = 0.0
     plane: Plane | None = None
     drag: float = 0.0
+    definition: "Definition | None" = None
 
     @property
     def conserves(self) -> bool:

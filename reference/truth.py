@@ -6,30 +6,36 @@ angles and Euler's equations with a quaternion, both integrated numerically. Dra
 formulations. A body that lies flat on a plane has three coordinates; see `sliding`.
 """
 
-from collections.abc import Callable
+import contextlib
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from bodycheck.reference.bounds import EPS, Bounds
 from bodycheck.reference.errors import NotFlat, NotModelled, OutOfReach, WouldTip
+from bodycheck.reference.exact.start import start
 from bodycheck.reference.flight import closed_form, drag
-from bodycheck.reference.flight.closed_form import smallest_rotation
+from bodycheck.reference.flight.amplification import amplification
 from bodycheck.reference.integration import lagrangian, quasi_coordinates
-from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.planar import Stop, planar_state
 from bodycheck.reference.principal_frame import IDENTITY, along_principal_axes, in_body_frame
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Scene
-from bodycheck.reference.sliding.motion import slide
+from bodycheck.reference.sliding.motion import Slide, slide
 from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.witness import Witness, conserved_errors, excess
 
 #: Name of the backend that evaluates closed forms.
 CLOSED_FORM_BACKEND = "numpy"
 
 #: Name of the backend that integrates drag and slides.
 INTEGRATION_BACKEND = "scipy-dop853"
+
+#: Roundings of a witness for each radian of turning, before they are amplified.
+WITNESS_ROUNDING = 64.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,10 +48,8 @@ class Truth:
         The scene.
     trajectory
         The reference trajectory at n instants, in the frame of the scene's body.
-    error
-        (n,) bound of the attitude error of the trajectory itself at each instant (rad), never decreasing.
-    position_error
-        (n,) bound of the position error of the trajectory itself at each instant (m), never decreasing.
+    bounds
+        Bounds of the errors of the trajectory itself at each instant.
     model
         Name of the equations that were solved.
     reason
@@ -61,8 +65,7 @@ class Truth:
 
     scene: Scene
     trajectory: Trajectory
-    error: Array
-    position_error: Array
+    bounds: Bounds
     model: str
     reason: str
     backend: str
@@ -95,14 +98,17 @@ class Backend:
     ----------
     name
         Name of the solver in results.
+    precision
+        The relative rounding error of its arithmetic.
     euler_lagrange
-        Solves the Euler-Lagrange equations: maps a scene along principal axes and ascending times (n,) >= 0, s, to attitudes
+        Solves the Euler-Lagrange equations: maps a scene and ascending times (n,) >= 0, s, to attitudes
         (n, 4), w x y z, body to world, in the floating-point type of the solver. Raises `OutOfReach`.
     quasi_coordinates
         Solves Euler's equations with a quaternion, with the same arguments and result.
     """
 
     name: str
+    precision: float
     euler_lagrange: Callable[[Scene, Array], NDArray[Any]]
     quasi_coordinates: Callable[[Scene, Array], NDArray[Any]]
 
@@ -130,6 +136,7 @@ def backend() -> Backend:
         return dop853()
     return Backend(
         taylor.BACKEND_NAMES["extended"],
+        float(np.finfo(np.longdouble).eps),
         lambda scene, times: taylor.euler_lagrange(scene, times).quaternion,
         lambda scene, times: taylor.quasi_coordinates(scene, times).quaternion,
     )
@@ -139,8 +146,9 @@ def dop853() -> Backend:
     """SciPy's DOP853 in double precision."""
     return Backend(
         INTEGRATION_BACKEND,
-        lambda scene, times: lagrangian.integrate(scene, times).quaternion,
-        lambda scene, times: quasi_coordinates.integrate(scene, times).quaternion,
+        EPS,
+        lambda scene, times: _in_doubles(lagrangian.integrate, scene, times),
+        lambda scene, times: _in_doubles(quasi_coordinates.integrate, scene, times),
     )
 
 
@@ -177,48 +185,27 @@ def truth(scene: Scene, times: Array, solver: Backend | None = None) -> Truth:
         raise NotModelled(missing)
     if scene.plane is not None:
         return on_plane(scene, times)
-    principal = along_principal_axes(scene)
-    form = smallest_rotation(principal.body.moments, principal.initial.angular_velocity)
-    motion, error = closed_form.motion(principal, times), closed_form.bound(principal, times)
-    turns = any(principal.initial.angular_velocity)
-    apart, witnesses = disagreement(principal, motion, solver or backend()) if turns else (np.zeros(len(times)), ())
+    flown = closed_form.flight(scene, times)
+    bounds, names = flown.bounds, []
+    if any(scene.initial.angular_velocity):
+        for witness in witnesses(scene, times, solver or backend()):
+            bounds = bounds.plus(excess(scene, flown.motion, flown.bounds, witness))
+            names.append(witness.name)
     flight = Truth(
-        scene,
-        in_body_frame(scene, motion),
-        error + apart,
-        rounding(motion),
-        f"closed form: {form.name}",
-        form.reason,
-        CLOSED_FORM_BACKEND,
-        witnesses,
+        scene, flown.motion, bounds, f"closed form: {flown.form.name}", flown.form.reason, CLOSED_FORM_BACKEND, tuple(names)
     )
     return with_drag(flight) if requirements(scene).drag else flight
 
 
-def disagreement(scene: Scene, motion: Trajectory, solver: Backend) -> tuple[Array, tuple[str, ...]]:
-    """Disagreement of a motion with its two witnesses.
+def witnesses(scene: Scene, times: Array, solver: Backend) -> Iterator[Witness]:
+    """The witnesses of a body that rotates in free flight, at ascending times (n,) >= 0, s.
 
-    Parameters
-    ----------
-    scene
-        The scene, along the principal axes of its body.
-    motion
-        The motion at n instants, in the same frame.
-    solver
-        The solver of the witnesses.
-
-    Returns
-    -------
-    tuple
-        (n,) largest angle so far between the attitudes of the motion and those of either witness (rad), and the names of the
-        witnesses. Where a witness cannot be computed, the angles are zero and there are no names.
+    A witness that cannot be computed is left out.
     """
-    ways = {"euler-lagrange": solver.euler_lagrange, "quasi-coordinates": solver.quasi_coordinates}
-    try:
-        apart = [attitude_difference(motion.quaternion, way(scene, motion.t)) for way in ways.values()]
-    except OutOfReach:
-        return np.zeros(len(motion)), ()
-    return np.maximum.accumulate(np.maximum(*apart)), tuple(f"{way}, {solver.name}" for way in ways)
+    own = WITNESS_ROUNDING * solver.precision * amplification(start(scene), times)
+    for name, way in (("euler-lagrange", solver.euler_lagrange), ("quasi-coordinates", solver.quasi_coordinates)):
+        with contextlib.suppress(OutOfReach):
+            yield Witness(f"{name}, {solver.name}", quaternion=way(scene, times), error=own)
 
 
 def on_plane(scene: Scene, times: Array) -> Truth:
@@ -231,8 +218,7 @@ def on_plane(scene: Scene, times: Array) -> Truth:
     return Truth(
         scene,
         found.trajectory,
-        found.error,
-        found.position_error,
+        _slide_bounds(scene, found),
         found.model,
         found.reason,
         CLOSED_FORM_BACKEND if closed else INTEGRATION_BACKEND,
@@ -254,7 +240,7 @@ def with_drag(flight: Truth) -> Truth:
     return replace(
         flight,
         trajectory=slowed,
-        position_error=2 * np.maximum.accumulate(distance(position, witness)) + rounding(slowed),
+        bounds=replace(flight.bounds, position_error=2 * np.maximum.accumulate(distance(position, witness)) + rounding(slowed)),
         model=f"{flight.model}, drag integrated",
         backend=INTEGRATION_BACKEND,
         witnesses=(*flight.witnesses, f"hodograph, {INTEGRATION_BACKEND}"),
@@ -272,7 +258,19 @@ def distance(one: Array, other: Array) -> Array:
     return np.asarray(np.linalg.norm(one - other, axis=1))
 
 
-def attitude_difference(p: NDArray[Any], q: NDArray[Any]) -> Array:
-    """Angle (n,), rad, between attitudes (n, 4) in double or extended precision, computed in the wider of the two types."""
-    wide = np.result_type(p, q)
-    return geodesic_angle(p.astype(wide), q.astype(wide)).astype(float)
+def _in_doubles(integrate: Callable[[Scene, Array], Trajectory], scene: Scene, times: Array) -> NDArray[Any]:
+    """The attitudes (n, 4) of an integration in double precision, which starts along the principal axes."""
+    principal = along_principal_axes(scene)
+    return in_body_frame(scene, integrate(principal, times)).quaternion
+
+
+def _slide_bounds(scene: Scene, found: Slide) -> Bounds:
+    """The bounds of the errors of a slide."""
+    motion = found.trajectory
+    known = {
+        "error": found.error,
+        "position_error": found.position_error,
+        "velocity_error": np.zeros(len(motion)),
+        "angular_velocity_error": np.zeros(len(motion)),
+    }
+    return Bounds(**known, **conserved_errors(scene, motion, **known))

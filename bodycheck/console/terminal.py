@@ -130,7 +130,7 @@ def print_truth(truth: Truth, most_rows: int) -> None:
             f"{trajectory.t[i]:g}",
             *(vector(part[i]) for part in (trajectory.position, trajectory.quaternion, trajectory.velocity)),
             vector(trajectory.angular_velocity[i]),
-            f"{truth.error[i]:.2g}",
+            f"{truth.bounds.error[i]:.2g}",
         )
         for i in chosen
     ]
@@ -152,7 +152,10 @@ def print_certificate(certificate: Certificate) -> None:
 
     print("\nlargest attitude difference so far, rad")
     rows = [(f"{one} | {other}", *figures(apart)) for (one, other), apart in certificate.differences.items()]
-    rows += [("printed bound of the truth's error", *figures(truth.error)), ("certified bound", *figures(certificate.bound))]
+    rows += [
+        ("printed bound of the truth's error", *figures(truth.bounds.error)),
+        ("certified bound", *figures(certificate.bound)),
+    ]
     print_table(("ways", *(f"until {t[i]:g} s" for i in chosen)), rows)
     if certificate.growth is not None:
         print(f"an error at one instant grows up to {certificate.growth.max():.2g}-fold until a later one")

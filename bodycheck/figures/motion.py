@@ -36,7 +36,7 @@ ERRORS = (
         compute=position_error,
         scale=lambda scales: scales.length,
         presence="every run",
-        bound=lambda truth: truth.position_error,
+        bound=lambda truth: truth.bounds.position_error,
         plotted=True,
     ),
     Figure(
@@ -58,7 +58,7 @@ ERRORS = (
         compute=attitude_error,
         scale=lambda scales: scales.angle,
         presence="every run",
-        bound=lambda truth: truth.error,
+        bound=lambda truth: truth.bounds.error,
         plotted=True,
     ),
     Figure(
@@ -81,7 +81,7 @@ TRUTH_ERROR = Figure(
     meaning="bound of the truth's own attitude error; smaller attitude errors have no meaning",
     unit="rad",
     largest=True,
-    compute=lambda compared: compared.truth.error,
+    compute=lambda compared: compared.truth.bounds.error,
     scale=lambda scales: scales.angle,
     limited=False,
     presence="every run",

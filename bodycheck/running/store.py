@@ -17,6 +17,7 @@ from typing import Any, cast
 from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.errors import BadFolder
 from bodycheck.figures.definition import Load
+from bodycheck.reference.bounds import NAMES
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truth import NoTruth, Truth
@@ -70,7 +71,9 @@ class Writer:
 
     def add_truth(self, case: Case, timestep: float, truth: Truth) -> None:
         """Write the truth for the runs of a case with a time step (s)."""
-        bounds = dict(zip(trajectory_files.BOUND_COLUMNS, (truth.error, truth.position_error), strict=True))
+        bounds = {
+            column: getattr(truth.bounds, name) for column, name in zip(trajectory_files.BOUND_COLUMNS, NAMES, strict=True)
+        }
         trajectory_files.write(self.folder / truth_path(case.name, timestep), truth.trajectory, bounds)
         record: dict[str, Any] = {"case": case.name, "timestep": timestep, "model": truth.model, "why": truth.reason}
         record |= {"backend": truth.backend, "witnesses": truth.witnesses}
@@ -171,12 +174,11 @@ class Results:
             return NoTruth("the reference was interrupted")
         if "reason" in record:
             return NoTruth(record["reason"])
-        trajectory, error, position_error = trajectory_files.read_truth(self.folder / _path_of(record))
+        trajectory, bounds = trajectory_files.read_truth(self.folder / _path_of(record))
         return Truth(
             self.cases[case].scene,
             trajectory,
-            error,
-            position_error,
+            bounds,
             model=record["model"],
             reason=record["why"],
             backend=record["backend"],

@@ -11,6 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from bodycheck.errors import BadFolder
+from bodycheck.reference.bounds import NAMES, Bounds
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: Name of the folder of all trajectory files, inside a results folder.
@@ -19,8 +20,8 @@ TRAJECTORIES = "trajectories"
 #: Columns of a state: position (m), quaternion w x y z (body to world), velocity (m/s), angular velocity, body frame (rad/s).
 STATE_COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz")
 
-#: Columns of the bounds of a truth's own errors: attitude (rad) and position (m).
-BOUND_COLUMNS = ("truth_error", "truth_position_error")
+#: Columns of the bounds of a truth's own errors, in the order of `Bounds`.
+BOUND_COLUMNS = tuple(f"truth_{name}" for name in NAMES)
 
 
 @dataclass(frozen=True)
@@ -73,14 +74,14 @@ def read(file: Path) -> Trajectory:
     return _trajectory(_table(file, ()))
 
 
-def read_truth(file: Path) -> tuple[Trajectory, Array, Array]:
-    """Return the trajectory of a truth at n instants, and the bounds (n,) of its attitude (rad) and position (m).
+def read_truth(file: Path) -> tuple[Trajectory, Bounds]:
+    """Return the trajectory of a truth at n instants, and the bounds of its errors.
 
-    Raises `BadFolder` if the file is missing or damaged.
+    Bounds that an earlier version of bodycheck did not write are zero. Raises `BadFolder` if the file is missing or damaged.
     """
-    table = _table(file, BOUND_COLUMNS)
-    error, position_error = (table[bound].to_numpy() for bound in BOUND_COLUMNS)
-    return _trajectory(table), error, position_error
+    table = _table(file, _columns_of(file, BOUND_COLUMNS))
+    bounds = (table[name].to_numpy() if name in table.column_names else np.zeros(len(table)) for name in BOUND_COLUMNS)
+    return _trajectory(table), Bounds(*bounds)
 
 
 def is_readable(file: Path) -> bool:
@@ -96,11 +97,24 @@ def _path(case: str, name: str) -> Path:
     return Path(TRAJECTORIES, case, f"{quote(name, safe=' =,')}.parquet")
 
 
+def _columns_of(file: Path, wanted: tuple[str, ...]) -> tuple[str, ...]:
+    """Return those of the wanted columns that a file has."""
+    try:
+        names = pq.read_schema(file).names
+    except (OSError, pa.ArrowException) as error:
+        raise _unreadable(file, error) from error
+    return tuple(name for name in wanted if name in names)
+
+
+def _unreadable(file: Path, error: Exception) -> BadFolder:
+    return BadFolder(f"{file}: a trajectory that the results tell of cannot be read: {error}")
+
+
 def _table(file: Path, more: tuple[str, ...]) -> pa.Table:
     try:
         return pq.read_table(file, columns=["t", *STATE_COLUMNS, *more])
     except (OSError, pa.ArrowException) as error:
-        raise BadFolder(f"{file}: a trajectory that the results tell of cannot be read: {error}") from error
+        raise _unreadable(file, error) from error
 
 
 def _trajectory(table: pa.Table) -> Trajectory:

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from bodycheck.casefile.case import Case
 from bodycheck.reference import certificate
+from bodycheck.reference.bounds import NAMES
 from bodycheck.reference.certificate import Certificate
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.planar import Stop
@@ -63,8 +64,7 @@ def as_json(case: Case, truth: Truth) -> dict[str, Any]:
         "quaternion": trajectory.quaternion.tolist(),
         "velocity": trajectory.velocity.tolist(),
         "angular_velocity": trajectory.angular_velocity.tolist(),
-        "truth_error": truth.error.tolist(),
-        "truth_position_error": truth.position_error.tolist(),
+        **{f"truth_{name}": getattr(truth.bounds, name).tolist() for name in NAMES},
     }
 
 

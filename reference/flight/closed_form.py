@@ -1,9 +1,8 @@
 """Motion of a body in free flight in closed form: a parabola, and a rotation about the centre of mass without torque.
 
-Nothing is integrated, so that every instant has the same cost. The rotation is computed from the simplest form that is exact
-for its moments and rates, all digits being compared: a nearly symmetric body is treated as asymmetric, and the elliptic
-functions are accurate for it too. The motion is that of the exact floating-point numbers of the scene; `bound` does not
-include the sensitivity to errors in the initial state.
+Nothing is integrated, so that every instant has the same cost. The motion is that of the exact numbers of the scene (see
+`exact.start`). The rotation is computed from the simplest form that is exact for its moments and rates, all digits being
+compared: a nearly symmetric body is treated as asymmetric, and the elliptic functions are accurate for it too.
 """
 
 from collections.abc import Callable
@@ -11,22 +10,29 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.reference.bounds import EPS, Bounds
+from bodycheck.reference.exact.numbers import Vector3, Wide, doubles
+from bodycheck.reference.exact.rotations import IDENTITY
+from bodycheck.reference.exact.start import Start, start
 from bodycheck.reference.flight import symmetric_top, torque_free
-from bodycheck.reference.flight.elliptic import Wide
-from bodycheck.reference.kinematics import normalise
+from bodycheck.reference.flight.turning import Turning
+from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.requirements import symmetry
-from bodycheck.reference.scene import Body, Quaternion, Scene, Vector
+from bodycheck.reference.scene import Body, Scene, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: Attitude error (rad) of about ten roundings in double precision, whatever the duration; the largest observed is 7 eps.
-STORED_ERROR_RAD = 16 * float(np.finfo(float).eps)
+STORED_ERROR_RAD = 16 * EPS
 
 #: Attitude error (rad) per radian of the angles, which are computed and reduced to one turn in the wide type.
 ERROR_PER_RADIAN = 4 * float(np.finfo(Wide).eps)
 
+#: Relative error of a few roundings in double precision, for a vector that is rotated or a product that is formed.
+ROUNDINGS = 8 * EPS
+
 
 @dataclass(frozen=True)
-class Rotation:
+class Form:
     """A closed form of a rotation without torque, along the principal axes.
 
     Attributes
@@ -35,54 +41,40 @@ class Rotation:
         Name of the form in results.
     reason
         Why the form is exact, in a few words.
-    motion
-        Maps principal moments (kg m^2), angular velocity (rad/s) and attitude at t = 0, and times (n,), s, to attitudes (n, 4)
-        and angular velocities (n, 3), rad/s, in the body frame.
-    angles
-        Maps moments and angular velocity to the angle at t = 0 (rad) and the sum of the rates (rad/s) of the angles that are
-        reduced to one turn; their errors grow with them.
+    rotation
+        Maps a start and times (n,), s, to the rotation.
     """
 
     name: str
     reason: str
-    motion: Callable[[Vector, Vector, Quaternion, Array], tuple[Array, Array]]
-    angles: Callable[[Vector, Vector], tuple[float, float]]
+    rotation: Callable[[Start, Array], Turning]
 
 
-def _no_rotation(_moments: Vector, rates: Vector, quaternion: Quaternion, times: Array) -> tuple[Array, Array]:
-    """The attitude and the angular velocity at t = 0, repeated for all times."""
-    return np.tile(normalise(np.array(quaternion)), (len(times), 1)), np.tile(rates, (len(times), 1))
-
-
-def _steady(_moments: Vector, rates: Vector) -> tuple[float, float]:
-    """The `angles` of a spin about a fixed axis."""
-    return 0.0, float(torque_free.steady_rate(rates))
-
-
-def _symmetric(moments: Vector, rates: Vector) -> tuple[float, float]:
-    """The `angles` of a symmetric top: its precession and its spin."""
-    precession, spin = symmetric_top.angular_rates(moments, rates)
-    return 0.0, float(precession + abs(spin))
-
-
-def _elliptic(moments: Vector, rates: Vector) -> tuple[float, float]:
-    """The `angles` of an asymmetric body: the argument of the elliptic functions and the mean precession."""
-    polhode = torque_free.polhode(moments, rates)
-    if polhode is None:
-        return _steady(moments, rates)
-    return abs(float(polhode.start)), float(polhode.rate + torque_free.precession(polhode).rate)
+def _no_rotation(begin: Start, times: Array) -> Turning:
+    """The attitude at t = 0, repeated for all times."""
+    attitude = np.tile(doubles(begin.attitude), (len(times), 1))
+    return Turning(attitude, np.zeros((len(times), 3)), np.zeros(3), 0.0, 0.0)
 
 
 #: The closed forms. Their names and reasons appear in results.
-AT_REST = Rotation("constant attitude", "the body does not turn", _no_rotation, _steady)
-SPHERE = Rotation("steady turn", "all moments are equal", torque_free.rotation, _steady)
-PRINCIPAL = Rotation("steady turn", "it spins about a principal axis", torque_free.rotation, _steady)
-SYMMETRIC = Rotation("symmetric top", "two moments are equal", symmetric_top.rotation, _symmetric)
-ASYMMETRIC = Rotation("elliptic functions", "all moments differ", torque_free.rotation, _elliptic)
+AT_REST = Form("constant attitude", "the body does not turn", _no_rotation)
+SPHERE = Form("steady turn", "all moments are equal", torque_free.rotation)
+PRINCIPAL = Form("steady turn", "it spins about a principal axis", torque_free.rotation)
+SYMMETRIC = Form("symmetric top", "two moments are equal", symmetric_top.rotation)
+ASYMMETRIC = Form("elliptic functions", "all moments differ", torque_free.rotation)
 
 
-def smallest_rotation(moments: Vector, rates: Vector) -> Rotation:
-    """The simplest form that is exact for these principal moments (kg m^2) and this angular velocity (rad/s, body frame).
+@dataclass(frozen=True, eq=False)
+class Flight:
+    """A motion in free flight, with the form of its rotation and the bounds of its error."""
+
+    motion: Trajectory
+    bounds: Bounds
+    form: Form
+
+
+def smallest_form(moments: Vector3, rates: Vector3) -> Form:
+    """The simplest form that is exact for these principal moments (kg m^2) and this angular velocity (rad/s) along their axes.
 
     All digits are compared: nearly equal moments count as different.
     """
@@ -96,39 +88,75 @@ def smallest_rotation(moments: Vector, rates: Vector) -> Rotation:
     return SYMMETRIC if kind == "symmetric" else ASYMMETRIC
 
 
-def motion(scene: Scene, times: Array) -> Trajectory:
-    """The motion of a body in free flight at any times (n,), s, in any order.
+def flight(scene: Scene, times: Array) -> Flight:
+    """The motion of a body in free flight at any times (n,), s, in any order, in the frame of the body of the scene.
 
-    The scene must be along the principal axes of its body; its drag and its plane are ignored. The translation is the
-    parabola, computed in the wide type and rounded once.
+    Its drag and its plane are ignored. The translation is the parabola, computed in the wide type and rounded once.
 
     Raises `ValueError` or `OverflowError` for moments or angular velocities that are not finite.
     """
-    initial, moments = scene.initial, scene.body.moments
-    form = smallest_rotation(moments, initial.angular_velocity)
-    quaternion, angular_velocity = form.motion(moments, initial.angular_velocity, initial.quaternion, times)
+    begin = start(scene)
+    form = smallest_form(begin.moments, begin.rates)
+    turning = form.rotation(begin, times)
+    attitude, angular_velocity = turning.attitude, turning.angular_velocity
+    if begin.axes != IDENTITY:
+        axes = np.broadcast_to(np.array(doubles(begin.axes)), attitude.shape)
+        attitude, angular_velocity = multiply(attitude, conjugate(axes)), rotate(axes, angular_velocity)
+    position, velocity = parabola(scene, times)
+    motion = Trajectory(times, position, attitude, velocity, angular_velocity)
+    return Flight(motion, _bounds(scene, begin, turning, motion), form)
+
+
+def parabola(scene: Scene, times: Array) -> tuple[Array, Array]:
+    """Positions (n, 3), m, and velocities (n, 3), m/s, world frame, at times (n,), s, under gravity alone."""
     t, fall = times.astype(Wide)[:, None], np.array([0.0, 0.0, -scene.gravity], dtype=Wide)
-    position, velocity = (np.array(part, dtype=Wide) for part in (initial.position, initial.velocity))
-    return Trajectory(
-        times,
-        (position + t * (velocity + t * fall / 2)).astype(float),
-        quaternion,
-        (velocity + t * fall).astype(float),
-        angular_velocity,
-    )
+    position, velocity = (np.array(part, dtype=Wide) for part in (scene.initial.position, scene.initial.velocity))
+    return (position + t * (velocity + t * fall / 2)).astype(float), (velocity + t * fall).astype(float)
 
 
-def bound(scene: Scene, times: Array) -> Array:
-    """Bound (n,), rad, of the attitude error of `motion` at times (n,), s.
+def _bounds(scene: Scene, begin: Start, turning: Turning, motion: Trajectory) -> Bounds:
+    """The bounds of the errors of a motion in free flight.
 
     Angles within one turn are in double precision. The angles before this reduction, such as the phase u = u0 + lambda t and
     the mean precession, have the accuracy of the wide type: 5e-20 per radian where it has 80 bits, 2e-16 where there is no
     wider type than double precision. The separatrix needs no term of its own: the error of a period there is that of ln(4/k'),
-    and k' is accurate to all digits.
+    and k' is accurate to all digits. An error of the phase changes each component of the angular velocity by at most its
+    amplitude times the error. A body frame that is not along the principal axes adds the rounding of rotated components.
     """
-    moments, rates = scene.body.moments, scene.initial.angular_velocity
-    start, rate = smallest_rotation(moments, rates).angles(moments, rates)
-    return STORED_ERROR_RAD + ERROR_PER_RADIAN * (start + rate * np.abs(times))
+    turned = begin.axes != IDENTITY
+    phase = ERROR_PER_RADIAN * (turning.first_angle + turning.angle_rate * np.abs(motion.t))
+    attitude = np.asarray((1.5 if turned else 1.0) * STORED_ERROR_RAD + phase)
+    amplitude, moments = turning.amplitude, np.array(doubles(begin.moments))
+    speed = float(np.linalg.norm(amplitude))
+    frame = ROUNDINGS * speed if turned else 0.0
+    momentum = moments * amplitude
+    rotational = 0.5 * float(momentum @ amplitude)
+    position, velocity = translation_bounds(scene, motion)
+    speeds, heights = np.linalg.norm(motion.velocity, axis=1), np.abs(motion.position[:, 2])
+    mass, weight = scene.body.mass, scene.body.mass * scene.gravity
+    translational = mass * speeds * (velocity + ROUNDINGS * speeds) + weight * (position + ROUNDINGS * heights)
+    return Bounds(
+        error=attitude,
+        position_error=position,
+        velocity_error=velocity,
+        angular_velocity_error=speed * attitude + frame,
+        energy_error=2 * rotational * (2 * attitude + ROUNDINGS) + float(momentum.sum()) * frame + translational,
+        angular_momentum_error=2 * float(np.linalg.norm(momentum)) * (attitude + ROUNDINGS)
+        + float(np.linalg.norm(moments)) * frame,
+    )
+
+
+def translation_bounds(scene: Scene, motion: Trajectory) -> tuple[Array, Array]:
+    """Bounds (n,) of the errors of the position (m) and of the velocity (m/s) of the parabola.
+
+    Each is rounded to double once, after a few roundings in the wide type of the terms that it consists of.
+    """
+    initial, t, g = scene.initial, np.abs(motion.t), scene.gravity
+    speed, wide_eps = float(np.linalg.norm(initial.velocity)), 4 * float(np.finfo(Wide).eps)
+    terms = float(np.linalg.norm(initial.position)) + t * (speed + g * t / 2)
+    position = EPS * np.linalg.norm(motion.position, axis=1) + wide_eps * terms
+    velocity = EPS * np.linalg.norm(motion.velocity, axis=1) + wide_eps * (speed + g * t)
+    return np.asarray(position), np.asarray(velocity)
 
 
 def flip_period(body: Body, angular_velocity: Vector) -> float:
@@ -141,6 +169,8 @@ def flip_period(body: Body, angular_velocity: Vector) -> float:
 
     angular_velocity: along the principal axes of the body (rad/s).
     """
+    if not any(angular_velocity):
+        return float("inf")
     polhode = torque_free.polhode(body.moments, angular_velocity)
     if polhode is None or polhode.kc == 0:
         return float("inf")

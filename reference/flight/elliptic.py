@@ -11,10 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.trajectory import Array
-
-#: The widest floating-point type of NumPy: 80 bits on x86. Elsewhere it can be double precision, with that accuracy.
-Wide = np.longdouble
 
 #: An array of the wide type.
 WideArray = NDArray[np.longdouble]

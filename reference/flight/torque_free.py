@@ -10,7 +10,7 @@ J. Comput. Phys. 225, 145, 2007), arranged so that no digits cancel. With moment
 
 Only E2 is a difference. Its sign tells which axis p the angular momentum encircles in the body frame, that of the largest (+)
 or of the smallest moment (-); r is the other one. On the separatrix E2 is zero, and near it all of its digits would be lost,
-so E2 is computed in rational arithmetic. With u = u0 + lambda t,
+so E2 is computed with a hundred digits. With u = u0 + lambda t,
 
     Lp = Mp dn u,  Mp^2 = Ip Er / (I3 - I1),        lambda^2 = |Ip - I2| Er / (I1 I2 I3),
     L2 = M2 sn u,  M2^2 = I2 Ep / |Ip - I2|,        k^2  = |I2 - Ir| Ep / (|Ip - I2| Er),
@@ -27,15 +27,17 @@ the motion itself.
 """
 
 import math
-from dataclasses import dataclass
-from fractions import Fraction
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Real, Vector3, Wide, doubles, real, wide
+from bodycheck.reference.exact.start import Start
 from bodycheck.reference.flight.elliptic import (
     PI,
     ThetaSeries,
-    Wide,
     WideArray,
     complete,
     first_kind,
@@ -43,8 +45,8 @@ from bodycheck.reference.flight.elliptic import (
     quarter_period,
     theta_series,
 )
+from bodycheck.reference.flight.turning import Turning
 from bodycheck.reference.kinematics import conjugate, normalise
-from bodycheck.reference.scene import Quaternion, Vector
 from bodycheck.reference.trajectory import Array
 
 
@@ -60,18 +62,23 @@ class Polhode:
         +1 if that order is right-handed, -1 if it is left-handed.
     p
         Index of the axis p in that order, 0 or 2.
+    unit
+        The unit of angular velocity (rad/s), a power of two, whose inverse is the unit of time. The unit of the moments is
+        another power of two, which has no effect.
     moments
-        I1, I2, I3 (kg m^2).
+        I1, I2, I3.
+    gaps
+        I2 - I1 and I3 - I2.
     e
-        E1, E2, E3 (kg^2 m^4/s^2).
+        E1, E2, E3.
     momentum
-        |L| (kg m^2/s).
+        |L|.
     size
-        M1, M2, M3 (kg m^2/s).
+        M1, M2, M3.
     sign
         Signs of L1, L2, L3 where sn u and cn u are positive.
     rate
-        lambda (rad/s).
+        lambda.
     start
         u0, in [-K, K].
     k, kc
@@ -83,7 +90,9 @@ class Polhode:
     order: tuple[int, int, int]
     handedness: int
     p: int
+    unit: Wide
     moments: tuple[Wide, Wide, Wide]
+    gaps: tuple[Wide, Wide]
     e: tuple[Wide, Wide, Wide]
     momentum: Wide
     size: tuple[Wide, Wide, Wide]
@@ -104,7 +113,7 @@ class Precession:
     f, g
         Indices, in the order 1, 2, 3, of the axes that take the roles of K and J: 0 and 2, or 2 and 0.
     rate
-        Mean of dphi/dt (rad/s).
+        Mean of dphi/dt, in the unit of the polhode.
     sense
         Sign with which the phase of Theta enters phi.
     series
@@ -118,68 +127,81 @@ class Precession:
     series: ThetaSeries
 
 
-def nearest(value: Fraction) -> Wide:
-    """The number of the wide type that is nearest to a rational number."""
-    exponent = value.numerator.bit_length() - value.denominator.bit_length() - 80
-    return Wide(np.ldexp(Wide(round(value / Fraction(2) ** exponent)), exponent))
-
-
-def polhode(moments: Vector, rates: Vector) -> Polhode | None:
+def polhode(moments: Sequence[Any], rates: Sequence[Any]) -> Polhode | None:
     """The polhode for principal moments (kg m^2) and an angular velocity along the principal axes (rad/s).
 
-    None for a steady spin.
+    The numbers are of any type and are meant exactly: E1, E2, E3 and the differences of moments are computed with a hundred
+    digits and rounded once. None for a steady spin.
     """
     order = sorted(range(3), key=moments.__getitem__)
-    i, w = [Wide(moments[axis]) for axis in order], [Wide(rates[axis]) for axis in order]
-    (i1, i2, i3), (w1, _, w3) = ([Fraction(vector[axis]) for axis in order] for vector in (moments, rates))
-    e1 = i[1] * (i[1] - i[0]) * w[1] ** 2 + i[2] * (i[2] - i[0]) * w[2] ** 2
-    e2 = nearest(i3 * (i3 - i2) * w3**2 - i1 * (i2 - i1) * w1**2)
-    e3 = i[0] * (i[2] - i[0]) * w[0] ** 2 + i[1] * (i[2] - i[1]) * w[1] ** 2
-    e = (e1, e2, e3)
-    p = 2 if e2 >= 0 else 0
+    i, _ = scaled([real(moments[axis]) for axis in order])
+    w, unit = scaled([real(rates[axis]) for axis in order])
+    exact_gaps = i[1] - i[0], i[2] - i[1], i[2] - i[0]
+    axial, transverse = i[2] * exact_gaps[1] * w[2] ** 2, i[0] * exact_gaps[0] * w[0] ** 2
+    difference = axial - transverse
+    if abs(difference) <= NEGLIGIBLE * (axial + transverse):
+        difference = real(0)
+    middle_part = i[1] * w[1] ** 2
+    e1 = wide(middle_part * exact_gaps[0] + i[2] * exact_gaps[2] * w[2] ** 2)
+    e3 = wide(i[0] * exact_gaps[2] * w[0] ** 2 + middle_part * exact_gaps[1])
+    e = (e1, wide(difference), e3)
+    p = 2 if e[1] >= 0 else 0
     r = 2 - p
-    span, apart = i[2] - i[0], abs(i[p] - i[1])
+    i1, i2, i3 = (wide(moment) for moment in i)
+    low, high, span = (wide(gap) for gap in exact_gaps)
+    apart, other = (high, low) if p == 2 else (low, high)
     if not apart * e[r] * e[p] > 0:
         return None
-    size = [np.sqrt(i[1] * e[p] / apart)] * 3
-    size[p], size[r] = np.sqrt(i[p] * e[r] / span), np.sqrt(i[r] * e[p] / span)
-    sn, cn, dn = (abs(i[axis] * w[axis]) / size[axis] for axis in (1, r, p))
+    wide_moments, wide_rates = (i1, i2, i3), tuple(wide(rate) for rate in w)
+    size = [np.sqrt(i2 * e[p] / apart)] * 3
+    size[p], size[r] = np.sqrt(wide_moments[p] * e[r] / span), np.sqrt(wide_moments[r] * e[p] / span)
+    sn, cn, dn = (abs(wide_moments[axis] * wide_rates[axis]) / size[axis] for axis in (1, r, p))
     if not cn * cn + dn * dn > 0:
         return None
     handedness = 1 if order in ([0, 1, 2], [1, 2, 0], [2, 0, 1]) else -1
-    first, last = math.copysign(1, rates[order[0]]), math.copysign(1, rates[order[2]])
+    first, last = math.copysign(1, wide_rates[0]), math.copysign(1, wide_rates[2])
     # dL2/dt = (1/I1 - 1/I3) L3 L1 for a right-handed order of the axes 1, 2, 3, and the negative of it for a left-handed one.
     middle = handedness * first * last
     scale = apart * e[r]
-    kc = np.sqrt(span * abs(e2) / scale)
+    kc = np.sqrt(span * abs(e[1]) / scale)
     return Polhode(
         order=(order[0], order[1], order[2]),
         handedness=handedness,
         p=p,
-        moments=(i[0], i[1], i[2]),
+        unit=unit,
+        moments=wide_moments,
+        gaps=(low, high),
         e=e,
-        momentum=np.sqrt(sum((i[axis] * w[axis]) ** 2 for axis in range(3))),
+        momentum=np.sqrt(sum((moment * rate) ** 2 for moment, rate in zip(wide_moments, wide_rates, strict=True))),
         size=(size[0], size[1], size[2]),
         sign=(first, middle, last),
-        rate=np.sqrt(scale / (i[0] * i[1] * i[2])),
-        start=first_kind(math.copysign(1, middle * rates[order[1]]) * sn, cn, dn),
-        k=np.sqrt(abs(i[1] - i[r]) * e[p] / scale),
+        rate=np.sqrt(scale / (i1 * i2 * i3)),
+        start=first_kind(math.copysign(1, middle * wide_rates[1]) * sn, cn, dn),
+        k=np.sqrt(other * e[p] / scale),
         kc=kc,
         quarter=quarter_period(kc),
     )
 
 
+def scaled(values: list[Real]) -> tuple[list[Real], Wide]:
+    """Numbers in the unit of a power of two, in which the largest is between 1/2 and 1, and this unit."""
+    _, exponent = MP.frexp(max(abs(value) for value in values))
+    return [MP.ldexp(value, -exponent) for value in values], Wide(np.ldexp(Wide(1), exponent))
+
+
 def precession(motion: Polhode) -> Precession:
     """The rotation about the angular momentum for a polhode."""
-    i, e, size = motion.moments, motion.e, motion.size
-    f = 2 if i[2] * (i[1] - i[0]) <= i[0] * (i[2] - i[1]) else 0
+    i, e, size, (low, high) = motion.moments, motion.e, motion.size, motion.gaps
+    f = 2 if i[2] * low <= i[0] * high else 0
     g = 2 - f
-    around_g, around_f = e[g] / e[f], abs(i[g] - i[1]) / abs(i[1] - i[f])
+    # Ig - I2, with its sign, and |I2 - If|.
+    gap_g, gap_f = (-low, high) if g == 0 else (high, low)
+    around_g, around_f = e[g] / e[f], abs(gap_g) / gap_f
     nu = i[f] / i[g] * (around_g if g == motion.p else around_f)
     k2 = motion.k**2
     eta = first_kind(*(np.sqrt(part / (nu + k2)) for part in (nu, k2, k2 * (1 + nu)))) if nu > 0 else Wide(0)
     mean = complete(motion.kc, 1 + nu, Wide(0), Wide(1)) / motion.quarter if motion.kc > 0 else 1 / (1 + nu)
-    excess = motion.momentum * (i[g] - i[1]) / (i[1] * i[g]) * (size[1] / size[g]) ** 2
+    excess = motion.momentum * gap_g / (i[1] * i[g]) * (size[1] / size[g]) ** 2
     return Precession(
         f=f,
         g=g,
@@ -191,7 +213,7 @@ def precession(motion: Polhode) -> Precession:
 
 def half_period(motion: Polhode) -> Wide:
     """The time (s) after which L2 and Lr have changed sign and Lp has the same value: 2 K / lambda."""
-    return 2 * motion.quarter / motion.rate
+    return 2 * motion.quarter / motion.rate / motion.unit
 
 
 def remainder(value: WideArray, period: Wide) -> tuple[Array, Array]:
@@ -206,53 +228,32 @@ def left_factor(q: Array) -> Array:
     return np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]])
 
 
-def rotation(moments: Vector, rates: Vector, quaternion: Quaternion, times: Array) -> tuple[Array, Array]:
-    """Attitude and angular velocity of a body without torque.
-
-    Parameters
-    ----------
-    moments
-        Principal moments A, B, C (kg m^2).
-    rates
-        Angular velocity at t = 0, along the principal axes (rad/s).
-    quaternion
-        Attitude at t = 0 (w, x, y, z, body to world), of any length.
-    times
-        (n,) times in any order (s).
-
-    Returns
-    -------
-    tuple of arrays
-        (n, 4) attitudes w, x, y, z, body to world, and (n, 3) angular velocities along the principal axes (rad/s).
-    """
-    start = left_factor(normalise(np.array(quaternion)))
+def rotation(start: Start, times: Array) -> Turning:
+    """The rotation of a body without torque from its start, at times (n,) in any order, s."""
     t = np.concatenate(([0.0], times))
-    motion = polhode(moments, rates)
-    attitude, body_rates = steady_spin(rates, t) if motion is None else tumbling(motion, t)
-    to_start = left_factor(conjugate(attitude[:, 0]))
-    return attitude[:, 1:].T @ (start @ to_start).T, body_rates[:, 1:].T
+    motion = polhode(start.moments, start.rates)
+    turning = steady_spin(start.rates, t) if motion is None else tumbling(motion, t)
+    # The rotation of the closed form begins anywhere; it is placed so that it begins with the attitude of the start.
+    first = left_factor(normalise(np.array(doubles(start.attitude)))) @ left_factor(conjugate(turning.attitude[0]))
+    return replace(turning, attitude=turning.attitude[1:] @ first.T, angular_velocity=turning.angular_velocity[1:])
 
 
-def steady_rate(rates: Vector) -> Wide:
-    """The magnitude |Omega| of an angular velocity (rad/s)."""
-    return Wide(np.sqrt(sum(Wide(rate) ** 2 for rate in rates)))
+def steady_spin(rates: Vector3, t: Array) -> Turning:
+    """A steady spin with the angular velocity `rates` (rad/s) at times t (n,), s, from any attitude."""
+    speed = MP.sqrt(sum(rate * rate for rate in rates))
+    turn, _ = remainder(wide(speed) * t.astype(Wide), 4 * PI)
+    axis = np.array([float(rate / speed) for rate in rates])
+    attitude = np.column_stack([np.cos(turn / 2), np.outer(np.sin(turn / 2), axis)])
+    constant = np.array(doubles(rates))
+    return Turning(attitude, np.tile(constant, (len(t), 1)), np.abs(constant), 0.0, float(speed))
 
 
-def steady_spin(rates: Vector, t: Array) -> tuple[Array, Array]:
-    """Attitudes (4, n), up to a constant rotation, and angular velocities (3, n) of a steady spin at times t (n,), s."""
-    speed = steady_rate(rates)
-    turn, _ = remainder(speed * t.astype(Wide), 4 * PI)
-    axis = np.array(rates) / float(speed) if speed > 0 else np.zeros(3)
-    half = turn / 2
-    return np.vstack([np.cos(half), np.outer(axis, np.sin(half))]), np.repeat([rates], len(t), axis=0).T
-
-
-def tumbling(motion: Polhode, t: Array) -> tuple[Array, Array]:
-    """Attitudes (4, n), up to a constant rotation, and angular velocities (3, n) of a body on a polhode at times t (n,), s."""
+def tumbling(motion: Polhode, t: Array) -> Turning:
+    """The rotation of a body on a polhode at times t (n,), s, from any attitude."""
     turn = precession(motion)
-    wide = t.astype(Wide)
-    u, half_periods = remainder(motion.start + motion.rate * wide, 2 * motion.quarter)
-    secular, _ = remainder(turn.rate * wide, 2 * PI)
+    elapsed = t.astype(Wide) * motion.unit
+    u, half_periods = remainder(motion.start + motion.rate * elapsed, 2 * motion.quarter)
+    secular, _ = remainder(turn.rate * elapsed, 2 * PI)
     sn, cn, dn, phase = jacobi(turn.series, u)
     parity = 1 - 2 * (half_periods - 2 * np.floor(half_periods / 2))
     elliptic = [parity * sn] * 3
@@ -272,9 +273,12 @@ def tumbling(motion: Polhode, t: Array) -> tuple[Array, Array]:
     half_sum, half_difference = (phi + psi) / 2, (phi - psi) / 2
     vector = (half_sine * np.cos(half_difference), half_sine * np.sin(half_difference), half_cosine * np.sin(half_sum))
 
-    attitude, body_rates = np.empty((4, len(t))), np.empty((3, len(t)))
-    attitude[0] = half_cosine * np.cos(half_sum)
+    attitude, body_rates, amplitude = np.empty((len(t), 4)), np.empty((len(t), 3)), np.empty(3)
+    attitude[:, 0] = half_cosine * np.cos(half_sum)
     for n, part, momentum in zip(axes, vector, (middle, g, f), strict=True):
-        attitude[1 + motion.order[n]] = handedness * part
-        body_rates[motion.order[n]] = handedness * float(motion.momentum / motion.moments[n]) * momentum
-    return attitude, body_rates
+        axis = motion.order[n]
+        attitude[:, 1 + axis] = handedness * part
+        body_rates[:, axis] = handedness * float(motion.unit * motion.momentum / motion.moments[n]) * momentum
+        amplitude[axis] = float(motion.unit * motion.size[n] / motion.moments[n])
+    angle_rate = float(motion.unit * (motion.rate + abs(turn.rate)))
+    return Turning(attitude, body_rates, amplitude, abs(float(motion.start)), angle_rate)

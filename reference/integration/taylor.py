@@ -20,7 +20,7 @@ import functools
 import os
 import stat
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -30,6 +30,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.exact.numbers import MP, Real, doubles, wide
+from bodycheck.reference.exact.rotations import IDENTITY
+from bodycheck.reference.exact.start import Start, start
 from bodycheck.reference.integration.dop853 import MAX_STEPS
 from bodycheck.reference.integration.lagrangian import RELABELLINGS, relabel
 from bodycheck.reference.kinematics import (
@@ -39,6 +42,7 @@ from bodycheck.reference.kinematics import (
     multiply,
     normalise,
     quaternion_from_euler,
+    rotate,
 )
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
@@ -66,6 +70,9 @@ BACKEND_NAMES: dict[Precision, str] = {
 #: lost.
 STEP_TOLERANCES = {np.float64: 2.0**-50, np.longdouble: 2.0**-60, QUADRUPLE: 2.0**-109}
 
+#: Decimal digits from which a 128-bit number is read without loss.
+QUADRUPLE_DIGITS = 40
+
 #: An array of a wide type; `heyoka.real128` is not one of NumPy's own floating-point types.
 WideArray = NDArray[Any]
 
@@ -85,7 +92,7 @@ class Rotation:
     quaternion
         (n, 4) unit quaternions w, x, y, z, body to world.
     angular_velocity
-        (n, 3) angular velocities along the principal axes (rad/s).
+        (n, 3) angular velocities in the body frame (rad/s).
     """
 
     quaternion: WideArray
@@ -240,7 +247,7 @@ def euler_lagrange(scene: Scene, times: Array, precision: Precision = "extended"
     Parameters
     ----------
     scene
-        The scene, along the principal axes of its body; only the rotation is computed.
+        The scene; only the rotation is computed.
     times
         (n,) times >= 0 in any order (s).
     precision
@@ -256,9 +263,9 @@ def euler_lagrange(scene: Scene, times: Array, precision: Precision = "extended"
     OutOfReach
         If the integration fails or takes too many steps.
     """
-    dtype, unit = FLOAT_TYPES[precision], unit_of_rate(scene)
-    moments = _wide(scene.body.moments, dtype)
-    rates = _wide(scene.initial.angular_velocity, dtype) / unit
+    dtype, unit, begin = FLOAT_TYPES[precision], unit_of_rate(scene), start(scene)
+    moments = rounded(begin.moments, dtype)
+    rates = rounded(begin.rates, dtype) / unit
     at_rest = not any(scene.initial.angular_velocity)
     momentum = _wide(np.eye(3)[np.argmin(scene.body.moments)], dtype) if at_rest else moments * rates
 
@@ -268,7 +275,7 @@ def euler_lagrange(scene: Scene, times: Array, precision: Precision = "extended"
     phi, theta, psi = 0 * x, np.arctan2(np.sqrt(x * x + y * y), z), np.arctan2(x, y)
     dphi, dtheta, dpsi = euler_rates(theta, psi, relabel(rates, chart))
     axes = _wide(RELABELLINGS[chart], dtype)
-    from_axes = multiply(normalise(_wide(scene.initial.quaternion, dtype)), axes)
+    from_axes = multiply(rounded(begin.attitude, dtype), axes)
     from_frame = multiply(from_axes, conjugate(quaternion_from_euler(phi, theta, psi)))
 
     solution = solve(
@@ -281,7 +288,7 @@ def euler_lagrange(scene: Scene, times: Array, precision: Precision = "extended"
     turned = _quaternion_and_rates(dtype)(np.ascontiguousarray(solution.T)).T
     # Converting the frame and the axes is linear in the quaternion, so that one matrix serves all instants.
     to_world = multiply(multiply(from_frame, _wide(np.eye(4), dtype)), conjugate(axes))
-    return Rotation(turned[:, :4] @ to_world, relabel(turned[:, 4:], -chart) * unit)
+    return in_body_frame(begin, turned[:, :4] @ to_world, relabel(turned[:, 4:], -chart) * unit)
 
 
 def quasi_coordinates(scene: Scene, times: Array, precision: Precision = "extended") -> Rotation:
@@ -290,7 +297,7 @@ def quasi_coordinates(scene: Scene, times: Array, precision: Precision = "extend
     Parameters
     ----------
     scene
-        The scene, along the principal axes of its body; only the rotation is computed.
+        The scene; only the rotation is computed.
     times
         (n,) times >= 0 in any order (s).
     precision
@@ -307,17 +314,34 @@ def quasi_coordinates(scene: Scene, times: Array, precision: Precision = "extend
         If the integration fails or takes too many steps.
     """
     unit = unit_of_rate(scene)
-    start, parameters = euler_start(scene, FLOAT_TYPES[precision])
-    solution = solve(integrator(euler_equations, FLOAT_TYPES[precision]), start, parameters, np.asarray(times) * unit)
-    return Rotation(normalise(solution[:, :4]), solution[:, 4:] * unit)
+    state, parameters = euler_start(scene, FLOAT_TYPES[precision])
+    solution = solve(integrator(euler_equations, FLOAT_TYPES[precision]), state, parameters, np.asarray(times) * unit)
+    return in_body_frame(start(scene), normalise(solution[:, :4]), solution[:, 4:] * unit)
 
 
 def euler_start(scene: Scene, dtype: Any) -> tuple[WideArray, WideArray]:
     """Initial state (7,) and parameters (3,) of `euler_equations` in a floating-point type, with rates in `unit_of_rate`."""
-    a, b, c = _wide(scene.body.moments, dtype)
-    attitude = normalise(_wide(scene.initial.quaternion, dtype))
-    rates = _wide(scene.initial.angular_velocity, dtype) / unit_of_rate(scene)
-    return np.concatenate([attitude, rates]), np.array([(b - c) / a, (c - a) / b, (a - b) / c])
+    begin = start(scene)
+    a, b, c = rounded(begin.moments, dtype)
+    rates = rounded(begin.rates, dtype) / unit_of_rate(scene)
+    return np.concatenate([rounded(begin.attitude, dtype), rates]), np.array([(b - c) / a, (c - a) / b, (a - b) / c])
+
+
+def in_body_frame(begin: Start, quaternion: WideArray, angular_velocity: WideArray) -> Rotation:
+    """A rotation in the frame of the body, from attitudes (n, 4) and angular velocities (n, 3) along its principal axes."""
+    if begin.axes == IDENTITY:
+        return Rotation(quaternion, angular_velocity)
+    axes = np.broadcast_to(rounded(begin.axes, quaternion.dtype.type), quaternion.shape)
+    return Rotation(multiply(quaternion, conjugate(axes)), rotate(axes, angular_velocity))
+
+
+def rounded(values: Sequence[Real], dtype: Any) -> WideArray:
+    """Exact numbers, rounded to a floating-point type."""
+    if dtype is np.float64:
+        return np.array(doubles(values))
+    if dtype is np.longdouble:
+        return np.array([wide(value) for value in values])
+    return np.array([dtype(MP.nstr(value, QUADRUPLE_DIGITS)) for value in values])
 
 
 def attitude_difference(p: WideArray, q: WideArray) -> Array:

@@ -89,7 +89,7 @@ def draw(verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Trut
         datasets["series"].append(row)
     momentum = ""
     if truths:
-        largest = max(truths.values(), key=lambda truth: float(truth.error.max()))
+        largest = max(truths.values(), key=lambda truth: float(truth.bounds.error.max()))
         datasets["floor"] = [_floor(largest, points)]
         seen = observe(largest.scene, largest.trajectory)
         if seen.angular_momentum.any():
@@ -102,7 +102,7 @@ def draw(verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Trut
 
 def _floor(truth: Truth, points: int) -> dict[str, Any]:
     t = truth.trajectory.t
-    return {"t": rounded(t[ends(len(t), points)], INSTANT_DIGITS), "truth_error": rounded(envelope(truth.error, points))}
+    return {"t": rounded(t[ends(len(t), points)], INSTANT_DIGITS), "truth_error": rounded(envelope(truth.bounds.error, points))}
 
 
 def _momentum(truth: Truth, seen: Observables) -> dict[str, Any]:

@@ -75,7 +75,7 @@ def _truth(truths: Sequence[Truth | NoTruth]) -> str:
         )
         witnesses = "; ".join(dict.fromkeys(witness for truth in known for witness in truth.witnesses))
         checked = f", checked with {witnesses}" if witnesses else ""
-        error = bound(max(float(truth.error.max()) for truth in known))
+        error = bound(max(float(truth.bounds.error.max()) for truth in known))
         return f"{sources}{checked}; its own attitude error is at most {error} rad"
     reasons = dict.fromkeys(truth.reason for truth in truths if isinstance(truth, NoTruth))
     return f"none: {'; '.join(reasons)}"

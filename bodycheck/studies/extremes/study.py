@@ -201,7 +201,7 @@ def _no_witness(scene: Scene, times: Array) -> NoReturn:
 
 
 #: A backend that makes `truth` skip the checks by integration.
-NO_WITNESSES = Backend("none", _no_witness, _no_witness)
+NO_WITNESSES = Backend("none", 0.0, _no_witness, _no_witness)
 
 
 def _rows(

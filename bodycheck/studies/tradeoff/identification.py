@@ -144,8 +144,8 @@ def identify(case: Case, run: Run, truth: Truth) -> Identification | None:
     formulations = [moved[nearest, other] for other in FORMULATIONS if other != formulation]
     rotations = [turned[name] for name in order[1:]]
     ways = [other for (name, _), other in moved.items() if name != nearest]
-    rotation_tells = tells(turn, [error["attitude_error"] - truth.error, *rotations], allowed, early)
-    position_tells = in_place and tells(way, [error["position_error"] - truth.position_error, *ways], aside, early)
+    rotation_tells = tells(turn, [error["attitude_error"] - truth.bounds.error, *rotations], allowed, early)
+    position_tells = in_place and tells(way, [error["position_error"] - truth.bounds.position_error, *ways], aside, early)
     named = nearest in fitting and turn[early].max() <= SAME_RAD and (rotation_tells or position_tells)
     told = formulation if tells(way, formulations, aside, early) else ""
     return Identification(

@@ -1,0 +1,89 @@
+"""What a case file says of a body and of its initial rotation, before anything is computed from it.
+
+The numbers are the doubles nearest to the decimals of the file, and they are meant exactly: the truth of a scene is the motion
+of these numbers. `exact.start` computes what follows from them with many digits. Engines get the nearest doubles.
+"""
+
+from dataclasses import dataclass
+
+from bodycheck.reference.scene import Quaternion, Shape, Vector
+
+
+@dataclass(frozen=True)
+class EulerAngles:
+    """An attitude by the z-x-z Euler angles phi, theta and psi (rad)."""
+
+    phi: float
+    theta: float
+    psi: float
+
+
+#: An attitude: a quaternion w, x, y, z of any length, or Euler angles.
+Attitude = Quaternion | EulerAngles
+
+
+@dataclass(frozen=True)
+class EulerRates:
+    """An angular velocity by the rates of the z-x-z Euler angles, dphi, dtheta and dpsi (rad/s)."""
+
+    dphi: float
+    dtheta: float
+    dpsi: float
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A homogeneous solid.
+
+    Attributes
+    ----------
+    shape
+        Its shape.
+    mass
+        Its mass (kg).
+    position
+        Its centre of mass, in the frame of the body, from any origin (m).
+    attitude
+        Its axes in the frame of the body.
+    """
+
+    shape: Shape
+    mass: float
+    position: Vector = (0.0, 0.0, 0.0)
+    attitude: Attitude = (1.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Particle:
+    """A point mass (kg), and its position in the frame of the body, from any origin (m)."""
+
+    mass: float
+    position: Vector
+
+
+@dataclass(frozen=True)
+class Tensor:
+    """A mass (kg), and the rows of a symmetric inertia tensor about the centre of mass in the frame of the body (kg m^2)."""
+
+    mass: float
+    rows: tuple[Vector, Vector, Vector]
+
+
+@dataclass(frozen=True)
+class Definition:
+    """What the file says of the body and of its initial rotation.
+
+    Attributes
+    ----------
+    inertia
+        A solid, which is alone and in the frame of the body; an inertia tensor; or the particles or solids that the body
+        consists of.
+    attitude
+        The initial attitude of the body.
+    rotation
+        The initial angular velocity in the frame of the body (rad/s), or the rates of the Euler angles of the attitude.
+    """
+
+    inertia: Solid | Tensor | tuple[Particle, ...] | tuple[Solid, ...]
+    attitude: Attitude = (1.0, 0.0, 0.0, 0.0)
+    rotation: Vector | EulerRates = (0.0, 0.0, 0.0)

@@ -1,0 +1,99 @@
+"""Principal moments and principal axes of an inertia tensor in exact arithmetic [G p. 49]."""
+
+import itertools
+import math
+
+import numpy as np
+
+from bodycheck.reference.exact.inertia import Components
+from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Real, Vector3
+from bodycheck.reference.exact.rotations import IDENTITY, matrix, multiply, unit
+
+#: Every order of three axes, and every choice of their signs.
+_AXIS_ORDERS = ([0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2])
+_AXIS_SIGNS = [np.array([i, j, k]) for i in (1, -1) for j in (1, -1) for k in (1, -1)]
+
+#: The indices of XY, XZ and YZ among the components of a tensor, each with the two axes and the third one.
+_PAIRS = ((3, 0, 1, 2), (4, 0, 2, 1), (5, 1, 2, 0))
+
+
+def principal_axes(tensor: Components) -> tuple[Vector3, Quaternion4]:
+    """Principal moments and principal axes of a symmetric inertia tensor (kg m^2).
+
+    Returns the moments A, B, C (kg m^2), and the unit quaternion (w, x, y, z) that rotates components along the principal
+    axes to components in the frame of the tensor. Of the possible orders and signs of the axes, those are chosen that give the
+    smallest rotation; a diagonal tensor gives no rotation at all. Where moments are equal, their axes are arbitrary.
+
+    The axes in double precision are improved by Jacobi's rotations, which square what is left off the diagonal. Moments that
+    differ by what the arithmetic has rounded are made equal.
+    """
+    if not any(tensor[3:]):
+        return (tensor[0], tensor[1], tensor[2]), IDENTITY
+    axes = _nearest_axes(tensor)
+    components = _along(tensor, axes)
+    smallest = max(abs(component) for component in tensor) * NEGLIGIBLE**2
+    while (largest := max(_PAIRS, key=lambda pair: abs(components[pair[0]])))[0] and abs(components[largest[0]]) > smallest:
+        components, axes = _rotated(components, axes, largest)
+    return _equalised(components[:3]), unit(axes)
+
+
+def _nearest_axes(tensor: Components) -> Quaternion4:
+    """The axes in double precision, with the order and the signs that give the smallest rotation."""
+    from scipy.spatial.transform import Rotation  # imported here, since it takes longer than all else that most runs need
+
+    scale = max(abs(component) for component in tensor)
+    xx, yy, zz, xy, xz, yz = (float(component / scale) for component in tensor)
+    _, vectors = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    best = max(
+        (vectors[:, order] * signs for order in _AXIS_ORDERS for signs in _AXIS_SIGNS),
+        key=lambda turn: float(np.trace(turn)) if np.linalg.det(turn) > 0 else -math.inf,
+    )
+    w, x, y, z = Rotation.from_matrix(best).as_quat(canonical=True, scalar_first=True).tolist()
+    return MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z)
+
+
+def _along(tensor: Components, axes: Quaternion4) -> list[Real]:
+    """The components of a tensor along axes: R^T I R."""
+    rows = matrix(axes)
+    xx, yy, zz, xy, xz, yz = tensor
+    full = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+    half = [[sum(full[i][k] * rows[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+
+    def component(i: int, j: int) -> Real:
+        return sum(rows[k][i] * half[k][j] for k in range(3))
+
+    return [component(0, 0), component(1, 1), component(2, 2), component(0, 1), component(0, 2), component(1, 2)]
+
+
+def _rotated(components: list[Real], axes: Quaternion4, pair: tuple[int, int, int, int]) -> tuple[list[Real], Quaternion4]:
+    """The components and the axes after the rotation about one axis that makes a component off the diagonal zero.
+
+    The formulas are those of Golub and Van Loan, Matrix Computations, 8.5.
+    """
+    place, p, q, r = pair
+    off = components[place]
+    tau = (components[q] - components[p]) / (2 * off)
+    t = (1 if tau >= 0 else -1) / (abs(tau) + MP.sqrt(1 + tau * tau))
+    c = 1 / MP.sqrt(1 + t * t)
+    s = t * c
+    rotated = list(components)
+    rotated[p], rotated[q], rotated[place] = components[p] - t * off, components[q] + t * off, MP.mpf(0)
+    pr, qr = (next(index for index, *axes_of in _PAIRS if set(axes_of[:2]) == {one, r}) for one in (p, q))
+    rotated[pr], rotated[qr] = c * components[pr] - s * components[qr], s * components[pr] + c * components[qr]
+    # The new axes are p' = c p - s q and q' = s p + c q: a rotation about r = p x q, or about its opposite.
+    sense = 1 if (q - p) % 3 == 1 else -1
+    cos_half = MP.sqrt((1 + c) / 2)
+    step = [cos_half, MP.mpf(0), MP.mpf(0), MP.mpf(0)]
+    step[1 + r] = -sense * s / (2 * cos_half)
+    return rotated, multiply(axes, (step[0], step[1], step[2], step[3]))
+
+
+def _equalised(moments: list[Real]) -> Vector3:
+    """Moments of which those are made equal that differ by what the arithmetic has rounded."""
+    largest = max(moments)
+    order = sorted(range(3), key=moments.__getitem__)
+    equal = list(moments)
+    for one, other in itertools.pairwise(order):
+        if equal[other] - equal[one] <= NEGLIGIBLE * largest:
+            equal[other] = equal[one]
+    return equal[0], equal[1], equal[2]

@@ -1,0 +1,99 @@
+"""Rotations in exact arithmetic: quaternions, and z-x-z Euler angles [G 2.14, 2.21a]."""
+
+from bodycheck.reference.definition import Attitude, EulerAngles, EulerRates
+from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3
+
+#: The quaternion of no rotation.
+IDENTITY: Quaternion4 = (MP.mpf(1), MP.mpf(0), MP.mpf(0), MP.mpf(0))
+
+
+def multiply(p: Quaternion4, q: Quaternion4) -> Quaternion4:
+    """The Hamilton product p q: the rotation q followed, in the world frame, by the rotation p."""
+    pw, px, py, pz = p
+    qw, qx, qy, qz = q
+    return (
+        pw * qw - px * qx - py * qy - pz * qz,
+        pw * qx + px * qw + py * qz - pz * qy,
+        pw * qy - px * qz + py * qw + pz * qx,
+        pw * qz + px * qy - py * qx + pz * qw,
+    )
+
+
+def conjugate(q: Quaternion4) -> Quaternion4:
+    """The inverse of a rotation by a unit quaternion."""
+    w, x, y, z = q
+    return w, -x, -y, -z
+
+
+def unit(q: Quaternion4) -> Quaternion4:
+    """A quaternion scaled to unit length; it is returned as it is where its length is 1 already."""
+    w, x, y, z = q
+    square = w * w + x * x + y * y + z * z
+    if square == 1:
+        return q
+    length = MP.sqrt(square)
+    return w / length, x / length, y / length, z / length
+
+
+def matrix(q: Quaternion4) -> tuple[Vector3, Vector3, Vector3]:
+    """The rows of the rotation matrix of a quaternion of any length: a quotient of polynomials, without a square root."""
+    w, x, y, z = q
+    xx, yy, zz, ww = x * x, y * y, z * z, w * w
+    scale = 1 / (ww + xx + yy + zz)
+    xy, xz, yz, wx, wy, wz = x * y, x * z, y * z, w * x, w * y, w * z
+    twice = 2 * scale
+    return (
+        ((ww + xx - yy - zz) * scale, (xy - wz) * twice, (xz + wy) * twice),
+        ((xy + wz) * twice, (ww - xx + yy - zz) * scale, (yz - wx) * twice),
+        ((xz - wy) * twice, (yz + wx) * twice, (ww - xx - yy + zz) * scale),
+    )
+
+
+def turned(rows: tuple[Vector3, Vector3, Vector3], v: Vector3) -> Vector3:
+    """A vector times a matrix that is given by its rows."""
+    x, y, z = v
+    first, second, third = rows
+    return (
+        first[0] * x + first[1] * y + first[2] * z,
+        second[0] * x + second[1] * y + second[2] * z,
+        third[0] * x + third[1] * y + third[2] * z,
+    )
+
+
+def attitude(given: Attitude) -> Quaternion4:
+    """The unit quaternion (w, x, y, z) of an attitude [G 2.14]."""
+    if not isinstance(given, EulerAngles):
+        w, x, y, z = given
+        return unit((MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z)))
+    phi, theta, psi = MP.mpf(given.phi), MP.mpf(given.theta), MP.mpf(given.psi)
+    if not (phi or theta or psi):
+        return IDENTITY
+    c, s = MP.cos_sin(theta / 2)
+    cos_sum, sin_sum = MP.cos_sin((phi + psi) / 2)
+    cos_difference, sin_difference = MP.cos_sin((phi - psi) / 2)
+    return c * cos_sum, s * cos_difference, s * sin_difference, c * sin_sum
+
+
+def body_rates(given: Attitude, rates: EulerRates) -> Vector3:
+    """The angular velocity in the frame of the body (rad/s) from the rates of the Euler angles of its attitude [G 2.21a]."""
+    theta, psi = _angles(given)
+    (cos_theta, sin_theta), (cos_psi, sin_psi) = MP.cos_sin(theta), MP.cos_sin(psi)
+    dphi, dtheta, dpsi = MP.mpf(rates.dphi), MP.mpf(rates.dtheta), MP.mpf(rates.dpsi)
+    return (
+        dphi * sin_theta * sin_psi + dtheta * cos_psi,
+        dphi * sin_theta * cos_psi - dtheta * sin_psi,
+        dphi * cos_theta + dpsi,
+    )
+
+
+def _angles(given: Attitude) -> tuple[Real, Real]:
+    """theta and psi (rad) of an attitude; where only their sum or difference with phi is determined, phi is 0 [G p. 45]."""
+    if isinstance(given, EulerAngles):
+        return MP.mpf(given.theta), MP.mpf(given.psi)
+    w, x, y, z = (MP.mpf(part) for part in given)
+    theta = 2 * MP.atan2(MP.hypot(x, y), MP.hypot(w, z))
+    if not (x or y):
+        return theta, 2 * MP.atan2(z, w)
+    if not (w or z):
+        return theta, -2 * MP.atan2(y, x)
+    return theta, MP.atan2(z, w) - MP.atan2(y, x)

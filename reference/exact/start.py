@@ -1,0 +1,100 @@
+"""The start of the rotation of a scene, along the principal axes of its body, in exact arithmetic."""
+
+import functools
+from dataclasses import dataclass
+
+from bodycheck.reference.definition import Attitude, Definition, EulerRates
+from bodycheck.reference.exact.axes import principal_axes
+from bodycheck.reference.exact.inertia import mass_properties
+from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Real, Vector3, doubles, vector
+from bodycheck.reference.exact.rotations import IDENTITY, attitude, body_rates, conjugate, matrix, multiply, turned, unit
+from bodycheck.reference.scene import Body, Scene, Shape, State, Vector
+
+
+@dataclass(frozen=True, eq=False)
+class Inertia:
+    """Mass (kg), principal moments A, B, C (kg m^2), and the unit quaternion from the principal axes to the body frame."""
+
+    mass: Real
+    moments: Vector3
+    axes: Quaternion4
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """A body and the start of its rotation, along its principal axes.
+
+    Attributes
+    ----------
+    moments
+        Principal moments A, B, C (kg m^2).
+    axes
+        Unit quaternion (w, x, y, z) that rotates components along the principal axes to components in the body frame.
+    attitude
+        Unit quaternion (w, x, y, z) that rotates components along the principal axes to world components at t = 0.
+    rates
+        Angular velocity along the principal axes at t = 0 (rad/s).
+    """
+
+    moments: Vector3
+    axes: Quaternion4
+    attitude: Quaternion4
+    rates: Vector3
+
+
+def start(scene: Scene) -> Start:
+    """The start of a scene.
+
+    What the definition of the scene says is used as far as the scene still has the numbers that follow from it. Otherwise the
+    doubles of the scene are meant exactly; quaternions count by their direction.
+    """
+    body, initial, definition = scene.body, scene.initial, scene.definition
+    found = defined_inertia(definition) if definition is not None else None
+    if found is None or (doubles(found.moments), doubles(found.axes)) != (body.moments, body.axes):
+        w, x, y, z = body.axes
+        found = Inertia(MP.mpf(body.mass), vector(body.moments), unit((MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z))))
+    turn, rates = attitude(initial.quaternion), vector(initial.angular_velocity)
+    if definition is not None:
+        exact_turn, exact_rates = defined_rotation(definition.attitude, definition.rotation)
+        turn = exact_turn if doubles(exact_turn) == initial.quaternion else turn
+        rates = exact_rates if doubles(exact_rates) == initial.angular_velocity else rates
+    if found.axes == IDENTITY:
+        return Start(found.moments, IDENTITY, turn, rates)
+    return Start(found.moments, found.axes, multiply(turn, found.axes), _along(found.axes, rates))
+
+
+def defined_scene(definition: Definition, shape: Shape | None) -> Scene:
+    """The scene with the body and the initial rotation of a definition, in the nearest doubles, and nothing else.
+
+    shape: the shape that the body has for contact, if any.
+    """
+    inertia = defined_inertia(definition)
+    turn, rates = defined_rotation(definition.attitude, definition.rotation)
+    (a, b, c), (p, q, r) = doubles(inertia.moments), doubles(rates)
+    (aw, ax, ay, az), (w, x, y, z) = doubles(inertia.axes), doubles(turn)
+    return Scene(
+        body=Body(float(inertia.mass), (a, b, c), shape, (aw, ax, ay, az)),
+        initial=State(quaternion=(w, x, y, z), angular_velocity=(p, q, r)),
+        definition=definition,
+    )
+
+
+@functools.lru_cache(maxsize=64)
+def defined_inertia(definition: Definition) -> Inertia:
+    """The inertia of the body that a file defines."""
+    made = mass_properties(definition)
+    moments, axes = principal_axes(made.tensor)
+    return Inertia(made.mass, moments, axes)
+
+
+def defined_rotation(given: Attitude, rotation: Vector | EulerRates) -> tuple[Quaternion4, Vector3]:
+    """The unit quaternion of an attitude and the angular velocity in the body frame (rad/s) that a file gives."""
+    rates = body_rates(given, rotation) if isinstance(rotation, EulerRates) else vector(rotation)
+    return attitude(given), rates
+
+
+def _along(axes: Quaternion4, rates: Vector3) -> Vector3:
+    """The components of an angular velocity along the principal axes; what rounding has left of a zero is made zero."""
+    x, y, z = turned(matrix(conjugate(axes)), rates)
+    limit = NEGLIGIBLE * max(abs(rate) for rate in rates)
+    return tuple(rate if abs(rate) > limit else MP.mpf(0) for rate in (x, y, z))

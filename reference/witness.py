@@ -1,0 +1,115 @@
+"""Witnesses of a truth: the same motion computed in another way, whose own error is known."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.reference.bounds import Bounds
+from bodycheck.reference.kinematics import geodesic_angle
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.trajectory import Array, Trajectory
+
+#: An array in double precision or wider.
+WideArray = NDArray[Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Witness:
+    """A motion that was computed in another way than the truth, with bounds of its own error.
+
+    The arrays may be wider than double precision, since a witness is usually more accurate than the doubles of the truth.
+    States that the way does not compute are None, and are not compared.
+
+    Attributes
+    ----------
+    name
+        Name of the way and of the software that computed it.
+    quaternion
+        (n, 4) attitudes w, x, y, z, body frame of the scene to world.
+    angular_velocity
+        (n, 3) angular velocities in the body frame of the scene (rad/s).
+    position
+        (n, 3) positions of the centre of mass, world frame (m).
+    velocity
+        (n, 3) velocities of the centre of mass, world frame (m/s).
+    error, angular_velocity_error, position_error, velocity_error
+        (n,) bounds of the errors of these four, in rad, rad/s, m and m/s.
+    """
+
+    name: str
+    quaternion: WideArray | None = None
+    angular_velocity: WideArray | None = None
+    position: WideArray | None = None
+    velocity: WideArray | None = None
+    error: Array | float = 0.0
+    angular_velocity_error: Array | float = 0.0
+    position_error: Array | float = 0.0
+    velocity_error: Array | float = 0.0
+
+
+def excess(scene: Scene, motion: Trajectory, own: Bounds, witness: Witness) -> Bounds:
+    """By how much a motion and a witness disagree beyond what the bounds of both allow, the largest so far.
+
+    It is zero where both keep their bounds. Otherwise one of them is wrong, and the bound of the motion is to grow by it.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    motion
+        The motion at n instants.
+    own
+        The bounds of its errors.
+    witness
+        The witness at the same instants.
+
+    Returns
+    -------
+    Bounds
+        The excess of each figure (n,), never decreasing. That of energy and angular momentum follows from the others.
+    """
+    none = np.zeros(len(motion))
+    attitude = none if witness.quaternion is None else angle_between(motion.quaternion, witness.quaternion)
+    apart = {
+        "error": attitude,
+        "position_error": _apart(motion.position, witness.position),
+        "velocity_error": _apart(motion.velocity, witness.velocity),
+        "angular_velocity_error": _apart(motion.angular_velocity, witness.angular_velocity),
+    }
+    found = {
+        name: np.maximum.accumulate(np.maximum(0.0, distance - getattr(own, name) - getattr(witness, name)))
+        for name, distance in apart.items()
+    }
+    return Bounds(**found, **conserved_errors(scene, motion, **found))
+
+
+def conserved_errors(
+    scene: Scene, motion: Trajectory, error: Array, position_error: Array, velocity_error: Array, angular_velocity_error: Array
+) -> dict[str, Array]:
+    """The errors of energy and angular momentum that errors (n,) of the states of a motion can cause, by the names of `Bounds`.
+
+    They hold for errors in any direction.
+    """
+    moments = np.array(scene.body.moments)
+    speeds, spins = np.linalg.norm(motion.velocity, axis=1), np.linalg.norm(motion.angular_velocity, axis=1)
+    largest = float(moments.max())
+    momentum_error = largest * (angular_velocity_error + spins * error)
+    translational = scene.body.mass * (velocity_error * (speeds + velocity_error) + scene.gravity * position_error)
+    rotational = largest * angular_velocity_error * (spins + angular_velocity_error)
+    return {"energy_error": translational + rotational, "angular_momentum_error": momentum_error}
+
+
+def angle_between(p: WideArray, q: WideArray) -> Array:
+    """Angle (n,), rad, between attitudes (n, 4) in double precision or wider, computed in the wider of the two types."""
+    wide = np.result_type(p, q)
+    return geodesic_angle(p.astype(wide), q.astype(wide)).astype(float)
+
+
+def _apart(one: Array, other: WideArray | None) -> Array:
+    """Distances (n,) between vectors (n, 3), computed in the wider of the two types; zero where the others are not known."""
+    if other is None:
+        return np.zeros(len(one))
+    difference = one.astype(other.dtype) - other
+    return np.asarray(np.sqrt((difference * difference).sum(axis=1))).astype(float)
