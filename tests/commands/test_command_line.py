@@ -142,7 +142,7 @@ def test_truth_prints_its_arrays() -> None:
     expected = truth(load("gimbal-start"), [0, 0.25, 1.5])
     np.testing.assert_array_equal(found["position"], expected.trajectory.position)
     np.testing.assert_array_equal(found["quaternion"], expected.trajectory.quaternion)
-    np.testing.assert_array_equal(found["truth_error"], expected.error)
+    np.testing.assert_array_equal(found["truth_error"], expected.bounds.error)
     assert len(json.loads(bodycheck("truth", "projectile", "--json").stdout)["t"]) == 201
     assert "model" in bodycheck("truth", "projectile", "--at", "1").stdout
 

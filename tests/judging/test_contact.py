@@ -14,6 +14,7 @@ from bodycheck.figures import contact
 from bodycheck.figures.definition import Comparison
 from bodycheck.judging import judgement
 from bodycheck.judging.attribution import Attribution, attribute
+from bodycheck.reference.bounds import Bounds
 from bodycheck.reference.contact_observables import penetration, tilt
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Body, Brick, Scene, State
@@ -49,7 +50,9 @@ def slowed(rate: float, end: float) -> tuple[np.ndarray, np.ndarray]:
 def stop_figures(scene: Scene, expected: Stop, trajectory: Trajectory) -> dict[str, float]:
     """The figures of the stop of a trajectory, by name, where the truth is the same motion with this stop."""
     zero = np.zeros(len(trajectory))
-    compared = Comparison(Truth(scene, trajectory, zero, zero, "made up", "made up", "none", stop=expected), trajectory)
+    compared = Comparison(
+        Truth(scene, trajectory, Bounds(*[zero] * 6), "made up", "made up", "none", stop=expected), trajectory
+    )
     values = {figure.name: figure.compute(compared) for figure in contact.STOP}
     return {name: value for name, value in values.items() if isinstance(value, float)}
 

@@ -17,8 +17,8 @@ def test_the_printed_bound_holds_in_128_bits(flying_case: Case) -> None:
     taylor = pytest.importorskip("bodycheck.reference.integration.taylor")
     found = certify(flying_case.scene, flying_case.instants)
     exact = found.differences[TRUTH_WAY, f"euler-lagrange, {taylor.BACKEND_NAMES['quadruple']}"]
-    assert (exact <= found.truth.error).all()
-    assert (found.bound <= found.truth.error).all()
+    assert (exact <= found.truth.bounds.error).all()
+    assert (found.bound <= found.truth.bounds.error).all()
     assert found.growth is not None
     # Nothing grows in a closed form: what is left is the rounding of a quaternion to double.
     assert exact.max() <= STORED_ERROR_RAD
@@ -50,7 +50,7 @@ def test_without_heyoka_scipy_takes_over(monkeypatch: pytest.MonkeyPatch) -> Non
     assert {name.partition(", ")[2] for name in truth.truth(case.scene, case.instants).witnesses} == {"scipy-dop853"}
     found = certify(case.scene, case.instants)
     assert found.growth is None
-    assert (found.bound <= found.truth.error).all()
+    assert (found.bound <= found.truth.bounds.error).all()
 
 
 def test_a_slide_has_no_further_witness(capsys: pytest.CaptureFixture[str]) -> None:

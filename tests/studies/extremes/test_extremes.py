@@ -307,7 +307,7 @@ def test_the_truth_follows_to_every_shipped_corner_or_says_why_not(name: str) ->
             assert "a body that would tip" in found.reason
         else:
             # Attitudes to a billionth, far below what is called lost.
-            assert found.error.max() < 1e-9
+            assert found.bounds.error.max() < 1e-9
 
 
 CORNERS = [
