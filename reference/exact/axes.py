@@ -25,7 +25,7 @@ def principal_axes(tensor: Components) -> tuple[Vector3, Quaternion4]:
     smallest rotation; a diagonal tensor gives no rotation at all. Where moments are equal, their axes are arbitrary.
 
     The axes in double precision are improved by Jacobi's rotations, which square what is left off the diagonal. Moments that
-    differ by what the arithmetic has rounded are made equal.
+    differ from one another or from zero by what the arithmetic has rounded are made equal or zero.
     """
     if not any(tensor[3:]):
         return (tensor[0], tensor[1], tensor[2]), IDENTITY
@@ -89,10 +89,10 @@ def _rotated(components: list[Real], axes: Quaternion4, pair: tuple[int, int, in
 
 
 def _equalised(moments: list[Real]) -> Vector3:
-    """Moments of which those are made equal that differ by what the arithmetic has rounded."""
+    """Moments that are made zero, or equal to one another, where they differ from it by what the arithmetic has rounded."""
     largest = max(moments)
-    order = sorted(range(3), key=moments.__getitem__)
-    equal = list(moments)
+    equal = [moment if abs(moment) > NEGLIGIBLE * largest else MP.mpf(0) for moment in moments]
+    order = sorted(range(3), key=equal.__getitem__)
     for one, other in itertools.pairwise(order):
         if equal[other] - equal[one] <= NEGLIGIBLE * largest:
             equal[other] = equal[one]

@@ -112,6 +112,9 @@ def test_euler_rates_go_with_whichever_attitude_is_given() -> None:
         ("[[body.particles]]\nmass = -1.0\nposition = [0, 0, 1]", "body.particles[1].mass", "greater than 0"),
         ('shape = "none"\nmass = 1.0\ninertia = [[1, 0.5, 0], [0, 1, 0], [0, 0, 1]]', "body.inertia", "symmetric"),
         ('shape = "none"\nmass = 1.0\ninertia = [[1, 2, 0], [2, 1, 0], [0, 0, 1]]', "body.inertia", "must be positive"),
+        # Singular in exact arithmetic, whatever an eigenvalue in doubles is.
+        ('shape = "none"\nmass = 1.0\ninertia = [[1, 1, 0], [1, 1, 0], [0, 0, 2]]', "body.inertia", "must be positive"),
+        ('shape = "none"\nmass = 1.0\ninertia = [[3, 1, 2], [1, 2, -1], [2, -1, 3]]', "body.inertia", "must be positive"),
         ('shape = "none"\nmass = 1.0\ninertia = [[1, 0, 0], [0, 1, 0], [0, 0, 3]]', "body.inertia", "no body has these"),
         ('shape = "none"\nmass = 1.0\ninertia = [[1, 0, 0], [0, 1, 0]]', "body.inertia[3]", "is missing"),
         (PARTS.format(p="0, 0, 1").replace("radius = 1.0\n", ""), "body.parts[1].radius", "is missing"),
