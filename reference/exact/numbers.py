@@ -25,6 +25,9 @@ Quaternion4 = tuple[Real, Real, Real, Real]
 #: Ratio of a difference to its terms up to which it is only what rounding has left of a zero.
 NEGLIGIBLE = MP.mpf(10) ** (10 - DIGITS)
 
+#: Bits of the mantissa of a double.
+DOUBLE_BITS = 53
+
 #: The widest floating-point type of NumPy: 80 bits on x86. Elsewhere it can be double precision, with that accuracy.
 Wide = np.longdouble
 
@@ -42,9 +45,12 @@ def vector(values: Sequence[Any]) -> Vector3:
 
 def wide(value: Real) -> Wide:
     """The number of the widest type that is nearest to a number of this arithmetic."""
-    fraction, exponent = MP.frexp(value)
-    head = float(fraction)
-    return Wide(np.ldexp(Wide(head) + Wide(float(fraction - head)), exponent))
+    sign, mantissa, exponent, bits = value._mpf_
+    if bits > 2 * DOUBLE_BITS:  # two doubles hold more digits than the widest type
+        mantissa, exponent = mantissa >> (bits - 2 * DOUBLE_BITS), exponent + bits - 2 * DOUBLE_BITS
+    head, tail = divmod(int(mantissa), 1 << DOUBLE_BITS)
+    size = np.ldexp(np.ldexp(Wide(head), DOUBLE_BITS) + Wide(tail), exponent)
+    return Wide(-size if sign else size)
 
 
 def doubles(values: Sequence[Real]) -> tuple[float, ...]:

@@ -42,6 +42,7 @@ class Start:
     rates: Vector3
 
 
+@functools.lru_cache(maxsize=64)
 def start(scene: Scene) -> Start:
     """The start of a scene.
 

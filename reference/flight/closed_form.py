@@ -109,9 +109,12 @@ def flight(scene: Scene, times: Array) -> Flight:
 
 def parabola(scene: Scene, times: Array) -> tuple[Array, Array]:
     """Positions (n, 3), m, and velocities (n, 3), m/s, world frame, at times (n,), s, under gravity alone."""
-    t, fall = times.astype(Wide)[:, None], np.array([0.0, 0.0, -scene.gravity], dtype=Wide)
-    position, velocity = (np.array(part, dtype=Wide) for part in (scene.initial.position, scene.initial.velocity))
-    return (position + t * (velocity + t * fall / 2)).astype(float), (velocity + t * fall).astype(float)
+    t, half = times.astype(Wide), -Wide(scene.gravity) / 2
+    position, velocity = np.empty((len(t), 3)), np.tile(scene.initial.velocity, (len(t), 1))
+    for axis, (first, speed) in enumerate(zip(scene.initial.position, scene.initial.velocity, strict=True)):
+        position[:, axis] = Wide(first) + t * (Wide(speed) + t * half if axis == 2 else Wide(speed))
+    velocity[:, 2] = Wide(scene.initial.velocity[2]) + t * (2 * half)
+    return position, velocity
 
 
 def _bounds(scene: Scene, begin: Start, turning: Turning, motion: Trajectory) -> Bounds:
