@@ -4,9 +4,9 @@ The numbers are the doubles nearest to the decimals of the file, and they are me
 of these numbers. `exact.start` computes what follows from them with many digits. Engines get the nearest doubles.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from bodycheck.reference.scene import Quaternion, Shape, Vector
+from bodycheck.reference.scene import Quaternion, Scene, Shape, Vector
 
 
 @dataclass(frozen=True)
@@ -70,6 +70,16 @@ class Tensor:
 
 
 @dataclass(frozen=True)
+class Nearest:
+    """The doubles that the scene of a definition was given when it was made: see `scene.Body` and `scene.State`."""
+
+    moments: Vector
+    axes: Quaternion
+    quaternion: Quaternion
+    angular_velocity: Vector
+
+
+@dataclass(frozen=True)
 class Definition:
     """What the file says of the body and of its initial rotation.
 
@@ -82,8 +92,33 @@ class Definition:
         The initial attitude of the body.
     rotation
         The initial angular velocity in the frame of the body (rad/s), or the rates of the Euler angles of the attitude.
+    nearest
+        The doubles of the scene that was made of it; None before there is one.
     """
 
     inertia: Solid | Tensor | tuple[Particle, ...] | tuple[Solid, ...]
     attitude: Attitude = (1.0, 0.0, 0.0, 0.0)
     rotation: Vector | EulerRates = (0.0, 0.0, 0.0)
+    nearest: Nearest | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True)
+class Valid:
+    """Which parts of the definition of a scene the scene still has."""
+
+    inertia: bool
+    attitude: bool
+    rotation: bool
+
+
+def valid(scene: Scene) -> Valid:
+    """Which parts of the definition of a scene the scene still has: those whose doubles are the ones that it was made with."""
+    nearest = scene.definition.nearest if scene.definition is not None else None
+    if nearest is None:
+        return Valid(inertia=False, attitude=False, rotation=False)
+    body, initial = scene.body, scene.initial
+    return Valid(
+        inertia=(body.moments, body.axes) == (nearest.moments, nearest.axes),
+        attitude=initial.quaternion == nearest.quaternion,
+        rotation=initial.angular_velocity == nearest.angular_velocity,
+    )

@@ -1,9 +1,9 @@
 """The start of the rotation of a scene, along the principal axes of its body, in exact arithmetic."""
 
 import functools
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from bodycheck.reference.definition import Attitude, Definition, EulerRates
+from bodycheck.reference.definition import Attitude, Definition, EulerRates, Nearest, valid
 from bodycheck.reference.exact.axes import principal_axes
 from bodycheck.reference.exact.inertia import mass_properties
 from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Real, Vector3, doubles, vector
@@ -46,19 +46,20 @@ class Start:
 def start(scene: Scene) -> Start:
     """The start of a scene.
 
-    What the definition of the scene says is used as far as the scene still has the numbers that follow from it. Otherwise the
+    What the definition of the scene says is used as far as it is valid (see `definition.valid`). Otherwise the
     doubles of the scene are meant exactly; quaternions count by their direction.
     """
-    body, initial, definition = scene.body, scene.initial, scene.definition
-    found = defined_inertia(definition) if definition is not None else None
-    if found is None or (doubles(found.moments), doubles(found.axes)) != (body.moments, body.axes):
+    body, initial, definition, holds = scene.body, scene.initial, scene.definition, valid(scene)
+    if definition is not None and holds.inertia:
+        found = defined_inertia(definition)
+    else:
         w, x, y, z = body.axes
         found = Inertia(MP.mpf(body.mass), vector(body.moments), unit((MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z))))
     turn, rates = attitude(initial.quaternion), vector(initial.angular_velocity)
     if definition is not None:
         exact_turn, exact_rates = defined_rotation(definition.attitude, definition.rotation)
-        turn = exact_turn if doubles(exact_turn) == initial.quaternion else turn
-        rates = exact_rates if doubles(exact_rates) == initial.angular_velocity else rates
+        turn = exact_turn if holds.attitude else turn
+        rates = exact_rates if holds.rotation else rates
     if found.axes == IDENTITY:
         return Start(found.moments, IDENTITY, turn, rates)
     return Start(found.moments, found.axes, multiply(turn, found.axes), _along(found.axes, rates))
@@ -76,7 +77,7 @@ def defined_scene(definition: Definition, shape: Shape | None) -> Scene:
     return Scene(
         body=Body(float(inertia.mass), (a, b, c), shape, (aw, ax, ay, az)),
         initial=State(quaternion=(w, x, y, z), angular_velocity=(p, q, r)),
-        definition=definition,
+        definition=replace(definition, nearest=Nearest((a, b, c), (aw, ax, ay, az), (w, x, y, z), (p, q, r))),
     )
 
 

@@ -1,0 +1,10 @@
+"""A second way from the scene to the motion, by code of its own.
+
+It shares no formula with the rest of the reference, so that a mistake there is not repeated here: it imports only the
+description of the scene and numerical tools. Its conventions differ on purpose. Attitudes are matrices of direction cosines,
+the inertia is a tensor in the frame of the body and not moments along principal axes, and the rates of Euler angles become an
+angular velocity by the derivative of the product of three matrices.
+
+- `inertia`: mass and inertia tensor by exact rational arithmetic.
+- `border`: what a motion starts from, with a hundred digits.
+"""
