@@ -39,6 +39,10 @@ class Bounds:
     energy_error: Array
     angular_momentum_error: Array
 
+    def of_states(self) -> dict[str, Array]:
+        """The bounds of the figures that are states, by their names: all but those of energy and angular momentum."""
+        return {name: getattr(self, name) for name in STATES}
+
     def plus(self, other: "Bounds") -> "Bounds":
         """The sums of these bounds and others."""
         return Bounds(*(getattr(self, name) + getattr(other, name) for name in NAMES))
@@ -46,3 +50,6 @@ class Bounds:
 
 #: The names of the figures.
 NAMES = tuple(field.name for field in fields(Bounds))
+
+#: The names of the figures that are states.
+STATES = NAMES[:4]

@@ -1,24 +1,30 @@
 """Certificate of a truth: every applicable computation of one motion, compared with every other.
 
-Here a way is one such computation: the truth itself, a numerical integration of the equations of motion, or another closed
-form.
+Here a way is one such computation: the truth itself, its witnesses, or an integration in arithmetic so wide that the growth of
+its rounding errors stays far below what is certified.
 """
 
 from dataclasses import dataclass
 from itertools import combinations
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from bodycheck.reference import truth
-from bodycheck.reference.errors import NotModelled
-from bodycheck.reference.exact.start import start
-from bodycheck.reference.flight import closed_form, torque_free
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
-from bodycheck.reference.witness import angle_between
+from bodycheck.reference.witness import Witness, as_way, distances
+
+#: Name of the way that is the truth.
+TRUTH_WAY = "truth"
+
+#: The figures that ways are compared in: the name of a bound, its unit, and what differs, in words.
+COMPARED = (
+    ("error", "rad", ""),
+    ("angular_velocity_error", "rad/s", " in angular velocity"),
+    ("position_error", "m", " in position"),
+    ("velocity_error", "m/s", " in velocity"),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,60 +38,68 @@ class Certificate:
     differences
         (n,) largest angles so far between the attitudes of two ways (rad), by the names of the two ways.
     bound
-        (n,) bound of the attitude error of the truth (rad): the smaller of the bound of its closed form, and of the distance
-        from the 128-bit Euler-Lagrange solution plus twice the distance between the two 128-bit solutions.
+        (n,) certified bound of the attitude error of the truth (rad), never decreasing: its distance from the most accurate
+        other way, plus that way's own error. It is measured, and is not the bound that the truth prints.
+    digits
+        Decimal digits of the arithmetic of the most accurate other way; 0 if there is none.
+    faults
+        Why the truth is not certified, one sentence each: pairs of ways that are farther apart than their own bounds allow.
     growth
-        (n,) attitude error (rad) per unit of relative error made at the worst earlier moment; None where heyoka is not
-        installed. See `integration.sensitivity`.
+        (n,) attitude error (rad) per unit of relative error made at the worst earlier moment; None where it is not known. See
+        `integration.sensitivity`.
     """
 
     truth: Truth
     differences: dict[tuple[str, str], Array]
     bound: Array
+    digits: int
+    faults: tuple[str, ...]
     growth: Array | None
 
-
-#: Name of the way that is the truth.
-TRUTH_WAY = "truth"
-
-#: Name of the way by the general closed form, for a body that also has a simpler one.
-ELLIPTIC_WAY = "elliptic functions"
+    @property
+    def certified(self) -> bool:
+        """Whether no two ways contradict each other."""
+        return not self.faults
 
 
 def certify(scene: Scene, times: Array) -> Certificate:
-    """The certificate of the truth of a scene in free flight, at ascending times (n,) >= 0, s.
-
-    Raises as `truth.truth` does, and `NotModelled` for a body on a plane: the error bound of its truth already comes from the
-    only two ways that exist.
-    """
-    if scene.plane is not None:
-        raise NotModelled("a body on a plane in more ways than the two whose disagreement bounds its error")
-    found = truth.truth(scene, times)
-    plain = truth.dop853()
-    ways: dict[str, NDArray[Any]] = {
-        TRUTH_WAY: found.trajectory.quaternion,
-        f"euler-lagrange, {plain.name}": plain.euler_lagrange(scene, times),
-        f"quasi-coordinates, {plain.name}": plain.quasi_coordinates(scene, times),
-    }
-    begin = start(scene)
-    if closed_form.smallest_form(begin.moments, begin.rates) is closed_form.SYMMETRIC:
-        # The elliptic functions hold for this body too, and are computed by other formulas.
-        ways[ELLIPTIC_WAY] = torque_free.rotation(begin, times).attitude
-    try:
-        from bodycheck.reference.integration import sensitivity, taylor
-    except ImportError:
-        difference, growth = angle_between, None
-        quadruple: tuple[str, ...] = ()
+    """The certificate of the truth of a scene, at ascending times (n,) >= 0, s. Raises as `truth.truth` does."""
+    found = truth.computed(scene, times)
+    own = as_way(TRUTH_WAY, found.truth.trajectory, found.own)
+    ways = (own, *found.witnesses)
+    apart = {(one.name, other.name): distances(one, other) for one, other in combinations(ways, 2)}
+    faults = [
+        fault
+        for one, other in combinations(ways, 2)
+        if (fault := contradiction(one, other, apart[one.name, other.name])) is not None
+    ]
+    others = [way for way in ways[1:] if way.quaternion is not None]
+    if others:
+        best = min(others, key=lambda way: float(np.max(way.error)))
+        bound = np.maximum.accumulate(apart[TRUTH_WAY, best.name]["error"] + best.error)
     else:
-        difference, growth = taylor.attitude_difference, sensitivity.growth(scene, times).of_any
-        for precision, name in taylor.BACKEND_NAMES.items():
-            ways[f"euler-lagrange, {name}"] = taylor.euler_lagrange(scene, times, precision).quaternion
-            ways[f"quasi-coordinates, {name}"] = taylor.quasi_coordinates(scene, times, precision).quaternion
-        quadruple = tuple(ways)[-2:]
+        bound = found.own.error
+        faults.append("no other way follows this motion")
+    return Certificate(
+        truth=found.truth,
+        differences={pair: np.maximum.accumulate(each["error"]) for pair, each in apart.items() if "error" in each},
+        bound=np.asarray(bound),
+        digits=best.digits if others else 0,
+        faults=tuple(faults),
+        growth=None,
+    )
 
-    apart = {(one, other): np.maximum.accumulate(difference(ways[one], ways[other])) for one, other in combinations(ways, 2)}
-    bound = closed_form.flight(scene, times).bounds.error
-    if quadruple:
-        lagrange, euler = quadruple
-        bound = np.minimum(bound, apart[TRUTH_WAY, lagrange] + 2 * apart[lagrange, euler])
-    return Certificate(found, apart, bound, growth)
+
+def contradiction(one: Witness, other: Witness, apart: dict[str, Array]) -> str | None:
+    """By how much two ways differ more than their own bounds allow, in words, or None where they do not."""
+    for name, unit, what in COMPARED:
+        if name not in apart:
+            continue
+        allowed = np.broadcast_to(getattr(one, name) + getattr(other, name), apart[name].shape)
+        worst = int(np.argmax(apart[name] - allowed))
+        if apart[name][worst] > allowed[worst]:
+            return (
+                f"{one.name} and {other.name} are {apart[name][worst]:.2g} {unit} apart{what}, "
+                f"their bounds allow {allowed[worst]:.2g}"
+            )
+    return None

@@ -77,6 +77,25 @@ class Truth:
         return self if np.array_equal(times, self.trajectory.t) else truth(self.scene, times)
 
 
+@dataclass(frozen=True, eq=False)
+class Computed:
+    """A truth with what its bounds come from.
+
+    Attributes
+    ----------
+    truth
+        The truth.
+    own
+        The bounds that the way of the truth has of itself. The bounds of the truth are larger where a witness contradicts it.
+    witnesses
+        The witnesses.
+    """
+
+    truth: Truth
+    own: Bounds
+    witnesses: tuple[Witness, ...]
+
+
 @dataclass(frozen=True)
 class NoTruth:
     """The answer where the reference has no truth.
@@ -181,20 +200,26 @@ def truth(scene: Scene, times: Array, solver: Backend | None = None) -> Truth:
     ValueError
         If the scene has a balanced pressure under the decoupled law of friction, or numbers that are not finite.
     """
+    return computed(scene, times, solver).truth
+
+
+def computed(scene: Scene, times: Array, solver: Backend | None = None) -> Computed:
+    """The truth of a scene with what its bounds come from; arguments and exceptions are those of `truth`."""
     if (missing := missing_model(scene)) is not None:
         raise NotModelled(missing)
     if scene.plane is not None:
-        return on_plane(scene, times)
+        slid = on_plane(scene, times)
+        return Computed(slid, slid.bounds, ())
     flown = closed_form.flight(scene, times)
-    bounds, names = flown.bounds, []
-    if any(scene.initial.angular_velocity):
-        for witness in witnesses(scene, times, solver or backend()):
-            bounds = bounds.plus(excess(scene, flown.motion, flown.bounds, witness))
-            names.append(witness.name)
-    flight = Truth(
-        scene, flown.motion, bounds, f"closed form: {flown.form.name}", flown.form.reason, CLOSED_FORM_BACKEND, tuple(names)
-    )
-    return with_drag(flight) if requirements(scene).drag else flight
+    turns = any(scene.initial.angular_velocity)
+    found = tuple(witnesses(scene, times, solver or backend())) if turns else ()
+    bounds = flown.bounds
+    for witness in found:
+        bounds = bounds.plus(excess(scene, flown.motion, flown.bounds, witness))
+    names = tuple(witness.name for witness in found)
+    model = f"closed form: {flown.form.name}"
+    flight = Truth(scene, flown.motion, bounds, model, flown.form.reason, CLOSED_FORM_BACKEND, names)
+    return Computed(with_drag(flight) if requirements(scene).drag else flight, flown.bounds, found)
 
 
 def witnesses(scene: Scene, times: Array, solver: Backend) -> Iterator[Witness]:

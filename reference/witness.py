@@ -6,10 +6,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference.bounds import Bounds
+from bodycheck.reference.bounds import STATES, Bounds
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
+
+#: Decimal digits of double precision.
+DOUBLE_DIGITS = 16
 
 #: An array in double precision or wider.
 WideArray = NDArray[Any]
@@ -36,6 +39,8 @@ class Witness:
         (n, 3) velocities of the centre of mass, world frame (m/s).
     error, angular_velocity_error, position_error, velocity_error
         (n,) bounds of the errors of these four, in rad, rad/s, m and m/s.
+    digits
+        Decimal digits of the arithmetic.
     """
 
     name: str
@@ -47,6 +52,22 @@ class Witness:
     angular_velocity_error: Array | float = 0.0
     position_error: Array | float = 0.0
     velocity_error: Array | float = 0.0
+    digits: int = 19
+
+
+def distances(one: "Witness", other: "Witness") -> dict[str, Array]:
+    """How far two ways are apart at each instant (n,), in the figures that both compute, by the names of `Bounds`.
+
+    All differences are formed in the wider of the two types.
+    """
+    apart = {}
+    if one.quaternion is not None and other.quaternion is not None:
+        apart["error"] = angle_between(one.quaternion, other.quaternion)
+    for name in ("position", "velocity", "angular_velocity"):
+        vectors = getattr(one, name), getattr(other, name)
+        if vectors[0] is not None and vectors[1] is not None:
+            apart[f"{name}_error"] = _apart(*vectors)
+    return apart
 
 
 def excess(scene: Scene, motion: Trajectory, own: Bounds, witness: Witness) -> Bounds:
@@ -70,19 +91,19 @@ def excess(scene: Scene, motion: Trajectory, own: Bounds, witness: Witness) -> B
     Bounds
         The excess of each figure (n,), never decreasing. That of energy and angular momentum follows from the others.
     """
+    apart = distances(as_way("", motion, own), witness)
     none = np.zeros(len(motion))
-    attitude = none if witness.quaternion is None else angle_between(motion.quaternion, witness.quaternion)
-    apart = {
-        "error": attitude,
-        "position_error": _apart(motion.position, witness.position),
-        "velocity_error": _apart(motion.velocity, witness.velocity),
-        "angular_velocity_error": _apart(motion.angular_velocity, witness.angular_velocity),
-    }
     found = {
-        name: np.maximum.accumulate(np.maximum(0.0, distance - getattr(own, name) - getattr(witness, name)))
-        for name, distance in apart.items()
+        name: np.maximum.accumulate(np.maximum(0.0, apart.get(name, none) - getattr(own, name) - getattr(witness, name)))
+        for name in STATES
     }
     return Bounds(**found, **conserved_errors(scene, motion, **found))
+
+
+def as_way(name: str, motion: Trajectory, own: Bounds) -> Witness:
+    """A motion in double precision with bounds of its errors, as one of the ways that are compared."""
+    states = motion.quaternion, motion.angular_velocity, motion.position, motion.velocity
+    return Witness(name, *states, **own.of_states(), digits=DOUBLE_DIGITS)
 
 
 def conserved_errors(
@@ -107,9 +128,8 @@ def angle_between(p: WideArray, q: WideArray) -> Array:
     return geodesic_angle(p.astype(wide), q.astype(wide)).astype(float)
 
 
-def _apart(one: Array, other: WideArray | None) -> Array:
-    """Distances (n,) between vectors (n, 3), computed in the wider of the two types; zero where the others are not known."""
-    if other is None:
-        return np.zeros(len(one))
-    difference = one.astype(other.dtype) - other
+def _apart(one: WideArray, other: WideArray) -> Array:
+    """Distances (n,) between vectors (n, 3), computed in the wider of the two types."""
+    wide = np.result_type(one, other)
+    difference = one.astype(wide) - other.astype(wide)
     return np.asarray(np.sqrt((difference * difference).sum(axis=1))).astype(float)

@@ -77,6 +77,9 @@ def certificate_as_json(found: Certificate) -> dict[str, Any]:
         "differences": [
             {"one": one, "other": other, "attitude": apart.tolist()} for (one, other), apart in found.differences.items()
         ],
+        "certified": found.certified,
         "certified_error": found.bound.tolist(),
+        "digits": found.digits,
+        "faults": list(found.faults),
         "growth": None if found.growth is None else found.growth.tolist(),
     }
