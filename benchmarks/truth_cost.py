@@ -43,6 +43,20 @@ print(time.perf_counter() - start)
 """
 
 
+def drag_costs() -> None:
+    """Print the cost of the truth of a thrown ball with drag for three durations, with 1001 samples, warm."""
+    thrown = Scene(Body(0.4, (1.0, 1.0, 1.0)), State(velocity=(10.0, 0.0, 10.0)), 9.81, drag=0.01)
+    relaxing = (thrown.body.mass / (thrown.drag * thrown.gravity)) ** 0.5
+    for duration in (1.0, 100.0, 1e4):
+        times = np.linspace(0, duration * relaxing, 1001)
+        costs = []
+        for _ in range(TURNS + 1):
+            start = time.perf_counter()
+            truth.truth(thrown, times)
+            costs.append(time.perf_counter() - start)
+        print(f"drag, sqrt(g c / m) T = {duration:g}: {statistics.median(costs[1:]) * 1e3:.2f} ms, median of {TURNS} turns")
+
+
 def main() -> None:
     case = load("intermediate-axis-flip")
     scene, times = case.scene, case.instants
@@ -87,6 +101,8 @@ def main() -> None:
                 check=True,
             )
             print(f"first 80-bit truth of a process, cache of compiled code {state}: {float(done.stdout) * 1e3:.0f} ms")
+
+    drag_costs()
 
     rng = np.random.default_rng(1)
     start = time.perf_counter()

@@ -2,8 +2,8 @@
 
 The truth is computed from the smallest model that is exact. In free flight this is a closed form, with translation and
 rotation solved independently. A body that rotates also has two independent witnesses: the Euler-Lagrange equations in Euler
-angles and Euler's equations with a quaternion, both integrated numerically. Drag on the translation is integrated in two
-formulations. A body that lies flat on a plane has three coordinates; see `sliding`.
+angles and Euler's equations with a quaternion, both integrated numerically. Drag on the translation leads to quadratures, whose
+witness is an integration in three coordinates. A body that lies flat on a plane has three coordinates; see `sliding`.
 """
 
 import contextlib
@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from bodycheck.reference.bounds import EPS, Bounds
 from bodycheck.reference.errors import NotFlat, NotModelled, OutOfReach, WouldTip
 from bodycheck.reference.exact.start import start
-from bodycheck.reference.flight import closed_form, drag
+from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.amplification import amplification
+from bodycheck.reference.flight.drag.translation import translation
 from bodycheck.reference.integration import lagrangian, quasi_coordinates
 from bodycheck.reference.planar import Stop, planar_state
 from bodycheck.reference.principal_frame import IDENTITY, along_principal_axes, in_body_frame
@@ -31,7 +32,7 @@ from bodycheck.reference.witness import Witness, conserved_errors, excess
 #: Name of the backend that evaluates closed forms.
 CLOSED_FORM_BACKEND = "numpy"
 
-#: Name of the backend that integrates drag and slides.
+#: Name of the backend that integrates slides.
 INTEGRATION_BACKEND = "scipy-dop853"
 
 #: Roundings of a witness for each radian of turning, before they are amplified.
@@ -255,27 +256,24 @@ def on_plane(scene: Scene, times: Array) -> Truth:
 def with_drag(flight: Truth) -> Truth:
     """The truth of a flight with drag, from the truth of the same flight without it.
 
-    Drag acts at the centre of mass and does not change the rotation. The bound of the position error is twice the largest
-    distance so far between two formulations, both in double precision, plus rounding. Raises `OutOfReach`.
+    Drag acts at the centre of mass and does not change the rotation.
     """
     motion = flight.trajectory
-    position, velocity = drag.cartesian(flight.scene, motion.t)
-    witness, _ = drag.hodograph(flight.scene, motion.t)
-    slowed = replace(motion, position=position, velocity=velocity)
+    moved = translation(flight.scene, motion.t)
+    slowed = replace(motion, position=moved.position, velocity=moved.velocity)
+    known = {
+        "error": flight.bounds.error,
+        "position_error": moved.position_error,
+        "velocity_error": moved.velocity_error,
+        "angular_velocity_error": flight.bounds.angular_velocity_error,
+    }
     return replace(
         flight,
         trajectory=slowed,
-        bounds=replace(flight.bounds, position_error=2 * np.maximum.accumulate(distance(position, witness)) + rounding(slowed)),
-        model=f"{flight.model}, drag integrated",
-        backend=INTEGRATION_BACKEND,
-        witnesses=(*flight.witnesses, f"hodograph, {INTEGRATION_BACKEND}"),
+        bounds=Bounds(**known, **conserved_errors(flight.scene, slowed, **known)),
+        model=f"{flight.model}, drag by quadratures",
+        witnesses=(*flight.witnesses, *moved.witnesses),
     )
-
-
-def rounding(motion: Trajectory) -> Array:
-    """Position error (n,), m, of a few roundings of the largest distance so far."""
-    reach = np.linalg.norm(motion.position, axis=1) + np.linalg.norm(motion.velocity, axis=1) * motion.t
-    return np.asarray(4 * np.finfo(float).eps * np.maximum.accumulate(reach))
 
 
 def distance(one: Array, other: Array) -> Array:

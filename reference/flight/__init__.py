@@ -5,8 +5,8 @@
 - `torque_free`: rotation of a body with any moments, by Jacobi's elliptic functions.
 - `symmetric_top`: rotation of a body with two equal moments, in elementary functions.
 - `elliptic`: Jacobi's elliptic functions, for every modulus.
-- `drag`: translation with quadratic drag, in two formulations.
+- `drag`: translation with quadratic drag, by quadratures, with its bounds and its witness; a folder of its own.
 
-`closed_form` imports `symmetric_top`, which imports `torque_free`, which imports `elliptic`. `drag` stands alone and uses the
-DOP853 driver of `integration`.
+`closed_form` imports `symmetric_top`, which imports `torque_free`, which imports `elliptic`. `drag` uses only
+the wide type of the others, and the drivers of heyoka and DOP853 of `integration`.
 """

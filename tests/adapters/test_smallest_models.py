@@ -16,8 +16,9 @@ from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.errors import BadInput
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.start import start
-from bodycheck.reference.flight import closed_form, drag, symmetric_top, torque_free
+from bodycheck.reference.flight import closed_form, symmetric_top, torque_free
 from bodycheck.reference.flight.closed_form import STORED_ERROR_RAD, smallest_form
+from bodycheck.reference.flight.drag.translation import translation
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.planar import planar_state
@@ -136,9 +137,9 @@ def test_what_does_not_act_changes_no_digit() -> None:
 
 @pytest.mark.parametrize("name", FORMS)
 def test_drag_that_is_nothing_changes_the_truth_by_less_than_the_bounds(name: str) -> None:
-    """1e-300 kg/m is below every rounding, but the translation is integrated, twice."""
+    """1e-300 kg/m is below every rounding, but the translation is computed otherwise."""
     without, dragged = (truth_of_scene(scene, TIMES) for scene in (FORMS[name], replace(FORMS[name], drag=1e-300)))
-    assert dragged.backend != without.backend
+    assert dragged.model != without.model
     apart = distance(without.trajectory.position, dragged.trajectory.position)
     assert (apart <= without.bounds.position_error + dragged.bounds.position_error).all()
     np.testing.assert_array_equal(without.trajectory.quaternion, dragged.trajectory.quaternion)
@@ -164,11 +165,10 @@ def test_where_no_witness_can_follow_the_closed_form_stands_alone(monkeypatch: p
     np.testing.assert_array_equal(found.bounds.error, closed_form.flight(scene, TIMES).bounds.error)
 
 
-def test_drag_is_integrated_only_where_something_moves() -> None:
+def test_drag_is_computed_only_where_something_moves() -> None:
     spinning = replace(FORMS["symmetric top"], gravity=0.0, initial=State(angular_velocity=(1.0, 2.0, 3.0)), drag=0.1)
     assert truth_of_scene(spinning, TIMES).model == "closed form: symmetric top"
-    still, _ = drag.cartesian(spinning, TIMES)
-    assert not still.any()
+    assert not translation(spinning, TIMES).position.any()
 
 
 # The smallest law of friction.
