@@ -5,12 +5,17 @@ from dataclasses import replace
 from bodycheck.casefile import grammar
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.reference.definition import Attitude, Definition, EulerAngles, EulerRates, Particle, Solid, Tensor
-from bodycheck.reference.exact.start import defined_scene
+from bodycheck.reference.exact.numbers import MP, real
+from bodycheck.reference.exact.start import defined_scene, start
 from bodycheck.reference.planar import resting_height
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere
 
 #: Smallest allowed ratio of the principal moments of particles or parts; a smaller ratio is rounding error.
 MIN_MOMENT_RATIO = 1e-15
+
+
+#: Largest allowed kinetic energy (J) and component of the angular momentum (kg m^2/s).
+MAX_SIZE = 1e150
 
 
 class Inconsistent(Exception):
@@ -22,7 +27,9 @@ class Inconsistent(Exception):
 
 
 def build_scene(table: grammar.CaseTable) -> Scene:
-    """Return the scene of a case. Raises `Inconsistent` for particles or parts that lie on a line.
+    """Return the scene of a case.
+
+    Raises `Inconsistent` for particles or parts that lie on a line, and for an energy or angular momentum above `MAX_SIZE`.
 
     If no position is given, a body with a flat face lies on the plane.
     """
@@ -31,7 +38,7 @@ def build_scene(table: grammar.CaseTable) -> Scene:
     if _composed(table.body):
         _check_extent(body)
     lying = surroundings.plane is not None and isinstance(body.shape, Brick | Cylinder)
-    return replace(
+    made = replace(
         scene,
         initial=replace(
             scene.initial,
@@ -42,6 +49,8 @@ def build_scene(table: grammar.CaseTable) -> Scene:
         plane=Plane(**surroundings.plane.model_dump()) if surroundings.plane else None,
         drag=surroundings.drag.quadratic if surroundings.drag else 0.0,
     )
+    _check_size(made)
+    return made
 
 
 def _definition(table: grammar.CaseTable) -> Definition:
@@ -82,6 +91,19 @@ def _check_extent(body: Body) -> None:
             f"its principal moments are {body.moments}; a body on a line has no moment about that line, and cannot be simulated"
         )
         raise Inconsistent((("body",), slender))
+
+
+def _check_size(scene: Scene) -> None:
+    """Refuse a motion whose energy or angular momentum is so large that sums and products of them could overflow."""
+    begin = start(scene)
+    kinetic = (
+        scene.body.mass * sum(real(speed) ** 2 for speed in scene.initial.velocity)
+        + sum(moment * rate**2 for moment, rate in zip(begin.moments, begin.rates, strict=True))
+    ) / 2
+    momentum = max(abs(moment * rate) for moment, rate in zip(begin.moments, begin.rates, strict=True))
+    for name, value, unit in (("kinetic energy", kinetic, "J"), ("angular momentum", momentum, "kg m^2/s")):
+        if value > MAX_SIZE:
+            raise Inconsistent((("initial",), f"its {name} is {MP.nstr(value, 3)} {unit}; at most {MAX_SIZE:g} is allowed"))
 
 
 def _shape(table: grammar.AnyBody | grammar.PartTable) -> Shape | None:

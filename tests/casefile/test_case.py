@@ -247,3 +247,20 @@ def test_positions_in_arrays_of_tables() -> None:
     assert found["a", 1].line == 3
     assert found["a", 1, "b", "y", "z"].line == 5
     assert found["a", 1, "c", 0, "w", 1].line == 9
+
+
+@pytest.mark.parametrize(
+    ("mass", "size", "initial", "what"),
+    [
+        ("1e100", "1e10", "angular_velocity = [0.1, 0.0, 1e40]", "kinetic energy is 3.33e+199 J"),
+        ("1e100", "1", "velocity = [0.0, 0.0, 1e30]", "kinetic energy is 5.0e+159 J"),
+        ("1e100", "1e40", "angular_velocity = [0.0, 0.0, 1e-20]", "angular momentum is 6.67e+159 kg m^2/s"),
+    ],
+)
+def test_a_motion_whose_numbers_would_overflow_is_refused(mass: str, size: str, initial: str, what: str) -> None:
+    text = GOOD.replace("mass = 2", f"mass = {mass}").replace("[0.1, 0.3, 0.2]", f"[{size}, {size}, {size}]", 1)
+    before = text.partition("[initial]")[2].partition("\n[")[0]
+    ((where, message),) = faults(text.replace(before, f"\n{initial}\n")).items()
+    assert where.endswith("initial")
+    assert what in message
+    assert "at most 1e+150" in message
