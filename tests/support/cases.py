@@ -56,9 +56,11 @@ def _lines(table: Table) -> Iterable[str]:
 
 
 def _value(value: Any) -> str:
-    """A value as TOML writes it: tables within a line, all else as JSON does."""
+    """A value as TOML writes it: tables within a line, also those of an array, all else as JSON does."""
     if isinstance(value, Mapping):
         return "{" + ", ".join(_lines(value)) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_value, value)) + "]"
     return json.dumps(value, ensure_ascii=False)
 
 
