@@ -108,12 +108,7 @@ def _figures(found: Truth, flight: Flight, exact: list[Moment]) -> dict[str, Fig
         "angular_momentum_error": _distances(seen.angular_momentum, [momentum] * len(exact)),
     }
     scales = _scales(flight, motion.t)
-    bounds = getattr(found, "bounds", found)
-    return {
-        name: Figure(motion.t, np.array(errors[name]), getattr(bounds, name), scales[name])
-        for name in UNITS
-        if hasattr(bounds, name)
-    }
+    return {name: Figure(motion.t, np.array(errors[name]), getattr(found.bounds, name), scales[name]) for name in UNITS}
 
 
 def _scales(flight: Flight, t: Array) -> dict[str, Array]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from typing import Any
 
-from mpmath import MPContext  # type: ignore[import-untyped]
+from mpmath import MPContext
 
 #: The arithmetic. It is a context of its own, so that nobody else's precision changes it.
 #:
