@@ -71,6 +71,7 @@ def test_three_ways_to_say_one_body() -> None:
     tensor = made('shape = "none"\nmass = 2.0\ninertia = [[2.8, 0, 0], [0, 2.8, 0], [0, 0, 0.8]]')
     vector = made('shape = "none"\nmass = 2.0\ninertia = [2.8, 2.8, 0.8]')
     assert tensor == vector
+    # Moments as sums of products of small whole numbers and 0.4: a few roundings.
     np.testing.assert_allclose(spheres.moments, vector.moments, rtol=1e-15)
     assert spheres.axes == vector.axes
 
@@ -95,6 +96,7 @@ def test_euler_rates_go_with_whichever_attitude_is_given() -> None:
     angles = parse(text.replace(rates, rates + f"euler_zxz = [0.0, {turn}, 0.0]\n"), "f")
     given = f"quaternion = [{math.cos(turn / 2)}, {math.sin(turn / 2)}, 0.0, 0.0]\n"
     quaternion = parse(text.replace(rates, rates + given), "f")
+    # Both are formed in 80 bits and rounded once; the written quaternion is itself rounded.
     np.testing.assert_allclose(angles.scene.initial.angular_velocity, quaternion.scene.initial.angular_velocity, atol=1e-15)
 
 

@@ -76,6 +76,7 @@ def test_the_case_of_the_readme_is_valid(tmp_path: Path) -> None:
 def test_the_python_of_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
     (code,) = blocks(ROOT / "README.md", "python")
     exec(code, {})
+    # The README says 17.3 m, three digits.
     assert float(capsys.readouterr().out) == pytest.approx(17.3, abs=0.05)
 
 

@@ -71,6 +71,7 @@ def test_particles_are_the_sum_over_the_particles() -> None:
     made = properties(Particle(1.0, (0.0, 0.0, 1.0)), Particle(2.0, (1.0, 0.0, 0.0)), Particle(3.0, (0.0, 2.0, 0.0)))
     r = positions - made.centre
     summed = sum(m * (x @ x * np.eye(3) - np.outer(x, x)) for m, x in zip(masses, r, strict=True))
+    # Sums of some products of whole numbers and sixths: some roundings of numbers of up to 10.
     np.testing.assert_allclose(masses @ r, 0, atol=1e-15)
     np.testing.assert_allclose(made.inertia, summed, atol=1e-15)
 
@@ -79,6 +80,7 @@ def test_a_cube_is_eight_cubes() -> None:
     whole = properties(Solid(Brick((1.0, 1.0, 1.0)), 8.0))
     eight = properties(*(Solid(Brick((0.5, 0.5, 0.5)), 1.0, (x, y, z)) for x, y, z in itertools.product((-0.5, 0.5), repeat=3)))
     assert eight.mass == whole.mass
+    # Powers of two, and thirds: a rounding or none.
     np.testing.assert_allclose(eight.inertia, whole.inertia, atol=1e-15)
 
 
@@ -136,4 +138,5 @@ def test_a_diagonal_tensor_keeps_its_axes() -> None:
 def test_angular_momentum_is_the_tensor_times_the_rates(q: list[float], rates: list[float]) -> None:
     w, x, y, z = (q / np.linalg.norm(q)).tolist()
     body = Body(1.0, (0.1, 0.2, 0.25), axes=(w, x, y, z))
+    # Two turns there and back of vectors of length 1 and a tensor of 0.3: some ten roundings.
     np.testing.assert_allclose(angular_momentum(body, np.array(rates)), inertia_tensor(body) @ rates, atol=1e-14)

@@ -33,6 +33,7 @@ def test_euler_angles_are_scipys_intrinsic_zxz(phi: float, theta: float, psi: fl
 
 @given(UNIT)
 def test_angles_of_a_quaternion_give_the_quaternion(q: np.ndarray) -> None:
+    # Half of three angles of up to pi, each rounded by up to 4e-16.
     assert k.geodesic_angle(k.quaternion_from_euler(*k.euler_from_quaternion(q)), q) < 2e-15
 
 
@@ -43,18 +44,21 @@ def test_at_the_singularity_only_psi_turns(theta: float, psi: float) -> None:
     q[[1, 2] if theta == 0 else [0, 3]] = 0.0
     phi, _, _ = k.euler_from_quaternion(q)
     assert phi == 0
+    # Half of an angle of up to pi, rounded by up to 4e-16, and the rounding of a quaternion.
     assert k.geodesic_angle(k.quaternion_from_euler(*k.euler_from_quaternion(q)), q) < 2e-15
 
 
 @given(UNIT, st.lists(RATE, min_size=3, max_size=3))
 def test_rotate_agrees_with_scipy(q: np.ndarray, v: list[float]) -> None:
     theirs = Rotation.from_quat(q, scalar_first=True).apply(v)
+    # Some ten products each way; the quaternion is of unit length but for its rounding, which the two treat differently.
     np.testing.assert_allclose(k.rotate(q, np.array(v)), theirs, atol=1e-13 * (1 + math.hypot(*v)), rtol=0)
 
 
 @given(UNIT, UNIT)
 def test_product_is_composition(p: np.ndarray, q: np.ndarray) -> None:
     theirs = Rotation.from_quat(p, scalar_first=True) * Rotation.from_quat(q, scalar_first=True)
+    # Four products a component, each rounded by up to 1e-16, twice as an angle.
     assert k.geodesic_angle(k.multiply(p, q), theirs.as_quat(scalar_first=True)) < 3e-15
 
 
@@ -86,6 +90,7 @@ def test_rates_of_rates(phi: float, theta: float, psi: float, dphi: float, dthet
 @given(UNIT, st.floats(1e-12, math.pi))
 def test_geodesic_angle_is_exact_for_small_and_large_turns(q: np.ndarray, angle: float) -> None:
     turn = np.array([math.cos(angle / 2), 0.0, math.sin(angle / 2), 0.0])
+    # Some roundings of quaternions, 1e-16 each, which no turn is too small for.
     assert k.geodesic_angle(q, k.multiply(q, turn)) == pytest.approx(angle, rel=1e-12, abs=1e-15)
     assert k.geodesic_angle(q, -q) < 1e-15
 

@@ -216,6 +216,7 @@ def test_a_picture_goes_with_a_body_that_slides_far(browser: Any, report: Path, 
         svg = panel(player, "the truth")
         focus, place = json.loads(svg.get_attribute("data-view"))["focus"], numbers(svg, "place")
         assert focus == [place[0], place[1], 0]
+        # Paths are stored to 1 % of the size of the body, 0.23 m.
         assert place * math.hypot(0.1, 0.2, 0.05) == pytest.approx(exact.position[0], abs=0.01)
 
 

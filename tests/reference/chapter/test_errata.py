@@ -210,6 +210,7 @@ def axes(*triad: float) -> np.ndarray:
 
 def test_triad_that_turns_k_to_i() -> None:
     i, j, k = np.eye(3)
+    # The cosine of the double nearest to pi/2 is 6e-17.
     np.testing.assert_allclose(axes(math.pi / 2, -math.pi / 2, -math.pi / 2).T, [k, j, -i], rtol=0, atol=1e-15)
     np.testing.assert_allclose(axes(math.pi / 2, math.pi / 2, -math.pi / 2).T, [-k, j, i], rtol=0, atol=1e-15)
 

@@ -49,7 +49,7 @@ def test_exercise_1_eliminating_z2() -> None:
     assert all(sp.expand(constraint.subs(z2, z1 + sign * root)) == 0 for sign in (1, -1))
     r2 = (Rational(1, 2), Rational(1, 3), root.subs({x1: 0, y1: 0, x2: Rational(1, 2), y2: Rational(1, 3), d: 1}))
     pair = np.array([[0.0, 0.0, 0.0], [float(each) for each in r2], [1.0, 0.0, 0.0]])
-    assert particles.separations(pair)[0] == pytest.approx(1, rel=1e-15)
+    assert particles.separations(pair)[0] == pytest.approx(1, rel=1e-15, abs=0)
 
 
 def test_exercise_2_three_spheres_meet_in_two_points() -> None:

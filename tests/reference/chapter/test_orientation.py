@@ -50,6 +50,7 @@ def test_elementary_matrices_are_the_turns_of_scipy_seen_from_the_body(angle: fl
 @given(ANGLE, ANGLE, ANGLE)
 def test_zxz_matrix_is_scipys_and_the_written_out_one(phi: float, theta: float, psi: float) -> None:
     a1 = orientation.zxz(*map(np.asarray, (phi, theta, psi)))
+    # SciPy forms half the angles, each of up to 20 rad and rounded by up to 4e-15, in quaternions.
     assert apart(a1, Rotation.from_euler("ZXZ", [phi, theta, psi]).as_matrix()) < 2e-14
     (cf, ct, cp), (sf, st_, sp) = np.cos([phi, theta, psi]), np.sin([phi, theta, psi])
     written_out = [
@@ -57,6 +58,7 @@ def test_zxz_matrix_is_scipys_and_the_written_out_one(phi: float, theta: float, 
         [sf * cp + cf * ct * sp, -sf * sp + cf * ct * cp, -cf * st_],
         [st_ * sp, st_ * cp, ct],
     ]
+    # Sums of two products of three sines and cosines: some roundings of numbers of at most 1.
     assert apart(a1, written_out) < 1e-15
     assert apart(a1.T, orientation.inertial_to_body("zxz", *map(np.asarray, (phi, theta, psi)))) == 0
 
@@ -65,12 +67,14 @@ def test_zxz_matrix_is_scipys_and_the_written_out_one(phi: float, theta: float, 
 def test_zxz_matrix_is_the_rotation_of_its_quaternion(phi: float, theta: float, psi: float) -> None:
     angles = [np.asarray(angle) for angle in (phi, theta, psi)]
     turned = rotate(quaternion_from_euler(*angles), np.eye(3))
+    # The quaternion has sums and differences of half the angles, of up to 20 rad and rounded by up to 4e-15 each.
     assert apart(orientation.zxz(*angles).T, turned) < 2e-14
 
 
 @given(ANGLE, ANGLE, ANGLE)
 def test_aeronautical_matrix_is_scipys(yaw: float, pitch: float, roll: float) -> None:
     a1 = orientation.aeronautical(*map(np.asarray, (yaw, pitch, roll)))
+    # SciPy forms half the angles, each of up to 20 rad and rounded by up to 4e-15, in quaternions.
     assert apart(a1, Rotation.from_euler("ZYX", [yaw, pitch, roll]).as_matrix()) < 2e-14
 
 
@@ -87,6 +91,7 @@ def test_a_chain_is_the_product_of_its_turns(turns: list[tuple[str, float]]) -> 
 def test_the_inverse_chain_has_the_signs_and_the_order_reversed() -> None:
     angles = [np.asarray(angle) for angle in (0.1, -0.7, 1.3, 2.9)]
     back = orientation.inertial_to_body("zyxz", *(-angle for angle in reversed(angles)))
+    # The same sines and cosines, multiplied in the other order: some roundings of numbers of at most 1.
     assert apart(orientation.body_to_inertial("zxyz", *angles), back) < 1e-15
 
 
@@ -121,6 +126,7 @@ def test_angles_to_matrix_to_angles(there_and_back: ThereAndBack, first: float, 
     matrix, angles = there_and_back
     given_angles = first, middle - (0 if there_and_back is ZXZ else math.pi / 2), last
     found = angles(matrix(*map(np.asarray, given_angles)))
+    # Some roundings of angles of up to pi, 4e-16 each, divided by the sine of `AWAY`, 0.3.
     assert max(turn(float(x) - y) for x, y in zip(found, given_angles, strict=True)) < 1e-14
 
 
@@ -139,6 +145,7 @@ def test_matrix_to_angles_to_matrix_at_and_near_the_singularity(
 def test_any_rotation_has_angles(axis: np.ndarray, angle: float) -> None:
     asked = Rotation.from_rotvec(angle * axis).as_matrix()
     for matrix, angles in (ZXZ, AERONAUTICAL):
+        # Three angles of up to pi, rounded by up to 4e-16 each, and the matrix made of them twice.
         assert apart(matrix(*angles(asked)), asked) < 5e-15
 
 
@@ -148,6 +155,7 @@ def test_at_the_singularity_the_first_angle_is_zero_and_the_last_turns(first: fl
     for theta, total in ((0.0, first + last), (math.pi, last - first)):
         phi, found, psi = orientation.zxz_angles(orientation.zxz(start, np.asarray(theta), end))
         assert (float(phi), float(found)) == (0.0, theta)
+        # Sums of two angles of up to pi, which the matrix has as products of sines and cosines: some roundings of 2 pi, 9e-16.
         assert turn(float(psi) - total) < 3e-15
     for pitch, total in ((math.pi / 2, last - first), (-math.pi / 2, first + last)):
         yaw, found, roll = orientation.aeronautical_angles(orientation.aeronautical(start, np.asarray(pitch), end))
@@ -161,6 +169,7 @@ def test_arrays_of_angles_give_arrays_of_matrices() -> None:
     assert matrices.shape == (4, 3, 3, 3)
     assert apart(matrices[2, 1], orientation.zxz(phi[2, 1], theta[1], psi)) == 0
     found = orientation.zxz_angles(matrices)
+    # The smallest theta is 0.1, whose sine makes ten of a rounding.
     assert apart(found[0], phi) < 1e-14
     axis, angle = orientation.axis_and_angle(matrices)
     assert (axis.shape, angle.shape) == ((4, 3, 3), (4, 3))
@@ -191,7 +200,7 @@ def test_single_rotation_of_figure_2_17() -> None:
     axis, angle = orientation.axis_and_angle(orientation.zxz(*map(np.asarray, (math.pi / 4, math.pi / 4, math.pi / 2))))
     # Printed as 0.770 pi; exactly, cos(Omega / 2) = cos(theta / 2) cos((phi + psi) / 2).
     assert round(float(angle) / math.pi, 3) == 0.770
-    assert float(angle) == pytest.approx(2 * math.acos(math.sqrt(2) / 4), rel=1e-15)
+    assert float(angle) == pytest.approx(2 * math.acos(math.sqrt(2) / 4), rel=1e-15, abs=0)
     phi, theta, psi = math.pi / 4, math.pi / 4, math.pi / 2
     eigenvector = [
         math.cos((phi - psi) / 2) / math.sin((phi + psi) / 2) * math.tan(theta / 2),
@@ -215,7 +224,8 @@ def test_single_rotation_is_that_of_the_eigenvector_and_the_trace(axis: np.ndarr
 def test_single_rotation_is_accurate_near_zero(axis: np.ndarray, logarithm: float) -> None:
     angle = 10.0**logarithm
     found, total = orientation.axis_and_angle(Rotation.from_rotvec(angle * axis).as_matrix())
-    assert float(total) == pytest.approx(angle, rel=2e-15)
+    # Relative: some roundings each way, however small the angle.
+    assert float(total) == pytest.approx(angle, rel=2e-15, abs=0)
     assert apart(found, axis) < 2e-15
 
 
@@ -223,6 +233,7 @@ def test_single_rotation_is_accurate_near_zero(axis: np.ndarray, logarithm: floa
 def test_single_rotation_is_accurate_near_a_half_turn(axis: np.ndarray, logarithm: float) -> None:
     angle = math.pi - 10.0**logarithm
     found, total = orientation.axis_and_angle(Rotation.from_rotvec(angle * axis).as_matrix())
+    # Some roundings of pi, 4e-16 each, and of the components of a unit vector.
     assert abs(float(total) - angle) < 2e-15
     assert apart(found, axis if float(found @ axis) > 0 else -axis) < 2e-15
     if angle < math.pi - 1e-14:
@@ -239,7 +250,7 @@ def test_single_rotation_where_the_axis_is_a_matter_of_choice() -> None:
             half_turn = Rotation.from_rotvec(sign * math.pi * np.array(expected)).as_matrix()
             axis, angle = orientation.axis_and_angle(half_turn)
             assert apart(axis, chosen) < 1e-15
-            assert float(angle) == pytest.approx(math.pi, rel=1e-15)
+            assert float(angle) == pytest.approx(math.pi, rel=1e-15, abs=0)
 
 
 @given(ANGLE, ANGLE, ANGLE, RATE, RATE, RATE)
@@ -250,6 +261,7 @@ def test_rotation_vectors_and_their_matrices(
     body = rotation_vector.body_rate_matrix(t, p) @ rates
     inertial = rotation_vector.inertial_rate_matrix(f, t) @ rates
     size = 1 + float(np.abs(rates).max())
+    # Sums of up to three products: some roundings of the largest rate, and for the turned one those of two matrices.
     assert apart(body, body_rates(t, p, *rates)) < 1e-15 * size
     assert apart(inertial, rotation_vector.inertial_rates(f, t, *rates)) < 1e-15 * size
     assert apart(inertial, orientation.zxz(f, t, p) @ body) < 3e-15 * size
@@ -334,6 +346,7 @@ def test_placed_axes_are_the_chapters_chains(axis: placing.Axis, alpha: float, b
 def test_placed_axes_of_figures_2_13_to_2_15(axis: placing.Axis, turn: float) -> None:
     alpha, beta = np.asarray(3 * math.pi / 4), np.asarray(math.pi / 3)
     placed = placing.place(axis, alpha, beta, np.asarray(turn))
+    # Components below 1, formed in another order: one rounding, at most 1.1e-16.
     assert apart(placed[:, "IJK".index(axis)], [-math.sqrt(6) / 4, math.sqrt(6) / 4, 0.5]) < 2e-16
     other = {
         "I": ("J", [-0.75, -0.25, -math.sqrt(6) / 4]),
@@ -348,14 +361,17 @@ def test_placed_axes_of_figures_2_13_to_2_15(axis: placing.Axis, turn: float) ->
 def test_an_axis_is_placed_along_any_vector(unit: np.ndarray, logarithm: float, turn: float) -> None:
     for axis in CHAINS:
         placed = placing.place_along(axis, 10.0**logarithm * unit, np.asarray(turn))
+        # Columns of sines and cosines that are quotients of lengths: some roundings of numbers of at most 1.
         assert apart(placed[:, "IJK".index(axis)], unit) < 1e-15
         assert apart(placed.T @ placed, np.eye(3)) < 1e-15
+        # NumPy factorises the matrix: some tens of roundings.
         assert np.linalg.det(placed) == pytest.approx(1, abs=1e-14)
 
 
 def test_direction_of_figure_2_12() -> None:
     alpha, beta = placing.longitude_and_colatitude(np.array([2.0, 1.5, -3.0]))
     assert (round(float(alpha), 4), round(float(beta), 4)) == (0.6435, 2.4469)
+    # One rounding of components below 1.
     assert apart(direction(float(alpha), float(beta)), np.array([2.0, 1.5, -3.0]) / math.sqrt(15.25)) < 2e-16
 
 
@@ -382,6 +398,7 @@ def test_axes_of_a_wheel_are_the_body_axes_before_the_spin(phi: float, theta: fl
     f, t = np.asarray(phi), np.asarray(theta)
     along, up = placing.wheel_axes(f, t)
     axes = orientation.zxz(f, t, np.asarray(0.0))
+    # The same products of the same sines and cosines: less than one rounding of numbers of at most 1.
     assert apart(along, axes[:, 0]) < 1e-16
     assert apart(up, axes[:, 1]) < 1e-16
 

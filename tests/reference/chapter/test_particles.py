@@ -72,6 +72,7 @@ def test_positions_come_back_from_any_direction(coordinates: np.ndarray, distanc
 def test_along_an_axis_the_coordinates_still_come_back(alpha: float, beta: float, along: list[int], gamma: float) -> None:
     coordinates, distances = np.array([0.3, 0.2, 0.1, alpha, beta, gamma]), np.array([2.0, 1.5, 1.0])
     placed = particles.positions(coordinates, distances)
+    # Some roundings of squares of distances, of up to 4; of distances of 2; and of angles of up to pi.
     assert np.abs(particles.residuals(placed, distances)).max() < 1e-14
     np.testing.assert_allclose(placed[1] - placed[0], 2.0 * np.array(along), rtol=0, atol=1e-15)
     np.testing.assert_allclose(particles.coordinates(placed), coordinates, rtol=0, atol=1e-14)
@@ -81,6 +82,7 @@ def test_along_an_axis_the_coordinates_still_come_back(alpha: float, beta: float
 def test_normals_are_a_right_handed_triad_with_the_line(vector: tuple[float, ...]) -> None:
     along = np.array(vector) / math.hypot(*vector)
     v1, v2 = particles.normals(along)
+    # Some roundings of unit vectors.
     np.testing.assert_allclose(np.stack([along, v1, v2]) @ np.stack([along, v1, v2]).T, np.eye(3), rtol=0, atol=1e-15)
     np.testing.assert_allclose(np.cross(along, v1), v2, rtol=0, atol=1e-15)
 
@@ -88,6 +90,7 @@ def test_normals_are_a_right_handed_triad_with_the_line(vector: tuple[float, ...
 def test_where_the_line_is_along_i_the_first_normal_is_along_j_cross_it() -> None:
     v1, v2 = particles.normals(np.array([[1.0, 0.0, 0.0], [-1.0, 1e-16, 0.0]]))
     assert v1.tolist() == [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]
+    # The second line is off the axis by 1e-16.
     np.testing.assert_allclose(v2, [[0, 1, 0], [0, 1, 0]], rtol=0, atol=1e-15)
 
 
@@ -112,7 +115,7 @@ def test_thin_triangles_keep_their_digits() -> None:
     d12, d13, d23 = (sp.Float(each, 60) for each in distances)
     radicand = 2 * d12**2 * (d13**2 + d23**2) - d12**4 - (d13**2 - d23**2) ** 2
     _, _, r = particles.circle(np.array(distances))
-    assert float(r) == pytest.approx(float(sp.sqrt(radicand) / (2 * d12)), rel=1e-14)
+    assert float(r) == pytest.approx(float(sp.sqrt(radicand) / (2 * d12)), rel=1e-14, abs=0)
 
 
 def test_particles_in_a_row_have_no_turn() -> None:
@@ -148,6 +151,7 @@ def test_particles_in_one_place_have_no_coordinates() -> None:
 
 def test_residuals_say_by_how_much() -> None:
     triangle = np.array([[0.0, 0, 0], [3.0, 0, 0], [0, 4.0, 0]])
+    # Squares of whole numbers: what a square root in between could round of 25.
     np.testing.assert_allclose(particles.residuals(triangle, np.array([3.0, 3.0, 5.0])), [0, 7, 0], rtol=0, atol=1e-14)
 
 
@@ -165,6 +169,7 @@ def test_arrays_of_particles() -> None:
     placed = particles.positions(coordinates, distances)
     assert placed.shape == (4, 3, 3)
     np.testing.assert_array_equal(placed[2], particles.positions(coordinates[2], distances))
+    # Coordinates of up to 1 from positions of up to 3, by way of angles whose sines are at least 0.3.
     np.testing.assert_allclose(particles.coordinates(placed), coordinates, rtol=0, atol=1e-14)
     many = particles.positions(coordinates[0], np.stack([distances, 2 * distances]))
     assert many.shape == (2, 3, 3)

@@ -219,6 +219,7 @@ def test_stepping_in_pieces_is_stepping_at_once(formulation: str) -> None:
     np.testing.assert_array_equal(pieces.quaternion[-1:], whole.quaternion)
     np.testing.assert_array_equal(pieces.position[-1:], whole.position)
     np.testing.assert_array_equal(pieces.position[:1], [TUMBLE.initial.position])
+    # The body twist turns the velocity to the body and back: some roundings.
     np.testing.assert_allclose(pieces.velocity[:1], [TUMBLE.initial.velocity], rtol=1e-15)
 
 

@@ -76,6 +76,7 @@ def test_a_test_for_each_run_of_which_something_was_expected() -> None:
     row = verdicts[0].row()
     told = {entry.get("name"): entry.get("value") for entry in held.findall("properties/property")}
     assert told == {name: str(value) for name, value in row.items() if name not in ("case", "passed", "reason")}
+    # Written with six decimals.
     assert float(held.get("time") or "nan") == pytest.approx(row["wall_time"], abs=1e-6)
     assert [child.tag for child in held] == ["properties"]
     failure = broken.find("failure")

@@ -186,6 +186,7 @@ def test_runs_that_turn_as_the_truth_are_not_stored_again(flips: Played) -> None
     for line, one in flips[0].items():
         assert one.discrepancy is not None
         maxima, run = one.discrepancy.maxima(), by_label[line.label]
+        # Written with four digits.
         assert run["attitude_error"] == pytest.approx(maxima["attitude_error"], rel=1e-3)
         assert ("turning" in run) == (line.integrator not in ("RK4", "rk4"))
         assert ("course" in run) == (maxima["position_error"] > 0.01 * math.hypot(0.1, 0.2, 0.3))

@@ -321,6 +321,7 @@ def test_corners_follow_curves() -> None:
     assert kept[-1] == 2000
     assert len(kept) < 400
     drawn = np.column_stack([np.interp(t, t[kept], column) for column in curves[kept].T])
+    # A thousandth of the range of the curves, which is 2.
     assert np.abs(drawn - curves).max() <= 2e-3
     assert corners(t, np.ones((2001, 3)), 800) == [0, 2000]
     assert len(corners(t, np.random.default_rng(0).random((2001, 3)), 100)) == 100

@@ -136,7 +136,7 @@ def test_costs_are_compared_round_by_round(monkeypatch: pytest.MonkeyPatch) -> N
     seconds, relative = ablation.time_in_turn(())
     assert (seconds[1].median, seconds[1].low, seconds[1].high) == (6e-6, 3e-6, 15e-6)
     for found in (relative[1].median, relative[1].low, relative[1].high):
-        assert found == pytest.approx(3, rel=1e-15)
+        assert found == pytest.approx(3, rel=1e-15, abs=0)
 
 
 def completed(aside: float, lean: float, timestep: float) -> Verdict:

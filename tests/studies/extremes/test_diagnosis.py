@@ -188,7 +188,7 @@ def test_flips_are_counted() -> None:
 
 def test_the_radius_of_gyration_of_a_sphere() -> None:
     # m r^2 over a homogeneous ball of radius R is 3/5 m R^2.
-    assert gyration(load("projectile").scene.body) == pytest.approx(0.1 * np.sqrt(3 / 5), rel=1e-14)
+    assert gyration(load("projectile").scene.body) == pytest.approx(0.1 * np.sqrt(3 / 5), rel=1e-14, abs=0)
 
 
 N = np.arange(1001.0)
