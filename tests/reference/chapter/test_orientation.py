@@ -1,4 +1,4 @@
-"""Matrices, angles, rotation vectors and placed axes: SciPy, the chapter's written-out forms and round trips agree."""
+"""Matrices and their angles: SciPy, the chapter's written-out forms and round trips agree."""
 
 import math
 from collections.abc import Callable
@@ -9,29 +9,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from bodycheck.reference.chapter import orientation, placing, rotation_vector
-from bodycheck.reference.kinematics import body_rates, quaternion_from_euler, rotate
+from bodycheck.reference.chapter import orientation
+from bodycheck.reference.kinematics import quaternion_from_euler, rotate
+from tests.support.rotations import ANGLE, FULL_TURN, UNIT, apart
 
-FULL_TURN = st.floats(-math.pi, math.pi)
-ANGLE = st.floats(-20, 20)
-RATE = st.floats(-100, 100)
 #: rad from the singularity; nearer to it the angles are worse by 1/sin than the matrix, whatever the method.
 AWAY = 0.3
-
-UNIT = st.tuples(*[st.floats(-1, 1)] * 3).filter(lambda v: math.hypot(*v) > 0.1).map(lambda v: np.array(v) / math.hypot(*v))
 ZXZ = orientation.zxz, orientation.zxz_angles
 AERONAUTICAL = orientation.aeronautical, orientation.aeronautical_angles
 CONVENTIONS = pytest.mark.parametrize("there_and_back", [ZXZ, AERONAUTICAL], ids=["zxz", "aeronautical"])
 
 ThereAndBack = tuple[Callable[..., np.ndarray], Callable[[np.ndarray], tuple[np.ndarray, ...]]]
-
-
-def apart(first: np.ndarray, second: np.ndarray) -> float:
-    return float(np.abs(np.asarray(first) - np.asarray(second)).max())
-
-
-def direction(alpha: float, beta: float) -> np.ndarray:
-    return placing.direction(np.asarray(alpha), np.asarray(beta))
 
 
 def turn(difference: float) -> float:
@@ -251,164 +239,3 @@ def test_single_rotation_where_the_axis_is_a_matter_of_choice() -> None:
             axis, angle = orientation.axis_and_angle(half_turn)
             assert apart(axis, chosen) < 1e-15
             assert float(angle) == pytest.approx(math.pi, rel=1e-15, abs=0)
-
-
-@given(ANGLE, ANGLE, ANGLE, RATE, RATE, RATE)
-def test_rotation_vectors_and_their_matrices(
-    phi: float, theta: float, psi: float, dphi: float, dtheta: float, dpsi: float
-) -> None:
-    f, t, p, rates = np.asarray(phi), np.asarray(theta), np.asarray(psi), np.array([dphi, dtheta, dpsi])
-    body = rotation_vector.body_rate_matrix(t, p) @ rates
-    inertial = rotation_vector.inertial_rate_matrix(f, t) @ rates
-    size = 1 + float(np.abs(rates).max())
-    # Sums of up to three products: some roundings of the largest rate, and for the turned one those of two matrices.
-    assert apart(body, body_rates(t, p, *rates)) < 1e-15 * size
-    assert apart(inertial, rotation_vector.inertial_rates(f, t, *rates)) < 1e-15 * size
-    assert apart(inertial, orientation.zxz(f, t, p) @ body) < 3e-15 * size
-    written_out = [
-        dpsi * math.sin(theta) * math.sin(phi) + dtheta * math.cos(phi),
-        -dpsi * math.sin(theta) * math.cos(phi) + dtheta * math.sin(phi),
-        dpsi * math.cos(theta) + dphi,
-    ]
-    assert apart(inertial, written_out) < 1e-15 * size
-
-
-@given(ANGLE, st.floats(1e-3, math.pi - 1e-3), ANGLE)
-def test_inverse_matrices(phi: float, theta: float, psi: float) -> None:
-    f, t, p = np.asarray(phi), np.asarray(theta), np.asarray(psi)
-    # What rounding makes of entries as large as 1 / sin(theta).
-    tolerance = 1e-15 / math.sin(theta)
-    inverse = rotation_vector.inverse_body_rate_matrix(t, p)
-    assert apart(inverse @ rotation_vector.body_rate_matrix(t, p), np.eye(3)) < tolerance
-    inverse = rotation_vector.inverse_inertial_rate_matrix(f, t)
-    assert apart(inverse @ rotation_vector.inertial_rate_matrix(f, t), np.eye(3)) < tolerance
-
-
-@pytest.mark.parametrize("theta", [0.0, -0.0, math.pi, -math.pi, 2 * math.pi, 17 * math.pi, 5e-324])
-def test_inverse_matrices_name_their_singularity(theta: float) -> None:
-    for inverse in (
-        lambda t: rotation_vector.inverse_body_rate_matrix(t, np.asarray(0.3)),
-        lambda t: rotation_vector.inverse_inertial_rate_matrix(np.asarray(0.3), t),
-    ):
-        with pytest.raises(rotation_vector.SingularAngles, match=r"sin\(theta\) = 0 at theta = "):
-            inverse(np.asarray(theta))
-        with pytest.raises(rotation_vector.SingularAngles, match=r"sin\(theta\) = 0"):
-            inverse(np.array([1.0, theta]))
-
-
-def test_a_very_small_theta_is_not_singular() -> None:
-    inverse = rotation_vector.inverse_body_rate_matrix(np.asarray(1e-300), np.asarray(0.3))
-    assert np.isfinite(inverse).all()
-
-
-def test_matrices_of_rates_broadcast() -> None:
-    few, many = np.array([[0.4], [0.5]]), np.array([0.1, 0.2, 0.3])
-    for function in (
-        rotation_vector.body_rate_matrix,
-        rotation_vector.inverse_body_rate_matrix,
-        rotation_vector.inertial_rate_matrix,
-    ):
-        matrices = function(few, many)
-        assert matrices.shape == (2, 3, 3, 3)
-        assert apart(matrices[1, 2], function(few[1, 0], many[2])) == 0
-        assert function(many, np.asarray(0.4)).shape == function(np.asarray(0.4), many).shape == (3, 3, 3)
-
-
-@given(ANGLE, ANGLE, ANGLE, RATE, RATE, RATE)
-def test_angular_velocity_of_moving_axes(phi: float, theta: float, psi: float, dphi: float, dtheta: float, dpsi: float) -> None:
-    """[G 2.41] reproduces [G 2.21a]; the axes move by the inertial rotation vector."""
-    f, t, p, rates = np.asarray(phi), np.asarray(theta), np.asarray(psi), np.array([dphi, dtheta, dpsi])
-    axes = orientation.zxz(f, t, p)
-    moving = np.cross(rotation_vector.inertial_rates(f, t, *rates), axes, axisb=0, axisc=0)
-    found = rotation_vector.rates_of_axes(axes, moving)
-    assert apart(found, body_rates(t, p, *rates)) < 5e-15 * (1 + float(np.abs(rates).max()))
-    assert rotation_vector.rates_of_axes(np.stack([axes, axes]), np.stack([moving, moving])).shape == (2, 3)
-
-
-CHAINS: dict[placing.Axis, Callable[[float, float, float], tuple[str, tuple[float, ...]]]] = {
-    "I": lambda alpha, beta, turn: ("zxzx", (alpha, -math.pi / 2, beta - math.pi / 2, turn)),
-    "J": lambda alpha, beta, turn: ("zxzy", (alpha, math.pi / 2, -beta, turn)),
-    "K": lambda alpha, beta, turn: ("zxz", (alpha + math.pi / 2, beta, turn)),
-}
-
-
-@pytest.mark.parametrize("axis", CHAINS)
-@given(alpha=ANGLE, beta=ANGLE, turn=ANGLE)
-def test_placed_axes_are_the_chapters_chains(axis: placing.Axis, alpha: float, beta: float, turn: float) -> None:
-    placed = placing.place(axis, *map(np.asarray, (alpha, beta, turn)))
-    letters, angles = CHAINS[axis](alpha, beta, turn)
-    # Sums of angles such as beta - pi/2 are rounded by up to 2e-15.
-    assert apart(placed, orientation.body_to_inertial(letters, *map(np.asarray, angles))) < 1e-14
-    assert apart(placed[:, "IJK".index(axis)], direction(alpha, beta)) < 1e-16
-
-
-@pytest.mark.parametrize(("axis", "turn"), [("I", math.pi / 4), ("J", math.pi / 2), ("K", math.pi)])
-def test_placed_axes_of_figures_2_13_to_2_15(axis: placing.Axis, turn: float) -> None:
-    alpha, beta = np.asarray(3 * math.pi / 4), np.asarray(math.pi / 3)
-    placed = placing.place(axis, alpha, beta, np.asarray(turn))
-    # Components below 1, formed in another order: one rounding, at most 1.1e-16.
-    assert apart(placed[:, "IJK".index(axis)], [-math.sqrt(6) / 4, math.sqrt(6) / 4, 0.5]) < 2e-16
-    other = {
-        "I": ("J", [-0.75, -0.25, -math.sqrt(6) / 4]),
-        "J": ("I", [-(0.5**0.5), -(0.5**0.5), 0]),
-        "K": ("I", [0.5**0.5] * 2 + [0]),
-    }
-    name, expected = other[axis]
-    assert apart(placed[:, "IJK".index(name)], expected) < 2e-16
-
-
-@given(UNIT, st.floats(-150, 150), FULL_TURN)
-def test_an_axis_is_placed_along_any_vector(unit: np.ndarray, logarithm: float, turn: float) -> None:
-    for axis in CHAINS:
-        placed = placing.place_along(axis, 10.0**logarithm * unit, np.asarray(turn))
-        # Columns of sines and cosines that are quotients of lengths: some roundings of numbers of at most 1.
-        assert apart(placed[:, "IJK".index(axis)], unit) < 1e-15
-        assert apart(placed.T @ placed, np.eye(3)) < 1e-15
-        # NumPy factorises the matrix: some tens of roundings.
-        assert np.linalg.det(placed) == pytest.approx(1, abs=1e-14)
-
-
-def test_direction_of_figure_2_12() -> None:
-    alpha, beta = placing.longitude_and_colatitude(np.array([2.0, 1.5, -3.0]))
-    assert (round(float(alpha), 4), round(float(beta), 4)) == (0.6435, 2.4469)
-    # One rounding of components below 1.
-    assert apart(direction(float(alpha), float(beta)), np.array([2.0, 1.5, -3.0]) / math.sqrt(15.25)) < 2e-16
-
-
-def test_vertical_vectors_have_longitude_zero() -> None:
-    alpha, beta = placing.longitude_and_colatitude(np.array([[0.0, 0.0, 2.0], [-0.0, 0.0, -3.0]]))
-    assert (alpha.tolist(), beta.tolist()) == ([0.0, 0.0], [0.0, math.pi])
-    placed = placing.place_along("K", np.array([0.0, 0.0, 1.0]), np.asarray(0.0))
-    assert placed[:, 2].tolist() == [0.0, 0.0, 1.0]
-
-
-@pytest.mark.parametrize("vector", [[0.0, 0.0, 0.0], [math.inf, 0.0, 1.0], [math.nan, 0.0, 1.0]])
-def test_a_vector_without_direction_is_refused(vector: list[float]) -> None:
-    with pytest.raises(ValueError, match="direction"):
-        placing.longitude_and_colatitude(np.array(vector))
-
-
-def test_placing_broadcasts() -> None:
-    placed = placing.place("I", np.zeros((2, 1)), np.linspace(0, 1, 5), np.asarray(0.2))
-    assert placed.shape == (2, 5, 3, 3)
-
-
-@given(ANGLE, ANGLE)
-def test_axes_of_a_wheel_are_the_body_axes_before_the_spin(phi: float, theta: float) -> None:
-    f, t = np.asarray(phi), np.asarray(theta)
-    along, up = placing.wheel_axes(f, t)
-    axes = orientation.zxz(f, t, np.asarray(0.0))
-    # The same products of the same sines and cosines: less than one rounding of numbers of at most 1.
-    assert apart(along, axes[:, 0]) < 1e-16
-    assert apart(up, axes[:, 1]) < 1e-16
-
-
-def test_a_wheel_rolls_backwards_along_its_track() -> None:
-    """At Fig. 2.16's angles: the velocity of the hub, K dpsi x J*, is along -I*, and J* points up from the ground."""
-    f, t = np.asarray(3.9081), np.asarray(1.2472)
-    along, up = placing.wheel_axes(f, t)
-    axle = orientation.zxz(f, t, np.asarray(0.0))[:, 2]
-    assert apart(np.cross(axle, up), -along) < 2e-16
-    assert up[2] > 0
-    wheels = placing.wheel_axes(np.linspace(0, 1, 4), np.asarray(1.2))
-    assert [axes.shape for axes in wheels] == [(4, 3), (4, 3)]
