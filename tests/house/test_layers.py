@@ -3,6 +3,7 @@
 import ast
 import shutil
 from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -37,14 +38,22 @@ def modules(room: Path) -> list[Path]:
     return [room] if room.is_file() else sorted(room.rglob("*.py"))
 
 
-def imports(path: Path) -> Iterator[str]:
+def imports(path: Path) -> list[str]:
     """The dotted names that a module imports, wherever in it."""
-    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+    names = []
+    for node in nodes(path.read_text("utf-8")):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
+            names += [alias.name for alias in node.names]
+        else:
             assert node.level == 0, f"{path}: relative import"
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+            names += [f"{node.module}.{alias.name}" for alias in node.names]
+    return names
+
+
+@cache
+def nodes(source: str) -> list[ast.Import | ast.ImportFrom]:
+    """The imports of a module. A copy of a checkout is not parsed again."""
+    return [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Import | ast.ImportFrom)]
 
 
 def floor(room: str) -> int:
@@ -54,7 +63,8 @@ def floor(room: str) -> int:
 def faults(root: Path) -> list[str]:
     """Every import of a checkout that goes up, or sideways into another room, and every room without a floor."""
     found = []
-    for room, place in rooms(root).items():
+    places = rooms(root)
+    for room, place in places.items():
         if room in ("cases", "__pycache__"):  # data
             continue
         if not any(room in those for those in FLOORS):
@@ -64,7 +74,7 @@ def faults(root: Path) -> list[str]:
             for module in imports(path):
                 package, _, rest = module.partition(".")
                 other = rest.partition(".")[0]
-                if package == "bodycheck" and other != room and other in rooms(root) and floor(other) >= floor(room):
+                if package == "bodycheck" and other != room and other in places and floor(other) >= floor(room):
                     found.append(f"{path}: imports {module}")
                 if package in ENGINES.values() and path.parent.name != package:
                     found.append(f"{path}: imports the engine {package}")
@@ -106,21 +116,49 @@ def test_the_frame_of_reports_imports_no_report_of_runs() -> None:
     assert not [path.name for path in frame for name in imports(path) if name.startswith("bodycheck.reports.runs")]
 
 
+def test_no_test_module_imports_another() -> None:
+    """What several of them share is in `tests/support/`."""
+    modules_of_tests = [path for path in (ROOT / "tests").rglob("*.py") if path.name.startswith("test_")]
+    assert len(modules_of_tests) > 50
+    imported = [(path.name, name) for path in modules_of_tests for name in imports(path)]
+    assert not [(path, name) for path, name in imported if name.startswith("tests.") and ".test_" in name]
+    assert ("test_layers.py", "tests.support.ROOT") in imported
+
+
+@pytest.fixture(scope="module")
+def checkout(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the checkout, to plant imports in."""
+    copy = tmp_path_factory.mktemp("checkout")
+    for folder in ("bodycheck", "reference", "adapters", "reports", "cases"):
+        shutil.copytree(ROOT / folder, copy / folder, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
+    assert faults(copy) == []
+    return copy
+
+
+@pytest.fixture
+def planted(checkout: Path, file: str, line: str) -> Iterator[Path]:
+    """A module of that copy which contains one line, for the time of a test."""
+    path = checkout / file
+    made = next(folder for folder in reversed(path.parents) if not folder.exists())
+    path.parent.mkdir(parents=True)
+    path.write_text(line + "\n")
+    yield path
+    shutil.rmtree(made)
+
+
 @pytest.mark.parametrize(
-    ("file", "line"),
+    ("file", "line", "fault"),
     [
-        ("reference/sliding/planted/deep/upward.py", "from bodycheck.running import pool"),
-        ("bodycheck/studies/tradeoff/planted/upward.py", "from bodycheck.commands.command_line import app"),
-        ("bodycheck/judging/planted/a/b/engine.py", "import mujoco"),
-        ("bodycheck/newroom/module.py", "import math"),
+        ("reference/sliding/planted/deep/upward.py", "from bodycheck.running import pool", "imports bodycheck.running.pool"),
+        (
+            "bodycheck/studies/tradeoff/planted/upward.py",
+            "from bodycheck.commands.command_line import app",
+            "imports bodycheck.commands.command_line.app",
+        ),
+        ("bodycheck/judging/planted/a/b/engine.py", "import mujoco", "imports the engine mujoco"),
+        ("bodycheck/newroom/module.py", "import math", "has no floor"),
     ],
 )
-def test_a_planted_import_is_found(file: str, line: str, tmp_path: Path) -> None:
-    for folder in ("bodycheck", "reference", "adapters", "reports", "cases"):
-        shutil.copytree(ROOT / folder, tmp_path / folder, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
-    assert faults(tmp_path) == []
-    planted = tmp_path / file
-    planted.parent.mkdir(parents=True)
-    planted.write_text(line + "\n")
-    (fault,) = faults(tmp_path)
-    assert "planted" in fault or "newroom" in fault
+def test_a_planted_import_is_found(planted: Path, checkout: Path, fault: str) -> None:
+    place = planted.parent if fault == "has no floor" else planted
+    assert faults(checkout) == [f"{place.resolve()}: {fault}"]

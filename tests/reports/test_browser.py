@@ -16,11 +16,11 @@ from bodycheck.judging import attribution, judgement
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.running import plan
 from bodycheck.running.outcome import Crashed
-from tests.reports.runs.test_reports import BROKEN, FLIGHT, FLIP, shortened
-from tests.studies.test_study_report import hostile_report
 from tests.support import ROOT, campaigns
 from tests.support.browser import Visit, visiting
 from tests.support.pages import HOSTILE
+from tests.support.report_cases import BROKEN, FLIGHT, FLIP, two_seconds
+from tests.support.tradeoff_rows import hostile_report
 
 SLIDE = "sliding-brick"
 SCREENS = {1280: 800, 390: 844}
@@ -61,10 +61,10 @@ CONTRASTS = """() => {
 def sets(tmp_path_factory: pytest.TempPathFactory) -> list[ResultSet]:
     """A flip with a broken expectation and a run that crashed, a flight, and a slide at two time steps, by both engines."""
     engines = campaigns.adapters("mujoco", "pinocchio")
-    flip = parse(shortened(FLIP).text + BROKEN, FLIP)
+    flip = parse(two_seconds(FLIP).text + BROKEN, FLIP)
     slide = replace(load(SLIDE), expectations=())
     tasks = plan.plan((flip,), engines, ("Euler", "RK4", "implicit", "discrete", "semi-implicit-euler", "rk4", "rk4-naive"), ())
-    tasks += plan.plan((shortened(FLIGHT),), engines, ("RK4", "rk4"), ())
+    tasks += plan.plan((two_seconds(FLIGHT),), engines, ("RK4", "rk4"), ())
     tasks += plan.plan((slide,), engines, ("Euler", "law-force"), (0.002, 0.001))
     results = campaigns.results(tasks, tmp_path_factory.mktemp("results"))
     verdicts = judgement.judge(results)

@@ -7,22 +7,11 @@ import pytest
 
 from bodycheck.judging.convergence import UNITS
 from bodycheck.reports import html, markdown
-from bodycheck.reports.study import StudyReport
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.page import present
 from tests.support import pages
 from tests.support.pages import HOSTILE, Page, attributes_of, markdown_tables
-from tests.support.tradeoff_rows import HEADER, Row, curve, drawn, failed, order, row
-
-
-def hostile_report() -> StudyReport:
-    rows = [
-        *curve(HOSTILE, [1e-1, 1e-2], [1e-3, 1e-2]),
-        failed(engine="</script><script>alert(2)</script>", status=HOSTILE, reason="</dl>"),
-        failed(status="unsupported", reason=HOSTILE),
-    ]
-    orders = [order(integrator=HOSTILE, scheme=HOSTILE, scheme_residual=1e-3, claimed=4, floor=1e-2)]
-    return present(HEADER | {"missing": {"drake": HOSTILE}}, rows, orders)
+from tests.support.tradeoff_rows import HEADER, Row, curve, drawn, failed, hostile_report, order, row
 
 
 def test_hostile_strings_show_as_text() -> None:

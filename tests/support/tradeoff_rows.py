@@ -10,6 +10,8 @@ from bodycheck.reports.charts import Spec
 from bodycheck.reports.study import StudyReport
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements
+from bodycheck.studies.tradeoff.page import present
+from tests.support.pages import HOSTILE
 
 HEADER = {
     "bodycheck": "0",
@@ -101,3 +103,14 @@ def drawn(specification: Spec) -> tuple[int, int, int]:
     lines = "".join(re.findall(r'<g class="mark-line role-mark [^"]*"[^>]*>(.*?)</g>', svg))
     front = len(re.findall(r'<path [^>]*stroke="currentColor"', lines))  # the front's own line, which has the ink of the text
     return lines.count("<path") - front, rings, points
+
+
+def hostile_report() -> StudyReport:
+    """The report of a study all of whose strings try to be markup."""
+    rows = [
+        *curve(HOSTILE, [1e-1, 1e-2], [1e-3, 1e-2]),
+        failed(engine="</script><script>alert(2)</script>", status=HOSTILE, reason="</dl>"),
+        failed(status="unsupported", reason=HOSTILE),
+    ]
+    orders = [order(integrator=HOSTILE, scheme=HOSTILE, scheme_residual=1e-3, claimed=4, floor=1e-2)]
+    return present(HEADER | {"missing": {"drake": HOSTILE}}, rows, orders)

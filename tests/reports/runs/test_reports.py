@@ -13,13 +13,14 @@ import vl_convert
 
 from bodycheck import reports
 from bodycheck.adapters.contract import Method
-from bodycheck.casefile.case import Case, load, parse
+from bodycheck.casefile.case import parse
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.charts import without_legend
 from bodycheck.reports.lines import assign
 from bodycheck.reports.quantities import bound, count, listing, number
+from bodycheck.reports.runs import contents as contents_module
 from bodycheck.reports.runs import html_report, markdown_report, time_charts
 from bodycheck.reports.runs.contents import Contents, gather
 from bodycheck.reports.series import corners, ends, envelope, rounded
@@ -29,25 +30,7 @@ from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Un
 from bodycheck.running.store import Results
 from tests.support import campaigns, pages
 from tests.support.pages import HOSTILE, Page, attributes_of, markdown_tables
-
-FLIP, FLIGHT = "intermediate-axis-flip", "projectile"
-BROKEN = """
-[[expect]]
-engine = "mujoco"
-integrator = "Euler"
-timestep = 0.002
-attitude_error = 1e-12
-"""
-
-
-def shortened(name: str, **strings: str) -> Case:
-    """A shipped case over two seconds and without its expectations, some of its strings replaced."""
-    text = re.sub(r"duration = .*", "duration = 2.0", load(name).text.partition("[[expect]]")[0])
-    text = re.sub(r"samples = .*", "samples = 1001", text)
-    for key, value in strings.items():
-        quoted = json.dumps(value, ensure_ascii=False)
-        text = re.sub(rf"^{key} = .*", lambda _, line=f"{key} = {quoted}": line, text, count=1, flags=re.MULTILINE)
-    return parse(text, name)
+from tests.support.report_cases import BROKEN, FLIGHT, FLIP, two_seconds
 
 
 @pytest.fixture(scope="session")
@@ -55,8 +38,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two cases through both engines: a flip that Euler's method gets wrong, and a flight in which nothing turns."""
     place = tmp_path_factory.mktemp("results")
     engines = campaigns.adapters("mujoco", "pinocchio")
-    flip = shortened(FLIP)
-    cases = (parse(flip.text + BROKEN, FLIP), shortened(FLIGHT))
+    flip = two_seconds(FLIP)
+    cases = (parse(flip.text + BROKEN, FLIP), two_seconds(FLIGHT))
     tasks = plan.plan(cases, engines, ("Euler", "RK4", "semi-implicit-euler", "body-twist-euler", "rk4"), ())
     return campaigns.results(tasks, place, command=("bodycheck", "run", "<b>")).folder
 
@@ -249,9 +232,12 @@ def test_a_large_report_stays_small(results: Results, verdicts: list[Verdict]) -
     flips = [verdict for verdict in verdicts if verdict.run.case == FLIP]
     many = [
         replace(verdict, run=replace(verdict.run, method=Method.parse(f"{verdict.run.method.name}-{copy}", 0.002)))
-        for copy in range(200)
+        for copy in range(80)
         for verdict in flips
     ]
+    assert 4 * contents_module.MOST_POINTS * len(many) > contents_module.MOST_NUMBERS, (
+        "curves have fewer points in a large report"
+    )
     contents = gather([ResultSet(results, many)])
     stored = sum(len(json.dumps(section.curves.datasets, separators=(",", ":"))) for section in contents.sections)
     assert stored < 9e6
