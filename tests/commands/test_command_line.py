@@ -12,6 +12,7 @@ import pytest
 from bodycheck import load, truth
 from bodycheck.adapters import offers, registry
 from bodycheck.casefile.case import shipped
+from tests.support import ROOT
 from tests.support.cases import a_case, expecting
 from tests.support.commands import bodycheck, bodycheck_process
 
@@ -87,7 +88,8 @@ def test_a_broken_case_among_good_ones_exits_2_before_simulating(short: Path, tm
 @pytest.mark.parametrize(("package", "engine"), [("mujoco", "mujoco"), ("pinocchio", "pinocchio")])
 def test_with_one_engine_absent_the_other_runs(short: Path, tmp_path: Path, package: str, engine: str) -> None:
     absent = f"import sys; sys.modules[{package!r}] = None"
-    done = bodycheck_process("run", short, "--out", tmp_path / "out", prelude=absent)
+    here = "from tests.support.processes import calls_here; calls = calls_here(); calls.__enter__()"  # no worker processes
+    done = bodycheck_process("run", short, "--out", tmp_path / "out", prelude=f"{absent}; {here}", folder=ROOT)
     assert done.returncode == 0, done.stderr
     assert f"{engine} is not installed" in done.stderr
     results = pd.read_csv(tmp_path / "out" / "results.csv")

@@ -1,11 +1,15 @@
-"""bodycheck with a new figure and a new axis, each planted in one place. Run: python planted.py tables | COMMAND ...
+"""bodycheck with a new figure and a new axis, each planted in one place. Run: python planted.py < COMMANDS
 
-`tables` prints the tables of docs/cases.md, and any other command is one of bodycheck. Figures and axes are planted before any
-other module of bodycheck is imported, as if their entries stood in the source code.
+Standard input is a JSON list of commands, each a list of words. `tables` prints the tables of docs/cases.md, and any other
+command is one of bodycheck. Printed is a JSON list of the exit code and the output of each. The figure and the axis are planted
+before any other module of bodycheck is imported, as if their entries stood in the source code.
 """
 
+import io
+import json
 import runpy
 import sys
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 
 import numpy as np
@@ -41,11 +45,23 @@ axes.AXES["lift"] = axes.Axis(
     missing=lambda scene: "a body that lies on a plane" if scene.plane is not None else None,
 )
 
-if __name__ == "__main__":
-    if sys.argv[1:] == ["tables"]:
-        for table in runpy.run_path(str(ROOT / "docs" / "tables.py"))["tables"]().values():
-            print(table)
-    else:
-        from bodycheck.commands.command_line import main
 
-        main()
+def made(command: list[str]) -> tuple[int, str]:
+    """The exit code of a command and what it prints."""
+    printed = io.StringIO()
+    with redirect_stdout(printed), redirect_stderr(printed):
+        if command == ["tables"]:
+            for table in runpy.run_path(str(ROOT / "docs" / "tables.py"))["tables"]().values():
+                print(table)
+            return 0, printed.getvalue()
+        from tests.support.commands import bodycheck
+
+        done = bodycheck(*command)
+        return done.returncode, done.stdout + done.stderr
+
+
+if __name__ == "__main__":
+    from tests.support.processes import calls_here
+
+    with calls_here():
+        print(json.dumps([made(command) for command in json.load(sys.stdin)]))

@@ -22,6 +22,7 @@ from bodycheck.running import campaign, store, trajectory_files
 from bodycheck.running.plan import plan
 from bodycheck.running.store import Results
 from tests.support.cases import shortened
+from tests.support.processes import calls_here
 from tests.support.truths import truth_for_runs
 
 ORDERED = '[[expect]]\nengine = "mujoco"\nintegrator = "RK4"\ntimestep = 0.02\norder = 4.0\n'
@@ -33,7 +34,8 @@ def written(folder: Path, *names: str, expectation: str = "") -> Results:
     cases = [parse(shortened(load(name), 1.0, 11).text.partition("[[expect]]")[0] + expectation, name) for name in names]
     adapters = {"mujoco": registry.load("mujoco")}
     head = campaign.header(["test"], {"mujoco": adapters["mujoco"].engine.version}, {})
-    with campaign.results(plan(cases, adapters, ("RK4", "Euler"), () if expectation else (0.02,)), folder, head):
+    tasks = plan(cases, adapters, ("RK4", "Euler"), () if expectation else (0.02,))
+    with calls_here(), campaign.results(tasks, folder, head):
         pass
     return store.read(folder)
 

@@ -33,6 +33,7 @@ GUILTY = {
     "raising": ("crashed", "RuntimeError: the miniature engine gives up"),
     "shapeless": ("crashed", "ValueError: its states have the shape (1, 11, 1, 12), not (1, 11, 1, 13)"),
     "not-a-number": ("diverged", "not a number at t = 0.5 s"),
+    "exploding": ("diverged", "kinetic energy "),
     "frozen": ("diverged", "the state never changes although the body moves"),
 }
 
@@ -50,8 +51,10 @@ def study(engines: tuple[str, ...], folder: Path) -> pd.DataFrame:
     calls = len(tasks) + len(STEPS) + ("hanging" not in engines)  # a truth for each step too
     with stopped_when_last(calls) as clock:
         results = campaigns.results(tasks, folder, jobs=2, limit=LIMIT, memory=MEMORY, progress=clock.advance)
+    assert results.complete
     table = table_of(results)
-    assert len(table) == len(tasks)
+    methods = [(task.engine, task.method.name, task.method.timestep) for task in tasks]
+    assert list(zip(table.engine, table.integrator, table.timestep, strict=True)) == methods
     return table.sort_values(["engine", "integrator", "timestep"]).reset_index(drop=True)
 
 
@@ -64,33 +67,13 @@ def test_engines_that_fail_take_nothing_with_them(miniatures: Path, tmp_path: Pa
     rows = table.set_index("engine")
     for engine, (status, reason) in GUILTY.items():
         row = rows.loc[engine]
-        assert (row.status, row.reason[: len(reason)]) == (status, reason)
-        assert row[list(judgement.COLUMNS[8:])].isna().all()
-
-
-FAILING = {
-    "raising": ("crashed", "RuntimeError: the miniature engine gives up"),
-    "dying": ("crashed", "its process exited with code 3"),
-    "hanging": ("timeout", "stopped after 15 s"),
-    "not-a-number": ("diverged", "not a number at t = 0.5 s"),
-    "exploding": ("diverged", "times the most possible at t = "),
-}
-
-
-def test_each_failure_has_its_own_status_and_harms_no_other_run(miniatures: Path, tmp_path: Path) -> None:
-    engines = ["exact", *FAILING, "printing", "drifting"]
-    with stopped_when_last(len(engines) + 1) as clock:  # the truth too
-        results = run_all(STEADY_SPIN, engines, tmp_path / "out", jobs=2, limit=LIMIT, progress=clock.advance)
-    assert results.complete
-    table = table_of(results).set_index("engine")
-    assert list(table.index) == engines
-    assert list(table.loc[["exact", "printing", "drifting"], "status"]) == ["ok"] * 3
-    for engine, (status, reason) in FAILING.items():
-        row = table.loc[engine]
-        assert (row.status, row.passed) == (status, False)
-        assert reason in row.reason
+        assert (row.status, row.reason[: len(reason)], row.passed) == (status, reason, False)
         # A run that is not ok has empty errors, never numbers.
         assert row[list(judgement.COLUMNS[8:])].isna().all()
+
+
+def test_engines_whose_error_is_known_are_measured(miniatures: Path, calls_here: None, tmp_path: Path) -> None:
+    table = table_of(run_all(STEADY_SPIN, ["exact", "drifting"], tmp_path)).set_index("engine")
     assert table.attitude_error["exact"] < 1e-14
     assert table.rotational_energy_drift["exact"] < 1e-15
     # (1 + 1e-3)^2 - 1, for 1 s of one per mille a second.
@@ -101,8 +84,8 @@ def test_each_failure_has_its_own_status_and_harms_no_other_run(miniatures: Path
 def test_the_number_of_processes_changes_nothing(tmp_path: Path) -> None:
     """Nor whether there are any, which bears out the tests that make their runs in their own process."""
     case = shortened(load("free-brick"), 1.0, 11)
-    none, one, three = (
-        table_of(run_all(case, ["mujoco"], tmp_path / str(jobs), jobs=jobs)).drop(columns=TIMINGS) for jobs in (0, 1, 3)
+    none, one, two = (
+        table_of(run_all(case, ["mujoco"], tmp_path / str(jobs), jobs=jobs)).drop(columns=TIMINGS) for jobs in (0, 1, 2)
     )
     pd.testing.assert_frame_equal(one, none, check_exact=True)
-    pd.testing.assert_frame_equal(one, three, check_exact=True)
+    pd.testing.assert_frame_equal(one, two, check_exact=True)

@@ -216,7 +216,7 @@ METHOD = ("--integrator", "closed-form", "--timestep", "0.002")
 def test_a_miniature_engine_through_its_releases(
     index: Path, spin: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    limit = ("--case", spin, *METHOD, "--quantity", "angular_velocity_error", "--limit", "1e-6", "--json")
+    limit = ("--case", spin, *METHOD, "--quantity", "angular_velocity_error", "--limit", "1e-6", "--jobs", "1", "--json")
     assert call("bisect", "toy", "1.0", "2.0", *limit) == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["last_good"], found["first_bad"], found["made"]) == ("1.0", "2.0", 2)
@@ -231,7 +231,7 @@ def test_a_miniature_engine_through_its_releases(
     assert json.loads(said.out) == found | {"made": 0}
     assert "cannot be listed" in said.err
 
-    asked = ("releases", "toy", "1.0", "3.0", "--case", spin, *METHOD, "--out", tmp_path / "out", "--json")
+    asked = ("releases", "toy", "1.0", "3.0", "--case", spin, *METHOD, "--jobs", "1", "--out", tmp_path / "out", "--json")
     assert call(*asked) == 1  # 3.0 cannot be had
     told = json.loads(capsys.readouterr().out)
     assert told["took"] == {"made": 0, "measured": 0, "known": 1}

@@ -26,6 +26,7 @@ from bodycheck.studies.tradeoff.ladder import fitted, ladder
 from bodycheck.studies.tradeoff.recommendation import measured, pareto, recommend
 from tests.support import campaigns
 from tests.support.campaigns import adapters
+from tests.support.cases import shortened
 from tests.support.processes import calls_here
 
 ENGINES = adapters("mujoco", "pinocchio")
@@ -38,7 +39,9 @@ def run(cases: list[Case], folder: Path, integrators: tuple[str, ...] = (), time
 
 @pytest.fixture(scope="module", params=["osrf-boxes-complex", "intermediate-axis-flip"])
 def orders(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str, str], Order]:
-    results = run([load(request.param)], tmp_path_factory.mktemp("ladder"))
+    # Half of the ten seconds, in which errors of first order leave their range at twice the step.
+    case = shortened(load(request.param), 5.0, 501)
+    results = run([case], tmp_path_factory.mktemp("ladder"), timesteps=tuple(step for step in ladder(case) if step >= 2e-4))
     found = tradeoff.orders(results, judgement.judge(results), ENGINES)
     return {(order.engine, order.integrator, order.quantity): order for order in found}
 
@@ -80,12 +83,16 @@ def test_schemes_are_named(orders: dict[tuple[str, str, str], Order]) -> None:
     assert named["pinocchio", "rk4-naive"].endswith("on the body twist")
     for order in orders.values():
         assert order.scheme_residual is not None
-        assert order.scheme_residual < 1e-6  # rounding, 6e4-fold grown within ten seconds of flip
+        assert order.scheme_residual < 1e-6  # rounding, which the flip makes grow
 
 
 def test_a_soft_contact_has_a_floor_and_rigid_ones_have_an_order(tmp_path: Path) -> None:
-    results = run([load("sliding-brick")], tmp_path, integrators=("Euler", "RK4", "admm", "law-force"))
-    found = tradeoff.orders(results, judgement.judge(results), ENGINES)
+    case, found = load("sliding-brick"), list[Order]()
+    # A floor is seen where steps are small.
+    for smallest, integrators in ((2e-5, ("Euler", "RK4")), (1e-4, ("admm", "law-force"))):
+        steps = tuple(step for step in ladder(case) if step >= smallest)
+        results = run([case], tmp_path / integrators[0], integrators, steps)
+        found += tradeoff.orders(results, judgement.judge(results), ENGINES)
     orders = {(order.integrator, order.quantity): order for order in found}
     for integrator in ("Euler", "RK4"):
         soft = orders[integrator, "position"]
@@ -106,7 +113,7 @@ PROMISES = [("osrf-boxes-complex", "attitude"), ("free-brick", "energy"), ("spin
 def priced(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[dict[str, object]]]:
     """Three cases on short ladders, with costs that are measured roughly: nothing that is said of them needs their digits."""
     cases = [load(name) for name, _ in PROMISES]
-    results = run(cases, tmp_path_factory.mktemp("priced"), timesteps=(0.01, 0.005, 0.002, 0.001))
+    results = run(cases, tmp_path_factory.mktemp("priced"), timesteps=(0.01, 0.005, 0.002))
     verdicts = judgement.judge(results)
     with calls_here(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(cost, "MIN_TIMING_S", cost.MIN_TIMING_S / 10)
