@@ -46,7 +46,7 @@ IN_FLIGHT = {
 }
 #: The models of a scene with a plane, in the same form.
 ON_PLANE = {
-    "planar": "two slides and a hinge; friction is a force from outside, evaluated in Python",
+    "planar": "two slides and a hinge; friction is an external force, evaluated in Python",
     "six-coordinates": "one free joint; friction is the same force",
     "far-geometry": "the body's shape and a plane 1000 km below it, collision detection and the constraint solver",
     "contact": "the plane under the body, with MuJoCo's own contact, friction and gravity instead of the force",

@@ -28,7 +28,7 @@ IN_FLIGHT = {
 
 #: The models of a scene with a plane, in the same form.
 ON_PLANE = {
-    "planar": "joints along x and y and about z; friction is a force from outside",
+    "planar": "joints along x and y and about z; friction is an external force",
     "translation-and-rotation": "a translation joint and a spherical one",
     "six-coordinates": "one free-flyer joint; velocities are the body twist",
     "far-geometry": "the body's shape and a half-space 1000 km below it, collision detection in every step",

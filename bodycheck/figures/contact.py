@@ -132,9 +132,9 @@ LOAD = (
     ),
     Figure(
         name="time_in_contact",
-        title="In contact",
+        title="Steps in contact",
         meaning="share of the steps until the stop in which the plane carries a load",
-        counts="of the steps",
+        counts="share",
         compute=_of_load(lambda load: load.time_in_contact),
         limited=False,
         ideal=1.0,

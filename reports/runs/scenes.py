@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from bodycheck.casefile.case import Case
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
 from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.reports.quantities import bound, number
+from bodycheck.reports.quantities import bound, listing, number
 
 
 @dataclass(frozen=True)
@@ -73,8 +73,9 @@ def _truth(truths: Sequence[Truth | NoTruth]) -> str:
         sources = " and ".join(
             dict.fromkeys(f"{truth.model} ({truth.reason}), computed with {truth.backend}" for truth in known)
         )
-        witnesses = "; ".join(dict.fromkeys(witness for truth in known for witness in truth.witnesses))
-        checked = f", checked with {witnesses}" if witnesses else ""
+        # A witness is named by its equations and its solver, with a comma between them.
+        witnesses = dict.fromkeys(witness.replace(", ", " by ") for truth in known for witness in truth.witnesses)
+        checked = f", checked against {listing(list(witnesses))}" if witnesses else ""
         error = bound(max(float(truth.bounds.error.max()) for truth in known))
         return f"{sources}{checked}; its own attitude error is at most {error} rad"
     reasons = dict.fromkeys(truth.reason for truth in truths if isinstance(truth, NoTruth))

@@ -33,7 +33,8 @@ UNITS = {"position": "m", "attitude": "rad"}
 READING = (
     "Each model has everything that the model above it has, and what the column “Adds” names. The first model is the smallest "
     "one that is exact for the scene, except for time-step errors. The relative cost is that of a step, divided by that of the "
-    "smallest model. All models are timed in turn; the tables give the median of the rounds, the least and the most.",
+    "smallest model. All models are timed in turn; the tables give the median of the rounds, with the smallest and the "
+    "largest.",
     "A change is the largest distance between the motions on a model and on the smallest one, at the same time step. It is "
     "compared with the sum of the time-step errors of both models. The time-step error of a model is twice the change of its "
     "motion when the step is halved. If the motions are farther apart than that, the two models do not describe the same "
@@ -153,7 +154,7 @@ def chart(rows: Sequence[ModelRow]) -> Chart:
     return Chart(
         title=f"Cost of a step, relative to the smallest model: {named(rows[0])}",
         specification=bars(drawn, line.colour),
-        alt=f"Bars show the relative cost of a step: {alt}.",
+        alt=f"Bars show the relative cost of a step with {named(rows[0])}: {alt}.",
     )
 
 
@@ -193,7 +194,7 @@ def costs(rows: Sequence[ModelRow]) -> Table:
     """Return a table with one row for each model: its cost, and the change of its motion from the smallest model."""
     words = ("Model", "Adds")
     figures = (
-        *("Time per step, µs", "Relative cost", "Least", "Most"),
+        *("Time per step, µs", "Relative cost", "Smallest", "Largest"),
         *("Position change, m", "Time-step errors, m", "Attitude change, rad", "Time-step errors, rad"),
     )
     disagree = tuple(any(not change.agrees for change in row.changes.values()) for row in rows)
@@ -232,7 +233,7 @@ def errors(rows: Sequence[ModelRow]) -> Table:
         numeric=(False, *(True for _ in names)),
         rows=tuple((Entry(row.model), *(compared(row, rows[0], name) for name in names)) for row in rows),
         failed=(False,) * len(rows),
-        notes=("The difference from the smallest model is in brackets; = means that there is none.",),
+        notes=("The difference from the smallest model is in brackets; = means that it is rounding at most.",),
     )
 
 

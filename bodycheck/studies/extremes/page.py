@@ -32,10 +32,10 @@ READING = (
     "bounds, or the engine gave up. silent-reset: the engine continued from a state of its own, which only its warning "
     "counters show. crashed: there was an error, or the process died. timeout: the run did not end in the time allowed. "
     "unsupported: the engine refused the run.",
-    "An engine reported no problem if it stepped to the end and signalled nothing; extremes.csv then has “healthy” as its "
-    "words. The table has every run, with the words of the engine and what was seen in the states.",
-    "A time step is stable if the body still turns after 100 turns and its rotational energy has never reached twice the "
-    "initial value. A method that gains a little energy in every step has no such limit in the strict sense. The number then "
+    "An engine reported no problem if it stepped to the end and signalled nothing; the column engine_said of extremes.csv "
+    "is then “healthy”. That file has every run, with what the engine reported and what the states show.",
+    "A time step is stable if the run completes 100 turns and the rotational energy never reaches twice its initial "
+    "value. A method that gains a little energy in every step has no such limit in the strict sense. The number then "
     "shows how small the time step must be for 100 turns.",
 )
 

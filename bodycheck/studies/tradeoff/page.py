@@ -30,16 +30,16 @@ MOST_STEPS_NAMED = 4
 READING = (
     "In each diagram a curve is a method, from its largest time step on the left to its smallest. It shows the largest error "
     "over the sampled instants against the computing time per simulated second. Points are the medians of repeated timings, "
-    "and bars show the least and the most. Rings mark the Pareto front of the methods shown: no other point is both cheaper "
-    "and more accurate. Attitude errors below the truth's own error, the grey band, have no meaning. Zeros are left out, "
-    "because a log scale cannot show them.",
+    "and bars show the shortest and the longest. Rings mark the Pareto front of the methods shown: no other point is both "
+    "cheaper and more accurate. Attitude errors below the truth's own error, the grey band, have no meaning. Zeros are left "
+    "out, because a log scale cannot show them.",
     f"{ZOOMING} The legend switches methods on and off in all charts; the Pareto front is then that of the other methods.",
     "An observed order p means that the error decreases like the p-th power of the time step. It is the median over the "
-    "asymptotic range, which consists of the time steps at which local orders agree, and is given with the least and the most; "
-    "– means that no such range was found. A floor is an error that a method does not get below with any of its time steps, at "
-    "the instants that all of them share. A scheme is named if the engine's trajectory is that of the textbook scheme with the "
-    "same time step; the residual is the largest attitude difference from the nearest scheme. Claimed orders are for smooth "
-    "motion and are not compared with orders in contact.",
+    "asymptotic range, which consists of the time steps at which local orders agree, and is given with the smallest and the "
+    "largest; – means that no such range was found. A floor is an error that a method does not get below with any of its time "
+    "steps, at the instants that all of them share. A scheme is named if the engine's trajectory is that of the textbook "
+    "scheme with the same time step; the residual is the largest attitude difference from the nearest scheme. Claimed orders "
+    "are for smooth motion and are not compared with orders in contact.",
 )
 
 
@@ -133,7 +133,7 @@ def _chart(case: CaseMeasurements, name: str, quantity: Quantity, lines: Lines) 
     ends = [_point_text(point, quantity, lines) for point in (front[0], front[-1])]
     alt = (
         f"{quantity.title} against computing time per simulated second on log scales, for {count(len(by_method), 'method')}. "
-        f"The Pareto front has {count(len(front), 'point')}: {' to '.join(dict.fromkeys(ends))}."
+        f"The Pareto front has {count(len(front), 'point')}: {_range(ends)}."
     )
     zero = listing(list(dict.fromkeys(by_method[p.method].label for p in points if p.error == 0)))
     return Chart(
@@ -209,10 +209,23 @@ def _unit(quantity: str) -> str:
     return UNITS[quantity] or "relative"
 
 
+def _range(ends: Sequence[str]) -> str:
+    """Return the first and the last point of a front, or its only point, in words."""
+    first, last = ends
+    return first if first == last else f"from {first} to {last}"
+
+
 def _front(case: CaseMeasurements, name: str) -> Table:
     """Return the table of the runs of a Pareto front, the cheapest first."""
     words = ("Engine", "Integrator", "Time step")
-    figures = (case.quantities[name].label, "Computing time, s", "Least", "Most", "Times real time", "Evaluations per step")
+    figures = (
+        case.quantities[name].label,
+        "Computing time, s",
+        "Shortest, s",
+        "Longest, s",
+        "Real-time factor",
+        "Evaluations per step",
+    )
     truth_error = case.truth_error(name)
     rows = tuple(
         (
@@ -230,8 +243,8 @@ def _front(case: CaseMeasurements, name: str) -> Table:
         rows=rows,
         failed=(False,) * len(rows),
         notes=(
-            "No other run is both cheaper and more accurate than one of these. The computing time is that of a simulated "
-            "second: the median of repeated timings, the least and the most.",
+            "No other run is both cheaper and more accurate than one of these. The computing time is that of one simulated "
+            "second: the median of repeated timings, with the shortest and the longest of them.",
         ),
     )
 

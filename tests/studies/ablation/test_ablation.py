@@ -88,7 +88,7 @@ def test_the_report_has_the_tables_of_both_engines(folder: Path) -> None:
         "errors and their changes",
     ):
         assert words in text
-    assert "Bars show the relative cost of a step: planar 1;" in text
+    assert "Bars show the relative cost of a step with mujoco Euler at 2 ms: planar 1;" in text
     assert (folder / "report.html").stat().st_size > 1e5
 
 

@@ -100,7 +100,7 @@ def test_the_study_finds_the_reset_after_minutes_without_being_told_where(tmp_pa
     ("name", "timestep", "status", "off"),
     [
         ("osrf-boxes-complex", 0.001, "energy-gain", "centre of mass 17.3 m off"),
-        ("free-brick", 0.002, "inaccurate", "centre of mass 201 m off after a way of 471 m"),
+        ("free-brick", 0.002, "inaccurate", "centre of mass 201 m off after a path of 471 m"),
     ],
 )
 def test_body_twist_euler_is_found_out_by_its_centre_of_mass(name: str, timestep: float, status: str, off: str) -> None:
@@ -131,7 +131,7 @@ def test_a_brick_at_rest_falls_through_a_plane_of_much_friction() -> None:
 
 FAILING = {
     "exact": ("ok", "healthy", "centre of mass by"),
-    "wrong": ("inaccurate", "healthy", "centre of mass 1 m off after a way of 0.99 m"),
+    "wrong": ("inaccurate", "healthy", "centre of mass 1 m off after a path of 0.99 m"),
     "drifting": ("ok", "healthy", "attitude off by"),
     "exploding": ("diverged", "healthy", "times the most possible"),
     "not-a-number": ("diverged", "healthy", "not a number at t = 0.5 s"),
