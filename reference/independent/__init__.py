@@ -7,4 +7,6 @@ angular velocity by the derivative of the product of three matrices.
 
 - `inertia`: mass and inertia tensor by exact rational arithmetic.
 - `border`: what a motion starts from, with a hundred digits.
+- `closed_form`: the rotation by elliptic functions and quadrature, which follows any motion; open this first. It is made of
+  `arithmetic`, `principal_axes`, `jacobi`, `phase` and `swing`.
 """
