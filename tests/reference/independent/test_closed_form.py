@@ -11,6 +11,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from bodycheck.casefile.case import parse
 from bodycheck.reference.bounds import STATES, Bounds
 from bodycheck.reference.flight import closed_form as truth
 from bodycheck.reference.independent.arithmetic import WIDE_EPS, WideArray
@@ -22,6 +23,9 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.witness import Witness, angle_between, excess
 from tests.reference.flight import integer_series
 from tests.reference.flight.integer_series import ONE, fixed
+from tests.support.multiprecision.arithmetic import MP, cross, dot, norm, vector
+from tests.support.multiprecision.flight import read
+from tests.support.random_cases import REGIMES, drawn
 
 EPS = float(np.finfo(float).eps)
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
@@ -63,6 +67,12 @@ OUT_OF_REACH = {
 }
 
 
+def real(value: np.longdouble) -> object:
+    """A number of the wide type in multiprecision."""
+    numerator, denominator = value.as_integer_ratio()
+    return MP.mpf(numerator) / denominator
+
+
 def exact(value: np.longdouble) -> Fraction:
     """A number of the wide type as a fraction."""
     return Fraction(*value.as_integer_ratio())
@@ -89,6 +99,23 @@ def test_error_is_within_its_bound(scene: Scene, times: Array) -> None:
     rates = np.array([rates for _, rates in states])
     apart = np.abs(rates - found.angular_velocity).max(axis=1)
     assert np.all(apart <= found.angular_velocity_error + EPS * np.abs(rates).max())
+
+
+@pytest.mark.parametrize("regime", REGIMES)
+def test_error_is_within_its_bound_for_bodies_in_files(regime: str) -> None:
+    """Against the multiprecision motion of the numbers of the file, to 1e6 rad of turning."""
+    text, times = drawn(regime, 7)
+    found, states = witness(parse(text, regime).scene, np.array(times)), read(text).motion(times)
+    assert found.quaternion is not None
+    assert found.angular_velocity is not None
+    for n, state in enumerate(states):
+        w, *v = [real(part) for part in found.quaternion[n]]
+        w0, *v0 = state.quaternion
+        across = vector(v0) * w - vector(v) * w0 - cross(vector(v), vector(v0))
+        angle = 2 * MP.atan2(norm(across), abs(w * w0 + dot(vector(v), vector(v0))))
+        assert angle <= np.broadcast_to(found.error, len(states))[n]
+        apart = vector([real(part) for part in found.angular_velocity[n]]) - state.angular_velocity
+        assert norm(apart) <= found.angular_velocity_error
 
 
 @pytest.mark.skipif(WIDE_EPS == EPS, reason="no type wider than double precision")

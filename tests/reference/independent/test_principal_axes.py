@@ -26,11 +26,11 @@ KINDS: dict[str, tuple[Sequence[str | float], int]] = {
 def frame(seed: int) -> Matrix:
     """The rows of a rotation matrix."""
     w, x, y, z = np.random.default_rng(seed).normal(size=4).tolist()
-    first, second, _ = attitude((w, x, y, z))
-    first = scaled(first, 1 / norm(first))
-    along = dot(first, second)
-    second = [b - along * a for a, b in zip(first, second, strict=True)]
-    second = scaled(second, 1 / norm(second))
+    rows = attitude((w, x, y, z))
+    first = scaled(rows[0], 1 / norm(rows[0]))
+    along = dot(first, rows[1])
+    across = [b - along * a for a, b in zip(first, rows[1], strict=True)]
+    second = scaled(across, 1 / norm(across))
     return first, second, cross(first, second)
 
 
