@@ -26,6 +26,7 @@ from bodycheck.reference.principal_frame import IDENTITY, along_principal_axes, 
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sliding.motion import Slide, slide
+from bodycheck.reference.sliding.ways import BALANCE_WITNESS
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.witness import Witness, conserved_errors, excess
 
@@ -248,7 +249,7 @@ def on_plane(scene: Scene, times: Array) -> Truth:
         found.model,
         found.reason,
         CLOSED_FORM_BACKEND if closed else INTEGRATION_BACKEND,
-        () if closed else (f"plain time, {INTEGRATION_BACKEND}",),
+        (BALANCE_WITNESS,),
         found.stop,
     )
 
@@ -293,7 +294,7 @@ def _slide_bounds(scene: Scene, found: Slide) -> Bounds:
     known = {
         "error": found.error,
         "position_error": found.position_error,
-        "velocity_error": np.zeros(len(motion)),
-        "angular_velocity_error": np.zeros(len(motion)),
+        "velocity_error": found.velocity_error,
+        "angular_velocity_error": found.angular_velocity_error,
     }
     return Bounds(**known, **conserved_errors(scene, motion, **known))

@@ -13,14 +13,15 @@ In both, time advances more slowly with the independent variable near points whe
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from bodycheck.reference.errors import OutOfReach
-from bodycheck.reference.integration.dop853 import Derivative, advance, dop853
+from bodycheck.reference.integration.dop853 import Derivative
 from bodycheck.reference.sliding.footprint import STUCK_SLIP
 from bodycheck.reference.sliding.friction import Law
+from bodycheck.reference.sliding.panels import Panels
+from bodycheck.reference.sliding.stepping import Stage, Steps, integrate_until_rest
 from bodycheck.reference.trajectory import Array
 
 #: Fraction of the initial speed below which the log-time integration ends; the rest of the way to the stop is extrapolated
@@ -31,13 +32,13 @@ LOG_TIME_STOP_FRACTION = 1e-15
 #: second order in this fraction.
 PLAIN_TIME_STOP_FRACTION = 1e-9
 
+#: Fraction of the initial speed below which the panels of a motion may be long.
+NEAR_REST_FRACTION = 1e-5
+
 #: Longest steps in log time and in plain time, in units of the time in which the deceleration mu g would take away the initial
 #: speed. With them the interpolant, which is of order 7, is as accurate as the steps. Neither is a multiple of the other, so
 #: that the two solutions do not share their steps.
 LONGEST_LOG_TIME_STEP, LONGEST_PLAIN_TIME_STEP = 0.2, 0.13
-
-#: Relative difference of two instants that counts as rounding.
-TIME_ROUNDING = 4 * float(np.finfo(float).eps)
 
 #: Nearness to a point where friction is not smooth at which time advances at half its pace.
 HALF_PACE_NEARNESS = 4.0
@@ -78,10 +79,13 @@ class Motion:
         (n, 6) x, y, psi, dx/dt, dy/dt, dpsi/dt (m, rad, s), world frame.
     stop
         (4,) t, x, y, psi (s, m, rad) of the stop, or None where the body still moves at the last instant.
+    panels
+        The motion in panels, from t = 0 until about the stop or the last instant.
     """
 
     rows: Array
     stop: Array | None
+    panels: Panels
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,12 +157,12 @@ def in_log_time(flat: Flat, start: Array, times: Array, on_step: Callable[[float
     def clock(y: Array) -> float:
         return scales.time * math.exp(y[7]) / _slowdown(flat, *_unit_velocity(flat, y))
 
-    def moving(y: Array) -> bool:
+    def stage(y: Array) -> Stage:
         velocity = _unit_velocity(flat, y)
         on_step(float(y[0]), *velocity)
         if flat.nearness(*velocity) > 0.1 / STUCK_SLIP:
             raise OutOfReach(f"one point of the body comes to rest at t = {y[0]:.6g} s while others slide")
-        return bool(y[7] > math.log(LOG_TIME_STOP_FRACTION))
+        return _stage(math.exp(y[7]), LOG_TIME_STOP_FRACTION)
 
     def velocities(y: Array) -> Array:
         return np.asarray(scales.speed * np.exp(y[:, 7:]) * y[:, 4:7] / scales.metric)
@@ -166,25 +170,31 @@ def in_log_time(flat: Flat, start: Array, times: Array, on_step: Callable[[float
     state = np.array([0.0, *start[:3], *(start[3:] * scales.metric / scales.speed), 0.0])
     sizes = np.array([scales.time, scales.length, scales.length, scales.length / flat.gyration, 1.0, 1.0, 1.0, 1.0])
     derivative = _log_time_derivative(flat, scales)
-    sampled, last = integrate_until_rest(derivative, clock, moving, state, times, sizes, LONGEST_LOG_TIME_STEP)
-    rows = np.concatenate([sampled[:, 1:4], velocities(sampled)], axis=1)
+    steps = integrate_until_rest(derivative, clock, stage, state, times, sizes, LONGEST_LOG_TIME_STEP)
+    rows, panels, last = _rows(steps.samples, velocities), _panels(steps, velocities), steps.ends[-1]
     if len(rows) == len(times):
-        return Motion(rows, None)
+        return Motion(rows, None, panels)
     acceleration = _unit_friction(flat, last) * flat.deceleration / scales.metric
-    return complete_with_rest(rows, times, last[:4], velocities(last[None])[0], acceleration, scales.metric)
+    return Motion(*complete_with_rest(rows, times, last[:4], velocities(last[None])[0], acceleration, scales.metric), panels)
 
 
 def _log_time_derivative(flat: Flat, scales: _Scales) -> Derivative:
     """The right-hand side of the equations in log time."""
+    unit_force, gyration = flat.mass * flat.deceleration, flat.gyration
 
     def derivative(_s: float, y: Array) -> Array:
-        direction, speed = y[4:7], math.exp(y[7])
-        change = _unit_friction(flat, y)
+        # In plain numbers, because NumPy takes longer for arrays of three.
+        _, _, _, psi, x, y_, spin, log = y.tolist()
+        c, s, speed = math.cos(psi), math.sin(psi), math.exp(log)
+        velocity = c * x + s * y_, c * y_ - s * x, spin / gyration
+        f1, f2, torque = flat.law(*velocity)
+        a1, a2, a3 = (c * f1 - s * f2) / unit_force, (s * f1 + c * f2) / unit_force, torque / gyration / unit_force
         # Divided by the squared length of the direction, whose rounding errors would otherwise grow as the speed falls.
-        power = float(change @ direction) / float(direction @ direction)
-        velocity = scales.length * speed * speed * direction / scales.metric
-        rates = np.array([speed * scales.time, *velocity, *(change - power * direction), power])
-        return np.asarray(rates / _slowdown(flat, *_unit_velocity(flat, y)))
+        power = (a1 * x + a2 * y_ + a3 * spin) / (x * x + y_ * y_ + spin * spin)
+        pace = 1 / _slowdown(flat, *velocity)
+        way = pace * scales.length * speed * speed
+        turning = pace * (a1 - power * x), pace * (a2 - power * y_), pace * (a3 - power * spin)
+        return np.array([pace * speed * scales.time, way * x, way * y_, way * spin / gyration, *turning, pace * power])
 
     return derivative
 
@@ -236,8 +246,8 @@ def in_plain_time(flat: Flat, start: Array, times: Array) -> Motion:
     def clock(y: Array) -> float:
         return scales.time / _slowdown(flat, *y[4:].tolist())
 
-    def moving(y: Array) -> bool:
-        return bool(np.linalg.norm(y[4:] * scales.metric) > PLAIN_TIME_STOP_FRACTION * scales.speed)
+    def stage(y: Array) -> Stage:
+        return _stage(float(np.linalg.norm(y[4:] * scales.metric)) / scales.speed, PLAIN_TIME_STOP_FRACTION)
 
     def derivative(_s: float, y: Array) -> Array:
         _, _, _, psi, v1, v2, w = y.tolist()
@@ -252,16 +262,37 @@ def in_plain_time(flat: Flat, start: Array, times: Array) -> Motion:
     state = np.array([0.0, *start[:3], *rotate_in_plane(-start[2], *start[3:5]), start[5]])
     length, speed = scales.length, scales.speed
     sizes = np.array([scales.time, length, length, length / flat.gyration, speed, speed, speed / flat.gyration])
-    sampled, last = integrate_until_rest(derivative, clock, moving, state, times, sizes, LONGEST_PLAIN_TIME_STEP)
-    rows = np.concatenate([sampled[:, 1:4], velocities(sampled)], axis=1)
+    steps = integrate_until_rest(derivative, clock, stage, state, times, sizes, LONGEST_PLAIN_TIME_STEP)
+    rows, panels, last = _rows(steps.samples, velocities), _panels(steps, velocities), steps.ends[-1]
     if len(rows) == len(times):
-        return Motion(rows, None)
+        return Motion(rows, None, panels)
     f1, f2, torque = flat.law(*last[4:].tolist())
     acceleration = np.array([*rotate_in_plane(float(last[3]), f1 / flat.mass, f2 / flat.mass), torque / moment])
-    return complete_with_rest(rows, times, last[:4], velocities(last[None])[0], acceleration, scales.metric)
+    return Motion(*complete_with_rest(rows, times, last[:4], velocities(last[None])[0], acceleration, scales.metric), panels)
 
 
-def complete_with_rest(rows: Array, times: Array, at: Array, velocity: Array, acceleration: Array, metric: Array) -> Motion:
+def _stage(fraction: float, stop_fraction: float) -> Stage:
+    """The stage of a motion with a fraction of its initial speed, which is integrated down to the second fraction."""
+    if fraction > NEAR_REST_FRACTION:
+        return Stage.MOVING
+    return Stage.NEAR_REST if fraction > stop_fraction else Stage.AT_REST
+
+
+def _rows(states: Array, velocities: Callable[[Array], Array]) -> Array:
+    """The rows (n, 6) of a motion from its states (n, m), of which t, x, y and psi come first."""
+    return np.concatenate([states[:, 1:4], velocities(states)], axis=1)
+
+
+def _panels(steps: Steps, velocities: Callable[[Array], Array]) -> Panels:
+    """The panels of a motion that are the steps of its integration."""
+    nodes = _rows(steps.nodes.reshape(-1, steps.ends.shape[1]), velocities)
+    shape = *steps.nodes.shape[:2], 6
+    return Panels(steps.ends[:, 0], _rows(steps.ends, velocities), steps.nodes[:, :, 0], nodes.reshape(shape))
+
+
+def complete_with_rest(
+    rows: Array, times: Array, at: Array, velocity: Array, acceleration: Array, metric: Array
+) -> tuple[Array, Array | None]:
     """Complete a motion by its stop and by rest.
 
     From the last integrated state the body slows down evenly along the direction of its motion until it stops.
@@ -281,97 +312,11 @@ def complete_with_rest(rows: Array, times: Array, at: Array, velocity: Array, ac
 
     Returns
     -------
-    Motion
-        (n, 6) rows, and the stop if it is not after the last time.
+    tuple
+        (n, 6) rows, and the stop (4,) or None if it is after the last time.
     """
     speed = velocity * metric
     remaining = -float(speed @ speed) / float(speed @ (acceleration * metric))
     stop = at + remaining * np.array([1, *(velocity / 2)])
     resting = np.tile([*stop[1:], 0.0, 0.0, 0.0], (len(times) - len(rows), 1))
-    return Motion(np.concatenate([rows, resting]), stop if times[-1] >= stop[0] else None)
-
-
-def integrate_until_rest(
-    derivative: Derivative,
-    clock: Callable[[Array], float],
-    moving: Callable[[Array], bool],
-    state: Array,
-    times: Array,
-    scale: Array,
-    longest_step: float,
-) -> tuple[Array, Array]:
-    """Solve y' = derivative(s, y), whose first unknown is the time t, until the body rests or all times are passed.
-
-    Parameters
-    ----------
-    derivative
-        Right-hand side of the equations.
-    clock
-        Maps a state to t' > 0, the rate of time.
-    moving
-        Tells from a state whether the body still moves; called at the start and after each step.
-    state
-        (m,) initial state.
-    times
-        (n,) ascending times (s).
-    scale
-        (m,) typical sizes of the components of the state.
-    longest_step
-        Longest step in s.
-
-    Returns
-    -------
-    tuple of Array
-        (k, m) states at the times before the end of the integration, and the last state (m,).
-
-    Raises
-    ------
-    OutOfReach
-        If the integration fails or takes too many steps.
-    """
-    solver = dop853(derivative, 0.0, state, np.inf, scale, max_step=longest_step)
-    done = int(np.searchsorted(times, 0.0, side="right"))
-    chosen, taken = [np.repeat(state[None], done, axis=0)], 0
-    while moving(state) and done < len(times):
-        taken = advance(solver, taken, float(state[0]), float(times[-1]))
-        before, state = state, solver.y
-        passed = int(np.searchsorted(times, state[0], side="right"))
-        if passed > done:
-            chosen.append(interpolate(solver, clock, before, state, times[done:passed]))
-            done = passed
-    return np.concatenate(chosen), state
-
-
-def interpolate(solver: Any, clock: Callable[[Array], float], before: Array, after: Array, times: Array) -> Array:
-    """States within the last step of a solver, from its interpolant.
-
-    Parameters
-    ----------
-    solver
-        The solver, after a step.
-    clock
-        Maps a state to t' > 0, the rate of time.
-    before, after
-        (m,) states before and after the step.
-    times
-        (n,) times within the step (s).
-
-    Returns
-    -------
-    Array
-        (n, m) states at the times.
-    """
-    dense = solver.dense_output()
-    start, end = float(solver.t_old), float(solver.t)
-    rows = np.empty((len(times), len(after)))
-    for row, time in zip(rows, times.tolist(), strict=True):
-        s = start + (end - start) * (time - before[0]) / (after[0] - before[0])
-        row[:] = dense(s)
-        # Newton's method converges quickly, since t(s) is nearly quadratic within a step.
-        for _ in range(5):
-            late = row[0] - time
-            if abs(late) <= TIME_ROUNDING * time:
-                break
-            s = min(max(s - late / clock(row), start), end)
-            row[:] = dense(s)
-    return rows
+    return np.concatenate([rows, resting]), stop if times[-1] >= stop[0] else None

@@ -5,6 +5,7 @@ law have closed forms. A body that slides and spins at once is integrated twice,
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,13 +14,12 @@ from bodycheck.reference.errors import NotFlat, WouldTip
 from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.planar import Stop, planar_state
 from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.sliding.bounds import error_bounds
 from bodycheck.reference.sliding.coupled_motion import Flat, Motion, in_log_time, in_plain_time
 from bodycheck.reference.sliding.footprint import nearness
 from bodycheck.reference.sliding.friction import Law, decoupled_friction, footprint_of, friction, refuse_tipping
+from bodycheck.reference.sliding.panels import between
 from bodycheck.reference.trajectory import Array, Trajectory
-
-#: Relative error of about ten roundings in double precision: those of a closed form, and of the storage of a result.
-RELATIVE_ROUNDING = 16 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +34,8 @@ class Slide:
         The stop, or None for a body that still moves at the last instant.
     error, position_error
         (n,) bounds of the errors of the yaw (rad) and of the position (m), never decreasing.
+    velocity_error, angular_velocity_error
+        (n,) bounds of the errors of the velocity (m/s) and of the angular velocity (rad/s), zero when the body surely rests.
     model
         Name of the equations that were solved.
     reason
@@ -44,6 +46,8 @@ class Slide:
     stop: Stop | None
     error: Array
     position_error: Array
+    velocity_error: Array
+    angular_velocity_error: Array
     model: str
     reason: str
 
@@ -51,8 +55,7 @@ class Slide:
 def slide(scene: Scene, times: Array) -> Slide:
     """The motion of a flat body on the scene's plane, at ascending times (n,) >= 0, s. Drag is ignored.
 
-    The error bound of a closed form is that of a few roundings. Otherwise it is the same plus twice the largest disagreement so
-    far between the two formulations.
+    The bounds are those of `error_bounds`.
 
     Raises
     ------
@@ -68,26 +71,35 @@ def slide(scene: Scene, times: Array) -> Slide:
     if scene.plane is None:
         raise NotFlat("the scene has no plane to lie on")
     plane, start = scene.plane, planar_state(scene)
-    if plane.law != "decoupled" and start[3:5].any() and start[5] and plane.friction * scene.gravity > 0:
-        motion, witness = coupled(scene, plane, start, times)
-        apart = np.abs(motion.rows[:, :3] - witness.rows[:, :3])
-        position_error = 2 * np.maximum.accumulate(np.hypot(apart[:, 0], apart[:, 1]))
-        error = 2 * np.maximum.accumulate(apart[:, 2])
+    if is_coupled(scene, plane, start):
+        flat, check = coupled_body(scene, plane)
+        motion = in_log_time(flat, start, times, check)
         equations = "Euler-Lagrange"
     else:
         motion = in_closed_form(scene, plane, start, times)
-        position_error = error = np.zeros(len(times))
         equations = "closed form"
-    x, y, yaw = np.abs(motion.rows[:, :3] - start[:3]).T
-    error = error + RELATIVE_ROUNDING * np.maximum.accumulate(1 + yaw)
-    position_error = position_error + RELATIVE_ROUNDING * np.maximum.accumulate(np.abs(start[:2]).sum() + x + y)
+    trajectory = to_trajectory(scene, times, motion.rows, start[2])
+    bounds = error_bounds(scene, motion, trajectory)
     stop = None
     if motion.stop is not None:
         time, to_x, to_y, to_yaw = motion.stop.tolist()
         stop = Stop(time, (to_x, to_y, scene.initial.position[2]), to_yaw)
     model = f"{equations}, {plane.law} friction, {plane.pressure} load"
-    trajectory = to_trajectory(scene, times, motion.rows, start[2])
-    return Slide(trajectory, stop, error, position_error, model, reason(plane, scene.gravity, start))
+    return Slide(
+        trajectory,
+        stop,
+        bounds.yaw,
+        bounds.position,
+        bounds.velocity,
+        bounds.spin,
+        model,
+        reason(plane, scene.gravity, start),
+    )
+
+
+def is_coupled(scene: Scene, plane: Plane, start: Array) -> bool:
+    """Whether friction couples translation and spin, so that the motion from a planar state (6,) has no closed form."""
+    return bool(plane.law != "decoupled" and start[3:5].any() and start[5] and plane.friction * scene.gravity > 0)
 
 
 def reason(plane: Plane, gravity: float, start: Array) -> str:
@@ -160,6 +172,12 @@ def coupled(scene: Scene, plane: Plane, start: Array, times: Array) -> tuple[Mot
     OutOfReach
         If the motion cannot be integrated; see `coupled_motion`.
     """
+    flat, check = coupled_body(scene, plane)
+    return in_log_time(flat, start, times, check), in_plain_time(flat, start, times)
+
+
+def coupled_body(scene: Scene, plane: Plane) -> tuple[Flat, Callable[[float, float, float, float], None]]:
+    """The body of a scene for `coupled_motion`, and what raises `WouldTip`, with the instant, for a state in which it tips."""
     body, gravity = scene.body, scene.gravity
     refuse = refuse_tipping(body, plane, gravity)
 
@@ -176,7 +194,7 @@ def coupled(scene: Scene, plane: Plane, start: Array, times: Array) -> tuple[Mot
         friction(body, plane, gravity),
         nearness(footprint_of(body.shape, plane.law)),
     )
-    return in_log_time(flat, start, times, check), in_plain_time(flat, start, times)
+    return flat, check
 
 
 def in_closed_form(scene: Scene, plane: Plane, start: Array, times: Array) -> Motion:
@@ -220,8 +238,9 @@ def in_closed_form(scene: Scene, plane: Plane, start: Array, times: Array) -> Mo
         return np.concatenate([start[:3] + start[3:] * ways, start[3:] * fractions], axis=1)
 
     end = max(ends)
-    stop = np.array([end, *rows(np.array([end]))[0, :3]]) if len(times) and end <= times[-1] else None
-    return Motion(rows(times), stop)
+    last = float(times[-1]) if len(times) else 0.0
+    stop = np.array([end, *rows(np.array([end]))[0, :3]]) if len(times) and end <= last else None
+    return Motion(rows(times), stop, between(rows, np.unique([0.0, *(min(time, last) for time in ends)])))
 
 
 def stopping_time(rate: float, deceleration: float) -> float:

@@ -1,0 +1,165 @@
+"""A witness of a slide: the balance of momentum along a motion, by code that starts from the file.
+
+A motion is given in panels. In each of them the change of position, yaw and velocity is compared with the integral of what
+causes it: the velocities, and the accelerations of `quadrature`. What is missing is the defect of the panel. The equations of
+motion, linearised along the motion, carry the defects on to later instants; their sum there is how far the motion is from the
+solution that the file determines (defect correction: Zadunaisky, Numer. Math. 27, 21, 1976).
+
+It shares no code with the motion: the moment of inertia, the law of friction and the meaning of the attitude are its own.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.definition import EulerAngles, EulerRates, valid
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.sliding.panels import PANEL_NODES, PARTIAL_WEIGHTS, Panels
+from bodycheck.reference.sliding.quadrature import Flat, accelerations, flat
+from bodycheck.reference.trajectory import Array
+
+#: Change of the velocity, as a fraction of the speed, for derivatives of friction: it leaves six digits of them.
+DERIVATIVE_STEP = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Deviation:
+    """How far a motion is from what the file determines, in n panels: x, y and psi (m, rad) and their rates.
+
+    Attributes
+    ----------
+    ends
+        (n + 1, 6) the estimated errors at the ends of the panels.
+    within
+        (n, 6) the largest errors at the nodes of the panels beyond those at their beginnings.
+    gyration
+        Radius of gyration sqrt(C/m) about the vertical (m).
+    braking
+        A deceleration (m/s^2) that the speed |u|, |u|^2 = v^2 + (C/m) w^2, exceeds in every motion.
+    """
+
+    ends: Array
+    within: Array
+    gyration: float
+    braking: float
+
+
+def planar_start(scene: Scene) -> Array:
+    """Initial x, y, psi, dx/dt, dy/dt, dpsi/dt (6,) of a body that lies flat, as its file states them.
+
+    psi is the direction of the body's axis I in the plane. Where K is vertical it is the sum of the Euler angles phi and psi.
+    """
+    x, y, _ = scene.initial.position
+    vx, vy, _ = scene.initial.velocity
+    yaw, spin = float(direction_of_first_axis(np.array(scene.initial.quaternion))), scene.initial.angular_velocity[2]
+    definition = scene.definition
+    if definition is not None and valid(scene).attitude:
+        match definition.attitude:
+            case EulerAngles(phi, _, psi):
+                yaw = phi + psi
+            case quaternion:
+                yaw = float(direction_of_first_axis(np.array(quaternion)))
+        if valid(scene).rotation:
+            rotation = definition.rotation
+            spin = rotation.dphi + rotation.dpsi if isinstance(rotation, EulerRates) else rotation[2]
+    return np.array([x, y, yaw, vx, vy, spin])
+
+
+def direction_of_first_axis(quaternion: Array) -> Array:
+    """Angle (...), rad, of the body's axis I in the plane, from quaternions (..., 4), w x y z, body to world."""
+    w, x, y, z = np.moveaxis(quaternion, -1, 0)
+    return np.asarray(np.arctan2(2 * (x * y + w * z), w * w + x * x - y * y - z * z))
+
+
+def deviation(scene: Scene, panels: Panels) -> Deviation:
+    """How far a motion of a scene's body on its plane is from what the scene determines.
+
+    Parameters
+    ----------
+    scene
+        The scene, with a plane and a body that lies flat.
+    panels
+        The motion.
+
+    Returns
+    -------
+    Deviation
+        The estimated errors.
+    """
+    body = flat(scene)
+    # Angles times the radius of gyration are lengths.
+    units = np.array([1.0, 1.0, body.gyration, 1.0, 1.0, body.gyration])
+    ends, nodes = panels.rows * units, panels.node_rows * units
+    count = len(panels.weights)
+    caused = np.empty_like(nodes)
+    caused[..., :3] = nodes[..., 3:]
+    flattened = accelerations(body, panels.node_rows[..., 2].ravel(), nodes[..., 3:].reshape(-1, 3))
+    caused[..., 3:] = flattened.reshape(count, PANEL_NODES, 3)
+
+    def missing(change: Array, late: Array, integral: Array, rates: Array) -> Array:
+        # Where the times of a motion are late against the weights, it has moved on meanwhile.
+        return np.asarray(change - integral - rates * late[..., None])
+
+    weights = panels.weights
+    defects = missing(
+        np.diff(ends, axis=0),
+        np.diff(panels.times) - weights.sum(axis=1),
+        np.einsum("nq,nqc->nc", weights, caused),
+        caused[:, -1],
+    )
+    partial = PARTIAL_WEIGHTS * weights[:, None, :]
+    within = missing(
+        nodes - ends[:-1, None],
+        panels.node_times - panels.times[:-1, None] - partial.sum(axis=2),
+        np.einsum("nkq,nqc->nkc", partial, caused),
+        caused,
+    )
+    start = (panels.rows[0] - planar_start(scene)) * units
+    full_turn = 2 * math.pi * body.gyration
+    start[2] -= full_turn * round(start[2] / full_turn)
+    # The trapezoidal rule for a small error e: e1 - e0 = M dt (e0 + e1)/2 + defect.
+    half = _rates_of_errors(body, panels, nodes, caused) * (weights.sum(axis=1) / 2)[:, None, None]
+    implicit = np.linalg.inv(np.eye(6) - half)
+    carried = _carried(start, np.einsum("nij,nj->ni", implicit, defects), implicit @ (np.eye(6) + half))
+    within = np.abs(within).max(axis=1, initial=0.0)
+    return Deviation(carried / units, within / units, body.gyration, least_braking(body))
+
+
+def least_braking(body: Flat) -> float:
+    """Half the smaller deceleration (m/s^2) of |u|, of a straight slide and of a pure spin.
+
+    The power of friction over |u| is a convex function of the motion, and even in the spin and in the velocity of a symmetrical
+    face. So it is at least 1/sqrt(2) of the smaller of both; the rest is for pressures that shift.
+    """
+    pure = accelerations(body, np.zeros(2), np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
+    return float(np.linalg.norm(pure, axis=1).min()) / 2
+
+
+def _rates_of_errors(body: Flat, panels: Panels, nodes: Array, caused: Array) -> Array:
+    """The matrices (n, 6, 6) M of the equations de/dt = M e of a small error e, at the middle node of each panel."""
+    middle = PANEL_NODES // 2
+    yaw, velocity, acceleration = panels.node_rows[:, middle, 2], nodes[:, middle, 3:], caused[:, middle, 3:]
+    count = len(yaw)
+    step = DERIVATIVE_STEP * np.linalg.norm(velocity, axis=1)
+    changed = velocity[:, None] + step[:, None, None] * np.eye(3)
+    moved = accelerations(body, np.repeat(yaw, 3), changed.reshape(-1, 3)).reshape(count, 3, 3)
+    by_velocity = np.moveaxis((moved - acceleration[:, None]) / np.where(step > 0, step, np.inf)[:, None, None], 1, 2)
+    # Friction turns with the body: a turn of the body alone is a turn of everything, and of the velocity back.
+    by_yaw = -by_velocity[:, :, 1] * velocity[:, :1] + by_velocity[:, :, 0] * velocity[:, 1:2]
+    by_yaw[:, 0] -= acceleration[:, 1]
+    by_yaw[:, 1] += acceleration[:, 0]
+    rates = np.zeros((count, 6, 6))
+    rates[:, :3, 3:] = np.eye(3)
+    rates[:, 3:, 3:] = by_velocity
+    rates[:, 3:, 2] = by_yaw / body.gyration
+    return rates
+
+
+def _carried(start: Array, defects: Array, propagators: Array) -> Array:
+    """The errors (n + 1, 6) that follow from an error at the start (6,), the defects (n, 6) and the propagators (n, 6, 6)."""
+    errors = np.empty((len(defects) + 1, 6))
+    errors[0] = start
+    for i, (propagator, defect) in enumerate(zip(propagators, defects, strict=True)):
+        errors[i + 1] = propagator @ errors[i] + defect
+    return errors

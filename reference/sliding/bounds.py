@@ -1,0 +1,108 @@
+"""Bounds of the error of a slide, from what the witness finds missing in it."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.sliding.balance import Deviation, deviation, direction_of_first_axis
+from bodycheck.reference.sliding.coupled_motion import Motion
+from bodycheck.reference.trajectory import Array, Trajectory
+
+#: Relative error of about ten roundings in double precision: those of a closed form, and of the storage of a result.
+RELATIVE_ROUNDING = 16 * float(np.finfo(float).eps)
+
+#: The bound over the error that the witness estimates. The estimate is linear in the error and takes the derivatives of
+#: friction at the middle of a panel; twice of it holds even for a moment of inertia that is a quarter too small.
+SAFETY = 2.0
+
+
+#: Error of the speed, as a fraction of it, up to which the estimate is trusted to be linear in the error.
+LINEAR = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarBounds:
+    """Bounds (n,) of the errors of position (m), yaw (rad), velocity (m/s) and spin (rad/s) at n instants."""
+
+    position: Array
+    yaw: Array
+    velocity: Array
+    spin: Array
+
+
+def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> PlanarBounds:
+    """The bounds of a motion and of the trajectory made from it: twice the error that the witness estimates, and rounding.
+
+    After the stop the true body may move on for as long as the error of its velocity takes to be braked. The velocity is
+    bounded by that error until then, and by zero later; the way that is left by that error times that duration.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    motion
+        The motion at n instants.
+    trajectory
+        The trajectory in space at the same instants.
+
+    Returns
+    -------
+    PlanarBounds
+        The bounds; those of position and yaw never decrease.
+    """
+    times, rows, start = trajectory.t, motion.rows, motion.panels.rows[0]
+    found = deviation(scene, motion.panels)
+    k = found.gyration
+    panel = np.searchsorted(motion.panels.times[1:], times, side="left")
+    x, y, turn, vx, vy, spin = (SAFETY * largest_deviation(found)[panel]).T
+    speed = math.hypot(start[3], start[4], k * start[5])
+    velocity, spin = np.hypot(vx, vy) + RELATIVE_ROUNDING * speed, spin + RELATIVE_ROUNDING * speed / k
+    position, yaw = np.hypot(x, y), turn + np.abs(_wrapped(direction_of_first_axis(trajectory.quaternion) - rows[:, 2]))
+    # From where the error of the speed matters to the speed itself, all that is known is that both motions slow down.
+    left, first = _nearly_at_rest(motion, found)
+    late = (panel >= first) * left
+    velocity, spin = np.maximum(velocity, late), np.maximum(spin, late / k)
+    lasting = left / found.braking if left else 0.0
+    position, yaw = position + late * lasting, yaw + late / k * lasting
+    elapsed = times
+    if motion.stop is not None:
+        stop = float(motion.stop[0])
+        elapsed, rate = np.minimum(times, stop), np.hypot(velocity, k * spin)
+        resting = times > stop + rate / found.braking + RELATIVE_ROUNDING * stop
+        velocity, spin = np.where(resting, 0.0, velocity), np.where(resting, 0.0, spin)
+    way, turned = np.abs(rows[:, :2] - start[:2]).sum(axis=1), np.abs(rows[:, 2] - start[2])
+    position = position + RELATIVE_ROUNDING * (np.abs(start[:2]).sum() + way + speed * elapsed)
+    yaw = yaw + RELATIVE_ROUNDING * (1 + turned + speed / k * elapsed)
+    return PlanarBounds(np.maximum.accumulate(position), np.maximum.accumulate(yaw), velocity, spin)
+
+
+def largest_deviation(found: Deviation) -> Array:
+    """The largest estimated errors (n + 1, 6) in each of n panels and after them, without signs."""
+    ends = np.abs(found.ends)
+    return np.concatenate([np.maximum(ends[:-1], ends[1:]) + found.within, ends[-1:]])
+
+
+def _nearly_at_rest(motion: Motion, found: Deviation) -> tuple[float, int]:
+    """A bound of the error of the speed |u| (m/s) from some panel on, and the number of that panel.
+
+    It is the first panel at whose beginning the estimated error exceeds `LINEAR` of the speed, or the stop, after all panels.
+    Both motions are then no faster than the speed at its beginning and the error. The bound is zero without such a panel.
+    """
+    metric = np.array([1.0, 1.0, found.gyration])
+    speeds = np.linalg.norm(motion.panels.rows[:, 3:] * metric, axis=1)
+    errors = SAFETY * np.linalg.norm(found.ends[:, 3:] * metric, axis=1)
+    late = np.flatnonzero(errors > LINEAR * speeds)
+    if len(late):
+        first = int(late[0])
+    elif motion.stop is not None:
+        first = len(speeds) - 1
+    else:
+        return 0.0, len(speeds)
+    return float(2 * speeds[first] + errors[first : first + 2].max()), first
+
+
+def _wrapped(angle: Array) -> Array:
+    """Angles (rad) less their full turns, in [-pi, pi]."""
+    return np.asarray(angle - 2 * np.pi * np.round(angle / (2 * np.pi)))
