@@ -64,12 +64,12 @@ def main() -> None:
     ways: dict[str, Callable[[], object]] = {
         "DOP853, Euler-Lagrange": lambda: lagrangian.integrate(scene, times),
         "80-bit, Euler-Lagrange": lambda: taylor.euler_lagrange(scene, times),
-        "closed form": lambda: closed_form.motion(scene, times),
+        "closed form": lambda: closed_form.flight(scene, times).motion,
         "DOP853, with its bound": lambda: truth.truth(scene, times, truth.dop853()),
         "80-bit, with its bound": lambda: truth.truth(scene, times),
-        "no rotation": lambda: closed_form.motion(replace(scene, initial=State()), times),
-        "steady turn": lambda: closed_form.motion(replace(scene, body=Body(1.0, (0.1, 0.1, 0.1))), times),
-        "symmetric top": lambda: closed_form.motion(replace(scene, body=Body(1.0, (0.1, 0.1, 0.15))), times),
+        "no rotation": lambda: closed_form.flight(replace(scene, initial=State()), times).motion,
+        "steady turn": lambda: closed_form.flight(replace(scene, body=Body(1.0, (0.1, 0.1, 0.1))), times).motion,
+        "symmetric top": lambda: closed_form.flight(replace(scene, body=Body(1.0, (0.1, 0.1, 0.15))), times).motion,
         "second closed form": lambda: second_closed_form.witness(scene, times),
     }
     compared = ["DOP853, Euler-Lagrange"] * 3 + ["DOP853, with its bound"] * 2 + ["closed form"] * 4
@@ -113,8 +113,7 @@ def main() -> None:
         body = Body(1.0, (y * y + z * z, x * x + z * z, x * x + y * y))
         p, q, r = rng.normal(0, 5, 3)
         tumble = Scene(body, State(angular_velocity=(p, q, r)))
-        closed_form.motion(tumble, times)
-        closed_form.bound(tumble, times)
+        closed_form.flight(tumble, times)
     print(f"{MANY} closed forms of random bodies, {len(times)} samples each, with bounds: {time.perf_counter() - start:.1f} s")
 
 
