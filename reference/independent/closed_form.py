@@ -122,7 +122,7 @@ def witness(scene: Scene, times: Array) -> Witness:
     """
     begin = border(scene)
     moments, axes = principal_axes(begin.tensor)
-    turned = _turned(moments, _without_rounding(applied(axes, begin.rates)), times)
+    turned = _turned(moments, _along(axes, begin.rates), times)
     to_body = wide_matrix(axes)
     before = wide_matrix(product(begin.cosines, transposed(axes)))
     return Witness(
@@ -142,10 +142,17 @@ def _turned(moments: Vector, rates: Vector, times: Array) -> Turned:
     return _tumbling(_polhode(moments, rates), times)
 
 
-def _without_rounding(vector: Vector) -> Vector:
-    """A vector whose components are zero where they are what rounding has left of zero."""
-    limit = ROUNDED * max(abs(component) for component in vector)
-    x, y, z = (component if abs(component) > limit else MP.zero for component in vector)
+def _along(axes: Matrix, rates: Vector) -> Vector:
+    """The components of an angular velocity along principal axes; what rounding has left of zero is made zero.
+
+    A component along an axis of the frame of the body itself is not rounded, however small it is.
+    """
+    limit = ROUNDED * max(abs(rate) for rate in rates)
+    rounded = [sum(bool(component) for component in axis) > 1 for axis in axes]
+    x, y, z = (
+        MP.zero if inexact and abs(component) <= limit else component
+        for component, inexact in zip(applied(axes, rates), rounded, strict=True)
+    )
     return x, y, z
 
 
