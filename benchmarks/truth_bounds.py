@@ -1,7 +1,7 @@
 """Check the bounds of the truth's error against multiprecision arithmetic on random bodies of every regime.
 
 The texts of random case files are read twice: by bodycheck, whose truth gives each figure with a bound, and by code of the
-tests that shares nothing with it and computes with 200 digits (`tests/support/multiprecision`). A table says for each regime
+tests that shares nothing with it and computes with 120 digits (`tests/support/multiprecision`). A table says for each regime
 how many bounds are broken, and how large the bound is as a multiple of the error, or of a rounding where the error is smaller.
 The exit status is 1 if a bound is broken or a truth could not be computed.
 

@@ -1,4 +1,4 @@
-"""Numbers of 200 digits, and the vectors and matrices that are made of them."""
+"""Numbers of 120 digits, and the vectors and matrices that are made of them."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -8,9 +8,9 @@ from mpmath import MPContext
 #: The arithmetic. It is a context of its own, so that nobody else's precision changes it.
 #:
 #: A separatrix that is missed by 1e-14 costs 28 digits of the complementary parameter, a ratio of moments of 1e-12 costs 12 in
-#: each difference, and a million radians cost 6 in the phase: more than 100 digits are left for every case that is drawn.
+#: each difference, and a million radians cost 6 in the phase: more than 70 digits are left for every case that is drawn.
 MP = MPContext()
-MP.dps = 200
+MP.dps = 120
 
 #: A number, a vector (3, 1) or a matrix (3, 3) in this arithmetic. mpmath has no types.
 Real = Any

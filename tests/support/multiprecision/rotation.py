@@ -24,7 +24,7 @@ from tests.support.multiprecision.attitudes import turned
 
 #: A ratio below which a quantity that is zero in exact arithmetic is taken for zero, and one below which it must not be
 #: otherwise, for then the digits would not do.
-ZERO, SMALLEST = MP.mpf("1e-150"), MP.mpf("1e-60")
+ZERO, SMALLEST = MP.mpf("1e-100"), MP.mpf("1e-40")
 
 
 def rotation(inertia: Matrix, attitude: Matrix, rates: Vector, times: Sequence[float]) -> list[tuple[Matrix, Vector]]:
