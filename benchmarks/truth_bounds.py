@@ -5,7 +5,7 @@ tests that shares nothing with it and computes with 120 digits (`tests/support/m
 how many bounds are broken, and how large the bound is as a multiple of the error, or of a rounding where the error is smaller.
 The exit status is 1 if a bound is broken or a truth could not be computed.
 
-Run: python benchmarks/truth_bounds.py [--cases 5000] [--seed 0] [--regime separatrix] [--processes 2]
+Run: python benchmarks/truth_bounds.py [--cases 5000] [--seed 0] [--regime separatrix] [--closed-form] [--processes 2]
 """
 
 import argparse
@@ -14,10 +14,12 @@ import sys
 import time
 import traceback
 from collections.abc import Iterable, Sequence
+from functools import partial
 
 import numpy as np
 
-from tests.support.bound_checks import UNITS, Check, Figure, check
+from bodycheck.reference.truth import Backend
+from tests.support.bound_checks import NO_WITNESS, UNITS, Check, Figure, check
 from tests.support.random_cases import REGIMES
 
 #: Quantiles of bound over error that are printed (%).
@@ -32,14 +34,16 @@ def main() -> int:
     parser.add_argument("--cases", type=int, default=320, help="number of cases, the same in every regime")
     parser.add_argument("--seed", type=int, default=0, help="seed of the first case of each regime")
     parser.add_argument("--regime", action="append", choices=list(REGIMES), help="a regime; by default all of them")
+    parser.add_argument("--closed-form", action="store_true", help="leave out the witnesses, which add to the bounds")
     parser.add_argument("--processes", type=int, default=2, help="number of processes")
     options = parser.parse_args()
     regimes = options.regime or list(REGIMES)
     count = -(-options.cases // len(regimes))
     tasks = [(regime, options.seed + n) for n in range(count) for regime in regimes]
     begun, found = time.perf_counter(), []
+    examined = partial(examine, NO_WITNESS if options.closed_form else None)
     with multiprocessing.Pool(options.processes, warm_up) as pool:
-        for each in pool.imap_unordered(examine, tasks):
+        for each in pool.imap_unordered(examined, tasks):
             found.append(each)
             if sys.stderr.isatty():
                 print(f"\r{len(found)} of {len(tasks)}", end="", file=sys.stderr)
@@ -59,10 +63,10 @@ def warm_up() -> None:
     check("turned-frame", 0)
 
 
-def examine(task: tuple[str, int]) -> Found:
-    """Check one case of a regime and a seed."""
+def examine(solver: Backend | None, task: tuple[str, int]) -> Found:
+    """Check one case of a regime and a seed, with a solver of the witnesses."""
     try:
-        return *task, check(*task)
+        return *task, check(*task, solver)
     except Exception as error:
         return *task, traceback.format_exception_only(error)[-1].strip()
 
