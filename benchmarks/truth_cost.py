@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from bodycheck import load
-from bodycheck.reference import truth
+from bodycheck.reference import truth, witnesses
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.independent import closed_form as second_closed_form
 from bodycheck.reference.integration import lagrangian, taylor
@@ -65,7 +65,7 @@ def main() -> None:
         "DOP853, Euler-Lagrange": lambda: lagrangian.integrate(scene, times),
         "80-bit, Euler-Lagrange": lambda: taylor.euler_lagrange(scene, times),
         "closed form": lambda: closed_form.flight(scene, times).motion,
-        "DOP853, with its bound": lambda: truth.truth(scene, times, truth.dop853()),
+        "DOP853, with its bound": lambda: truth.truth(scene, times, witnesses.dop853()),
         "80-bit, with its bound": lambda: truth.truth(scene, times),
         "no rotation": lambda: closed_form.flight(replace(scene, initial=State()), times).motion,
         "steady turn": lambda: closed_form.flight(replace(scene, body=Body(1.0, (0.1, 0.1, 0.1))), times).motion,

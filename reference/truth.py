@@ -1,43 +1,34 @@
 """The truth of a scene: its reference trajectory together with a bound of the trajectory's own error.
 
 The truth is computed from the smallest model that is exact. In free flight this is a closed form, with translation and
-rotation solved independently. A body that rotates also has two independent witnesses: the Euler-Lagrange equations in Euler
-angles and Euler's equations with a quaternion, both integrated numerically. Drag on the translation leads to quadratures, whose
-witness is an integration in three coordinates. A body that lies flat on a plane has three coordinates; see `sliding`.
+rotation solved independently. A flight has witnesses, some of which start from the file by code of their own; see `witnesses`.
+Drag on the translation leads to quadratures, whose witness is an integration in three coordinates. A body that lies flat on a
+plane has three coordinates; see `sliding`.
 """
 
-import contextlib
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from bodycheck.reference.bounds import EPS, Bounds
-from bodycheck.reference.errors import NotFlat, NotModelled, OutOfReach, WouldTip
-from bodycheck.reference.exact.start import start
+from bodycheck.reference.bounds import Bounds
+from bodycheck.reference.errors import NotFlat, NotModelled, WouldTip
 from bodycheck.reference.flight import closed_form
-from bodycheck.reference.flight.amplification import amplification
 from bodycheck.reference.flight.drag.translation import translation
-from bodycheck.reference.integration import lagrangian, quasi_coordinates
 from bodycheck.reference.planar import Stop, planar_state
-from bodycheck.reference.principal_frame import IDENTITY, along_principal_axes, in_body_frame
+from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sliding.motion import Slide, slide
 from bodycheck.reference.sliding.ways import BALANCE_WITNESS
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.witness import Witness, conserved_errors, excess
+from bodycheck.reference.witnesses import Backend, backend, witnesses
 
 #: Name of the backend that evaluates closed forms.
 CLOSED_FORM_BACKEND = "numpy"
 
 #: Name of the backend that integrates slides.
 INTEGRATION_BACKEND = "scipy-dop853"
-
-#: Roundings of a witness for each radian of turning, before they are amplified.
-WITNESS_ROUNDING = 64.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,29 +102,6 @@ class NoTruth:
     reason: str
 
 
-@dataclass(frozen=True)
-class Backend:
-    """A solver of two forms of the equations of motion of a body in free flight.
-
-    Attributes
-    ----------
-    name
-        Name of the solver in results.
-    precision
-        The relative rounding error of its arithmetic.
-    euler_lagrange
-        Solves the Euler-Lagrange equations: maps a scene and ascending times (n,) >= 0, s, to attitudes
-        (n, 4), w x y z, body to world, in the floating-point type of the solver. Raises `OutOfReach`.
-    quasi_coordinates
-        Solves Euler's equations with a quaternion, with the same arguments and result.
-    """
-
-    name: str
-    precision: float
-    euler_lagrange: Callable[[Scene, Array], NDArray[Any]]
-    quasi_coordinates: Callable[[Scene, Array], NDArray[Any]]
-
-
 def missing_model(scene: Scene) -> str | None:
     """The feature of a scene that the reference has no model of, in words, or None where it can model the scene."""
     if scene.plane is None:
@@ -149,31 +117,7 @@ def missing_model(scene: Scene) -> str | None:
     return None
 
 
-def backend() -> Backend:
-    """The best solver that is installed: heyoka's Taylor series in extended precision, otherwise SciPy's DOP853."""
-    try:
-        from bodycheck.reference.integration import taylor
-    except ImportError:
-        return dop853()
-    return Backend(
-        taylor.BACKEND_NAMES["extended"],
-        float(np.finfo(np.longdouble).eps),
-        lambda scene, times: taylor.euler_lagrange(scene, times).quaternion,
-        lambda scene, times: taylor.quasi_coordinates(scene, times).quaternion,
-    )
-
-
-def dop853() -> Backend:
-    """SciPy's DOP853 in double precision."""
-    return Backend(
-        INTEGRATION_BACKEND,
-        EPS,
-        lambda scene, times: _in_doubles(lagrangian.integrate, scene, times),
-        lambda scene, times: _in_doubles(quasi_coordinates.integrate, scene, times),
-    )
-
-
-def truth(scene: Scene, times: Array, solver: Backend | None = None) -> Truth:
+def truth(scene: Scene, times: Array, solver: Backend | None = None, *, vouched: bool = True) -> Truth:
     """The truth of a scene.
 
     The bound of the attitude error of a body that rotates is the sum of the bound of its closed form and of the largest
@@ -186,7 +130,9 @@ def truth(scene: Scene, times: Array, solver: Backend | None = None) -> Truth:
     times
         (n,) ascending times >= 0 (s).
     solver
-        Solver of the witnesses of a body that rotates in free flight; by default `backend`.
+        Solver of the witnesses of a body that rotates in free flight; by default `witnesses.backend`.
+    vouched
+        Whether a flight is compared with its witnesses. Otherwise its bounds are those of its closed form alone.
 
     Returns
     -------
@@ -202,10 +148,10 @@ def truth(scene: Scene, times: Array, solver: Backend | None = None) -> Truth:
     ValueError
         If the scene has a balanced pressure under the decoupled law of friction, or numbers that are not finite.
     """
-    return computed(scene, times, solver).truth
+    return computed(scene, times, solver, vouched=vouched).truth
 
 
-def computed(scene: Scene, times: Array, solver: Backend | None = None) -> Computed:
+def computed(scene: Scene, times: Array, solver: Backend | None = None, *, vouched: bool = True) -> Computed:
     """The truth of a scene with what its bounds come from; arguments and exceptions are those of `truth`."""
     if (missing := missing_model(scene)) is not None:
         raise NotModelled(missing)
@@ -213,8 +159,7 @@ def computed(scene: Scene, times: Array, solver: Backend | None = None) -> Compu
         slid = on_plane(scene, times)
         return Computed(slid, slid.bounds, ())
     flown = closed_form.flight(scene, times)
-    turns = any(scene.initial.angular_velocity)
-    found = tuple(witnesses(scene, times, solver or backend())) if turns else ()
+    found = tuple(witnesses(scene, times, solver or backend())) if vouched else ()
     bounds = flown.bounds
     for witness in found:
         bounds = bounds.plus(excess(scene, flown.motion, flown.bounds, witness))
@@ -222,17 +167,6 @@ def computed(scene: Scene, times: Array, solver: Backend | None = None) -> Compu
     model = f"closed form: {flown.form.name}"
     flight = Truth(scene, flown.motion, bounds, model, flown.form.reason, CLOSED_FORM_BACKEND, names)
     return Computed(with_drag(flight) if requirements(scene).drag else flight, flown.bounds, found)
-
-
-def witnesses(scene: Scene, times: Array, solver: Backend) -> Iterator[Witness]:
-    """The witnesses of a body that rotates in free flight, at ascending times (n,) >= 0, s.
-
-    A witness that cannot be computed is left out.
-    """
-    own = WITNESS_ROUNDING * solver.precision * amplification(start(scene), times)
-    for name, way in (("euler-lagrange", solver.euler_lagrange), ("quasi-coordinates", solver.quasi_coordinates)):
-        with contextlib.suppress(OutOfReach):
-            yield Witness(f"{name}, {solver.name}", quaternion=way(scene, times), error=own)
 
 
 def on_plane(scene: Scene, times: Array) -> Truth:
@@ -280,12 +214,6 @@ def with_drag(flight: Truth) -> Truth:
 def distance(one: Array, other: Array) -> Array:
     """Euclidean distances (n,) between vectors (n, 3)."""
     return np.asarray(np.linalg.norm(one - other, axis=1))
-
-
-def _in_doubles(integrate: Callable[[Scene, Array], Trajectory], scene: Scene, times: Array) -> NDArray[Any]:
-    """The attitudes (n, 4) of an integration in double precision, which starts along the principal axes."""
-    principal = along_principal_axes(scene)
-    return in_body_frame(scene, integrate(principal, times)).quaternion
 
 
 def _slide_bounds(scene: Scene, found: Slide) -> Bounds:

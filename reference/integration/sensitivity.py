@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import heyoka as hy
 import numpy as np
 
-from bodycheck.reference.integration.taylor import Equations, euler_equations, euler_start, integrator, solve, unit_of_rate
+from bodycheck.reference.integration.heyoka_solver import Equations, integrator, solve
+from bodycheck.reference.integration.taylor import euler_equations, euler_start, unit_of_rate
 from bodycheck.reference.kinematics import conjugate, multiply, normalise
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array

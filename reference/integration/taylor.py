@@ -12,29 +12,22 @@ conserve the angular momentum only as accurately as they are solved.
 
 The unit of time is a power of two near 1 / |Omega|, so that the tolerance has the same meaning for every body and no rounding
 occurs in the conversion. Quaternions and angular velocities are computed in the wide type and rounded to double at the end.
-
-heyoka caches compiled code in memory and, for other processes, on disk (`$XDG_CACHE_HOME/heyoka` or `$HEYOKA_CACHE_DIR`).
 """
 
 import functools
-import os
-import stat
-import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 import heyoka as hy
 import numpy as np
-from numpy.typing import NDArray
 
-from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import MP, Real, doubles, wide
 from bodycheck.reference.exact.rotations import IDENTITY
 from bodycheck.reference.exact.start import Start, start
-from bodycheck.reference.integration.dop853 import MAX_STEPS
+from bodycheck.reference.integration.heyoka_solver import EXTENDED_NAME, QUADRUPLE, Equations, integrator, prepare_heyoka, solve
 from bodycheck.reference.integration.lagrangian import RELABELLINGS, relabel
+from bodycheck.reference.integration.rotation import Rotation, WideArray
 from bodycheck.reference.kinematics import (
     conjugate,
     euler_rates,
@@ -51,52 +44,14 @@ from bodycheck.reference.trajectory import Array
 #: unit roundoff of 1e-34; it is about 40 times slower.
 Precision = Literal["extended", "quadruple"]
 
-#: The 128-bit type. heyoka has no type of its own where `long double` already has 128 bits (64-bit ARM).
-QUADRUPLE = getattr(hy, "real128", np.longdouble)
-
 #: The floating-point type of each precision.
 FLOAT_TYPES = {"extended": np.longdouble, "quadruple": QUADRUPLE}
 
-#: Size of a floating-point type in bits, by the number of bits of its mantissa.
-BITS_BY_MANTISSA = {63: 80, 112: 128}
-
 #: Name of the backend in results, for each precision.
-BACKEND_NAMES: dict[Precision, str] = {
-    "extended": f"heyoka-{BITS_BY_MANTISSA[np.finfo(np.longdouble).nmant]}-bit",
-    "quadruple": "heyoka-128-bit",
-}
-
-#: Tolerance for the remainder of the series in a step, for each type: a few roundings, in which a smaller remainder would be
-#: lost.
-STEP_TOLERANCES = {np.float64: 2.0**-50, np.longdouble: 2.0**-60, QUADRUPLE: 2.0**-109}
+BACKEND_NAMES: dict[Precision, str] = {"extended": EXTENDED_NAME, "quadruple": "heyoka-128-bit"}
 
 #: Decimal digits from which a 128-bit number is read without loss.
 QUADRUPLE_DIGITS = 40
-
-#: An array of a wide type; `heyoka.real128` is not one of NumPy's own floating-point types.
-WideArray = NDArray[Any]
-
-#: First-order equations in heyoka's form: pairs of a variable and the expression for its derivative.
-Equations = list[tuple[Any, Any]]
-
-#: Held while an integrator runs: a compiled integrator contains its state and is shared by all threads of the process.
-_integrator_lock = threading.Lock()
-
-
-@dataclass(frozen=True, eq=False)
-class Rotation:
-    """Attitudes and angular velocities at n instants, in a wide type.
-
-    Attributes
-    ----------
-    quaternion
-        (n, 4) unit quaternions w, x, y, z, body to world.
-    angular_velocity
-        (n, 3) angular velocities in the body frame (rad/s).
-    """
-
-    quaternion: WideArray
-    angular_velocity: WideArray
 
 
 def lagrange_equations() -> Equations:
@@ -135,45 +90,6 @@ def euler_equations() -> Equations:
 
 
 @functools.cache
-def _prepare_heyoka() -> None:
-    """Let heyoka cache compiled code on disk only where no other user can write, since cached code is executed.
-
-    heyoka continues without a cache folder that is full or corrupt, but reports this on standard output, which is reserved for
-    results; so its log is limited to critical messages.
-    """
-    hy.set_logger_level_critical()
-    folder = hy.llvm_state.get_diskcache_path()
-    try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        private = all(is_private(path) for path in (folder, *folder.glob("cache.db*")))
-    except OSError:
-        private = False
-    hy.llvm_state.set_diskcache_enabled(private)
-
-
-def is_private(path: Path) -> bool:
-    """Whether a file or folder belongs to this user and no other user may write to it."""
-    status = path.stat()
-    return status.st_uid == os.getuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
-
-
-@functools.cache
-def integrator(equations: Callable[[], Equations], dtype: Any) -> Any:
-    """heyoka's integrator of the given equations in a floating-point type, compiled or taken from heyoka's cache."""
-    _prepare_heyoka()
-    system = equations()
-    return hy.taylor_adaptive(
-        system,
-        np.zeros(len(system), dtype=dtype),
-        pars=np.zeros(len(hy.get_params([derivative for _, derivative in system])), dtype=dtype),
-        tol=dtype(STEP_TOLERANCES[dtype]),
-        fp_type=dtype,
-        # Code that is not compact runs 10 % faster and takes ten times as long to compile.
-        compact_mode=True,
-    )
-
-
-@functools.cache
 def _quaternion_and_rates(dtype: Any) -> Any:
     """Compiled function from states of `lagrange_equations` (6, n) to quaternions and angular velocities (7, n).
 
@@ -181,7 +97,7 @@ def _quaternion_and_rates(dtype: Any) -> Any:
     Omega = dphi k + dtheta N + dpsi K with the vertical k and the line of nodes N computed from the quaternion. NumPy's sines
     and cosines of 80-bit numbers would take twice as long.
     """
-    _prepare_heyoka()
+    prepare_heyoka()
     state = psi, phi, theta, dpsi, dphi, dtheta = hy.make_vars("psi", "phi", "theta", "dpsi", "dphi", "dtheta")
     half_sum, half_difference = (phi + psi) / 2, (phi - psi) / 2
     c, s = hy.cos(theta / 2), hy.sin(theta / 2)
@@ -192,52 +108,17 @@ def _quaternion_and_rates(dtype: Any) -> Any:
     return hy.cfunc([w, x, y, z, *rates], vars=state, fp_type=dtype, compact_mode=True)
 
 
-def solve(solver: Any, start: WideArray, parameters: WideArray, times: Array, angles: tuple[str, ...] = ()) -> WideArray:
-    """Solve the equations of an integrator.
-
-    Parameters
-    ----------
-    solver
-        The integrator, from `integrator`.
-    start
-        (k,) state at t = 0.
-    parameters
-        Parameters of the equations.
-    times
-        (n,) times >= 0 in any order, in the unit of time of the equations.
-    angles
-        Names of variables that are reduced to [0, 2 pi), since they would lose digits as they grow.
-
-    Returns
-    -------
-    array
-        (n, k) states at the times, in the type of `start`.
-
-    Raises
-    ------
-    OutOfReach
-        If the integration fails or takes too many steps.
-    """
-    instants, rows = np.unique(np.append(0.0, times), return_inverse=True)
-    reducer = hy.callback.angle_reducer(hy.make_vars(*angles)) if angles else None
-    with _integrator_lock:
-        solver.time = start.dtype.type(0)
-        solver.state[:] = start
-        solver.pars[:] = parameters
-        grid = instants.astype(start.dtype)
-        outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=MAX_STEPS, callback=reducer)
-    if outcome != hy.taylor_outcome.time_limit:
-        raise OutOfReach(f"Taylor's method stopped after {steps} steps: {outcome.name}")
-    return np.asarray(solution[rows[1:]])
-
-
 def unit_of_rate(scene: Scene) -> np.float64:
     """The unit of angular velocity (rad/s): a power of two, four to eight times the largest initial component.
 
     Dividing by it does not round. Rates in this unit stay smaller than the angles, which therefore determine the tolerance of a
     step.
     """
-    _, exponent = np.frexp(np.abs(scene.initial.angular_velocity).max())
+    return _unit_of(scene.initial.angular_velocity)
+
+
+def _unit_of(rates: Sequence[float]) -> np.float64:
+    _, exponent = np.frexp(np.abs(rates).max())
     return np.float64(np.ldexp(4.0, exponent))
 
 
@@ -263,32 +144,68 @@ def euler_lagrange(scene: Scene, times: Array, precision: Precision = "extended"
     OutOfReach
         If the integration fails or takes too many steps.
     """
-    dtype, unit, begin = FLOAT_TYPES[precision], unit_of_rate(scene), start(scene)
-    moments = rounded(begin.moments, dtype)
-    rates = rounded(begin.rates, dtype) / unit
-    at_rest = not any(scene.initial.angular_velocity)
-    momentum = _wide(np.eye(3)[np.argmin(scene.body.moments)], dtype) if at_rest else moments * rates
+    begin = start(scene)
+    return in_body_frame(begin, tumbling(begin, FLOAT_TYPES[precision]).follow(np.asarray(times)))
 
+
+@dataclass(frozen=True, eq=False)
+class Tumbling:
+    """The rotation of a body along its principal axes, to be followed by the Euler-Lagrange equations; see `tumbling`.
+
+    Attributes
+    ----------
+    moments
+        (3,) principal moments, in a floating-point type.
+    chart
+        Which axis takes the role of K: see `lagrangian.relabel`.
+    unit
+        The unit of angular velocity (rad/s).
+    state
+        (6,) psi, phi, theta and their rates at t = 0.
+    from_frame
+        (4,) quaternion from the frame that the angles count from to the world.
+    """
+
+    moments: WideArray
+    chart: int
+    unit: np.float64
+    state: WideArray
+    from_frame: WideArray
+
+    def follow(self, instants: WideArray) -> Rotation:
+        """Attitudes and angular velocities at times (n,) >= 0 (s) in any order. Raises `OutOfReach`."""
+        dtype: Any = self.state.dtype.type
+        a, b, c = relabel(self.moments, self.chart)
+        solution = solve(
+            integrator(lagrange_equations, dtype),
+            self.state,
+            np.array([(a + b) / (2 * c), (a - b) / (2 * c)]),
+            instants * self.unit,
+            angles=("psi", "phi"),
+        )
+        turned = _quaternion_and_rates(dtype)(np.ascontiguousarray(solution.T)).T
+        # Converting the frame and the axes is linear in the quaternion, so that one matrix serves all instants.
+        axes = _wide(RELABELLINGS[self.chart], dtype)
+        to_world = multiply(multiply(self.from_frame, _wide(np.eye(4), dtype)), conjugate(axes))
+        return Rotation(turned[:, :4] @ to_world, relabel(turned[:, 4:], -self.chart) * self.unit)
+
+    def acceleration(self, angular_velocity: WideArray) -> WideArray:
+        """The angular accelerations (n, 3), rad/s^2, that belong to angular velocities (n, 3), rad/s, by Euler's equations."""
+        return np.asarray(np.cross(self.moments * angular_velocity, angular_velocity) / self.moments)
+
+
+def tumbling(begin: Start, dtype: Any) -> Tumbling:
+    """The rotation of a body from its start, in a floating-point type."""
+    unit = _unit_of(doubles(begin.rates))
+    moments, rates = rounded(begin.moments, dtype), rounded(begin.rates, dtype) / unit
+    momentum = moments * rates if any(begin.rates) else _wide(np.eye(3)[np.argmin(doubles(begin.moments))], dtype)
     chart = (axis_across(moments, momentum) + 1) % 3
-    a, b, c = relabel(moments, chart)
     x, y, z = relabel(momentum, chart)
     phi, theta, psi = 0 * x, np.arctan2(np.sqrt(x * x + y * y), z), np.arctan2(x, y)
     dphi, dtheta, dpsi = euler_rates(theta, psi, relabel(rates, chart))
-    axes = _wide(RELABELLINGS[chart], dtype)
-    from_axes = multiply(rounded(begin.attitude, dtype), axes)
+    from_axes = multiply(rounded(begin.attitude, dtype), _wide(RELABELLINGS[chart], dtype))
     from_frame = multiply(from_axes, conjugate(quaternion_from_euler(phi, theta, psi)))
-
-    solution = solve(
-        integrator(lagrange_equations, dtype),
-        np.array([psi, phi, theta, dpsi, dphi, dtheta]),
-        np.array([(a + b) / (2 * c), (a - b) / (2 * c)]),
-        np.asarray(times) * unit,
-        angles=("psi", "phi"),
-    )
-    turned = _quaternion_and_rates(dtype)(np.ascontiguousarray(solution.T)).T
-    # Converting the frame and the axes is linear in the quaternion, so that one matrix serves all instants.
-    to_world = multiply(multiply(from_frame, _wide(np.eye(4), dtype)), conjugate(axes))
-    return in_body_frame(begin, turned[:, :4] @ to_world, relabel(turned[:, 4:], -chart) * unit)
+    return Tumbling(moments, chart, unit, np.array([psi, phi, theta, dpsi, dphi, dtheta]), from_frame)
 
 
 def quasi_coordinates(scene: Scene, times: Array, precision: Precision = "extended") -> Rotation:
@@ -316,7 +233,7 @@ def quasi_coordinates(scene: Scene, times: Array, precision: Precision = "extend
     unit = unit_of_rate(scene)
     state, parameters = euler_start(scene, FLOAT_TYPES[precision])
     solution = solve(integrator(euler_equations, FLOAT_TYPES[precision]), state, parameters, np.asarray(times) * unit)
-    return in_body_frame(start(scene), normalise(solution[:, :4]), solution[:, 4:] * unit)
+    return in_body_frame(start(scene), Rotation(normalise(solution[:, :4]), solution[:, 4:] * unit))
 
 
 def euler_start(scene: Scene, dtype: Any) -> tuple[WideArray, WideArray]:
@@ -327,12 +244,12 @@ def euler_start(scene: Scene, dtype: Any) -> tuple[WideArray, WideArray]:
     return np.concatenate([rounded(begin.attitude, dtype), rates]), np.array([(b - c) / a, (c - a) / b, (a - b) / c])
 
 
-def in_body_frame(begin: Start, quaternion: WideArray, angular_velocity: WideArray) -> Rotation:
-    """A rotation in the frame of the body, from attitudes (n, 4) and angular velocities (n, 3) along its principal axes."""
+def in_body_frame(begin: Start, rotation: Rotation) -> Rotation:
+    """A rotation in the frame of the body, from one along its principal axes."""
     if begin.axes == IDENTITY:
-        return Rotation(quaternion, angular_velocity)
-    axes = np.broadcast_to(rounded(begin.axes, quaternion.dtype.type), quaternion.shape)
-    return Rotation(multiply(quaternion, conjugate(axes)), rotate(axes, angular_velocity))
+        return rotation
+    axes = np.broadcast_to(rounded(begin.axes, rotation.quaternion.dtype.type), rotation.quaternion.shape)
+    return Rotation(multiply(rotation.quaternion, conjugate(axes)), rotate(axes, rotation.angular_velocity))
 
 
 def rounded(values: Sequence[Real], dtype: Any) -> WideArray:
@@ -361,6 +278,13 @@ def _quadruple(values: WideArray) -> WideArray:
     # heyoka converts only from double precision; two doubles hold all digits of an 80-bit number.
     head = values.astype(float)
     return _wide(head, QUADRUPLE) + _wide(values - head, QUADRUPLE)
+
+
+def momentum_axis(begin: Start, dtype: Any) -> WideArray:
+    """The direction (3,) of the angular momentum in the world, which is fixed, in a floating-point type."""
+    momentum = rounded(begin.moments, dtype) * rounded(begin.rates, dtype)
+    momentum = momentum / np.sqrt((momentum * momentum).sum())
+    return rotate(rounded(begin.attitude, dtype), momentum)
 
 
 def axis_across(moments: WideArray, momentum: WideArray) -> int:

@@ -16,8 +16,9 @@ from bodycheck.reference.integration import lagrangian
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
-from bodycheck.reference.truth import Backend, backend, dop853, truth
+from bodycheck.reference.truth import truth
 from bodycheck.reference.witness import angle_between
+from bodycheck.reference.witnesses import Backend, backend, dop853
 from tests.support.cases import shortened
 
 try:
@@ -38,11 +39,16 @@ def solver(request: pytest.FixtureRequest) -> Backend:
 
 
 def disagreement(solver: Backend, scene: Scene, times: np.ndarray) -> np.ndarray:
-    return angle_between(solver.euler_lagrange(scene, times), solver.quasi_coordinates(scene, times))
+    one, other = solver.euler_lagrange(scene, times).quaternion, solver.quasi_coordinates(scene, times).quaternion
+    assert one is not None
+    assert other is not None
+    return angle_between(one, other)
 
 
 def test_two_ways_agree_to_1e_11_at_one_second(flying_case: Case, solver: Backend) -> None:
     times = flying_case.instants
+    if not any(flying_case.scene.initial.angular_velocity):
+        return  # nothing is integrated
     apart = disagreement(solver, flying_case.scene, times)
     assert apart[times <= 1.0].max() <= 1e-11
 
@@ -51,7 +57,7 @@ def test_the_bound_is_that_of_the_closed_form_and_not_of_its_witnesses(flying_ca
     found = truth(flying_case.scene, flying_case.instants, solver)
     alone = closed_form.flight(flying_case.scene, flying_case.instants)
     np.testing.assert_array_equal(found.bounds.error, alone.bounds.error)
-    assert bool(found.witnesses) is any(flying_case.scene.initial.angular_velocity)
+    assert found.witnesses
 
 
 def test_energy_and_angular_momentum_are_conserved(conservative_case: Case, solver: Backend) -> None:

@@ -9,7 +9,7 @@ from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass, fields, replace
 from hashlib import sha256
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import Backend, NoTruth, Truth, distance, truth
+from bodycheck.reference.truth import NoTruth, Truth, distance, truth
 from bodycheck.running import csv_tables, journal, plan, pool
 from bodycheck.running.header import Header
 from bodycheck.running.key import RunKey
@@ -183,7 +183,7 @@ def follow(scene: Scene, times: Array) -> Truth | NoTruth:
     by integration, which would have to follow every one of a million turns.
     """
     try:
-        return truth(scene, times, NO_WITNESSES)
+        return truth(scene, times, vouched=False)
     except NotModelled as error:
         return NoTruth(f"the reference does not model {error}")
     except (OutOfReach, ValueError, OverflowError) as error:  # the last two if a closed form overflows
@@ -194,14 +194,6 @@ def write(rows: Iterable[Row], limits: Iterable[Limit], folder: Path) -> None:
     """Write extremes.csv and limits.csv into a folder."""
     csv_tables.write(folder / "extremes.csv", [field.name for field in fields(Row)], map(asdict, rows))
     csv_tables.write(folder / "limits.csv", [field.name for field in fields(Limit)], map(asdict, limits))
-
-
-def _no_witness(scene: Scene, times: Array) -> NoReturn:
-    raise OutOfReach("witnesses are not asked")
-
-
-#: A backend that makes `truth` skip the checks by integration.
-NO_WITNESSES = Backend("none", 0.0, _no_witness, _no_witness)
 
 
 def _rows(

@@ -14,10 +14,10 @@ import numpy as np
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.flight.elliptic import WideArray
-from bodycheck.reference.integration import taylor
+from bodycheck.reference.integration import heyoka_solver
 
 #: Name of the backend in results.
-BACKEND = taylor.BACKEND_NAMES["extended"]
+BACKEND = heyoka_solver.EXTENDED_NAME
 
 #: Smallest speed in the law of the force where gravity may turn the path, in the witness's unit. Its effect on the motion is of
 #: second order, some 1e-24.
@@ -30,7 +30,7 @@ FAST = 4
 MAX_HOPS = 1000
 
 
-def equations() -> taylor.Equations:
+def equations() -> heyoka_solver.Equations:
     """dx/dt = v, dv/dt = -p0 |v| v - p1 k in heyoka's form, with the state x, y, z and its rates and the parameters p0, p1, p2.
 
     p2 is the square of the smallest speed.
@@ -44,7 +44,7 @@ def equations() -> taylor.Equations:
 def solve(resistance: Wide, gravity: Wide, start: WideArray, times: WideArray) -> WideArray:
     """States (n, 6) at ascending times (n,) >= 0 from a start (6,), in the witness's units. Raises `OutOfReach`."""
     smallest = Wide(SMALLEST_SPEED if gravity else 0)
-    parameters, solver = np.array([resistance, gravity, smallest**2]), taylor.integrator(equations, Wide)
+    parameters, solver = np.array([resistance, gravity, smallest**2]), heyoka_solver.integrator(equations, Wide)
     rows, state, now, done = np.empty((len(times), 6), dtype=Wide), start, Wide(0), 0
     for _ in range(MAX_HOPS):
         step = times[-1] - now
@@ -52,7 +52,7 @@ def solve(resistance: Wide, gravity: Wide, start: WideArray, times: WideArray) -
             step = min(step, _safe_step(resistance, gravity, np.sqrt((state[3:] ** 2).sum() + smallest**2)))
         ahead = int(np.searchsorted(times, now + step, side="right")) if rises else len(times)
         # The equations are autonomous, so that every step begins at time zero.
-        found = taylor.solve(solver, state, parameters, np.append(times[done:ahead] - now, step))
+        found = heyoka_solver.solve(solver, state, parameters, np.append(times[done:ahead] - now, step))
         rows[done:ahead], state, now, done = found[:-1], found[-1], now + step, ahead
         if done == len(times):
             return rows

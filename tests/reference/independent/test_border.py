@@ -27,8 +27,8 @@ from tests.support import ROOT
 #: Both compute with a hundred digits; sums over ten parts lose a few.
 AGREEMENT = 1e-90
 
-#: What the independent way may import of bodycheck: the description of scenes, numerical tools, and itself.
-ALLOWED = ("definition", "scene", "errors", "witness", "independent", "trajectory", "bounds", "integration.heyoka_solver")
+#: What the independent way may import of the reference: the description of scenes, numerical tools, and itself.
+ALLOWED = ("definition", "scene", "trajectory", "witness", "independent", "integration.heyoka_solver", "integration.rotation")
 
 
 def an_attitude(rng: np.random.Generator) -> Attitude:

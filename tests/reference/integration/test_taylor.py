@@ -24,9 +24,10 @@ from bodycheck.reference.trajectory import Array
 
 hy = pytest.importorskip("heyoka")
 
-from bodycheck.reference.integration import taylor  # noqa: E402
+from bodycheck.reference.integration import heyoka_solver, taylor  # noqa: E402
+from bodycheck.reference.integration.rotation import Rotation  # noqa: E402
 from bodycheck.reference.integration.sensitivity import growth  # noqa: E402
-from bodycheck.reference.integration.taylor import Rotation, attitude_difference, euler_lagrange, quasi_coordinates  # noqa: E402
+from bodycheck.reference.integration.taylor import attitude_difference, euler_lagrange, quasi_coordinates  # noqa: E402
 
 #: Unit roundoff of the 80-bit type.
 ROUNDING = float(np.finfo(np.longdouble).eps) / 2
@@ -222,7 +223,7 @@ def test_threads_do_not_disturb_one_another() -> None:
 
 @pytest.mark.parametrize("way", [euler_lagrange, quasi_coordinates])
 def test_too_many_steps_are_out_of_reach(way: Way, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(taylor, "MAX_STEPS", 20)
+    monkeypatch.setattr(heyoka_solver, "MAX_STEPS", 20)
     with pytest.raises(OutOfReach, match="step_limit"):
         way(FLIP, TIMES)
     # What failed leaves nothing behind.
@@ -256,7 +257,7 @@ def test_compiled_code_is_kept_only_where_no_one_else_can_write(tmp_path: Path) 
     (corrupt / "cache.db").write_text("not a data base")
 
     assert in_another_process(own) == expected
-    assert taylor.is_private(own)
+    assert heyoka_solver.is_private(own)
     assert (own / "cache.db").exists()
     assert in_another_process(shared) == expected
     assert not list(shared.iterdir())
@@ -267,4 +268,4 @@ def test_compiled_code_is_kept_only_where_no_one_else_can_write(tmp_path: Path) 
 def test_private_means_written_by_no_one_else(tmp_path: Path) -> None:
     for mode, private in ((0o700, True), (0o755, True), (0o775, False), (0o777, False)):
         tmp_path.chmod(mode)
-        assert taylor.is_private(tmp_path) == private
+        assert heyoka_solver.is_private(tmp_path) == private

@@ -1,0 +1,128 @@
+"""Taylor's method in 80-bit, 128-bit and multiprecision arithmetic, with heyoka (Linux only).
+
+heyoka caches compiled code in memory and, for other processes, on disk (`$XDG_CACHE_HOME/heyoka` or `$HEYOKA_CACHE_DIR`).
+"""
+
+import functools
+import os
+import stat
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+
+from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.integration.dop853 import MAX_STEPS
+from bodycheck.reference.integration.rotation import WideArray
+from bodycheck.reference.trajectory import Array
+
+#: The 128-bit type. heyoka has no type of its own where `long double` already has 128 bits (64-bit ARM).
+QUADRUPLE = getattr(hy, "real128", np.longdouble)
+
+#: Tolerance for the remainder of the series in a step, for each type: a few roundings, in which a smaller remainder would be
+#: lost.
+STEP_TOLERANCES = {np.float64: 2.0**-50, np.longdouble: 2.0**-60, QUADRUPLE: 2.0**-109}
+
+#: Such a few roundings in bits, for multiprecision arithmetic.
+TOLERANCE_BITS = 4
+
+#: Size of a floating-point type in bits, by the number of bits of its mantissa.
+BITS_BY_MANTISSA = {52: 64, 63: 80, 112: 128}
+
+#: Name of the solver with NumPy's widest type, in results.
+EXTENDED_NAME = f"heyoka-{BITS_BY_MANTISSA[np.finfo(np.longdouble).nmant]}-bit"
+
+#: First-order equations in heyoka's form: pairs of a variable and the expression for its derivative.
+Equations = list[tuple[Any, Any]]
+
+#: Held while an integrator runs: a compiled integrator contains its state and is shared by all threads of the process.
+_integrator_lock = threading.Lock()
+
+
+@functools.cache
+def prepare_heyoka() -> None:
+    """Let heyoka cache compiled code on disk only where no other user can write, since cached code is executed.
+
+    heyoka continues without a cache folder that is full or corrupt, but reports this on standard output, which is reserved for
+    results; so its log is limited to critical messages.
+    """
+    hy.set_logger_level_critical()
+    folder = hy.llvm_state.get_diskcache_path()
+    try:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        private = all(is_private(path) for path in (folder, *folder.glob("cache.db*")))
+    except OSError:
+        private = False
+    hy.llvm_state.set_diskcache_enabled(private)
+
+
+def is_private(path: Path) -> bool:
+    """Whether a file or folder belongs to this user and no other user may write to it."""
+    status = path.stat()
+    return status.st_uid == os.getuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+
+
+@functools.cache
+def integrator(equations: Callable[[], Equations], dtype: Any, bits: int | None = None) -> Any:
+    """heyoka's integrator of the given equations in a floating-point type, compiled or taken from heyoka's cache.
+
+    bits: the length of the mantissa where the type is heyoka's multiprecision `real`, and None for any other type.
+    """
+    prepare_heyoka()
+    system = equations()
+    parameters = len(hy.get_params([derivative for _, derivative in system]))
+    options: dict[str, Any] = {} if bits is None else {"prec": bits}
+    zero = dtype(0) if bits is None else hy.real(0, bits)
+    tolerance = STEP_TOLERANCES[dtype] if bits is None else 2.0 ** (TOLERANCE_BITS - bits)
+    return hy.taylor_adaptive(
+        system,
+        np.full(len(system), zero, dtype=dtype),
+        pars=np.full(parameters, zero, dtype=dtype),
+        tol=dtype(tolerance),
+        fp_type=dtype,
+        # Code that is not compact runs 10 % faster and takes ten times as long to compile.
+        compact_mode=True,
+        **options,
+    )
+
+
+def solve(solver: Any, start: WideArray, parameters: WideArray, times: Array, angles: tuple[str, ...] = ()) -> WideArray:
+    """Solve the equations of an integrator.
+
+    Parameters
+    ----------
+    solver
+        The integrator, from `integrator`.
+    start
+        (k,) state at t = 0.
+    parameters
+        Parameters of the equations.
+    times
+        (n,) times >= 0 in any order, in the unit of time of the equations.
+    angles
+        Names of variables that are reduced to [0, 2 pi), since they would lose digits as they grow.
+
+    Returns
+    -------
+    array
+        (n, k) states at the times, in the type of `start`.
+
+    Raises
+    ------
+    OutOfReach
+        If the integration fails or takes too many steps.
+    """
+    instants, rows = np.unique(np.append(times[:0].dtype.type(0), times), return_inverse=True)
+    reducer = hy.callback.angle_reducer(hy.make_vars(*angles)) if angles else None
+    with _integrator_lock:
+        solver.time = instants.astype(start.dtype)[0]
+        solver.state[:] = start
+        solver.pars[:] = parameters
+        grid = instants.astype(start.dtype)
+        outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=MAX_STEPS, callback=reducer)
+    if outcome != hy.taylor_outcome.time_limit:
+        raise OutOfReach(f"Taylor's method stopped after {steps} steps: {outcome.name}")
+    return np.asarray(solution[rows[1:]])
