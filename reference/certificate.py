@@ -10,7 +10,9 @@ from itertools import combinations
 import numpy as np
 
 from bodycheck.reference import truth
+from bodycheck.reference.independent import closed_form as second_closed_form
 from bodycheck.reference.scene import Scene
+from bodycheck.reference.sliding import ways as slides
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
 from bodycheck.reference.witness import Witness, as_way, distances
@@ -66,7 +68,7 @@ def certify(scene: Scene, times: Array) -> Certificate:
     """The certificate of the truth of a scene, at ascending times (n,) >= 0, s. Raises as `truth.truth` does."""
     found = truth.computed(scene, times)
     own = as_way(TRUTH_WAY, found.truth.trajectory, found.own)
-    ways = (own, *found.witnesses)
+    ways = (own, *_other_ways(scene, times, found.witnesses))
     apart = {(one.name, other.name): distances(one, other) for one, other in combinations(ways, 2)}
     faults = [
         fault
@@ -88,6 +90,14 @@ def certify(scene: Scene, times: Array) -> Certificate:
         faults=tuple(faults),
         growth=None,
     )
+
+
+def _other_ways(scene: Scene, times: Array, witnesses: tuple[Witness, ...]) -> tuple[Witness, ...]:
+    """Every way but the truth. Those of a slide include the integration that the truth is taken from, with its own bounds."""
+    if scene.plane is not None:
+        return slides.ways(scene, times)
+    named = {witness.name: witness for witness in (*witnesses, second_closed_form.witness(scene, times))}
+    return tuple(named.values())
 
 
 def contradiction(one: Witness, other: Witness, apart: dict[str, Array]) -> str | None:

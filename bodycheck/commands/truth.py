@@ -30,7 +30,9 @@ def truth(
     at
         Instants in s, in any order. By default, the sampling times of the case.
     certify
-        Also compute the trajectory by all other methods, including 128-bit arithmetic, and print how much they differ.
+        Also compute the trajectory by all other methods, and print how far they are apart and how large the error of the
+        truth is at most according to the most accurate of them. The exit code is 1 if two methods are farther apart than their
+        own error bounds allow.
     """
     from bodycheck.console import terminal
     from bodycheck.reference.errors import NotModelled, OutOfReach
@@ -55,4 +57,6 @@ def truth(
         terminal.print_truth(found, most_rows=len(at) or 11)
         if certificate:
             terminal.print_certificate(certificate)
-    return OK
+    for fault in certificate.faults if certificate else ():
+        print(f"not certified: {fault}", file=sys.stderr if json else sys.stdout)
+    return OK if certificate is None or certificate.certified else FAILED

@@ -157,6 +157,8 @@ def print_certificate(certificate: Certificate) -> None:
         ("certified bound", *figures(certificate.bound)),
     ]
     print_table(("ways", *(f"until {t[i]:g} s" for i in chosen)), rows)
+    if certificate.certified:
+        print(f"certified: {certificate.bound[-1]:.1e} rad, measured against arithmetic of {certificate.digits} digits")
     if certificate.growth is not None:
         print(f"an error at one instant grows up to {certificate.growth.max():.2g}-fold until a later one")
     compared = Comparison(truth, truth.trajectory)

@@ -96,7 +96,14 @@ def defined_rotation(given: Attitude, rotation: Vector | EulerRates) -> tuple[Qu
 
 
 def _along(axes: Quaternion4, rates: Vector3) -> Vector3:
-    """The components of an angular velocity along the principal axes; what rounding has left of a zero is made zero."""
-    x, y, z = turned(matrix(conjugate(axes)), rates)
+    """The components of an angular velocity along the principal axes; what rounding has left of a zero is made zero.
+
+    A component along an axis of the body frame itself is exact, however small it is.
+    """
+    rows = matrix(conjugate(axes))
     limit = NEGLIGIBLE * max(abs(rate) for rate in rates)
-    return tuple(rate if abs(rate) > limit else MP.mpf(0) for rate in (x, y, z))
+    exact = [sum(bool(part) for part in row) == 1 for row in rows]
+    x, y, z = (
+        rate if known or abs(rate) > limit else MP.mpf(0) for rate, known in zip(turned(rows, rates), exact, strict=True)
+    )
+    return x, y, z

@@ -26,12 +26,12 @@ def amplification(begin: Start, times: Array) -> Array:
     exponent = 2 * np.sqrt(max(0.0, (middle - low) * (high - middle) / (low * high)))
     with np.errstate(over="ignore"):
         escaped = np.exp(exponent * turning)
-    if motion is None:
-        spins = {moment for moment, rate in zip(begin.moments, begin.rates, strict=True) if rate}
-        unstable = len(spins) == 1 and min(begin.moments) < next(iter(spins)) < max(begin.moments)
-        swings = escaped if unstable else np.ones(len(times))
-    else:
-        kc = float(motion.kc)
-        passages = 1 + times / float(half_period(motion))
-        swings = np.minimum(escaped, 1 + passages / kc**2) if kc else escaped
-    return np.asarray((1 + turning) * swings / low)
+        if motion is None:
+            spins = {moment for moment, rate in zip(begin.moments, begin.rates, strict=True) if rate}
+            unstable = len(spins) == 1 and min(begin.moments) < next(iter(spins)) < max(begin.moments)
+            swings = escaped if unstable else np.ones(len(times))
+        else:
+            kc = float(motion.kc)
+            passages = 1 + times / float(half_period(motion))
+            swings = np.minimum(escaped, 1 + passages / kc**2) if kc else escaped
+        return np.asarray((1 + turning) * swings / low)

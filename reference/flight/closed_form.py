@@ -27,6 +27,9 @@ STORED_ERROR_RAD = 16 * EPS
 #: Attitude error (rad) per radian of the angles, which are computed and reduced to one turn in the wide type.
 ERROR_PER_RADIAN = 4 * float(np.finfo(Wide).eps)
 
+#: Relative error of the energy of a rotation and of its angular momentum, as they are computed from the states.
+CONSERVED_ROUNDINGS = 20 * EPS
+
 #: Relative error of a few roundings in double precision, for a vector that is rotated or a product that is formed.
 ROUNDINGS = 8 * EPS
 
@@ -124,7 +127,8 @@ def _bounds(scene: Scene, begin: Start, turning: Turning, motion: Trajectory) ->
     the mean precession, have the accuracy of the wide type: 5e-20 per radian where it has 80 bits, 2e-16 where there is no
     wider type than double precision. The separatrix needs no term of its own: the error of a period there is that of ln(4/k'),
     and k' is accurate to all digits. An error of the phase changes each component of the angular velocity by at most its
-    amplitude times the error. A body frame that is not along the principal axes adds the rounding of rotated components.
+    amplitude times the error. It does not change the energy, and the angular momentum only by what the phases of attitude and
+    angular velocity differ. A body frame that is not along the principal axes adds the rounding of rotated components.
     """
     turned = begin.axes != IDENTITY
     phase = ERROR_PER_RADIAN * (turning.first_angle + turning.angle_rate * np.abs(motion.t))
@@ -133,7 +137,8 @@ def _bounds(scene: Scene, begin: Start, turning: Turning, motion: Trajectory) ->
     speed = float(np.linalg.norm(amplitude))
     frame = ROUNDINGS * speed if turned else 0.0
     momentum = moments * amplitude
-    rotational = 0.5 * float(momentum @ amplitude)
+    begun = np.array(doubles(begin.rates))
+    rotational, spin = float(moments @ begun**2) / 2, float(np.linalg.norm(moments * begun))
     position, velocity = translation_bounds(scene, motion)
     speeds, heights = np.linalg.norm(motion.velocity, axis=1), np.abs(motion.position[:, 2])
     mass, weight = scene.body.mass, scene.body.mass * scene.gravity
@@ -143,9 +148,8 @@ def _bounds(scene: Scene, begin: Start, turning: Turning, motion: Trajectory) ->
         position_error=position,
         velocity_error=velocity,
         angular_velocity_error=speed * attitude + frame,
-        energy_error=2 * rotational * (2 * attitude + ROUNDINGS) + float(momentum.sum()) * frame + translational,
-        angular_momentum_error=2 * float(np.linalg.norm(momentum)) * (attitude + ROUNDINGS)
-        + float(np.linalg.norm(moments)) * frame,
+        energy_error=CONSERVED_ROUNDINGS * rotational + float(momentum.sum()) * frame + translational,
+        angular_momentum_error=spin * (CONSERVED_ROUNDINGS + 2 * phase) + float(np.linalg.norm(moments)) * frame,
     )
 
 

@@ -12,7 +12,7 @@ from bodycheck.reference.sliding.bounds import RELATIVE_ROUNDING, SAFETY, larges
 from bodycheck.reference.sliding.coupled_motion import Motion
 from bodycheck.reference.sliding.motion import coupled, in_closed_form, is_coupled, to_trajectory
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.witness import Witness
+from bodycheck.reference.witness import DOUBLE_DIGITS, Witness
 
 #: Name of the witness that starts from the file.
 BALANCE_WITNESS = "balance of momentum, quadrature"
@@ -78,4 +78,5 @@ def _witness(name: str, scene: Scene, motion: Motion, errors: Array, times: Arra
         angular_velocity_error=errors[:, 5] + RELATIVE_ROUNDING * speed / gyration,
         position_error=np.hypot(*errors[:, :2].T) + RELATIVE_ROUNDING * way,
         velocity_error=np.hypot(*errors[:, 3:5].T) + RELATIVE_ROUNDING * speed,
+        digits=DOUBLE_DIGITS,
     )
