@@ -5,8 +5,8 @@ from dataclasses import dataclass
 #: Methods that one sentence names; it says how many more there are.
 MOST_NAMES = 3
 
-#: Attitude errors are compared between methods only above this multiple of the truth's own error.
-COMPARABLE_ATTITUDE = 100.0
+#: Errors are compared between methods only above this multiple of the truth's own error.
+COMPARABLE = 100.0
 
 #: Position errors (m) are compared between methods only above this, which is far above rounding in scenes of human size.
 COMPARABLE_POSITION_M = 1e-6

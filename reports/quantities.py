@@ -1,10 +1,10 @@
 """Names of the measured quantities in reports, and numbers, amounts and lists as text."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from decimal import ROUND_CEILING, Context
 
+from bodycheck.figures.bounds import rounded_up, within_truth
 from bodycheck.figures.columns import COLUMNS, FIGURES
 
 
@@ -30,6 +30,11 @@ class Quantity:
     meaning: str
 
     @property
+    def bounded(self) -> bool:
+        """Return whether the truth's own error in this quantity may be known."""
+        return bool(FIGURES[self.name].bounded_by)
+
+    @property
     def label(self) -> str:
         """Return the title with the unit, for an axis or the head of a table."""
         return f"{self.title}, {self.unit or 'relative'}"
@@ -37,6 +42,17 @@ class Quantity:
     def with_unit(self, value: float) -> str:
         """Return a value with its unit, to four significant digits."""
         return f"{number(value)} {self.unit}".rstrip()
+
+    def within_truth(self, values: Mapping[str, float]) -> float | None:
+        """Return the truth's own error in this quantity where that of a run is no larger, and so has no meaning; else None.
+
+        `values` are those of the run by column.
+        """
+        return within_truth(FIGURES[self.name], values)
+
+    def told_within(self, own: float) -> str:
+        """Return what is said of an error that is no larger than the truth's own."""
+        return f"within the truth's own error ({bound(own)} {self.unit}".rstrip() + ")"
 
 
 QUANTITIES = {
@@ -67,7 +83,7 @@ def number(value: float | None, digits: int = 4) -> str:
 
 def bound(value: float, digits: int = 4) -> str:
     """Return an upper bound as text, rounded up so that the text is a bound too (except for one part in a million)."""
-    return number(float(Context(prec=digits, rounding=ROUND_CEILING).create_decimal(f"{value:.7g}")), digits)
+    return number(rounded_up(value, digits), digits)
 
 
 def milliseconds(seconds: float, digits: int = 12) -> str:

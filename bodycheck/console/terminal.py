@@ -11,6 +11,9 @@ from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from rich.table import Table
 
+from bodycheck.console.figures import WITHIN, error_text
+from bodycheck.figures.bounds import rounded_up
+from bodycheck.figures.columns import bounds_of
 from bodycheck.figures.conservation import angular_momentum, rotational_energy, total_energy
 from bodycheck.figures.definition import Comparison
 from bodycheck.judging.expectation_writer import Change
@@ -42,6 +45,13 @@ def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
     console.print(table)
 
 
+def print_errors(header: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Print a table with errors of runs as `error_text` gives them, and explain the sign if any of them has it."""
+    print_table(header, rows)
+    if any(cell.startswith(WITHIN) for row in rows for cell in row):
+        print(f"{WITHIN} marks an error within the truth's own error, which is the number shown")
+
+
 def print_requirements(needs: Mapping[str, Mapping[str, bool | str | int]]) -> None:
     """Print one line per case with its requirements, which are given by their names."""
 
@@ -67,7 +77,7 @@ def print_results(verdicts: Sequence[Verdict]) -> None:
         "us/step",
         "reason",
     )
-    print_table(header, map(_result, verdicts))
+    print_errors(header, [_result(verdict) for verdict in verdicts])
     count = {passed: sum(verdict.passed is passed for verdict in verdicts) for passed in (True, False, None)}
     print(f"{len(verdicts)} runs: {count[True]} passed, {count[False]} failed, {count[None]} without expectations")
 
@@ -75,17 +85,14 @@ def print_results(verdicts: Sequence[Verdict]) -> None:
 def _result(verdict: Verdict) -> tuple[str, ...]:
     row = verdict.row()
 
-    def figure(*names: str, scale: float = 1.0) -> str:
-        return next((f"{row[name] * scale:.3g}" for name in names if name in row), "")
-
     passed = {True: "passed", False: "FAILED", None: "-"}[verdict.passed]
     return (
         *(row["case"], row["engine"], row["integrator"], f"{row['timestep']:g}", row["status"], passed),
         *(
-            figure("position_error"),
-            figure("attitude_error"),
-            figure("energy_drift", "energy_error"),
-            figure("time_per_step", scale=1e6),
+            error_text(row, "position_error"),
+            error_text(row, "attitude_error"),
+            error_text(row, "energy_drift", "energy_error"),
+            f"{1e6 * row['time_per_step']:.3g}" if "time_per_step" in row else "",
         ),
         row["reason"],
     )
@@ -124,21 +131,38 @@ def print_truth(truth: Truth, most_rows: int) -> None:
     def vector(values: Any) -> str:
         return " ".join(f"{value:.9g}" for value in values)
 
-    header = ("t s", "position m", "quaternion w x y z", "velocity m/s", "angular velocity (body) rad/s", "error rad")
+    header = (
+        *("t s", "position m", "quaternion w x y z", "velocity m/s", "angular velocity (body) rad/s"),
+        *("error rad", "error m"),
+    )
     rows = [
         (
             f"{trajectory.t[i]:g}",
             *(vector(part[i]) for part in (trajectory.position, trajectory.quaternion, trajectory.velocity)),
             vector(trajectory.angular_velocity[i]),
-            f"{truth.bounds.error[i]:.2g}",
+            *(f"{rounded_up(bound[i], 2):.2g}" for bound in (truth.bounds.error, truth.bounds.position_error)),
         )
         for i in chosen
     ]
     print_table(header, rows)
     left_out = f"; {len(chosen)} of {len(trajectory)} instants, --json prints all" if len(chosen) < len(trajectory) else ""
+    print(_other_bounds(truth))
     print(f"model {truth.model} ({truth.reason}), backend {truth.backend}{left_out}")
     if truth.witnesses:
         print(f"compared with {'; '.join(truth.witnesses)}")
+
+
+def _other_bounds(truth: Truth) -> str:
+    """Return the largest bounds of the figures that the table of a truth lacks, on two lines of less than 80 characters."""
+    velocity, rate, energy, momentum = (
+        f"{rounded_up(float(values.max()), 2):.2g}"
+        for name, values in bounds_of(truth).items()
+        if name not in ("truth_error", "truth_position_error")
+    )
+    return (
+        f"velocity error at most {velocity} m/s, angular velocity error {rate} rad/s,\n"
+        f"energy error {energy}, angular momentum error {momentum}, both relative"
+    )
 
 
 def print_certificate(certificate: Certificate) -> None:

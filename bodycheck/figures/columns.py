@@ -9,8 +9,10 @@ Three files are renewed by commands:
     python docs/tables.py
 """
 
-from bodycheck.figures import conservation, contact, motion
-from bodycheck.figures.definition import Column, Figure
+import numpy as np
+
+from bodycheck.figures import bounds, conservation, contact, motion
+from bodycheck.figures.definition import Column, Comparison, Figure
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
 
@@ -21,10 +23,11 @@ FIGURES: dict[str, Figure] = {
         *motion.ERRORS,
         *conservation.DRIFTS,
         *conservation.ERRORS,
-        motion.TRUTH_ERROR,
+        bounds.ATTITUDE,
         *contact.STOP,
         *contact.POSE,
         *contact.LOAD,
+        *bounds.OTHERS,
     )
 }
 
@@ -97,5 +100,16 @@ def distance_from_ideal(name: str, value: float) -> float:
 
 
 def truth_bounds(truth: Truth) -> dict[str, Array]:
-    """Return the known bounds (n,) of the truth's own errors, by the names of the figures that they limit the meaning of."""
-    return {figure.name: figure.bound(truth) for figure in FIGURES.values() if figure.bound is not None}
+    """Return the known bounds (n,) of the truth's own errors, by the names of the figures that they limit the meaning of.
+
+    They are in the units of these figures.
+    """
+    known = bounds_of(truth)
+    return {figure.name: known[figure.bounded_by] for figure in FIGURES.values() if figure.bounded_by in known}
+
+
+def bounds_of(truth: Truth) -> dict[str, Array]:
+    """Return the known bounds (n,) of the truth's own errors, by the names of their columns and in the units of these."""
+    compared = Comparison(truth, truth.trajectory)
+    computed = {figure.name: figure.compute(compared) for figure in FIGURES.values() if figure.of_truth}
+    return {name: values for name, values in computed.items() if isinstance(values, np.ndarray)}

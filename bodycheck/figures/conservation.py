@@ -86,6 +86,7 @@ DRIFTS = (
         compute=_where(True, total_energy),
         scale=lambda scales: scales.energy,
         presence="every table",
+        bounded_by="truth_energy_error",
         plotted=True,
     ),
     Figure(
@@ -109,6 +110,7 @@ DRIFTS = (
         compute=_where(True, angular_momentum),
         scale=lambda scales: scales.angular_momentum,
         presence="every table",
+        bounded_by="truth_angular_momentum_error",
         plotted=True,
     ),
 )
@@ -123,6 +125,7 @@ ERRORS = (
         remark="with friction or drag",
         compute=_where(False, total_energy),
         scale=lambda scales: scales.energy,
+        bounded_by="truth_energy_error",
         plotted=True,
     ),
     Figure(
@@ -142,6 +145,7 @@ ERRORS = (
         remark="with friction or drag",
         compute=_where(False, angular_momentum),
         scale=lambda scales: scales.angular_momentum,
+        bounded_by="truth_angular_momentum_error",
         plotted=True,
     ),
 )

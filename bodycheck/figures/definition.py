@@ -154,8 +154,8 @@ class Figure(Column):
         Where its column is.
     ideal
         The value of a run without any error.
-    bound
-        Function from a truth to the bound (n,) of the truth's own error in the figure; None where no bound is known.
+    bounded_by
+        Name of the column with the bound of the truth's own error in the figure; empty where there is none.
     of_truth
         Whether the figure tells of the truth and not of the engine.
     tabled, plotted
@@ -168,7 +168,7 @@ class Figure(Column):
     limited: bool = True
     presence: Presence = "where measured"
     ideal: float = 0.0
-    bound: Callable[[Truth], Array] | None = None
+    bounded_by: str = ""
     of_truth: bool = False
     tabled: bool = True
     plotted: bool = False

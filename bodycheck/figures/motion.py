@@ -36,7 +36,7 @@ ERRORS = (
         compute=position_error,
         scale=lambda scales: scales.length,
         presence="every run",
-        bound=lambda truth: truth.bounds.position_error,
+        bounded_by="truth_position_error",
         plotted=True,
     ),
     Figure(
@@ -48,6 +48,7 @@ ERRORS = (
         compute=velocity_error,
         scale=lambda scales: scales.speed,
         presence="every run",
+        bounded_by="truth_velocity_error",
     ),
     Figure(
         name="attitude_error",
@@ -58,7 +59,7 @@ ERRORS = (
         compute=attitude_error,
         scale=lambda scales: scales.angle,
         presence="every run",
-        bound=lambda truth: truth.bounds.error,
+        bounded_by="truth_error",
         plotted=True,
     ),
     Figure(
@@ -70,20 +71,7 @@ ERRORS = (
         compute=angular_velocity_error,
         scale=lambda scales: scales.rate,
         presence="every run",
+        bounded_by="truth_angular_velocity_error",
         tabled=False,
     ),
-)
-
-#: The bound of the truth's own attitude error. It is no figure of the engine, and no table of a report or baseline has it.
-TRUTH_ERROR = Figure(
-    name="truth_error",
-    title="Truth error",
-    meaning="bound of the truth's own attitude error; smaller attitude errors have no meaning",
-    unit="rad",
-    largest=True,
-    compute=lambda compared: compared.truth.bounds.error,
-    scale=lambda scales: scales.angle,
-    limited=False,
-    presence="every run",
-    of_truth=True,
 )

@@ -20,7 +20,7 @@ TRAJECTORIES = "trajectories"
 #: Columns of a state: position (m), quaternion w x y z (body to world), velocity (m/s), angular velocity, body frame (rad/s).
 STATE_COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz")
 
-#: Columns of the bounds of a truth's own errors, in the order of `Bounds`.
+#: Columns of the bounds of a truth's own errors, in the order and the units of `Bounds`.
 BOUND_COLUMNS = tuple(f"truth_{name}" for name in NAMES)
 
 
@@ -77,10 +77,12 @@ def read(file: Path) -> Trajectory:
 def read_truth(file: Path) -> tuple[Trajectory, Bounds]:
     """Return the trajectory of a truth at n instants, and the bounds of its errors.
 
-    Bounds that an earlier version of bodycheck did not write are zero. Raises `BadFolder` if the file is missing or damaged.
+    Bounds that an earlier version of bodycheck did not write are not a number. Raises `BadFolder` if the file is missing or
+    damaged.
     """
     table = _table(file, _columns_of(file, BOUND_COLUMNS))
-    bounds = (table[name].to_numpy() if name in table.column_names else np.zeros(len(table)) for name in BOUND_COLUMNS)
+    unknown = np.full(len(table), np.nan)
+    bounds = (table[name].to_numpy() if name in table.column_names else unknown for name in BOUND_COLUMNS)
     return _trajectory(table), Bounds(*bounds)
 
 

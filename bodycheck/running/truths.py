@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bodycheck.casefile.case import Case
+from bodycheck.figures.columns import bounds_of
 from bodycheck.reference import certificate
-from bodycheck.reference.bounds import NAMES
 from bodycheck.reference.certificate import Certificate
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.planar import Stop
@@ -51,7 +51,10 @@ def _instants(case: Case, times: ArrayLike | None) -> Array:
 
 
 def as_json(case: Case, truth: Truth) -> dict[str, Any]:
-    """Return the JSON object of `bodycheck truth --json`: arrays by name, and the methods that computed them."""
+    """Return the JSON object of `bodycheck truth --json`: arrays by name, and the methods that computed them.
+
+    The bounds of the truth's errors are in the units of the figures of a run that they bound.
+    """
     trajectory = truth.trajectory
     return {
         "case": case.name,
@@ -64,7 +67,7 @@ def as_json(case: Case, truth: Truth) -> dict[str, Any]:
         "quaternion": trajectory.quaternion.tolist(),
         "velocity": trajectory.velocity.tolist(),
         "angular_velocity": trajectory.angular_velocity.tolist(),
-        **{f"truth_{name}": getattr(truth.bounds, name).tolist() for name in NAMES},
+        **{name: values.tolist() for name, values in bounds_of(truth).items()},
     }
 
 

@@ -14,7 +14,7 @@ from bodycheck.reports.runs import comparison, curves
 from bodycheck.reports.runs.comparison import Shown
 from bodycheck.reports.runs.curves import Curves
 from bodycheck.reports.runs.differences import compare
-from bodycheck.reports.runs.findings import findings, measured, within_truth
+from bodycheck.reports.runs.findings import findings, measured
 from bodycheck.reports.runs.matrix import Matrix, matrices
 from bodycheck.reports.runs.origins import Origins, origins
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback, playback
@@ -30,7 +30,7 @@ MOST_NUMBERS = 300_000
 #: Most points of one curve.
 MOST_POINTS = 256
 
-#: Note below tables in which an attitude error is within the truth's own.
+#: Note below tables in which an error or a drift is within the truth's own error.
 WITHIN_TRUTH = "≤ marks an error within the truth's own error, which is the number shown."
 
 
@@ -181,7 +181,7 @@ def _table(verdicts: Sequence[Verdict]) -> Table:
     reasons = any(row["reason"] for row in rows)
     words = ("Engine", "Integrator", *_labelled(verdicts, "Set"), "Time step", "Status", "Expectation")
     figures = (*(quantity.label for quantity in quantities), "Time per step, µs")
-    bounded = any("attitude_error" in row and within_truth(row) for row in rows)
+    bounded = any(quantity.within_truth(row) is not None for quantity in quantities for row in rows)
     return Table(
         columns=words + figures + (("Reason",) if reasons else ()),
         numeric=(False,) * len(words) + (True,) * len(figures) + (False,) * reasons,
@@ -215,10 +215,6 @@ def _figure(row: Mapping[str, Any], quantity: Quantity) -> Entry:
     value = row.get(quantity.name)
     if value is None:
         return Entry("–")
-    if quantity.name == "attitude_error" and within_truth(row):
-        return Entry(f"≤ {bound(row['truth_error'])}", row["truth_error"], _within(row["truth_error"]))
+    if (own := quantity.within_truth(row)) is not None:
+        return Entry(f"≤ {bound(own)}", own, quantity.told_within(own))
     return Entry(number(value), value)
-
-
-def _within(truth_error: float) -> str:
-    return f"within the truth's own error ({bound(truth_error)} rad)"

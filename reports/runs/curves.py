@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from bodycheck.figures.columns import truth_bounds
 from bodycheck.judging.discrepancy import compare
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.observables import Observables, observe
@@ -22,6 +23,9 @@ MOST_FOUND = 600
 
 #: Significant digits of instants.
 INSTANT_DIGITS = 7
+
+#: The truth's own error is drawn where the largest error of a run is below this multiple of it; attitudes always have it.
+FAR = 1e4
 
 #: Smaller values, which are far below the rounding of any scene, are drawn as zero so that they do not stretch a log scale.
 SMALLEST = 1e-20
@@ -90,7 +94,7 @@ def draw(verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Trut
     momentum = ""
     if truths:
         largest = max(truths.values(), key=lambda truth: float(truth.bounds.error.max()))
-        datasets["floor"] = [_floor(largest, points)]
+        datasets["floor"] = [_floor(largest, peaks, points)]
         seen = observe(largest.scene, largest.trajectory)
         if seen.angular_momentum.any():
             datasets["momentum"] = [_momentum(largest, seen)]
@@ -100,9 +104,19 @@ def draw(verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Trut
     return Curves(datasets, drawn, blank, momentum)
 
 
-def _floor(truth: Truth, points: int) -> dict[str, Any]:
-    t = truth.trajectory.t
-    return {"t": rounded(t[ends(len(t), points)], INSTANT_DIGITS), "truth_error": rounded(envelope(truth.bounds.error, points))}
+def _floor(truth: Truth, peaks: Mapping[str, Mapping[str, float]], points: int) -> dict[str, Any]:
+    """Return the truth's own error in each plotted quantity, empty where all errors are so large that it would only take room.
+
+    `peaks` are the largest values of the quantities by name and by the label of the method.
+    """
+    t, bounds = truth.trajectory.t, truth_bounds(truth)
+    row: dict[str, Any] = {"t": rounded(t[ends(len(t), points)], INSTANT_DIGITS)}
+    for name in PLOTTED:
+        near = name in bounds and (
+            name == "attitude_error" or min(peaks.get(name, {"": np.inf}).values()) < FAR * bounds[name].max()
+        )
+        row[name] = rounded(envelope(bounds[name], points)) if near else []
+    return row
 
 
 def _momentum(truth: Truth, seen: Observables) -> dict[str, Any]:

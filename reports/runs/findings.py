@@ -8,9 +8,9 @@ from statistics import median
 from bodycheck.judging.attribution import Attribution
 from bodycheck.judging.discrepancy import Summary
 from bodycheck.judging.judgement import Verdict
-from bodycheck.reports.finding import COMPARABLE_ATTITUDE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
+from bodycheck.reports.finding import COMPARABLE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
 from bodycheck.reports.lines import Line
-from bodycheck.reports.quantities import bound, count, listing, number
+from bodycheck.reports.quantities import QUANTITIES, bound, count, listing, number
 from bodycheck.running.key import RunKey
 
 #: Attitude errors (rad) below this may be the rounding of thousands of steps and are not compared between engines.
@@ -43,20 +43,14 @@ class Measured:
         """Return the name of the case."""
         return self.verdict.run.case
 
-    @property
-    def within_truth(self) -> bool:
-        """Return whether the attitude error is no larger than the truth's own, and so has no meaning."""
-        return within_truth(self.maxima)
+    def within_truth(self, name: str) -> bool:
+        """Return whether the error in a column is no larger than the truth's own, and so has no meaning."""
+        return QUANTITIES[name].within_truth(self.maxima) is not None
 
-    @property
-    def attitude_bound(self) -> float:
-        """Return the attitude error (rad), or the truth's own error if that is larger."""
-        return max(self.maxima["attitude_error"], self.maxima["truth_error"])
-
-
-def within_truth(maxima: Mapping[str, float]) -> bool:
-    """Return whether an attitude error is no larger than the truth's own, and so has no meaning."""
-    return maxima["attitude_error"] <= maxima["truth_error"]
+    def at_most(self, name: str) -> float:
+        """Return the error in a column, or the truth's own error if that is larger."""
+        own = QUANTITIES[name].within_truth(self.maxima)
+        return self.maxima[name] if own is None else own
 
 
 def measured(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> list[Measured]:
@@ -113,7 +107,7 @@ def _contact(parts: Sequence[Attribution], lines: Mapping[RunKey, Line]) -> Find
 
 def _attitude(runs: Sequence[Measured]) -> Finding | None:
     subject = "Attitude"
-    above = [run for run in runs if not run.within_truth]
+    above = [run for run in runs if not run.within_truth("attitude_error")]
     if not above:
         most = max(run.maxima["truth_error"] for run in runs)
         return Finding(
@@ -131,13 +125,15 @@ def _attitude(runs: Sequence[Measured]) -> Finding | None:
 
 
 def _position(runs: Sequence[Measured]) -> Finding | None:
-    subject = "Position"
-    worst, tied = _worst(runs, "position_error")
-    distance = worst.maxima["position_error"]
-    if distance < COMPARABLE_POSITION_M:
-        return Finding(subject, f"No completed run has a position error of more than {bound(distance)} m.")
+    subject, name = "Position", "position_error"
+    above = [run for run in runs if not run.within_truth(name)]
+    most = max(run.at_most(name) for run in runs)
+    if not above or most < COMPARABLE_POSITION_M:
+        return Finding(subject, f"No completed run has a position error of more than {bound(most)} m.")
+    worst, tied = _worst(above, name)
+    distance = worst.maxima[name]
     named = {run.line for run in tied}
-    rest = max((run.maxima["position_error"] for run in runs if run.line not in named), default=None)
+    rest = max((run.at_most(name) for run in runs if run.line not in named), default=None)
     contrast = (
         f" No completed run of another method has a position error of more than {bound(rest)} m."
         if rest is not None and rest < distance / 3
@@ -147,13 +143,13 @@ def _position(runs: Sequence[Measured]) -> Finding | None:
         subject,
         f"The largest position error is {number(distance)} m, with {_names(tied)} in ",
         worst.case,
-        f" {_when(worst, 'position_error')}.{contrast}",
+        f" {_when(worst, name)}.{contrast}",
     )
 
 
 def _angular_momentum(runs: Sequence[Measured]) -> Finding | None:
     name = "angular_momentum_drift"
-    conserved = [run for run in runs if name in run.maxima]
+    conserved = [run for run in runs if name in run.maxima and not run.within_truth(name)]
     if not conserved or (found := _worst(conserved, name))[0].maxima[name] < ROUNDING:
         return None
     worst, tied = found
@@ -175,15 +171,15 @@ def _closest(runs: Sequence[Measured], everywhere: str) -> Finding | None:
     eligible = [own for own in _by_line(runs).values() if len(own) == len(cases)]
     if len(eligible) < 2:
         return None
-    worsts = [(max(run.attitude_bound for run in own), own) for own in eligible]
+    worsts = [(max(run.at_most("attitude_error") for run in own), own) for own in eligible]
     limit = min(worst for worst, _ in worsts) * (1 + NEAR)
     tied = [own for worst, own in worsts if worst <= limit]
     if len(tied) == len(eligible):
         return None
     named = [run for own in tied for run in own]
-    turn, shift = max(run.attitude_bound for run in named), max(run.maxima["position_error"] for run in named)
+    turn, shift = (max(run.at_most(name) for run in named) for name in ("attitude_error", "position_error"))
     attitude = f"at most {bound(turn)} rad"
-    if all(run.within_truth for run in named):
+    if all(run.within_truth("attitude_error") for run in named):
         attitude = f"within the truth's own error ({bound(turn)} rad)"
     shown = tied if len(tied) <= MOST_NAMES + 1 else tied[:MOST_NAMES]
     costs = [f"{number(_cost(own), 2)} µs" for own in shown]
@@ -229,8 +225,8 @@ def _scheme_difference(by_line: Mapping[Line, Sequence[Measured]], one: Line, ot
         if their is None:
             return None
         floors = {
-            "attitude_error": max(ROUNDING_ATTITUDE_RAD, COMPARABLE_ATTITUDE * mine["truth_error"]),
-            "position_error": COMPARABLE_POSITION_M,
+            "attitude_error": max(ROUNDING_ATTITUDE_RAD, COMPARABLE * mine["truth_error"]),
+            "position_error": max(COMPARABLE_POSITION_M, COMPARABLE * mine.get("truth_position_error", 0.0)),
         }
         sizes = [(mine[name], their[name]) for name, floor in floors.items() if max(mine[name], their[name]) > floor]
         largest = max([largest, *(abs(a - b) / max(a, b) for a, b in sizes)])

@@ -10,7 +10,6 @@ from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Scene
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound, milliseconds, number
-from bodycheck.reports.runs.findings import within_truth
 from bodycheck.running.key import RunKey
 
 
@@ -205,9 +204,8 @@ def _figure(verdict: Verdict, kind: Kind) -> Figure:
     if verdict.discrepancy is None:
         return Figure(verdict.outcome.status, f"{at}: {verdict.reason}", timestep, None, failed)
     maxima, quantity = verdict.discrepancy.maxima(), QUANTITIES[kind.quantity]
-    if quantity.name == "attitude_error" and within_truth(maxima):
-        own = maxima["truth_error"]
-        return Figure(f"≤ {bound(own, 2)}", f"{at}: within the truth's own error ({bound(own)} rad)", timestep, None, failed)
+    if (own := quantity.within_truth(maxima)) is not None:
+        return Figure(f"≤ {bound(own, 2)}", f"{at}: {quantity.told_within(own)}", timestep, None, failed)
     error = maxima[quantity.name]
     return Figure(number(error, 2), f"{at}: {quantity.with_unit(error)}", timestep, decade(error), failed)
 

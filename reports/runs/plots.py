@@ -13,6 +13,7 @@ def of_runs(contents: Contents) -> Iterator[tuple[str, Spec]]:
     for section in contents.sections:
         methods = {row["method"] for row in section.curves.datasets["series"]}
         lines = [line for line in contents.lines if line.label in methods]
+        floors = {name for row in section.curves.datasets["floor"] for name, values in row.items() if values}
         plots = {
             quantity.name: (quantity.title, over_time(quantity, lines))
             for quantity in contents.plotted
@@ -22,7 +23,7 @@ def of_runs(contents: Contents) -> Iterator[tuple[str, Spec]]:
             for frame, where in (("body", "in the body"), ("inertial", "in the inertial frame")):
                 plots[f"momentum_{frame}"] = (f"Angular momentum of the truth, {where}", momentum(frame))
         for name, (description, chart) in plots.items():
-            floor = "; grey: the truth's own error" if name == "attitude_error" else ""
+            floor = "; grey: the truth's own error" if name in floors else ""
             complete = chart | {"datasets": section.curves.datasets}
             rows = 1 if name.startswith("momentum") else len(lines)
             yield f"{section.name}-{name}", standing_alone(complete, section.title, description + floor, rows)

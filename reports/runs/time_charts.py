@@ -5,7 +5,7 @@ Each specification is stored once in a page and drawn with the datasets of every
 - `series`: one row for each method, with `method`, `timestep`, one array for each quantity, and `every`, the stride of the
   points that the pointer can find.
 - `times`: one row for each time step, with the array `t`.
-- `floor`: one row with the arrays `t` and `truth_error`.
+- `floor`: one row with the array `t` and one array for each quantity, empty where its floor is not drawn.
 - `momentum`: one row with the arrays `t`, `I`, `J`, `K` (body frame) and `x`, `y`, `z` (inertial frame).
 
 With `datasets` set to these, a specification is complete. Its parameter `hidden` holds the names of the methods that the
@@ -28,7 +28,8 @@ COMPONENT_DASHES = ((1, 0), (7, 3), (2, 2))
 def over_time(quantity: Quantity, lines: Sequence[Line]) -> Spec:
     """Return the chart of a quantity over time on a log scale, with one line for each method.
 
-    A log scale has no place for zeros, which are left out. Under attitude errors the truth's own error is a grey area.
+    A log scale has no place for zeros, which are left out. The truth's own error is a grey area where the errors
+    come near it.
     """
     scale = {"type": "log", "nice": False}
     y = {
@@ -61,8 +62,8 @@ def over_time(quantity: Quantity, lines: Sequence[Line]) -> Spec:
         ],
     }
     layers: list[Spec] = [methods]
-    if quantity.name == "attitude_error":
-        layers.insert(0, _floor(y))
+    if quantity.bounded:
+        layers.insert(0, _floor(quantity.name, y))
     return zoomable(layers, height=260) | {"params": [{"name": "hidden", "value": []}]}
 
 
@@ -116,10 +117,10 @@ def _points(tooltip: Spec) -> Spec:
     }
 
 
-def _floor(y: Spec) -> Spec:
+def _floor(name: str, y: Spec) -> Spec:
     return {
         "data": {"name": "floor"},
-        "transform": [{"flatten": ["t", "truth_error"], "as": ["t", "value"]}, {"filter": "datum.value > 0"}],
+        "transform": [{"flatten": ["t", name], "as": ["t", "value"]}, {"filter": "datum.value > 0"}],
         "mark": {
             "type": "area",
             "clip": True,

@@ -12,6 +12,7 @@ import pytest
 from bodycheck import load, truth
 from bodycheck.adapters import offers, registry
 from bodycheck.casefile.case import shipped
+from bodycheck.reference.observables import observe
 from tests.support import ROOT
 from tests.support.cases import a_case, expecting
 from tests.support.commands import bodycheck, bodycheck_process
@@ -138,15 +139,31 @@ def test_bad_usage_exits_2_with_a_word(arguments: tuple[str, ...], words: str) -
 def test_truth_prints_its_arrays() -> None:
     done = bodycheck("truth", "gimbal-start", "--at", "1.5", "0", "0.25", "--json")
     found = json.loads(done.stdout)
-    arrays = ["t", "position", "quaternion", "velocity", "angular_velocity", "truth_error"]
-    assert list(found) == ["case", "model", "reason", "backend", "witnesses", *arrays, "truth_position_error"]
+    arrays = ["t", "position", "quaternion", "velocity", "angular_velocity", "truth_error", "truth_position_error"]
+    bounds = ["truth_velocity_error", "truth_angular_velocity_error", "truth_energy_error", "truth_angular_momentum_error"]
+    assert list(found) == ["case", "model", "reason", "backend", "witnesses", *arrays, *bounds]
     assert found["t"] == [0, 0.25, 1.5]
     expected = truth(load("gimbal-start"), [0, 0.25, 1.5])
     np.testing.assert_array_equal(found["position"], expected.trajectory.position)
     np.testing.assert_array_equal(found["quaternion"], expected.trajectory.quaternion)
     np.testing.assert_array_equal(found["truth_error"], expected.bounds.error)
+    np.testing.assert_array_equal(found["truth_angular_velocity_error"], expected.bounds.angular_velocity_error)
+    energy = abs(observe(expected.scene, expected.trajectory).total_energy[0])  # what energy_drift is relative to
+    np.testing.assert_array_equal(found["truth_energy_error"], expected.bounds.energy_error / energy)
     assert len(json.loads(bodycheck("truth", "projectile", "--json").stdout)["t"]) == 201
-    assert "model" in bodycheck("truth", "projectile", "--at", "1").stdout
+
+
+def test_truth_prints_the_bounds_of_every_figure() -> None:
+    expected = truth(load("intermediate-axis-flip"), [1.0])
+    printed = bodycheck("truth", "intermediate-axis-flip", "--at", "1").stdout
+    assert "model" in printed
+    (line,) = [line for line in printed.splitlines() if line.startswith("velocity error at most ")]
+    words = line.split()
+    told = float(words[words.index("most") + 1]), float(words[words.index("rad/s,") - 1])
+    for number, bound in zip(told, (expected.bounds.velocity_error, expected.bounds.angular_velocity_error), strict=True):
+        assert bound[0] <= number <= 1.1 * bound[0]  # rounded up to two digits
+    assert "\nenergy error " in printed
+    assert ", angular momentum error " in printed
 
 
 def test_lists() -> None:

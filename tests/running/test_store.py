@@ -15,6 +15,7 @@ from bodycheck.adapters.method import Method
 from bodycheck.casefile.expectation import Expectation, Limit
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
+from bodycheck.reference.bounds import NAMES
 from bodycheck.running import store
 from bodycheck.running.plan import plan
 from tests.support import campaigns
@@ -40,8 +41,8 @@ def test_what_is_stored_is_what_was_run_bit_by_bit(tmp_path: Path) -> None:
     results = run_all(BRICK, ["pinocchio"], tmp_path, jobs=1)
     exact = truth(BRICK, np.arange(11) * 0.1)
     stored = results.truth(BRICK.name, 0.1)
-    np.testing.assert_array_equal(stored.error, exact.error)
-    np.testing.assert_array_equal(stored.position_error, exact.position_error)
+    for name in NAMES:
+        np.testing.assert_array_equal(getattr(stored.bounds, name), getattr(exact.bounds, name))
     for name in ("model", "reason", "backend", "witnesses"):
         assert getattr(stored, name) == getattr(exact, name)
     for run in results.runs():
@@ -57,7 +58,9 @@ def test_results_files_have_the_promised_columns(tmp_path: Path) -> None:
     expected = (
         "case, engine, version, integrator, timestep, status, passed, reason, position_error, velocity_error, attitude_error, "
         "angular_velocity_error, energy_drift, rotational_energy_drift, angular_momentum_drift, truth_error, "
-        "steps, wall_time, time_per_step, realtime_factor"
+        "steps, wall_time, time_per_step, realtime_factor, "
+        "truth_position_error, truth_velocity_error, truth_angular_velocity_error, truth_energy_error, "
+        "truth_angular_momentum_error"
     )
     csv, parquet = pd.read_csv(tmp_path / "results.csv"), pd.read_parquet(tmp_path / "results.parquet")
     assert list(csv.columns) == list(parquet.columns) == expected.split(", ")

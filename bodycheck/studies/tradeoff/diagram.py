@@ -70,7 +70,7 @@ def diagram(quantity: Quantity, points: Sequence[Measured], lines: Mapping[RunKe
         "encoding": {"x": x, "y": y, "color": method_scale("color", drawn)},
         "layer": [_curves(drawn), *_front(), *_points(quantity)],
     }
-    layers: list[Spec] = [_truth(truth_error, y), measured] if truth_error else [measured]
+    layers: list[Spec] = [_truth(truth_error, quantity, y), measured] if truth_error else [measured]
     return zoomable(layers, height=320) | {"params": [{"name": "hidden", "value": []}]}
 
 
@@ -147,9 +147,9 @@ def _tooltip(quantity: Quantity) -> Spec:
     }
 
 
-def _truth(truth_error: float, y: Spec) -> Spec:
+def _truth(truth_error: float, quantity: Quantity, y: Spec) -> Spec:
     """Return a layer with the truth's own error as a grey band with a label."""
-    label = f"the truth's own error, {bound(truth_error, 2)} rad"
+    label = f"the truth's own error, {bound(truth_error, 2)} {quantity.unit}".rstrip()
     edge = {**y, "field": "floor"}
     text = {"type": "text", "align": "left", "baseline": "top", "dx": 4, "dy": 3, "fontSize": 10, "text": label, "color": INK}
     return {

@@ -4,7 +4,7 @@ from collections import Counter, defaultdict
 from collections.abc import Collection, Mapping, Sequence
 
 from bodycheck.judging.convergence import UNITS
-from bodycheck.reports.finding import COMPARABLE_ATTITUDE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
+from bodycheck.reports.finding import COMPARABLE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import bound, count, listing, milliseconds, number, verb
 from bodycheck.running.key import RunKey
@@ -61,7 +61,8 @@ def falls_short(case: CaseMeasurements, order: Order) -> bool:
 
 def _is_observable(case: CaseMeasurements, order: Order) -> bool:
     """Return whether the part of the error that depends on the time step is far above the truth's own error."""
-    limit = {"attitude": COMPARABLE_ATTITUDE * case.truth_error("attitude"), "position": COMPARABLE_POSITION_M}[order.quantity]
+    least = {"attitude": 0.0, "position": COMPARABLE_POSITION_M}[order.quantity]
+    limit = max(least, COMPARABLE * case.truth_error(order.quantity))
     errors = [point.error for point in _own_points(case, order)]
     return bool(errors) and max(errors) - min(errors) > limit
 

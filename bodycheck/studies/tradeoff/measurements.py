@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from bodycheck.figures.columns import FIGURES
 from bodycheck.judging.convergence import UNITS
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound
 from bodycheck.running.key import RunKey
@@ -49,10 +50,9 @@ class CaseMeasurements:
         return any("penetration" in row for row in self._complete)
 
     def truth_error(self, quantity: str) -> float:
-        """Return the truth's own error in a quantity, to the digits that are printed: in rad for the attitude, otherwise 0."""
-        if quantity != "attitude":
-            return 0.0
-        return float(bound(max((row["truth_error"] for row in self._complete if "truth_error" in row), default=0.0)))
+        """Return the truth's own error in a quantity, in its unit and to the digits that are printed; 0 if it is not known."""
+        column = FIGURES[COLUMNS[quantity][0]].bounded_by
+        return float(bound(max((row[column] for row in self._complete if column in row), default=0.0)))
 
     def points(self, quantity: str) -> list[Measured]:
         """Return the runs that have both an error in a quantity and a cost."""

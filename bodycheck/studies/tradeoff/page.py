@@ -31,7 +31,7 @@ READING = (
     "In each diagram a curve is a method, from its largest time step on the left to its smallest. It shows the largest error "
     "over the sampled instants against the computing time per simulated second. Points are the medians of repeated timings, "
     "and bars show the shortest and the longest. Rings mark the Pareto front of the methods shown: no other point is both "
-    "cheaper and more accurate. Attitude errors below the truth's own error, the grey band, have no meaning. Zeros are left "
+    "cheaper and more accurate. Errors below the truth's own error, the grey band, have no meaning. Zeros are left "
     "out, because a log scale cannot show them.",
     f"{ZOOMING} The legend switches methods on and off in all charts; the Pareto front is then that of the other methods.",
     "An observed order p means that the error decreases like the p-th power of the time step. It is the median over the "

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from bodycheck.console.figures import figure_text, scaled
-from bodycheck.console.terminal import print_table
+from bodycheck.console.figures import error_text, figure_text, scaled
+from bodycheck.console.terminal import print_errors, print_table
 from bodycheck.judging.convergence import UNITS
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.recommendation import Measured, Recommendation
@@ -13,7 +13,7 @@ from bodycheck.studies.tradeoff.recommendation import Measured, Recommendation
 def print_tradeoff(rows: Sequence[Mapping[str, Any]], orders: Sequence[Order]) -> None:
     """Print one line per run, then one line per method and quantity."""
     runs = ("case", "engine", "integrator", "step", "status", "position m", "attitude rad", "us/step", "cost s/s", "reason")
-    print_table(runs, map(_row, rows))
+    print_errors(runs, [_row(row) for row in rows])
     print()
     methods = ("case", "engine", "integrator", "quantity", "order", "claimed", "floor", "scheme", "residual rad")
     print_table(methods, map(_order, orders))
@@ -44,8 +44,8 @@ def print_recommendations(found: Sequence[Recommendation], front: Sequence[Measu
 
 def _row(row: Mapping[str, Any]) -> tuple[str, ...]:
     texts = (row["case"], row["engine"], row["integrator"], f"{row['timestep']:g}", row["status"])
-    figures = (row["position_error"], row["attitude_error"], scaled(1e6, row["time_per_step"]), row["cost"])
-    return (*texts, *map(figure_text, figures), row["reason"])
+    errors = (error_text(row, "position_error"), error_text(row, "attitude_error"))
+    return (*texts, *errors, figure_text(scaled(1e6, row["time_per_step"])), figure_text(row["cost"]), row["reason"])
 
 
 def _order(order: Order) -> tuple[str, ...]:

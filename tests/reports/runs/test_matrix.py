@@ -111,6 +111,35 @@ def test_what_failed_and_what_is_within_the_truths_own_error_is_marked() -> None
     assert figures[1].meaning == "at 2 ms: not a number"
 
 
+def test_a_position_within_the_truths_own_error_is_marked_too() -> None:
+    within = ran(FLIGHT, integrator="a", position_error=2e-14, truth_position_error=3e-14)
+    (matrix,) = matrices_of(within, ran(FLIGHT, integrator="b", position_error=4e-14, truth_position_error=3e-14))
+    figures = [figure for cell in matrix.rows[0].cells if cell for figure in cell.figures]
+    assert [(figure.text, figure.decade) for figure in figures] == [("≤ 3e-14", None), ("4e-14", -12)]
+    assert figures[0].meaning == "at 2 ms: within the truth's own error (3e-14 m)"
+
+
+def test_findings_leave_out_what_is_within_the_truths_own_error() -> None:
+    """A truth that is off by a millimetre, as no truth is: only what exceeds its bounds is told."""
+    uncertain = {"truth_position_error": 1e-3, "truth_angular_momentum_error": 1e-5}
+    runs = [
+        ran(FLIP, integrator="a", position_error=1e-4, angular_momentum_drift=1e-6, **uncertain),
+        ran(FLIP, integrator="b", position_error=5e-4, angular_momentum_drift=2e-6, **uncertain),
+    ]
+
+    def told(*verdicts: Verdict) -> dict[str, str]:
+        lines = assign(verdict.key.over_cases for verdict in verdicts)
+        return {finding.subject: finding.text for finding in findings(measured(verdicts, lines), (), lines)}
+
+    within = told(*runs)
+    assert within["Position"] == "No completed run has a position error of more than 0.001 m."
+    assert "Angular momentum" not in within
+    beyond = told(*runs, ran(FLIP, integrator="c", position_error=2.0, angular_momentum_drift=1e-4, **uncertain))
+    assert beyond["Position"].startswith("The largest position error is 2 m, with mujoco c in ")
+    assert beyond["Position"].endswith("No completed run of another method has a position error of more than 0.001 m.")
+    assert "changes by up to 0.01 % with mujoco c in " in beyond["Angular momentum"]
+
+
 def test_an_engine_spans_its_columns_in_its_colour() -> None:
     (matrix,) = matrices_of(ran(FLIP, "pinocchio", "x"), ran(FLIP, integrator="a"), ran(FLIP, integrator="b"))
     assert [(engine, amount) for engine, amount, _ in matrix.engines] == [("pinocchio", 1), ("mujoco", 2)]

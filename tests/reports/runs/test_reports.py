@@ -14,6 +14,8 @@ import vl_convert
 from bodycheck import reports
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import parse
+from bodycheck.figures.bounds import within_truth
+from bodycheck.figures.columns import FIGURES
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
@@ -22,7 +24,8 @@ from bodycheck.reports.lines import assign
 from bodycheck.reports.quantities import bound, count, listing, number
 from bodycheck.reports.runs import contents as contents_module
 from bodycheck.reports.runs import html_report, markdown_report, time_charts
-from bodycheck.reports.runs.contents import Contents, gather
+from bodycheck.reports.runs.contents import WITHIN_TRUTH, Contents, gather
+from bodycheck.reports.runs.curves import FAR
 from bodycheck.reports.series import corners, ends, envelope, rounded
 from bodycheck.running import plan, store
 from bodycheck.running.key import RunKey
@@ -88,21 +91,39 @@ def test_tables_have_the_measured_numbers(page: str, verdicts: list[Verdict]) ->
     for verdict in verdicts:
         row = verdict.row()
         names = ["position_error", "velocity_error", "attitude_error", "energy_drift", "rotational_energy_drift"]
-        figures = [row[name] for name in (*names, "angular_momentum_drift")]
-        if row["attitude_error"] <= row["truth_error"]:
-            figures.remove(row["attitude_error"])
+        figures = [row[name] for name in (*names, "angular_momentum_drift") if within_truth(FIGURES[name], row) is None]
         expected = [*figures, 1e6 * row["time_per_step"]]
         place = next(i for i, values in enumerate(seen.values) if values == expected)
         assert seen.rows[place][:3] == [f"{row['engine']} {row['version']}", row["integrator"], "2 ms"]
         assert number(row["position_error"]) in seen.rows[place]
 
 
-def test_an_error_below_the_truths_own_is_called_so(page: str, contents: Contents, verdicts: list[Verdict]) -> None:
-    flight = [verdict for verdict in verdicts if verdict.run.case == FLIGHT]
-    for verdict in flight:
-        row = verdict.row()
+def test_an_error_below_the_truths_own_is_called_so(page: str, verdicts: list[Verdict]) -> None:
+    for row in (verdict.row() for verdict in verdicts if verdict.run.case == FLIGHT):
         assert row["attitude_error"] <= row["truth_error"]
         assert f"within the truth&#39;s own error ({bound(row['truth_error'])} rad)" in page
+
+
+def test_every_figure_within_the_truths_own_error_is_called_so(results: Results, verdicts: list[Verdict]) -> None:
+    """Marked are the figures that do not exceed their bounds, and no others; that of the energy is made large for this."""
+    least = min(verdict.row()["energy_drift"] for verdict in verdicts if verdict.run.case == FLIP)
+    planted = [
+        replace(v, discrepancy=replace(v.discrepancy, largest=v.discrepancy.maxima() | {"truth_energy_error": 2 * least}))
+        for v in verdicts
+        if v.discrepancy is not None
+    ]
+    contents, expected, seen = gather([ResultSet(results, planted)]), [], []
+    for verdict in planted:
+        row = verdict.row()
+        expected += [f"≤ {bound(row[f.bounded_by])}" for f in FIGURES.values() if f.tabled and within_truth(f, row) is not None]
+    for section in contents.sections:
+        assert section.table is not None
+        marked = [entry for entries in section.table.rows for entry in entries if entry.text.startswith("≤")]
+        assert section.table.notes == ((WITHIN_TRUTH,) if marked else ())
+        assert all("within the truth's own error (" in entry.meaning for entry in marked)
+        seen += [entry.text for entry in marked]
+    assert sorted(seen) == sorted(expected)
+    assert f"≤ {bound(2 * least)}" in seen
 
 
 def test_all_within_the_truths_own_error(results: Results, verdicts: list[Verdict]) -> None:
@@ -262,17 +283,27 @@ def test_charts_draw(contents: Contents, case: str) -> None:
         if name not in drawn:
             continue
         svg = vl_convert.vegalite_to_svg(specification | {"datasets": section.curves.datasets})
-        lines = re.findall(r'class="mark-line role-mark [^"]*"[^>]*>(.*?)</g>', svg)
-        paths = sum(group.count("<path") for group in lines)
-        floor = name == "attitude_error"
-        assert paths == (3 if name.startswith("momentum") else 5 + floor), name
+        # Lines of methods and of components have dashes; the edge of the floor has none, and is drawn where it is above zero.
+        assert len(re.findall(r'<path d="[^>]*stroke-dasharray="', svg)) == (3 if name.startswith("momentum") else 5), name
+        floor = any(value > 0 for value in section.curves.datasets["floor"][0].get(name, ()))
+        assert len(re.findall(r'<path [^>]*stroke="#888888"', svg)) == floor, name
         assert "NaN" not in svg
         assert "undefined" not in svg
 
 
-def test_the_floor_is_drawn_under_attitude_errors_alone(contents: Contents) -> None:
+def test_the_floor_is_drawn_where_errors_come_near_it(contents: Contents, verdicts: list[Verdict]) -> None:
     specifications = html_report.specifications(contents)
-    assert [name for name, value in specifications.items() if "truth_error" in json.dumps(value)] == ["attitude_error"]
+    names = [name for name, value in specifications.items() if '"floor"' in json.dumps(value)]
+    assert names == ["attitude_error", "position_error", "energy_drift", "angular_momentum_drift"]
+    drawn = []
+    for section in contents.sections:
+        rows = [verdict.row() for verdict in verdicts if verdict.run.case == section.name]
+        for name in names:
+            floor, own = section.curves.datasets["floor"][0][name], max(row[FIGURES[name].bounded_by] for row in rows)
+            drawn.append(name == "attitude_error" or min(row[name] for row in rows) < FAR * own)
+            assert floor == [] or max(floor) == float(f"{own:.4g}")
+            assert (floor != []) == drawn[-1], (section.name, name)
+    assert set(drawn) == {True, False}, "else nothing was tried"
 
 
 def test_curves_keep_the_largest_error(contents: Contents, verdicts: list[Verdict]) -> None:

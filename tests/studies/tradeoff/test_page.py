@@ -12,7 +12,7 @@ from bodycheck.adapters import offers
 from bodycheck.adapters.contract import Adapter, Method
 from bodycheck.judging import judgement
 from bodycheck.reports import html, markdown
-from bodycheck.reports.quantities import milliseconds, number
+from bodycheck.reports.quantities import bound, milliseconds, number
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff import study as tradeoff
@@ -128,11 +128,14 @@ def test_quantities_in_which_nothing_errs_have_no_diagram(study: Study) -> None:
     assert study.case(FLIP).primary == "attitude"
 
 
-def test_the_truths_own_error_is_drawn_under_attitudes_alone(study: Study) -> None:
+def test_the_truths_own_error_is_drawn_under_errors_with_its_unit(study: Study) -> None:
     for part in study.report.parts:
-        for chart in part.charts:
-            named = "the truth's own error" in json.dumps(chart.specification)
-            assert named == (chart.title == "Attitude error")
+        case = study.case(part.name)
+        for chart, (name, quantity) in zip(part.charts, case.quantities.items(), strict=True):
+            own = case.truth_error(name)
+            label = f"the truth's own error, {bound(own, 2)} {quantity.unit}".rstrip()
+            assert (json.dumps(label) in json.dumps(chart.specification)) == (own > 0), chart.title
+    assert all(study.case(FLIP).truth_error(name) > 0 for name in study.case(FLIP).quantities)
 
 
 def test_nothing_dominates_a_front(study: Study) -> None:

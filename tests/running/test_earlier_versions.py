@@ -1,6 +1,8 @@
-"""Results and baselines of earlier versions, which spelled some methods otherwise, are read as what they are now."""
+"""Results and baselines of earlier versions, which spelled some methods otherwise and knew fewer bounds, are still read."""
 
+import csv
 import json
+import math
 import re
 from pathlib import Path
 
@@ -18,6 +20,9 @@ from tests.support.commands import call
 from tests.support.processes import calls_here
 
 NEW, OLD = "Euler:model=planar", "Euler-planar"
+
+#: The bounds of a truth's own errors that earlier versions stored.
+OLD_BOUNDS = ("truth_error", "truth_position_error")
 
 #: The expectations of the shipped case are replaced by one of the method in question.
 TEXT = re.sub("samples = .*", "samples = 11", load("sliding-brick").text.partition("[[expect]]")[0])
@@ -68,6 +73,34 @@ def test_old_baselines_are_compared_under_the_new_spelling(results: store.Result
     table = pq.read_table(new)
     column = table.column_names.index("integrator")
     pq.write_table(table.set_column(column, "integrator", [[OLD]]), old)
+    assert baseline.diff(baseline.read(old), baseline.read(new)).changes == ()
+
+
+def test_results_without_the_bounds_of_every_figure_are_reported_without_them(results: store.Results) -> None:
+    """Earlier versions stored the bounds of attitude and position alone."""
+    (path,) = (results.folder / store.TRAJECTORIES).rglob("truth-*")
+    table = pq.read_table(path)
+    kept = [name for name in table.column_names if not name.startswith("truth_") or name in OLD_BOUNDS]
+    assert len(kept) < len(table.column_names)
+    pq.write_table(table.select(kept), path)
+    assert call("report", results.folder) == 0
+    (row,) = csv.DictReader((results.folder / "results.csv").read_text("utf-8").splitlines())
+    assert [name for name in row if name.startswith("truth_")] == list(OLD_BOUNDS)
+    assert all(float(row[name]) >= 0 for name in (*OLD_BOUNDS, "velocity_error", "energy_error"))
+    with calls_here():
+        allowed = baseline.rows(results, judgement.judge(results), 1)
+    assert all(math.isfinite(value) for name, value in allowed[0].items() if name.endswith(baseline.ALLOWANCE))
+
+
+def test_baselines_without_the_bounds_of_every_figure_are_compared(results: store.Results, tmp_path: Path) -> None:
+    new, old = tmp_path / "new.parquet", tmp_path / "old.parquet"
+    with calls_here():
+        baseline.save(new, results, judgement.judge(results), 1)
+    table = pq.read_table(new)
+    further = [name for name in table.column_names if name.startswith("truth_") and not name.startswith(OLD_BOUNDS)]
+    assert "truth_energy_error" in further
+    pq.write_table(table.drop_columns(further), old)
+    assert call("diff", old, new) == call("diff", new, old) == 0
     assert baseline.diff(baseline.read(old), baseline.read(new)).changes == ()
 
 

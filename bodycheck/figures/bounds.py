@@ -1,0 +1,126 @@
+"""Bounds of the truth's own errors, as columns in the units of the figures that they bound.
+
+They are no figures of the engine, and no table of a report or baseline has them. A figure of a run that is no larger than its
+bound has no meaning: the run may be as exact as the truth. This holds for drifts too, although these are distances from the
+run's own initial value, since the bounds of energy and angular momentum include the rounding of states and of the sums that
+energy and angular momentum are computed by.
+"""
+
+from collections.abc import Callable, Mapping
+from decimal import ROUND_CEILING, Context
+
+import numpy as np
+
+from bodycheck.figures.conservation import angular_momentum_size, energy_size
+from bodycheck.figures.definition import Comparison, Figure
+from bodycheck.reference.trajectory import Array
+
+
+def within_truth(figure: Figure, values: Mapping[str, float]) -> float | None:
+    """Return the truth's own error in a figure of a run that is no larger than it; None for a figure that is larger.
+
+    It is also None where the figure was not measured, and where no bound is known. `values` are those of the run by column.
+    """
+    value, own = values.get(figure.name), values.get(figure.bounded_by)
+    return own if value is not None and own and value <= own else None
+
+
+def rounded_up(value: float, digits: int) -> float:
+    """Return an upper bound with so many significant digits, which is a bound too (except for one part in a million)."""
+    return float(Context(prec=digits, rounding=ROUND_CEILING).create_decimal(f"{value:.7g}"))
+
+
+def _where_known(compute: Callable[[Comparison], Array]) -> Callable[[Comparison], Array | None]:
+    """Return a function that computes a bound, or None where it is not known: earlier versions did not store all of them."""
+
+    def known(compared: Comparison) -> Array | None:
+        values = compute(compared)
+        return None if np.isnan(values).any() else values
+
+    return known
+
+
+def _energy(compared: Comparison) -> Array:
+    return compared.truth.bounds.energy_error / energy_size(compared.expected)
+
+
+def _angular_momentum(compared: Comparison) -> Array:
+    return compared.truth.bounds.angular_momentum_error / angular_momentum_size(compared.scene, compared.expected)
+
+
+#: The bound of the attitude error, the first that was known: its column stands before those of the cost.
+ATTITUDE = Figure(
+    name="truth_error",
+    title="Truth error",
+    meaning="bound of the truth's own attitude error; smaller attitude errors have no meaning",
+    unit="rad",
+    largest=True,
+    compute=lambda compared: compared.truth.bounds.error,
+    scale=lambda scales: scales.angle,
+    limited=False,
+    presence="every run",
+    of_truth=True,
+)
+
+#: The bounds of the other figures, the last columns.
+OTHERS = (
+    Figure(
+        name="truth_position_error",
+        title="Truth position error",
+        meaning="bound of the truth's own position error; smaller position errors have no meaning",
+        unit="m",
+        largest=True,
+        compute=_where_known(lambda compared: compared.truth.bounds.position_error),
+        scale=lambda scales: scales.length,
+        limited=False,
+        of_truth=True,
+    ),
+    Figure(
+        name="truth_velocity_error",
+        title="Truth velocity error",
+        meaning="bound of the truth's own velocity error; smaller velocity errors have no meaning",
+        unit="m/s",
+        largest=True,
+        compute=_where_known(lambda compared: compared.truth.bounds.velocity_error),
+        scale=lambda scales: scales.speed,
+        limited=False,
+        of_truth=True,
+    ),
+    Figure(
+        name="truth_angular_velocity_error",
+        title="Truth angular velocity error",
+        meaning="bound of the truth's own angular velocity error; smaller angular velocity errors have no meaning",
+        unit="rad/s",
+        largest=True,
+        compute=_where_known(lambda compared: compared.truth.bounds.angular_velocity_error),
+        scale=lambda scales: scales.rate,
+        limited=False,
+        of_truth=True,
+    ),
+    Figure(
+        name="truth_energy_error",
+        title="Truth energy error",
+        meaning=(
+            "bound of the truth's own energy error, relative to the size of the energy; smaller drifts and errors of it have "
+            "no meaning"
+        ),
+        largest=True,
+        compute=_where_known(_energy),
+        scale=lambda scales: scales.energy,
+        limited=False,
+        of_truth=True,
+    ),
+    Figure(
+        name="truth_angular_momentum_error",
+        title="Truth angular momentum error",
+        meaning=(
+            "bound of the truth's own angular momentum error, relative to the size of the angular momentum; smaller drifts and "
+            "errors of it have no meaning"
+        ),
+        largest=True,
+        compute=_where_known(_angular_momentum),
+        scale=lambda scales: scales.angular_momentum,
+        limited=False,
+        of_truth=True,
+    ),
+)
