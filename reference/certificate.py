@@ -4,21 +4,33 @@ Here a way is one such computation: the truth itself, its witnesses, or an integ
 its rounding errors stays far below what is certified.
 """
 
+import contextlib
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
 from bodycheck.reference import truth
+from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.exact.start import start
 from bodycheck.reference.independent import closed_form as second_closed_form
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sliding import ways as slides
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
 from bodycheck.reference.witness import Witness, as_way, distances
+from bodycheck.reference.witnesses import FARTHEST_RAD, course, wide_witness
 
 #: Name of the way that is the truth.
 TRUTH_WAY = "truth"
+
+#: Bits of a mantissa that are left when rounding has grown along the motion: the error of the way is then below 1e-20.
+SPARE_BITS = 80
+
+#: Numbers of bits of a mantissa that are used, for each of which the equations are compiled once.
+BITS = (128, 192, 256, 320)
 
 #: The figures that ways are compared in: the name of a bound, its unit, and what differs, in words.
 COMPARED = (
@@ -88,7 +100,7 @@ def certify(scene: Scene, times: Array) -> Certificate:
         bound=np.asarray(bound),
         digits=best.digits if others else 0,
         faults=tuple(faults),
-        growth=None,
+        growth=_growth(scene, times),
     )
 
 
@@ -96,8 +108,32 @@ def _other_ways(scene: Scene, times: Array, witnesses: tuple[Witness, ...]) -> t
     """Every way but the truth. Those of a slide include the integration that the truth is taken from, with its own bounds."""
     if scene.plane is not None:
         return slides.ways(scene, times)
-    named = {witness.name: witness for witness in (*witnesses, second_closed_form.witness(scene, times))}
+    further = [second_closed_form.witness(scene, times), *_wide_way(scene, times)]
+    named = {witness.name: witness for witness in (*witnesses, *further)}
     return tuple(named.values())
+
+
+def _wide_way(scene: Scene, times: Array) -> Iterator[Witness]:
+    """The independent way in multiprecision that leaves digits for the growth of rounding, where it can follow the motion."""
+    begin = start(scene)
+    if not any(begin.rates):
+        return
+    growth = float(np.max(course(begin, times).growth, initial=1.0))
+    needed = SPARE_BITS + math.log2(growth) if growth < math.inf else math.inf
+    bits = next((bits for bits in BITS if bits >= needed), None)
+    with contextlib.suppress(OutOfReach, ImportError):
+        if bits is not None:
+            yield wide_witness(scene, times, bits)
+
+
+def _growth(scene: Scene, times: Array) -> Array | None:
+    """The growth of an error along a flight, where heyoka is installed and the motion is not too long to be integrated."""
+    try:
+        from bodycheck.reference.integration import sensitivity
+    except ImportError:
+        return None
+    turning = math.hypot(*scene.initial.angular_velocity) * float(np.max(times, initial=0.0))
+    return sensitivity.growth(scene, times).of_any if scene.plane is None and turning <= FARTHEST_RAD else None
 
 
 def contradiction(one: Witness, other: Witness, apart: dict[str, Array]) -> str | None:

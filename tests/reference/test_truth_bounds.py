@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.support.bound_checks import NO_WITNESS, UNITS, Check, check
+from tests.support.bound_checks import UNITS, Check, check
 from tests.support.random_cases import REGIMES
 
 #: The largest median, over the cases of a regime, of the bound of an attitude over its error or a rounding, if that is larger.
@@ -28,19 +28,19 @@ def broken(found: Check) -> list[str]:
 @pytest.mark.parametrize("regime", REGIMES)
 def test_no_bound_is_broken(regime: str) -> None:
     for seed in range(2):
-        assert broken(check(regime, seed, NO_WITNESS)) == []
+        assert broken(check(regime, seed, vouched=False)) == []
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("regime", REGIMES)
 def test_bounds_are_close_to_the_errors(regime: str) -> None:
-    found = [check(regime, seed, NO_WITNESS) for seed in range(2, 21)]
+    found = [check(regime, seed, vouched=False) for seed in range(2, 21)]
     assert [each for every in found for each in broken(every)] == []
     assert float(np.median([each.figures["error"].ratio for each in found])) <= LARGEST_MEDIAN
 
 
 def test_a_bound_that_is_too_small_is_seen() -> None:
     """No bound is so wide that a thousandth of it would do."""
-    found = check("turned-frame", 0, NO_WITNESS)
+    found = check("turned-frame", 0, vouched=False)
     small = {name: replace(figure, bound=figure.bound / 1000) for name, figure in found.figures.items()}
     assert len(broken(replace(found, figures=small))) == len(UNITS)

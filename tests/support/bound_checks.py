@@ -3,17 +3,14 @@
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.casefile.case import parse
-from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.observables import observe
-from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import Backend, Truth, truth
+from bodycheck.reference.truth import Truth, truth
 from tests.support.multiprecision.arithmetic import MP, cross, dot, norm, real, vector
 from tests.support.multiprecision.flight import Flight, Moment, read
 from tests.support.random_cases import drawn
@@ -86,25 +83,16 @@ class Check:
     seconds: tuple[float, float]
 
 
-def _out_of_reach(_scene: Scene, _times: Array) -> NDArray[Any]:
-    raise OutOfReach("no witness is asked")
-
-
-#: A solver that computes no witness, so that the bounds of a truth are those of its closed form alone. Witnesses only add to
-#: these, and could hide that one is broken.
-NO_WITNESS = Backend("none", ROUNDING, _out_of_reach, _out_of_reach)
-
-
-def check(regime: str, seed: int, solver: Backend | None = None) -> Check:
+def check(regime: str, seed: int, *, vouched: bool) -> Check:
     """Compare the truth of the case of a regime and a seed with multiprecision arithmetic. Raises what the truth raises.
 
-    solver: of the witnesses of the truth; by default its own.
+    vouched: whether the truth is compared with its witnesses. They only add to its bounds, and could hide that one is broken.
     """
     text, times = drawn(regime, seed)
     begun = time.process_time()
     case = parse(text, f"{regime}-{seed}")
     read_at = time.process_time()
-    found = truth(case.scene, np.array(times), solver)
+    found = truth(case.scene, np.array(times), vouched=vouched)
     seconds = read_at - begun, time.process_time() - read_at
     flight = read(text)
     return Check(regime, seed, _figures(found, flight, flight.motion(times)), seconds)
