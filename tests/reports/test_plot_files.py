@@ -46,7 +46,12 @@ def test_every_plot_of_the_report_is_there_by_a_name_that_says_what_it_is(folder
 
 def test_a_plot_has_its_title_its_axes_and_its_whole_legend(folder: Path, contents: Contents) -> None:
     told = texts(folder / "figures" / "spin-position_error.svg")
-    assert {"A sphere that spins and falls", "Position error", "Position error, m", "Time, s"} <= set(told)
+    assert {
+        "A sphere that spins and falls",
+        "Position error; grey: the truth's own error",
+        "Position error, m",
+        "Time, s",
+    } <= set(told)
     completed = {row["method"] for row in contents.sections[0].curves.datasets["series"]}
     assert {"mujoco Euler 10 ms", "mujoco RK4 5 ms"} <= completed <= set(told)
     assert {"x", "y", "z"} <= set(texts(folder / "figures" / "spin-momentum_inertial.svg"))
