@@ -94,8 +94,13 @@ def check(regime: str, seed: int, *, vouched: bool) -> Check:
     read_at = time.process_time()
     found = truth(case.scene, np.array(times), vouched=vouched)
     seconds = read_at - begun, time.process_time() - read_at
+    return Check(regime, seed, figures(text, found), seconds)
+
+
+def figures(text: str, found: Truth) -> dict[str, Figure]:
+    """The figures of the truth of a case file with this text, by the name of their bound."""
     flight = read(text)
-    return Check(regime, seed, _figures(found, flight, flight.motion(times)), seconds)
+    return _figures(found, flight, flight.motion(found.trajectory.t.tolist()))
 
 
 def _figures(found: Truth, flight: Flight, exact: list[Moment]) -> dict[str, Figure]:
