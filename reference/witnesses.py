@@ -4,7 +4,8 @@
 - Quasi-coordinates: Euler's equations, from the file on by code of its own: see `independent`. Its translation is its own too.
 
 What lasts longer than a period of the angular velocity is continued from one period (`integration.periods`). Where even one
-period turns the body too far, or amplifies rounding too much, a way is left out.
+period turns the body too far, or amplifies rounding too much, a way is left out. The second closed form stands in there, and
+where the integrations have lost too many digits (`independent.closed_form`).
 """
 
 import contextlib
@@ -59,6 +60,9 @@ FEW_PERIODS = 1.2
 
 #: Largest error (rad) with which a way is a witness.
 LARGEST_ERROR = 1e-3
+
+#: Error (rad) of the integrations from which on the second closed form is worth its cost.
+ACCURATE = 1e-10
 
 
 #: A way to a witness.
@@ -175,8 +179,8 @@ def dop853() -> Backend:
 def witnesses(scene: Scene, times: Array, solver: Backend) -> list[Witness]:
     """The witnesses of the flight of a scene at ascending times (n,) >= 0, s.
 
-    They are the integrations of the solver that can follow the motion. Where one of them cannot, the second closed form stands
-    in. The translation has a witness in any case, unless there is drag.
+    They are the integrations of the solver that can follow the motion. Where one of them cannot, or neither is accurate, the
+    second closed form stands in. The translation has a witness in any case, unless there is drag.
     """
     if not any(start(scene).rates):
         return [unmoved(scene, times, turns=False)]
@@ -184,7 +188,7 @@ def witnesses(scene: Scene, times: Array, solver: Backend) -> list[Witness]:
     for way in ways:
         with contextlib.suppress(OutOfReach):
             found.append(way(scene, times))
-    if len(found) < len(ways):
+    if len(found) < len(ways) or min(float(np.max(each.error, initial=0.0)) for each in found) > ACCURATE:
         found.append(closed_form.witness(scene, times))
     complete = scene.drag or any(each.position is not None for each in found)
     return found if complete else [*found, unmoved(scene, times, turns=True)]
