@@ -8,6 +8,7 @@ on engines, case files or reports.
 Start here:
 
 - `truth`: the reference trajectory of a scene with the bound of its own error. This is the entry point of the package.
+- `witnesses`: the other ways to a flight, and whether each can follow it. `witness`: what a way gives, and how two compare.
 - `certificate`: every way of computing one truth, compared with every other.
 - `scene`: bodies, initial states, planes. `trajectory`: sampled states. All other modules use these two.
 - `errors`: the exceptions for scenes and motions that the reference cannot compute.
@@ -24,11 +25,12 @@ Folders:
 - `flight`: free flight in closed form, and drag.
 - `sliding`: a flat body that slides and spins on a plane with Coulomb friction.
 - `integration`: numerical integration of the equations of motion of a free body, in double, 80-bit and 128-bit arithmetic.
+- `independent`: a second way from the file to the motion, which shares no mechanics with the others.
 - `schemes`: textbook one-step schemes, with which the schemes of engines are identified.
 - `chapter`: tools of the chapter that no truth needs: orientation, particles, wobble.
 
-Imports run in one direction: `certificate` imports `truth`, `truth` imports `flight`, `sliding` and `integration`; these, as
-well as `schemes` and `chapter`, import the modules for any motion; those import `scene`, `trajectory` and `errors`, which
-import nothing of this package. `flight` and `sliding` import the DOP853 driver of `integration`; otherwise the folders do not
-import one another.
+Imports run in one direction: `certificate` imports `truth`, `truth` imports `witnesses`, and these two import `flight`,
+`sliding`, `independent` and `integration`; these, as well as `schemes` and `chapter`, import the modules for any motion; those
+import `scene`, `trajectory` and `errors`, which import nothing of this package. `flight` and `sliding` import the DOP853 driver
+of `integration`, and `independent` its Taylor method; otherwise the folders do not import one another.
 """

@@ -40,6 +40,7 @@ from bodycheck.reference.independent.arithmetic import (
     wide_matrix,
 )
 from bodycheck.reference.independent.border import MP, border
+from bodycheck.reference.independent.directions import quaternion_of
 from bodycheck.reference.independent.jacobi import Modulus, argument, functions, modulus
 from bodycheck.reference.independent.phase import turns
 from bodycheck.reference.independent.principal_axes import principal_axes
@@ -127,7 +128,7 @@ def witness(scene: Scene, times: Array) -> Witness:
     before = wide_matrix(product(begin.cosines, transposed(axes)))
     return Witness(
         NAME,
-        quaternion=quaternions(before @ turned.cosines @ to_body),
+        quaternion=quaternion_of(before @ turned.cosines @ to_body),
         angular_velocity=turned.rates @ to_body,
         error=turned.error,
         angular_velocity_error=turned.rates_error,
@@ -276,21 +277,3 @@ def _about_momentum(angle: WideArray) -> WideArray:
     found[:, 0, 1] = -found[:, 1, 0]
     found[:, 2, 2] = 1
     return found
-
-
-def quaternions(cosines: WideArray) -> WideArray:
-    """Unit quaternions w, x, y, z (n, 4), of any sign, of rotation matrices (n, 3, 3).
-
-    The outer product q q^T is linear in the matrix; its row with the largest diagonal element is a multiple of q without loss
-    of digits.
-    """
-    r = np.moveaxis(cosines, 0, 2)
-    outer = np.empty((4, 4, len(cosines)), dtype=cosines.dtype)
-    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-        outer[1 + i, 1 + i] = 1 + r[i, i] - r[j, j] - r[k, k]
-        outer[0, 1 + i] = outer[1 + i, 0] = r[k, j] - r[j, k]
-        outer[1 + i, 1 + j] = outer[1 + j, 1 + i] = r[i, j] + r[j, i]
-    outer[0, 0] = 1 + r[0, 0] + r[1, 1] + r[2, 2]
-    largest = np.argmax(outer[range(4), range(4)], axis=0)
-    found = outer[largest, :, range(len(cosines))]
-    return np.asarray(found / np.sqrt((found * found).sum(axis=1))[:, None])

@@ -2,11 +2,13 @@
 
 - `lagrangian`: the Euler-Lagrange equations in Euler angles, with DOP853.
 - `quasi_coordinates`: Euler's equations with a quaternion, with DOP853.
-- `taylor`: both forms by Taylor's method in 80-bit and 128-bit arithmetic, with heyoka (Linux only).
+- `taylor`: the Euler-Lagrange equations by Taylor's method in 80-bit and 128-bit arithmetic, with heyoka (Linux only).
+- `heyoka_solver`: Taylor's method itself, in any arithmetic.
+- `periods`: any number of turns of a body without torque from one period.
+- `rotation`: what an integration in a wide type gives.
 - `sensitivity`: growth of an error along a motion, from the variational equations, with heyoka.
 - `dop853`: SciPy's DOP853 near machine precision, used by `lagrangian` and `quasi_coordinates`, by `flight.drag` and by
   `sliding.coupled_motion`.
 
-`sensitivity` imports `taylor`, and `taylor` imports the charts of `lagrangian`. Only `taylor` and `sensitivity` import heyoka;
-where it is not installed, importing them raises `ImportError`.
+Only `taylor`, `heyoka_solver` and `sensitivity` import heyoka; where it is not installed, importing them raises `ImportError`.
 """

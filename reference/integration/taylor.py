@@ -1,7 +1,7 @@
-"""The rotation of a free rigid body by Taylor's method in 80-bit and 128-bit arithmetic, in two forms (heyoka; Linux only).
+"""The rotation of a free rigid body by Taylor's method in 80-bit and 128-bit arithmetic (heyoka; Linux only).
 
-The Euler-Lagrange equations are not written here: heyoka derives them from the rotational Lagrangian [G 2.33, 2.34]. The second
-form is Euler's equations with a quaternion, which does not use Euler angles.
+The Euler-Lagrange equations are not written here: heyoka derives them from the rotational Lagrangian [G 2.33, 2.34]. Euler's
+equations with a quaternion are here too, for `sensitivity`.
 
 The Euler angles are defined about the angular momentum and not about the vertical, since without torque no direction in space
 is special. K is the axis of the largest or of the smallest moment, whichever stays farther from the angular momentum. Then
@@ -33,7 +33,6 @@ from bodycheck.reference.kinematics import (
     euler_rates,
     geodesic_angle,
     multiply,
-    normalise,
     quaternion_from_euler,
     rotate,
 )
@@ -206,34 +205,6 @@ def tumbling(begin: Start, dtype: Any) -> Tumbling:
     from_axes = multiply(rounded(begin.attitude, dtype), _wide(RELABELLINGS[chart], dtype))
     from_frame = multiply(from_axes, conjugate(quaternion_from_euler(phi, theta, psi)))
     return Tumbling(moments, chart, unit, np.array([psi, phi, theta, dpsi, dphi, dtheta]), from_frame)
-
-
-def quasi_coordinates(scene: Scene, times: Array, precision: Precision = "extended") -> Rotation:
-    """The rotation of a free body, from Euler's equations with a quaternion.
-
-    Parameters
-    ----------
-    scene
-        The scene; only the rotation is computed.
-    times
-        (n,) times >= 0 in any order (s).
-    precision
-        The arithmetic.
-
-    Returns
-    -------
-    Rotation
-        Attitudes and angular velocities at the times.
-
-    Raises
-    ------
-    OutOfReach
-        If the integration fails or takes too many steps.
-    """
-    unit = unit_of_rate(scene)
-    state, parameters = euler_start(scene, FLOAT_TYPES[precision])
-    solution = solve(integrator(euler_equations, FLOAT_TYPES[precision]), state, parameters, np.asarray(times) * unit)
-    return in_body_frame(start(scene), Rotation(normalise(solution[:, :4]), solution[:, 4:] * unit))
 
 
 def euler_start(scene: Scene, dtype: Any) -> tuple[WideArray, WideArray]:

@@ -15,7 +15,8 @@ from bodycheck.casefile.case import parse
 from bodycheck.reference.bounds import STATES, Bounds
 from bodycheck.reference.flight import closed_form as truth
 from bodycheck.reference.independent.arithmetic import WIDE_EPS, WideArray
-from bodycheck.reference.independent.closed_form import NAME, quaternions, witness
+from bodycheck.reference.independent.closed_form import NAME, witness
+from bodycheck.reference.independent.directions import quaternion_of
 from bodycheck.reference.integration import quasi_coordinates
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.scene import Body, Quaternion, Scene, State, Vector
@@ -200,7 +201,7 @@ def test_every_rotation_matrix_becomes_its_quaternion() -> None:
     q = np.concatenate([exact_ones, np.random.default_rng(0).normal(size=(100, 4))]).astype(np.longdouble)
     q = normalise(q)
     columns = [rotate(q, np.tile(axis, (len(q), 1)).astype(np.longdouble)) for axis in np.eye(3)]
-    assert angle_between(quaternions(np.stack(columns, axis=2)), q).max() <= 32 * WIDE_EPS
+    assert angle_between(quaternion_of(np.stack(columns, axis=2)), q).max() <= 32 * WIDE_EPS
 
 
 def test_without_a_wider_type_the_bound_grows_and_holds() -> None:

@@ -12,7 +12,8 @@ from bodycheck.reference.scene import Body, Scene, State
 pytest.importorskip("heyoka")
 
 from bodycheck.reference.integration.sensitivity import ERROR_INSTANTS, growth
-from bodycheck.reference.integration.taylor import euler_lagrange, quasi_coordinates
+from bodycheck.reference.integration.taylor import euler_lagrange
+from tests.support.euler_motion import quasi_coordinates
 
 TIMES = np.linspace(0, 10, 101)
 FLIP = load("intermediate-axis-flip").scene

@@ -27,7 +27,8 @@ hy = pytest.importorskip("heyoka")
 from bodycheck.reference.integration import heyoka_solver, taylor  # noqa: E402
 from bodycheck.reference.integration.rotation import Rotation  # noqa: E402
 from bodycheck.reference.integration.sensitivity import growth  # noqa: E402
-from bodycheck.reference.integration.taylor import attitude_difference, euler_lagrange, quasi_coordinates  # noqa: E402
+from bodycheck.reference.integration.taylor import attitude_difference, euler_lagrange  # noqa: E402
+from tests.support.euler_motion import quasi_coordinates  # noqa: E402
 
 #: Unit roundoff of the 80-bit type.
 ROUNDING = float(np.finfo(np.longdouble).eps) / 2
