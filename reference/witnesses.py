@@ -9,7 +9,6 @@ where the integrations have lost too many digits (`independent.closed_form`).
 """
 
 import contextlib
-import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,8 +19,8 @@ import numpy as np
 from bodycheck.reference.bounds import EPS
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.start import Start, start
-from bodycheck.reference.flight.amplification import amplification
-from bodycheck.reference.flight.torque_free import Polhode, half_period, polhode
+from bodycheck.reference.flight.amplification import amplification, polhode_of
+from bodycheck.reference.flight.torque_free import half_period
 from bodycheck.reference.independent import closed_form
 from bodycheck.reference.independent.border import border
 from bodycheck.reference.independent.directions import exact_quaternion
@@ -108,7 +107,7 @@ def course(begin: Start, times: Array, few_periods: float = FEW_PERIODS) -> Cour
 
     few_periods: the number of periods from which it is continued from one.
     """
-    motion = _polhode(begin)
+    motion = polhode_of(begin)
     if motion is None:
         speed, libration = math.hypot(*(float(rate) for rate in begin.rates)), 0.0
         period = np.longdouble(2 * np.pi / speed)
@@ -129,11 +128,6 @@ def course(begin: Start, times: Array, few_periods: float = FEW_PERIODS) -> Cour
         return Course(period, False, speed, speed * end, float(np.max(direct, initial=0.0)), direct, growth)
     one = float(growth(np.array([float(period)]))[0])
     return Course(period, True, speed, speed * float(period), one, (1 + times / float(period)) * one, growth)
-
-
-@functools.lru_cache(maxsize=64)
-def _polhode(begin: Start) -> Polhode | None:
-    return polhode(begin.moments, begin.rates)
 
 
 @dataclass(frozen=True)
