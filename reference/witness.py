@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.reference.bounds import STATES, Bounds
-from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -123,9 +122,17 @@ def conserved_errors(
 
 
 def angle_between(p: WideArray, q: WideArray) -> Array:
-    """Angle (n,), rad, between attitudes (n, 4) in double precision or wider, computed in the wider of the two types."""
+    """Angle (n,), rad, between attitudes (n, 4) in double precision or wider, computed in the wider of the two types.
+
+    Unit quaternions that are an angle alpha apart have the distance 2 sin(alpha / 4), or their opposites have. This takes fewer
+    operations than the relative quaternion, and is as accurate near 0 and near pi.
+    """
     wide = np.result_type(p, q)
-    return geodesic_angle(p.astype(wide), q.astype(wide)).astype(float)
+    one, other = p.astype(wide), q.astype(wide)
+    opposite = (one * other).sum(axis=1) < 0
+    difference = one - np.where(opposite[:, None], -other, other)
+    half = np.sqrt((difference * difference).sum(axis=1)) / 2
+    return np.asarray(4 * np.arcsin(half.astype(float)))
 
 
 def _apart(one: WideArray, other: WideArray) -> Array:

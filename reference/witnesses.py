@@ -19,8 +19,8 @@ import numpy as np
 from bodycheck.reference.bounds import EPS
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.start import Start, start
-from bodycheck.reference.flight.amplification import amplification, polhode_of
-from bodycheck.reference.flight.torque_free import half_period
+from bodycheck.reference.flight.amplification import amplification
+from bodycheck.reference.flight.torque_free import half_period, polhode_of
 from bodycheck.reference.independent import closed_form
 from bodycheck.reference.independent.border import border
 from bodycheck.reference.independent.directions import exact_quaternion

@@ -1,11 +1,9 @@
 """How much the motion of a free body can amplify an error, known before anything is integrated."""
 
-import functools
-
 import numpy as np
 
 from bodycheck.reference.exact.start import Start
-from bodycheck.reference.flight.torque_free import Polhode, half_period, polhode
+from bodycheck.reference.flight.torque_free import half_period, polhode_of
 from bodycheck.reference.trajectory import Array
 
 
@@ -37,9 +35,3 @@ def amplification(begin: Start, times: Array) -> Array:
             passages = 1 + times / float(half_period(motion))
             swings = np.minimum(escaped, 1 + passages / kc**2) if kc else escaped
         return np.asarray((1 + turning) * swings / low)
-
-
-@functools.lru_cache(maxsize=64)
-def polhode_of(begin: Start) -> Polhode | None:
-    """The polhode from a start; None for a steady spin. It takes longer to form than all else here, and is kept."""
-    return polhode(begin.moments, begin.rates)

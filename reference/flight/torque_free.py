@@ -26,6 +26,7 @@ which nu <= 1, that is, the one closer to being an axis of symmetry. About the o
 the motion itself.
 """
 
+import functools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -183,12 +184,19 @@ def polhode(moments: Sequence[Any], rates: Sequence[Any]) -> Polhode | None:
     )
 
 
+@functools.lru_cache(maxsize=64)
+def polhode_of(start: Start) -> Polhode | None:
+    """The polhode of a start, or None for a steady spin."""
+    return polhode(start.moments, start.rates)
+
+
 def scaled(values: list[Real]) -> tuple[list[Real], Wide]:
     """Numbers in the unit of a power of two, in which the largest is between 1/2 and 1, and this unit."""
     _, exponent = MP.frexp(max(abs(value) for value in values))
     return [MP.ldexp(value, -exponent) for value in values], Wide(np.ldexp(Wide(1), exponent))
 
 
+@functools.lru_cache(maxsize=64)
 def precession(motion: Polhode) -> Precession:
     """The rotation about the angular momentum for a polhode."""
     i, e, size, (low, high) = motion.moments, motion.e, motion.size, motion.gaps
@@ -231,7 +239,7 @@ def left_factor(q: Array) -> Array:
 def rotation(start: Start, times: Array) -> Turning:
     """The rotation of a body without torque from its start, at times (n,) in any order, s."""
     t = np.concatenate(([0.0], times))
-    motion = polhode(start.moments, start.rates)
+    motion = polhode_of(start)
     turning = steady_spin(start.rates, t) if motion is None else tumbling(motion, t)
     # The rotation of the closed form begins anywhere; it is placed so that it begins with the attitude of the start.
     first = left_factor(normalise(np.array(doubles(start.attitude)))) @ left_factor(conjugate(turning.attitude[0]))

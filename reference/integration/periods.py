@@ -70,10 +70,13 @@ def periodic(motion: Motion, axis: WideArray, guess: Any, times: Array, allowed:
         shift, mismatch = return_shift(motion, seen.angular_velocity[-1], seen.angular_velocity[-2], allowed)
         speed = float(np.sqrt((seen.angular_velocity[-1] ** 2).sum()))
         # An instant is shifted by the error of all periods before it. What is of second order in that is left out.
-        change = motion.acceleration(seen.angular_velocity[:-2])
-        second_order = 0.5 * (whole * float(shift)) ** 2 * np.linalg.norm(change.astype(float), axis=1)
+        late = whole * abs(float(shift))
+        change = (
+            motion.acceleration(seen.angular_velocity[:-2]) if speed * late.max(initial=0.0) > NEGLIGIBLE * allowed else None
+        )
+        second_order = 0.0 if change is None else 0.5 * late**2 * np.linalg.norm(change.astype(float), axis=1)
         period = period + shift
-        if mismatch <= allowed * speed and (second_order <= NEGLIGIBLE * allowed * (1 + whole)).all():
+        if mismatch <= allowed * speed and np.all(second_order <= NEGLIGIBLE * allowed * (1 + whole)):
             return _continued(seen, whole.astype(axis.dtype), shift, axis, change)
         if not 0.5 < float(period[0]) / float(guess) < 2:
             break
@@ -115,10 +118,11 @@ def _in_type(value: Any, like: WideArray) -> WideArray:
     return np.asarray(0 * like[:1] + head.astype(like.dtype) + np.array([float(value - head[0])]).astype(like.dtype))
 
 
-def _continued(seen: Rotation, whole: WideArray, shift: Any, axis: WideArray, change: WideArray) -> Rotation:
+def _continued(seen: Rotation, whole: WideArray, shift: Any, axis: WideArray, change: WideArray | None) -> Rotation:
     """The rotation after whole numbers (n,) of periods and the instants within one, of which two more are the period and 0.
 
-    shift: the period minus the time that was taken for it. change: (n, 3) angular accelerations at the instants.
+    shift: the period minus the time that was taken for it. change: (n, 3) angular accelerations at the instants; None where
+    the shift is too small to move an instant.
     """
     quaternion, rates = seen.quaternion, seen.angular_velocity
     # The turn D = R(T) R(0)^-1 up to the correction of T, about the angular momentum.
@@ -126,12 +130,15 @@ def _continued(seen: Rotation, whole: WideArray, shift: Any, axis: WideArray, ch
     angle = 2 * np.arctan2((turn[1:] * axis).sum(), turn[0]) + shift * (rates[-1] * _to_body(quaternion[-1], axis)).sum()
     half = whole * angle / 2
     turned = np.concatenate([np.cos(half)[:, None], np.sin(half)[:, None] * axis], axis=1)
-    # The instants within a period are whole * shift earlier than those that were followed.
-    back = -(whole * shift)[:, None]
-    sizes = np.sqrt((rates[:-2] * rates[:-2]).sum(axis=1))[:, None]
-    small = np.concatenate([np.cos(back * sizes / 2), np.sin(back * sizes / 2) * (rates[:-2] / sizes)], axis=1)
-    later = product(turned, product(quaternion[:-2], small))
-    return Rotation(later / np.sqrt((later * later).sum(axis=1))[:, None], rates[:-2] + back * change)
+    within, rates = quaternion[:-2], rates[:-2]
+    if change is not None:
+        # The instants within a period are whole * shift earlier than those that were followed.
+        back = -(whole * shift)[:, None]
+        sizes = np.sqrt((rates * rates).sum(axis=1))[:, None]
+        small = np.concatenate([np.cos(back * sizes / 2), np.sin(back * sizes / 2) * (rates / sizes)], axis=1)
+        within, rates = product(within, small), rates + back * change
+    later = product(turned, within)
+    return Rotation(later / np.sqrt((later * later).sum(axis=1))[:, None], rates)
 
 
 def _to_body(q: WideArray, v: WideArray) -> WideArray:

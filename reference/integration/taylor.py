@@ -193,6 +193,7 @@ class Tumbling:
         return np.asarray(np.cross(self.moments * angular_velocity, angular_velocity) / self.moments)
 
 
+@functools.lru_cache(maxsize=64)
 def tumbling(begin: Start, dtype: Any) -> Tumbling:
     """The rotation of a body from its start, in a floating-point type."""
     unit = _unit_of(doubles(begin.rates))
