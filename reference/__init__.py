@@ -2,26 +2,28 @@
 
 It implements R. F. Gans, *Engineering Dynamics: From the Lagrangian to Simulation*, Springer 2013, chapter 2, with the
 corrections listed in docs/errata.md. Docstrings cite its equation n as [G n], and equation n of the NIST Digital Library of
-Mathematical Functions as [DLMF n]. The package depends on NumPy, SciPy and, where it is installed, heyoka; it does not depend
-on engines, case files or reports.
+Mathematical Functions as [DLMF n]. The package depends on NumPy, SciPy, mpmath and, where it is installed, heyoka; it does not
+depend on engines, case files or reports.
 
 Start here:
 
 - `truth`: the reference trajectory of a scene with the bound of its own error. This is the entry point of the package.
 - `witnesses`: the other ways to a flight, and whether each can follow it. `witness`: what a way gives, and how two compare.
 - `certificate`: every way of computing one truth, compared with every other.
-- `scene`: bodies, initial states, planes. `trajectory`: sampled states. All other modules use these two.
+- `scene`: bodies, initial states, planes. `definition`: what a file says of the body and its start. `trajectory`: sampled
+  states. `bounds`: bounds of the errors of these. All other modules use them.
 - `errors`: the exceptions for scenes and motions that the reference cannot compute.
 
 Mechanics of any motion:
 
-- `kinematics`: quaternions, Euler angles and angular velocity. `inertia`: mass properties and principal axes.
+- `kinematics`: quaternions, Euler angles and angular velocity. `inertia`: inertia tensors and angular momentum.
 - `principal_frame`: conversion between a body's frame and its principal axes.
 - `observables`: energies and angular momentum of a trajectory. `contact_observables`: tilt, penetration and stop.
 - `planar`: the planar state of a body that lies flat. `requirements`: what a model of a scene must contain to be exact.
 
 Folders:
 
+- `exact`: what follows from the numbers of a file, with a hundred digits.
 - `flight`: free flight in closed form, and drag.
 - `sliding`: a flat body that slides and spins on a plane with Coulomb friction.
 - `integration`: numerical integration of the equations of motion of a free body, in double, 80-bit and 128-bit arithmetic.
@@ -30,7 +32,8 @@ Folders:
 - `chapter`: tools of the chapter that no truth needs: orientation, particles, wobble.
 
 Imports run in one direction: `certificate` imports `truth`, `truth` imports `witnesses`, and these two import `flight`,
-`sliding`, `independent` and `integration`; these, as well as `schemes` and `chapter`, import the modules for any motion; those
-import `scene`, `trajectory` and `errors`, which import nothing of this package. `flight` and `sliding` import the DOP853 driver
-of `integration`, and `independent` its Taylor method; otherwise the folders do not import one another.
+`sliding`, `independent` and `integration`. These, as well as `schemes` and `chapter`, import `exact` and the modules for any
+motion. Those import `scene`, `definition`, `trajectory`, `bounds` and `errors`, which import nothing of this package but one
+another. `flight` and `sliding` import the DOP853 driver of `integration`, and `independent` its Taylor method. Otherwise the
+folders do not import one another.
 """
