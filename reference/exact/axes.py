@@ -8,10 +8,10 @@ import numpy as np
 from bodycheck.reference.exact.inertia import Components
 from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Real, Vector3
 from bodycheck.reference.exact.rotations import IDENTITY, matrix, multiply, unit
+from bodycheck.reference.trajectory import Array
 
-#: Every order of three axes, and every choice of their signs.
-_AXIS_ORDERS = ([0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [2, 1, 0], [1, 0, 2])
-_AXIS_SIGNS = [np.array([i, j, k]) for i in (1, -1) for j in (1, -1) for k in (1, -1)]
+#: Every order of three axes, with +1 for the right-handed ones and -1 for the left-handed ones.
+_AXIS_ORDERS = (((0, 1, 2), 1), ((1, 2, 0), 1), ((2, 0, 1), 1), ((0, 2, 1), -1), ((2, 1, 0), -1), ((1, 0, 2), -1))
 
 #: The indices of XY, XZ and YZ among the components of a tensor, each with the two axes and the third one.
 _PAIRS = ((3, 0, 1, 2), (4, 0, 2, 1), (5, 1, 2, 0))
@@ -29,26 +29,59 @@ def principal_axes(tensor: Components) -> tuple[Vector3, Quaternion4]:
     """
     if not any(tensor[3:]):
         return (tensor[0], tensor[1], tensor[2]), IDENTITY
-    axes = _nearest_axes(tensor)
+    axes = _axes_in_doubles(tensor)
     components = _along(tensor, axes)
     smallest = max(abs(component) for component in tensor) * NEGLIGIBLE**2
     while (largest := max(_PAIRS, key=lambda pair: abs(components[pair[0]])))[0] and abs(components[largest[0]]) > smallest:
         components, axes = _rotated(components, axes, largest)
-    return _equalised(components[:3]), unit(axes)
+    order, turn = _labels(matrix(axes))
+    a, b, c = (components[axis] for axis in order)
+    w, x, y, z = unit(multiply(axes, turn))
+    # Of the two quaternions of a rotation, the one with the smaller angle.
+    return _equalised([a, b, c]), (w, x, y, z) if w >= 0 else (-w, -x, -y, -z)
 
 
-def _nearest_axes(tensor: Components) -> Quaternion4:
-    """The axes in double precision, with the order and the signs that give the smallest rotation."""
-    from scipy.spatial.transform import Rotation  # imported here, since it takes longer than all else that most runs need
-
+def _axes_in_doubles(tensor: Components) -> Quaternion4:
+    """The axes in double precision, right-handed and in any order."""
     scale = max(abs(component) for component in tensor)
     xx, yy, zz, xy, xz, yz = (float(component / scale) for component in tensor)
     _, vectors = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
-    best = max(
-        (vectors[:, order] * signs for order in _AXIS_ORDERS for signs in _AXIS_SIGNS),
-        key=lambda turn: float(np.trace(turn)) if np.linalg.det(turn) > 0 else -math.inf,
-    )
-    w, x, y, z = Rotation.from_matrix(best).as_quat(canonical=True, scalar_first=True).tolist()
+    if np.linalg.det(vectors) < 0:
+        vectors[:, 0] *= -1
+    return _quaternion(vectors)
+
+
+def _labels(rows: tuple[Vector3, Vector3, Vector3]) -> tuple[tuple[int, int, int], Quaternion4]:
+    """The order of the columns of a rotation matrix, and the turn about its own axes, that make it the smallest rotation.
+
+    The smallest rotation has the largest trace. If the signs that make every term of the trace positive give a left-handed
+    frame, the sign of the smallest term is changed.
+    """
+    best: tuple[Real, tuple[int, int, int], list[int]] | None = None
+    for order, handedness in _AXIS_ORDERS:
+        diagonal = [rows[row][column] for row, column in enumerate(order)]
+        signs = [1 if part >= 0 else -1 for part in diagonal]
+        if math.prod(signs) * handedness < 0:
+            signs[min(range(3), key=lambda row: abs(diagonal[row]))] *= -1
+        trace = sum(part * sign for part, sign in zip(diagonal, signs, strict=True))
+        if best is None or trace > best[0]:
+            best = trace, order, signs
+    assert best is not None
+    _, order, signs = best
+    turn = np.zeros((3, 3))
+    turn[list(order), [0, 1, 2]] = signs
+    w, x, y, z = _quaternion(turn)
+    largest = max(abs(part) for part in (w, x, y, z))
+    # The components of such a turn are in the ratio of 0 and 1, but for their signs.
+    a, b, c, d = (MP.nint(part / largest) for part in (w, x, y, z))
+    return order, (a, b, c, d)
+
+
+def _quaternion(turn: Array) -> Quaternion4:
+    """The quaternion of a rotation matrix (3, 3)."""
+    from scipy.spatial.transform import Rotation  # imported here, since it takes longer than all else that most runs need
+
+    w, x, y, z = Rotation.from_matrix(turn).as_quat(canonical=True, scalar_first=True).tolist()
     return MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z)
 
 

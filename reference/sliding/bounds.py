@@ -70,7 +70,9 @@ def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> Planar
     if motion.stop is not None:
         stop = float(motion.stop[0])
         elapsed, rate = np.minimum(times, stop), np.hypot(velocity, k * spin)
-        resting = times > stop + rate / found.braking + RELATIVE_ROUNDING * stop
+        # Without friction nothing is braked, and only a body that has no speed at all rests.
+        braked = rate / found.braking if found.braking else np.where(rate > 0, np.inf, 0.0)
+        resting = times > stop + braked + RELATIVE_ROUNDING * stop
         velocity, spin = np.where(resting, 0.0, velocity), np.where(resting, 0.0, spin)
     way, turned = np.abs(rows[:, :2] - start[:2]).sum(axis=1), np.abs(rows[:, 2] - start[2])
     position = position + RELATIVE_ROUNDING * (np.abs(start[:2]).sum() + way + speed * elapsed)

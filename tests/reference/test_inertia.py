@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
@@ -119,6 +119,7 @@ def in_doubles(tensor: np.ndarray) -> tuple[Vector, Quaternion]:
 
 
 @given(TURN, st.tuples(*[st.floats(0.5, 0.9)] * 3))
+@example([0.0, 1.0, 1.0, 1.0], (0.5, 0.75, 0.75))
 def test_principal_axes_undo_a_turn(q: list[float], moments: tuple[float, float, float]) -> None:
     tensor = turned(q) @ np.diag(moments) @ turned(q).T
     tensor = (tensor + tensor.T) / 2

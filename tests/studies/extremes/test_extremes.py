@@ -325,7 +325,7 @@ def test_witnesses_bear_the_closed_form_out_wherever_they_can_follow(point: extr
     witnessed = truth(point.case, point.case.instants[::100])
     assert witnessed.witnesses
     # Attitudes to a billionth, far below what is called lost.
-    assert witnessed.error.max() < 1e-9
+    assert witnessed.bounds.error.max() < 1e-9
 
 
 def longest(steps: float) -> tuple[int, int]:
