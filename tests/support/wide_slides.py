@@ -7,13 +7,14 @@ face.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference.scene import Brick, Cylinder, Scene
+from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene, Shape
 
 Wide = NDArray[np.longdouble]
 
@@ -118,29 +119,51 @@ def fan_of_disk(radius: Wide, c: Any) -> tuple[Any, Any, Any, Any]:
     )
 
 
+@dataclass(frozen=True, eq=False)
+class Face:
+    """The face that a body lies on: C/m, its greatest radius, nodes of a quadrature with their shares of the load, the means of
+    x^2 and y^2, the height of the centre above it, and the integrals about an instantaneous centre."""
+
+    k2: Wide
+    reach: Wide
+    nodes: Any
+    shares: Wide
+    seconds: tuple[Wide, Wide]
+    height: Wide
+    fan: Callable[[Any], Any]
+
+
+def face_of(shape: Shape | None, plane: Plane) -> Face:
+    """The face of a brick or a cylinder, with the load all over it or, under the law of corners, at its corners."""
+    if isinstance(shape, Brick):
+        a, b, height = map(np.longdouble, shape.semi_axes)
+        x, y = np.meshgrid(a * FACE_X, b * FACE_X, indexing="ij")
+        nodes, shares = (x + 1j * y).ravel(), np.outer(FACE_W, FACE_W).ravel() / 4
+        whole = Face(
+            (a * a + b * b) / 3, np.hypot(a, b), nodes, shares, (a * a / 3, b * b / 3), height, partial(fan_of_rectangle, a, b)
+        )
+        if plane.law != "corners":
+            return whole
+        corners = np.array([a + 1j * b, a - 1j * b, -a + 1j * b, -a - 1j * b])
+        return replace(whole, nodes=corners, shares=np.full(4, np.longdouble(0.25)), seconds=(a * a, b * b))
+    assert isinstance(shape, Cylinder)
+    radius = np.longdouble(shape.radius)
+    angles = np.longdouble("6.28318530717958647693") * np.arange(80) / 80
+    r = radius * (1 + FACE_X) / 2
+    nodes = np.multiply.outer(r, np.cos(angles) + 1j * np.sin(angles)).ravel()
+    shares = np.repeat(r * FACE_W / radius / 80, 80)
+    second, height = radius * radius / 4, np.longdouble(shape.half_length)
+    return Face(radius * radius / 2, radius, nodes, shares, (second, second), height, partial(fan_of_disk, radius))
+
+
 def friction_of(scene: Scene) -> tuple[Callable[[Wide, Wide], Wide], Wide]:
     """Maps yaws (n,) and directions (n, 3) v_x, v_y, k w, of any length, to accelerations (n, 3); and k = sqrt(C/m)."""
     shape, plane = scene.body.shape, scene.plane
     assert plane is not None
     mu = np.longdouble(plane.friction)
-    if isinstance(shape, Brick):
-        a, b, height = map(np.longdouble, shape.semi_axes)
-        k2, reach, seconds = (a * a + b * b) / 3, np.hypot(a, b), (a * a / 3, b * b / 3)
-        x, y = np.meshgrid(a * FACE_X, b * FACE_X, indexing="ij")
-        nodes, shares = (x + 1j * y).ravel(), np.outer(FACE_W, FACE_W).ravel() / 4
-    else:
-        assert isinstance(shape, Cylinder)
-        radius, height = np.longdouble(shape.radius), np.longdouble(shape.half_length)
-        k2, reach, seconds = radius * radius / 2, radius, (radius * radius / 4,) * 2
-        angles = np.longdouble("6.28318530717958647693") * np.arange(80) / 80
-        ring = np.cos(angles) + 1j * np.sin(angles)
-        r = radius * (1 + FACE_X) / 2
-        nodes = np.multiply.outer(r, ring).ravel()
-        shares = np.repeat(r * FACE_W / radius / 80, 80)
-    if plane.law == "corners":
-        nodes, shares = np.array([a + 1j * b, a - 1j * b, -a + 1j * b, -a - 1j * b]), np.full(4, np.longdouble(0.25))
-        seconds = a * a, b * b
-    k = np.sqrt(k2)
+    face = face_of(shape, plane)
+    reach, nodes, shares, seconds, height = face.reach, face.nodes, face.shares, face.seconds, face.height
+    k = np.sqrt(face.k2)
 
     def means(v: Any, w: Wide) -> tuple[Any, Any]:
         """Means of (1, x, y) e and of (1, x, y) r x e, (3, n) each."""
@@ -155,7 +178,7 @@ def friction_of(scene: Scene) -> tuple[Callable[[Wide, Wide], Wide], Wide]:
         if not fixed.all():
             near, sign = ~fixed, np.sign(w[~fixed])
             c = 1j * v[near] / w[near]
-            unit, outer, size, moment = fan_of_rectangle(a, b, c) if isinstance(shape, Brick) else fan_of_disk(radius, c)
+            unit, outer, size, moment = face.fan(c)
             e_means[:, near] = 1j * sign * np.stack([unit, c.real * unit + outer[0], c.imag * unit + outer[1]])
             # r x e = sign r . rho/|rho| = sign (c . rho/|rho| + |rho|)
             along = (np.conj(c) * unit).real
