@@ -18,7 +18,7 @@ from bodycheck.reference.flight import symmetric_top, torque_free
 from bodycheck.reference.flight.turning import Turning
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.requirements import symmetry
-from bodycheck.reference.scene import Body, Scene, Vector
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: Attitude error (rad) of about ten roundings in double precision, whatever the duration; the largest observed is 7 eps.
@@ -166,19 +166,16 @@ def translation_bounds(scene: Scene, motion: Trajectory) -> tuple[Array, Array]:
     return np.asarray(position), np.asarray(velocity)
 
 
-def flip_period(body: Body, angular_velocity: Vector) -> float:
+def flip_period(scene: Scene) -> float:
     """Time (s) between reversals of the spin about the axis of intermediate moment: half a period of the angular velocity.
 
     After this time the components about two axes, the intermediate one and one extreme one, have changed sign, and the third
     is the same as before. For a body with an axis of symmetry it is half a turn of the steady precession in the body frame,
     and the two components are those across the axis of symmetry. It is infinite where nothing reverses: in a steady spin
     about any axis, for a sphere, and on the separatrix.
-
-    angular_velocity: along the principal axes of the body (rad/s).
     """
-    if not any(angular_velocity):
-        return float("inf")
-    polhode = torque_free.polhode(body.moments, angular_velocity)
+    begin = start(scene)
+    polhode = torque_free.polhode_of(begin) if any(begin.rates) else None
     if polhode is None or polhode.kc == 0:
         return float("inf")
     return float(torque_free.half_period(polhode))

@@ -73,7 +73,7 @@ def of_truth(scene: Scene, trajectory: Trajectory, truth: Truth) -> Iterator[Sym
     if lost.any():
         yield Symptom("inaccurate", f"attitude lost at t = {trajectory.t[np.argmax(lost)]:.3g} s")
     spacing = float(np.diff(trajectory.t).max(initial=0.0))
-    if scene.plane is None and flip_period(body, scene.initial.angular_velocity) > MIN_SAMPLES_PER_FLIP * spacing:
+    if scene.plane is None and flip_period(scene) > MIN_SAMPLES_PER_FLIP * spacing:
         seen, expected = flips(body, trajectory), flips(body, exact)
         # The last flip may happen just before or after the end, so a difference of one alone is not a symptom.
         if abs(seen - expected) > 1 or (seen != expected and lost.any()):
