@@ -24,7 +24,8 @@ def envelope(values: Array, points: int) -> Array:
 def corners(t: Array, values: Array, most: int, tolerance: float = 1e-3) -> list[int]:
     """Return the ascending indices of instants between which straight lines follow curves.
 
-    This is the algorithm of Douglas and Peucker, with the largest deviation split first.
+    This is the algorithm of Douglas and Peucker, with the largest deviation split first. Whatever the values are, it passes
+    over the samples at most 2 `most` times; samples with a value that is not finite are not among those that it looks at.
 
     Parameters
     ----------
@@ -38,27 +39,37 @@ def corners(t: Array, values: Array, most: int, tolerance: float = 1e-3) -> list
         Largest deviation of a sample from the lines, as a share of the range of all curves. It is exceeded if it would take
         more than `most` instants.
     """
+    finite = np.flatnonzero(np.isfinite(values).all(axis=1))
+    if not finite.size:
+        return sorted({0, len(t) - 1})
+    t, values = t[finite], values[finite]
     allowed = tolerance * (float(np.ptp(values)) or 1.0)
     kept = {0, len(t) - 1}
-    queue = [_worst_miss(t, values, 0, len(t) - 1)]
+    queue = _worst_misses(t, values, (0, len(t) - 1))
     while queue and len(kept) < most:
         miss, start, at, stop = heapq.heappop(queue)
         if -miss <= allowed:
             break
         kept.add(at)
-        for span in ((start, at), (at, stop)):
-            heapq.heappush(queue, _worst_miss(t, values, *span))
-    return sorted(kept)
+        for found in _worst_misses(t, values, (start, at), (at, stop)):
+            heapq.heappush(queue, found)
+    return [int(finite[at]) for at in sorted(kept)]
 
 
-def _worst_miss(t: Array, values: Array, start: int, stop: int) -> tuple[float, int, int, int]:
-    """Return (-deviation, start, index, stop) of the sample between start and stop that is farthest from the straight line."""
-    if stop - start < 2:
-        return 0.0, start, start, stop
-    share = ((t[start + 1 : stop] - t[start]) / (t[stop] - t[start]))[:, None]
-    misses = np.abs(values[start + 1 : stop] - (1 - share) * values[start] - share * values[stop]).max(axis=1)
-    at = int(misses.argmax())
-    return -float(misses[at]), start, start + 1 + at, stop
+def _worst_misses(t: Array, values: Array, *spans: tuple[int, int]) -> list[tuple[float, int, int, int]]:
+    """Return (-deviation, start, index, stop) of the sample in each span that is farthest from the straight line.
+
+    A span without a sample between its ends has none, so that each one that is returned can be split.
+    """
+    found = []
+    for start, stop in spans:
+        if stop - start < 2:
+            continue
+        share = ((t[start + 1 : stop] - t[start]) / (t[stop] - t[start]))[:, None]
+        misses = np.abs(values[start + 1 : stop] - (1 - share) * values[start] - share * values[stop]).max(axis=1)
+        at = int(misses.argmax())
+        found.append((-float(misses[at]), start, start + 1 + at, stop))
+    return found
 
 
 def rounded(values: Iterable[float], digits: int = 4) -> list[float | None]:

@@ -73,10 +73,11 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
     compared = Comparison(truth, trajectory, run.outcome.load)
     series: dict[str, Array] = {}
     figures: dict[str, float] = {}
-    for name, figure in FIGURES.items():
-        value = figure.compute(compared)
-        if isinstance(value, np.ndarray):
-            series[name] = value
-        elif value is not None:
-            figures[name] = value
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # errors too large for a number are infinite
+        for name, figure in FIGURES.items():
+            value = figure.compute(compared)
+            if isinstance(value, np.ndarray):
+                series[name] = value
+            elif value is not None:
+                figures[name] = value
     return Discrepancy(trajectory.t, series, figures)

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
+
 from bodycheck.errors import BadInput
 from bodycheck.judging import attribution, judgement
 from bodycheck.judging.attribution import Attribution
@@ -53,8 +55,10 @@ class ResultSet:
 
 def judged(results: Results, label: str = "") -> ResultSet:
     """Judge results, and return them with a label."""
-    verdicts = [replace(verdict, label=label) for verdict in judgement.judge(results)]
-    return ResultSet(results, verdicts, attribution.attribute(results, verdicts), label)
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # errors too large for a number are infinite
+        verdicts = [replace(verdict, label=label) for verdict in judgement.judge(results)]
+        parts = attribution.attribute(results, verdicts)
+    return ResultSet(results, verdicts, parts, label)
 
 
 def labels(folders: Sequence[Path]) -> list[str]:

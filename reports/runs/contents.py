@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reference.truth import Truth
@@ -117,8 +119,12 @@ class Contents:
     plotted: tuple[Quantity, ...]
 
 
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
 def gather(sets: Sequence[ResultSet]) -> Contents:
-    """Return the contents of a report of one set of results or, to compare them, of several sets with labels."""
+    """Return the contents of a report of one set of results or, to compare them, of several sets with labels.
+
+    What is computed from states that are too large, or that are not numbers, is not finite: it is shown as a dash, or left out.
+    """
     shown = comparison.shown(sets)
     verdicts = [verdict for case in shown for verdict in case.verdicts]
     lines = assign(verdict.key.over_cases for verdict in verdicts)

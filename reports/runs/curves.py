@@ -1,6 +1,6 @@
 """The curves of one case, with few enough points to be stored in a page: the datasets of `time_charts`."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -78,6 +78,7 @@ def draw(verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Trut
     truths = {timestep: truth for (_, timestep), truth in known.items()}
     datasets: dict[str, list[dict[str, Any]]] = {"times": [], "series": [], "floor": [], "momentum": []}
     peaks: dict[str, dict[str, float]] = {}
+    gaps: dict[str, list[str]] = {}
     for timestep, truth in truths.items():
         t = truth.trajectory.t
         datasets["times"].append({"timestep": timestep, "t": rounded(t[ends(len(t), points)], INSTANT_DIGITS)})
@@ -89,7 +90,9 @@ def draw(verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Trut
             if (values := series.get(name)) is not None:
                 shown = np.where(values < SMALLEST, 0.0, values)
                 row[name] = rounded(envelope(shown, points))
-                peaks.setdefault(name, {})[label] = float(shown.max())
+                finite = np.isfinite(shown)
+                peaks.setdefault(name, {})[label] = float(shown[finite].max(initial=0.0))
+                gaps.setdefault(name, []).extend([label] if not finite.all() else [])
         datasets["series"].append(row)
     momentum = ""
     if truths:
@@ -99,8 +102,8 @@ def draw(verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Trut
         if seen.angular_momentum.any():
             datasets["momentum"] = [_momentum(largest, seen)]
             momentum = _constancy(seen)
-    drawn = {name: _words(name, own) for name, own in peaks.items() if any(own.values())}
-    blank = tuple(name for name, own in peaks.items() if not any(own.values()))
+    drawn = {name: _words(name, own, gaps[name]) for name, own in peaks.items() if any(own.values()) or gaps[name]}
+    blank = tuple(name for name in peaks if name not in drawn)
     return Curves(datasets, drawn, blank, momentum)
 
 
@@ -134,16 +137,20 @@ def _constancy(seen: Observables) -> str:
     return (
         f"Both charts show the same vector, of size {number(size)} kg m²/s. Its components along the body's axes vary by up to "
         f"{bound(body, 2)} kg m²/s, and those along the inertial axes by up to {bound(inertial, 2)} kg m²/s."
+        + ("" if np.isfinite(seen.angular_momentum).all() else " It is left out where it is not a finite number.")
     )
 
 
-def _words(name: str, peaks: Mapping[str, float]) -> Drawn:
+def _words(name: str, peaks: Mapping[str, float], gaps: Sequence[str]) -> Drawn:
+    """Return the description of a chart. `peaks`: largest finite values by label, `gaps`: labels with other values."""
     quantity = QUANTITIES[name]
     worst, best = max(peaks, key=lambda label: peaks[label]), min(peaks, key=lambda label: peaks[label])
-    zero = [label for label, peak in peaks.items() if peak == 0]
+    zero = [label for label, peak in peaks.items() if peak == 0 and label not in gaps]
+    notes = [f"Not drawn, because the value is always zero: {listing(zero)}."] if zero else []
+    notes += [f"Left out where the value is not a finite number: {listing(gaps)}."] if gaps else []
     alt = (
         f"{quantity.title} over time on a log scale, for {count(len(peaks), 'method')}. "
         f"The largest value is {quantity.with_unit(peaks[worst])}, with {worst}. "
         f"The smallest maximum is {quantity.with_unit(peaks[best])}, with {best}."
     )
-    return Drawn(alt, (f"Not drawn, because the value is always zero: {listing(zero)}.",) if zero else ())
+    return Drawn(alt, tuple(notes))

@@ -1,5 +1,6 @@
 """Findings about the runs of a report: sentences made of measurements, the most telling first."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
@@ -54,11 +55,11 @@ class Measured:
 
 
 def measured(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> list[Measured]:
-    """Return the runs whose errors were measured."""
+    """Return the runs whose errors were measured and are finite numbers, which findings can compare."""
     return [
-        Measured(lines[verdict.key.over_cases], verdict, verdict.discrepancy, verdict.discrepancy.maxima())
+        Measured(lines[verdict.key.over_cases], verdict, verdict.discrepancy, maxima)
         for verdict in verdicts
-        if verdict.discrepancy is not None
+        if verdict.discrepancy is not None and all(map(math.isfinite, (maxima := verdict.discrepancy.maxima()).values()))
     ]
 
 

@@ -1,5 +1,6 @@
 """Matrices of cases by methods: one for each kind of scene, with the quantity that shows the discrepancies best there."""
 
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -211,5 +212,10 @@ def _figure(verdict: Verdict, kind: Kind) -> Figure:
 
 
 def decade(error: float) -> int:
-    """Return the decimal exponent of an error, limited to the range from -12, which includes zero errors, to 0."""
+    """Return the decimal exponent of an error, limited to the range from -12, which includes zero errors, to 0.
+
+    An error that is not a finite number has 0.
+    """
+    if not math.isfinite(error):
+        return 0
     return max(-12, min(0, int(f"{error:e}".partition("e")[2]))) if error else -12

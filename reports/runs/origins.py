@@ -1,5 +1,6 @@
 """Origins of the contact discrepancies of one case, as a table and as charts."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -51,12 +52,13 @@ def origins(parts: Parts) -> Origins | None:
 
 
 def _charts(parts: Parts) -> Iterator[Chart]:
-    """Return a chart for each quantity, with the smallest time step of each method."""
+    """Return a chart for each quantity, with the smallest time step of each method at which all parts are finite numbers."""
     finest: dict[tuple[str, str, str, str], Attribution] = {}
     for label, own in parts.items():
         for part in own:
             key = part.quantity, part.engine, part.integrator, label
-            if part.constraint is not None and (key not in finest or part.timestep < finest[key].timestep):
+            finite = all(math.isfinite(value) for value in (part.total, *_values(part)) if value is not None)
+            if finite and part.constraint is not None and (key not in finest or part.timestep < finest[key].timestep):
                 finest[key] = part
     for quantity, (title, unit) in QUANTITIES.items():
         methods = {_method(*key[1:], part): part for key, part in finest.items() if key[0] == quantity}

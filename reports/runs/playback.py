@@ -99,8 +99,11 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
     truth, reach = truths[timestep], _reach(scene.body)
     trajectory = truth.trajectory
     fastest = float(np.linalg.norm(trajectory.angular_velocity, axis=1).max())
-    own = [_shown(line, verdict, truth) for line, verdict in runs.items() if line.timestep == timestep]
+    own_runs = {line: verdict for line, verdict in runs.items() if line.timestep == timestep}
+    own = [_shown(line, verdict, truth) for line, verdict in own_runs.items()]
     played = [one for one in own if one is not None]
+    if not played:
+        return Playback(None, "", ("There is no animation because the errors of no run are finite numbers.",))
     if scene.plane is None and not fastest and not any(one.trajectory.angular_velocity.any() for one in played):
         return Playback(None, "", ("There is no animation because nothing rotates in this case.",))
     rates = RATE_TOLERANCE * fastest if scene.plane is None and fastest else math.inf
@@ -113,7 +116,9 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
         record |= _course(trajectory.t, trajectory.position / reach, PLACE_TOLERANCE)
     first = choose(played, reach if scene.plane is not None else math.inf)
     kept: dict[Shown, dict[str, Any]] = {}
-    undrawn, left_out = [], []
+    finite = [one.line for one in played]
+    undrawn = [name_of(line) for line, verdict in own_runs.items() if verdict.discrepancy is not None and line not in finite]
+    left_out = []
     if (room := most - len(_json(record))) < 0:
         return Playback(None, "", ("There is no animation, to keep this file small.",))
     for one in (*first, *(other for other in played if other not in first)):

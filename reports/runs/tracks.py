@@ -36,6 +36,9 @@ COARSEST = 1.0
 #: Steps of a 16-bit number from zero to its largest size.
 LEVELS = 32767
 
+#: Largest deviation of the norm of an attitude from 1, far above the rounding of a normalised quaternion.
+UNIT = 1e-6
+
 #: Angle (rad) below which the first terms of a series are exact enough.
 SMALL = 1e-2
 
@@ -97,7 +100,8 @@ class Course:
 def turning(t: Array, quaternion: Array, rate: Array, rate_tolerance: float) -> Turning | None:
     """Return a rotation at few instants from which `played` finds every checked sample within the tolerances.
 
-    Returns None if this takes more than MOST_INSTANTS, or if the body turns too far between samples.
+    Returns None if this takes more than MOST_INSTANTS, if the body turns too far between samples, or if an attitude or a
+    rate is no number.
 
     Parameters
     ----------
@@ -112,6 +116,8 @@ def turning(t: Array, quaternion: Array, rate: Array, rate_tolerance: float) -> 
     """
     rows = checked(len(t))
     t, quaternion, rate = t[rows], quaternion[rows], rate[rows]
+    if not np.isfinite(rate).all() or not np.allclose(np.linalg.norm(quaternion, axis=1), 1.0, rtol=0, atol=UNIT):
+        return None
     sizes, steps = np.linalg.norm(rate, axis=1), np.diff(t)
     turns = np.maximum(geodesic_angle(quaternion[:-1], quaternion[1:]), steps * (sizes[:-1] + sizes[1:]) / 2)
     turned = np.concatenate([[0.0], np.cumsum(turns)])
