@@ -27,7 +27,7 @@ from bodycheck.reference.witnesses import FARTHEST_RAD, course, wide_witness
 TRUTH_WAY = "truth"
 
 #: Bits of a mantissa that are left when rounding has grown along the motion: the error of the way is then below 1e-20.
-SPARE_BITS = 80
+SPARE_BITS = 72
 
 #: Numbers of bits of a mantissa that are used, for each of which the equations are compiled once.
 BITS = (128, 192, 256, 320)
