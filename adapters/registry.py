@@ -14,6 +14,7 @@ from importlib.metadata import entry_points
 
 import bodycheck.adapters
 from bodycheck.adapters.contract import Adapter
+from bodycheck.adapters.record import fault_of
 
 #: The group of entry points that name adapters in other packages.
 ENGINE_GROUP = "bodycheck.engines"
@@ -23,6 +24,10 @@ DISTRIBUTION_GROUP = "bodycheck.distributions"
 
 class EngineMissing(Exception):
     """An engine cannot be used here; the text says why, and which package to install if that is known."""
+
+
+class EngineBroken(EngineMissing):
+    """An engine is installed, but fails when it is imported or asked for its record; the text says how."""
 
 
 def names() -> tuple[str, ...]:
@@ -47,7 +52,10 @@ def distribution(name: str) -> str:
 
 
 def load(name: str) -> Adapter:
-    """Import an engine and return its adapter. Raises `EngineMissing`."""
+    """Import an engine and return its adapter, whose record is complete.
+
+    Raises `EngineMissing` if the engine is not installed or has no adapter, and `EngineBroken` if it fails.
+    """
     _check_known(name)
     try:
         points = entry_points(group=ENGINE_GROUP, name=name)
@@ -55,12 +63,27 @@ def load(name: str) -> Adapter:
     except ModuleNotFoundError as error:
         raise EngineMissing(f"{name} is not installed: there is no Python package {error.name!r}") from error
     except ImportError as error:
-        raise EngineMissing(f"{name} cannot be imported: {error}") from error
-    if not isinstance(adapter, Adapter):
+        raise EngineBroken(f"{name} cannot be imported: {error}") from error
+    except (Exception, SystemExit) as error:  # an engine may raise anything
+        raise EngineBroken(f"{name} cannot be imported: {_told(error)}") from error
+    try:
+        complete = isinstance(adapter, Adapter)
+        fault = fault_of(adapter.engine) if complete else None
+    except (Exception, SystemExit) as error:
+        raise EngineBroken(f"{name} does not say what it is: {_told(error)}") from error
+    if not complete:
         raise EngineMissing(
             f"{name} has no adapter: {_description(adapter)} lacks `engine` or `prepare` of bodycheck's contract"
         )
+    if fault is not None:
+        raise EngineBroken(f"{name} does not say what it is: {fault}")
     return adapter
+
+
+def _told(error: BaseException) -> str:
+    """Return the type and the message of an exception as valid UTF-8."""
+    text = f"{type(error).__name__}: {error}".removesuffix(": ")
+    return text.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def _description(adapter: object) -> str:

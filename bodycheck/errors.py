@@ -8,5 +8,9 @@ class BadInput(Exception):
     """Bad input or usage. The text says what was read and what is allowed; the command line exits with code 2."""
 
 
+class Failed(Exception):
+    """What was asked for failed; the text says how, and the command line exits with code 1."""
+
+
 class BadFolder(BadInput):
     """A folder of results is missing, damaged or holds other files; the text says which."""

@@ -58,13 +58,10 @@ def pytest_configure(config: pytest.Config) -> None:
     config.stash[OWN_MARKERS] = _markers(config)
     config.addinivalue_line("markers", f"{MARKER}: a test in a case file of bodycheck")
     if engines := config.getoption(OPTION):
-        from bodycheck.adapters import registry
+        from bodycheck.running.engines import faults
 
-        for engine in engines:
-            try:
-                registry.load(engine)
-            except registry.EngineMissing as error:
-                raise pytest.UsageError(f"{OPTION}: {error}") from error
+        for fault in faults(engines).values():
+            raise pytest.UsageError(f"{OPTION}: {fault.reason}")
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
@@ -87,8 +84,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
     # The marker is added before pytest evaluates markers, so that skipped tests are reported with their line in the file.
-    if isinstance(item, CaseItem) and (missing := _missing(item.engine)) is not None:
-        item.add_marker(pytest.mark.skip(reason=missing))
+    if isinstance(item, CaseItem):
+        from bodycheck.running.engines import faults
+
+        for fault in faults([item.engine]).values():
+            if fault.broken:  # something is expected of the engine
+                pytest.fail(fault.reason, pytrace=False)
+            item.add_marker(pytest.mark.skip(reason=fault.reason))
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
@@ -244,17 +246,6 @@ def _perform(config: pytest.Config) -> "Perform":
         kept: Perform = lru_cache(MAX_CACHED_RESULTS)(call)
         config.stash[PERFORM_KEY] = kept
     return config.stash[PERFORM_KEY]
-
-
-def _missing(engine: str) -> str | None:
-    """Return why an engine cannot be used here; None if it can."""
-    from bodycheck.adapters import registry
-
-    try:
-        registry.load(engine)
-    except registry.EngineMissing as error:
-        return str(error)
-    return None
 
 
 def _may_be_marker(tag: str, taken: set[str]) -> bool:

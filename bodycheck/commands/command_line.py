@@ -10,7 +10,7 @@ from bodycheck.commands.listing import cases, engines
 from bodycheck.commands.report import report
 from bodycheck.commands.run import run
 from bodycheck.commands.truth import truth
-from bodycheck.errors import BAD_INPUT, INTERRUPTED, BadInput
+from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, BadInput, Failed
 from bodycheck.studies.ablation.command import ablate
 from bodycheck.studies.extremes.command import extremes
 from bodycheck.studies.releases.command import bisect, releases
@@ -41,6 +41,9 @@ def main() -> None:
     except (CycloptsError, BadInput) as error:
         print(error, file=sys.stderr)
         code = BAD_INPUT
+    except Failed as error:
+        print(error, file=sys.stderr)
+        code = FAILED
     except KeyboardInterrupt:
         print("bodycheck: interrupted", file=sys.stderr)
         code = INTERRUPTED

@@ -46,14 +46,16 @@ def engines(
     Parameters
     ----------
     check
-        Also test each adapter with scenes whose solution is obvious. The exit code is 1 if a test fails.
+        Also test each adapter with scenes whose solution is obvious. The exit code is 1 if a test fails,
+        or an installed engine when it is imported.
     """
     from bodycheck.adapters import offers
     from bodycheck.console import terminal
     from bodycheck.running import smoke
 
-    adapters, missing = arguments.load_engines(())
-    faults = {name: smoke.check(name) for name in adapters} if check else {}
+    loaded = arguments.load_engines(())
+    adapters, missing = loaded.adapters, loaded.missing
+    faults = smoke.check_all(tuple(adapters)) if check else {}
     if json:
         checked: dict[str, dict[str, list[str]]] = {name: {"faults": found} for name, found in faults.items()}
         terminal.print_json(
@@ -69,4 +71,4 @@ def engines(
         terminal.print_table(("engine", "version", "integrators"), rows + [(name, "-", why) for name, why in missing.items()])
         for name, found in faults.items():
             print("\n".join(found) if found else f"{name}: adapter check passed")
-    return FAILED if any(faults.values()) else OK
+    return FAILED if any(faults.values()) or (check and loaded.broken) else OK

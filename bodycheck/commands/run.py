@@ -30,7 +30,8 @@ def run(
     with the same --out. In a GitHub workflow, failed expectations are annotated in the case files, and the report becomes the
     summary of the step.
 
-    Exit codes: 0 all expectations hold; 1 an expectation failed; 2 bad input or usage.
+    Exit codes: 0 all expectations hold; 1 an expectation failed, or an engine
+    that was named or of which something is expected; 2 bad input or usage.
 
     Parameters
     ----------
@@ -60,4 +61,4 @@ def run(
         terminal.print_json(judgement.records(verdicts))
     else:
         terminal.print_results(verdicts)
-    return FAILED if any(verdict.passed is False for verdict in verdicts) else OK
+    return FAILED if made.engine_failed or any(verdict.passed is False for verdict in verdicts) else OK

@@ -2,10 +2,12 @@
 
 import os
 import sys
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from bodycheck.errors import BadInput
+from bodycheck.errors import BadInput, Failed
 from bodycheck.suggestion import did_you_mean
 
 if TYPE_CHECKING:
@@ -33,29 +35,57 @@ def load_cases(names: tuple[str, ...]) -> "list[Case]":
     return list(loaded.values())
 
 
-def load_engines(names: tuple[str, ...]) -> "tuple[dict[str, Adapter], dict[str, str]]":
-    """Load the named engines; all engines if none is named.
+@dataclass(frozen=True)
+class Engines:
+    """The engines that a command can use, and those that it cannot.
 
-    Returns the adapters by name, and, if none is named, the reasons why the other engines cannot be used. Raises `BadInput` if
-    a named engine, or every engine, cannot be used.
+    Attributes
+    ----------
+    adapters
+        The adapters by the engine's name.
+    missing
+        Why the other engines cannot be used, by their names.
+    broken
+        Those of the missing engines that are installed but fail.
+    named
+        Whether the user named the engines.
+    """
+
+    adapters: "dict[str, Adapter]"
+    missing: dict[str, str]
+    broken: frozenset[str]
+    named: bool
+
+    def failed(self, cases: "Iterable[Case]" = ()) -> bool:
+        """Return whether an engine fails that the user named, or of which cases expect something if the user named none."""
+        return bool(self.broken if self.named else self.broken & {e.engine for case in cases for e in case.expectations})
+
+
+def load_engines(names: tuple[str, ...]) -> Engines:
+    """Load the named engines; all engines if none is named. Each is asked in a worker process first.
+
+    Raises `BadInput` if a named engine is unknown or not installed, or if no engine can be used, and `Failed` if all named
+    engines fail.
     """
     from bodycheck.adapters import registry
+    from bodycheck.running import engines
 
-    adapters: dict[str, Adapter] = {}
-    missing: dict[str, str] = {}
-    known = registry.names()
-    for name in dict.fromkeys(names or known):
+    wanted = tuple(dict.fromkeys(names or registry.names()))
+    for name in wanted:
         check_engine(name)
-        try:
-            adapters[name] = registry.load(name)
-        except registry.EngineMissing as error:
-            if names:
-                raise BadInput(str(error)) from error
-            missing[name] = str(error)
-            print(f"bodycheck: {error}; continuing without it", file=sys.stderr)
+    adapters, faults = engines.load(wanted)
+    for fault in faults.values():
+        if names and not fault.broken:
+            raise BadInput(fault.reason)
+        print(f"bodycheck: {fault.reason}; continuing without it", file=sys.stderr)
     if not adapters:
-        raise BadInput("no engine can be used")
-    return adapters, missing
+        raise Failed("no engine can be used") if names else BadInput("no engine can be used")
+    return Engines(
+        adapters=adapters,
+        missing={name: fault.reason for name, fault in faults.items()},
+        broken=frozenset(name for name, fault in faults.items() if fault.broken),
+        named=bool(names),
+    )
 
 
 def check_engine(name: str) -> None:

@@ -43,11 +43,22 @@ class Selection:
 
 @dataclass(frozen=True)
 class Ran:
-    """The results of a command's runs, the cases that were run, and the adapters of the engines by name."""
+    """The results of a command's runs.
+
+    Attributes
+    ----------
+    results, cases
+        The results, and the cases that were run.
+    adapters
+        The adapters of the engines by name.
+    engine_failed
+        Whether an engine fails to load that the user named, or of which a case expects something.
+    """
 
     results: Results
     cases: list[Case]
     adapters: dict[str, Adapter]
+    engine_failed: bool
 
 
 @contextmanager
@@ -67,14 +78,17 @@ def ran(selection: Selection, plan: Plan, out: Path | None) -> Iterator[Ran]:
     ------
     BadInput
         If a case, engine, method or folder cannot be used.
+    Failed
+        If all engines that the user named fail when they are loaded.
     """
     cases = load_cases(selection.cases)
-    adapters, missing = load_engines(selection.engines)
+    engines = load_engines(selection.engines)
+    adapters = engines.adapters
     tasks = plan(cases, adapters, selection.integrators, selection.timesteps)
-    header = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, missing)
+    header = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, engines.missing)
     with ExitStack() as stack:
         folder = out or Path(stack.enter_context(TemporaryDirectory(prefix="bodycheck-")))
         with terminal.progress("running", campaign.size(tasks)) as progress:
             done = campaign.results(tasks, folder, header, processes(selection.jobs), progress=progress)
             results = stack.enter_context(done)
-        yield Ran(results, cases, adapters)
+        yield Ran(results, cases, adapters, engines.failed(cases))

@@ -1,7 +1,8 @@
 """Check adapters with scenes whose solution is obvious, so that a broken adapter is not reported as a wrong engine."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,10 +12,14 @@ from bodycheck.adapters.contract import Adapter, Method, Models
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.trajectory import Array
+from bodycheck.running import pool
 
 #: Time step and number of steps of a check.
 TIMESTEP_S = 1e-3
 STEPS = 100
+
+#: Time limit of the check of one engine.
+TIME_LIMIT_S = 300.0
 
 #: Tolerance of lengths, speeds and angles of order one. It exceeds the error of any consistent scheme in 100 steps of a
 #: millisecond, and is below the effect of a wrong axis, frame, sign or quaternion order.
@@ -107,6 +112,13 @@ def check(engine: str) -> list[str]:
             for when, row, state in (("at the start", start, obvious.scene.initial), ("after 0.1 s", end, obvious.after)):
                 faults += [f"{engine} {integrator}: {obvious.name}, but {when} its {wrong}" for wrong in _wrong(row, state)]
     return faults
+
+
+def check_all(engines: Sequence[str]) -> dict[str, list[str]]:
+    """Return the faults of the adapters of engines by name, each found in a worker process. Raises nothing of an engine."""
+    with closing(pool.call_all(check, engines, jobs=1, limit=TIME_LIMIT_S)) as answers:
+        found = {name: answer if isinstance(answer, list) else [f"{name}: {answer.reason}"] for name, answer in answers}
+    return {name: found[name] for name in engines}
 
 
 def _wrong(row: Array, state: State) -> list[str]:

@@ -9,7 +9,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from bodycheck.console.options import CaseName, Engines, Figures, Integrators, Jobs, Json, Out, Timesteps
-from bodycheck.errors import OK
+from bodycheck.errors import FAILED, OK
 
 
 def ablate(
@@ -49,4 +49,4 @@ def ablate(
         terminal.print_json(study.records(rows))
     else:
         printing.print_ablation(rows)
-    return OK
+    return FAILED if made.engine_failed else OK

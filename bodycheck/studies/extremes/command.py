@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from bodycheck.console.options import CaseName, Engines, Figures, Integrators, Jobs, Json, Out
-from bodycheck.errors import OK
+from bodycheck.errors import FAILED, OK
 
 
 def extremes(
@@ -37,9 +37,10 @@ def extremes(
 
     check_has_folder(figures, out)
     loaded = [case for case in load_cases(cases) if cases or case.extremes]
-    adapters, missing = load_engines(engine)
+    engines = load_engines(engine)
+    adapters = engines.adapters
     planned = study.prepare(loaded, adapters, integrator)
-    head = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, missing)
+    head = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, engines.missing)
     with ExitStack() as stack:
         folder = out or Path(stack.enter_context(TemporaryDirectory(prefix="bodycheck-")))
         progress = stack.enter_context(terminal.progress("pushing", planned.size))
@@ -53,4 +54,4 @@ def extremes(
         printing.print_extremes(rows, limits)
     if out is not None:
         print(f"report: {out / 'report.html'}", file=sys.stderr)
-    return OK
+    return FAILED if engines.failed(loaded) else OK

@@ -51,7 +51,7 @@ def tradeoff(
         terminal.print_json({"rows": rows, "orders": [asdict(order) for order in orders]})
     else:
         printing.print_tradeoff(rows, orders)
-    return OK
+    return FAILED if made.engine_failed else OK
 
 
 def recommend(
@@ -104,4 +104,4 @@ def recommend(
         )
     else:
         printing.print_recommendations(found, front, quantity, error)
-    return OK if found else FAILED
+    return OK if found and not made.engine_failed else FAILED

@@ -1,0 +1,95 @@
+"""Engines that fail when they are imported or asked what they are: each is missing with the reason, and harms nothing."""
+
+from pathlib import Path
+
+import pytest
+
+from bodycheck import load
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Engine, Integrator
+from bodycheck.adapters.record import fault_of
+from bodycheck.console.arguments import load_engines
+from bodycheck.running import engines, pool
+from bodycheck.running.outcome import TimedOut
+from tests.support.cases import a_case, expecting
+from tests.support.commands import bodycheck
+from tests.support.planted_engines import plant
+
+#: What the modules of engines do, and why they are missing.
+FAILING = {
+    "vanishing": ("import os; os._exit(0)", "fails when it is imported: its process exited with code 0"),
+    "segfaulting": ("import ctypes; ctypes.string_at(0)", "fails when it is imported: its process died of signal SIGSEGV"),
+    "raising": ("raise OSError('no card')", "cannot be imported: OSError: no card"),
+    "exiting": ("raise SystemExit(0)", "cannot be imported: SystemExit: 0"),
+    "misspelled": ("def :", "cannot be imported: SyntaxError: invalid syntax"),
+    "unlinked": ("raise ImportError('libx.so')", "cannot be imported: libx.so"),
+    "versionless": ("from dataclasses import replace; engine = replace(RECORD, version=None)", "does not say what it is: "),
+    "recordless": ("engine = 7", "does not say what it is: its record is of the type int, not Engine"),
+    "asking": (
+        "class _A:\n    prepare = print\n    @property\n    def engine(self): raise RuntimeError('no')\n"
+        "import sys; sys.modules[__name__] = _A()",
+        "does not say what it is: RuntimeError: no",
+    ),
+}
+
+
+@pytest.fixture
+def planted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The failing engines, between two that work."""
+    failing = {name: code for name, (code, _) in FAILING.items()}
+    plant(tmp_path / "planted", {"first": "", **failing, "last": ""})
+    monkeypatch.syspath_prepend(tmp_path / "planted")
+
+
+def test_an_engine_that_fails_at_import_is_missing_and_named(planted: None) -> None:
+    found = engines.faults(["first", *FAILING, "last", "nobody"])
+    assert not found.pop("nobody").broken
+    assert found.keys() == FAILING.keys()
+    for name, (_, reason) in FAILING.items():
+        assert found[name].reason.startswith(f"{name} {reason}"), found[name]
+        assert found[name].broken
+    assert registry.load("last").engine.version == "1.0"
+
+
+def test_commands_go_on_without_a_failing_engine_unless_it_was_named(planted: None, tmp_path: Path) -> None:
+    case = tmp_path / "spin.case.toml"
+    case.write_text(a_case(expect=[expecting("vanishing", "step", 0.01, attitude_error=1.0)]), "utf-8")
+    done = bodycheck("engines", COLUMNS="1000")
+    assert done.returncode == 0
+    assert "vanishing fails when it is imported: its process exited with code 0" in done.stdout
+    assert "mujoco" in done.stdout
+    only = bodycheck("run", case, "--engine", "vanishing")
+    assert (only.returncode, only.stdout) == (1, "")
+    assert "no engine can be used" in only.stderr
+    both = bodycheck("run", case, "--engine", "vanishing", "--engine", "mujoco", "--integrator", "Euler", "--jobs", "1")
+    assert (both.returncode, "mujoco" in both.stdout, "continuing without it" in both.stderr) == (1, True, True)
+    unnamed = load_engines(())
+    assert unnamed.failed([load(case)])
+    assert not unnamed.failed([load("free-brick")])
+
+
+def test_an_engine_that_hangs_at_import_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The limit itself is the pool's, whose tests hang for it."""
+
+    def call_all(function: object, names: list[str], jobs: int, limit: float) -> object:
+        yield from ((name, TimedOut(limit)) for name in names)
+
+    monkeypatch.setattr(pool, "call_all", call_all)
+    fault = engines.faults(["hanging-at-import"])["hanging-at-import"]
+    assert fault == engines.Fault("hanging-at-import fails when it is imported: stopped after 60 s", broken=True)
+
+
+@pytest.mark.parametrize(
+    ("engine", "fault"),
+    [
+        (Engine("e", "d", "1", (Integrator("=1+1"),), frozenset()), "an integrator is named '=1\\+1', not by text"),
+        (Engine("e", "d", "1", (Integrator("x" * 101),), frozenset()), "an integrator is named 'xxx"),
+        (Engine("e", "d", "1", (Integrator("\udcff"),), frozenset()), r"an integrator is named '\\udcff'"),
+        (Engine("e", "d", "1", ("Euler",), frozenset()), "its integrators are"),  # type: ignore[arg-type]
+        (Engine("e", "d", "1", (), frozenset(), batch=0), "its batch is 0"),
+        (Engine("e", "d", "1", (), frozenset(), variants={"flight": ("\n",)}), "its variants for 'flight'"),
+    ],
+)
+def test_a_record_that_holds_anything_else_is_refused(engine: Engine, fault: str) -> None:
+    with pytest.raises(AssertionError, match=fault):
+        raise AssertionError(fault_of(engine))
