@@ -8,7 +8,7 @@ import resource
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -197,15 +197,20 @@ def mutants(seed: int, count: int) -> Any:
     """Names and contents of so many mutants, the same for one seed."""
     chance = random.Random(seed)
     good = [RICH, *(load(name).text for name in shipped())]
-    weights = [0.2 if name in RARE else 1.0 for name in MUTATIONS]
     for _ in range(count):
-        content: str | bytes = chance.choice(good)
-        names = []
-        for name in chance.choices(list(MUTATIONS), weights, k=chance.choice([1, 1, 1, 2, 3])):
-            if isinstance(content, str):
-                content = MUTATIONS[name](chance, content)
-                names.append(name)
-        yield " + ".join(names), content.encode() if isinstance(content, str) else content
+        yield mutant(chance, good)
+
+
+def mutant(chance: random.Random, good: Sequence[str]) -> tuple[str, bytes]:
+    """Name and content of a mutant of one of some good files."""
+    weights = [0.2 if name in RARE else 1.0 for name in MUTATIONS]
+    content: str | bytes = chance.choice(good)
+    names = []
+    for name in chance.choices(list(MUTATIONS), weights, k=chance.choice([1, 1, 1, 2, 3])):
+        if isinstance(content, str):
+            content = MUTATIONS[name](chance, content)
+            names.append(name)
+    return " + ".join(names), content.encode() if isinstance(content, str) else content
 
 
 def wrong(path: Path, content: bytes, error: CaseFaults) -> str:

@@ -1,0 +1,50 @@
+"""Trials of case files: what is loaded is a case or has faults, and a case has a truth or a reason why it has none."""
+
+import resource
+import time
+from pathlib import Path
+
+from bodycheck import Case, CaseFaults, load
+from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.running import truths
+from tests.adversary import case_files
+from tests.support.mutants import wrong
+
+#: What loading a file may take: processor time (s) and memory (MiB).
+LOADING_S, LOADING_MIB = 1.0, 200.0
+
+#: What the truth of a case may take of processor time (s), at the instants of its file.
+TRUTH_S = 60.0
+
+
+def truth_of_a_file(seed: int, folder: Path) -> str:
+    """What is wrong with loading the file of a seed, or with the truth of its case."""
+    path, content = folder / "hostile.case.toml", case_files.drawn(seed)
+    path.write_bytes(content)
+    start, before = time.process_time(), _peak()
+    try:
+        case = load(path)
+    except CaseFaults as error:
+        case, problem = None, wrong(path, content, error)
+    else:
+        problem = ""
+    taken, grown = time.process_time() - start, _peak() - before
+    if taken > LOADING_S or grown > LOADING_MIB:
+        return f"loading took {taken:.2f} s and {grown:.0f} MiB"
+    return problem or ("" if case is None else _truth(case))
+
+
+def _truth(case: Case) -> str:
+    start = time.process_time()
+    try:
+        truths.truth(case)
+    except (NotModelled, OutOfReach) as error:
+        if not str(error) or "\n" in str(error):
+            return f"a reason that is no line: {error!r}"
+    taken = time.process_time() - start
+    return f"its truth took {taken:.1f} s" if taken > TRUTH_S else ""
+
+
+def _peak() -> float:
+    """The most memory that the process has held, in MiB."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024

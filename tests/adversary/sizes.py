@@ -1,0 +1,23 @@
+"""How many attacks `make slow` makes. Each is a variable of the environment, which `make slow NAME=number` sets."""
+
+import os
+from itertools import pairwise
+
+#: Case files to load, of which the accepted ones get a truth; case files to run; folders and baselines to damage; kills.
+DEFAULTS = {"FILES": 100_000, "RUNS": 2_000, "FOLDERS": 1_000, "KILLS": 100}
+
+#: The seed of the first attack.
+SEED = int(os.environ.get("SEED", "1"))
+
+Batch = tuple[int, int]
+
+
+def size(name: str) -> int:
+    """How many attacks of a kind are asked for."""
+    return int(os.environ.get(name, DEFAULTS[name]))
+
+
+def batches(name: str, count: int = 8) -> list[Batch]:
+    """First seeds and numbers of attacks of at most so many tests, which together make all that are asked for."""
+    edges = [round(size(name) * part / count) for part in range(count + 1)]
+    return [(SEED + low, high - low) for low, high in pairwise(edges) if high > low]
