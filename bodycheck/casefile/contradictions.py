@@ -113,6 +113,9 @@ def _body_contradictions(body: dict[str, Any]) -> Iterator[tuple[Path, str]]:
                 yield ("body", "parts", index, key), what
         if "euler_zxz" in _mapping(part) and "quaternion" in part:
             yield ("body", "parts", index, "quaternion"), "euler_zxz is given too; give only one"
+        quaternion = _numbers(_mapping(part).get("quaternion"), 4)
+        if quaternion and not any(quaternion):
+            yield ("body", "parts", index, "quaternion"), "its length is 0; any other length is allowed"
 
 
 def _principal_moments(tensor: NDArray[np.float64]) -> list[float]:

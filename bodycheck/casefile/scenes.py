@@ -5,7 +5,7 @@ from dataclasses import replace
 from bodycheck.casefile import grammar
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.reference.definition import Attitude, Definition, EulerAngles, EulerRates, Particle, Solid, Tensor
-from bodycheck.reference.exact.numbers import MP, real
+from bodycheck.reference.exact.numbers import MP, Real, real
 from bodycheck.reference.exact.start import defined_scene, start
 from bodycheck.reference.planar import resting_height
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere
@@ -14,7 +14,7 @@ from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, S
 MIN_MOMENT_RATIO = 1e-15
 
 
-#: Largest allowed kinetic energy (J) and component of the angular momentum (kg m^2/s).
+#: Largest value that a quantity of a motion may have in SI units, so that its square does not overflow; see `_check_size`.
 MAX_SIZE = 1e150
 
 
@@ -29,7 +29,7 @@ class Inconsistent(Exception):
 def build_scene(table: grammar.CaseTable) -> Scene:
     """Return the scene of a case.
 
-    Raises `Inconsistent` for particles or parts that lie on a line, and for an energy or angular momentum above `MAX_SIZE`.
+    Raises `Inconsistent` for particles or parts that lie on a line, and for a motion with a quantity above `MAX_SIZE`.
 
     If no position is given, a body with a flat face lies on the plane.
     """
@@ -49,7 +49,7 @@ def build_scene(table: grammar.CaseTable) -> Scene:
         plane=Plane(**surroundings.plane.model_dump()) if surroundings.plane else None,
         drag=surroundings.drag.quadratic if surroundings.drag else 0.0,
     )
-    _check_size(made)
+    _check_size(made, table.run.duration)
     return made
 
 
@@ -93,17 +93,33 @@ def _check_extent(body: Body) -> None:
         raise Inconsistent((("body",), slender))
 
 
-def _check_size(scene: Scene) -> None:
-    """Refuse a motion whose energy or angular momentum is so large that sums and products of them could overflow."""
-    begin = start(scene)
-    kinetic = (
-        scene.body.mass * sum(real(speed) ** 2 for speed in scene.initial.velocity)
-        + sum(moment * rate**2 for moment, rate in zip(begin.moments, begin.rates, strict=True))
-    ) / 2
-    momentum = max(abs(moment * rate) for moment, rate in zip(begin.moments, begin.rates, strict=True))
-    for name, value, unit in (("kinetic energy", kinetic, "J"), ("angular momentum", momentum, "kg m^2/s")):
-        if value > MAX_SIZE:
-            raise Inconsistent((("initial",), f"its {name} is {MP.nstr(value, 3)} {unit}; at most {MAX_SIZE:g} is allowed"))
+def _check_size(scene: Scene, duration: float) -> None:
+    """Refuse a motion that has such large numbers within a duration (s) that squares and products of them could overflow."""
+    begin, initial, gravity = start(scene), scene.initial, real(scene.gravity)
+    mass, time = real(scene.body.mass), real(duration)
+    speed = MP.hypot(MP.hypot(*map(real, initial.velocity[:2])), real(initial.velocity[2]))
+    way = sum(abs(real(each)) for each in initial.position) + (speed + gravity * time) * time
+    momentum = [moment * rate for moment, rate in zip(begin.moments, begin.rates, strict=True)]
+    rotational = sum(each * rate for each, rate in zip(momentum, begin.rates, strict=True))
+    least, most = min(begin.moments), max(begin.moments)
+    sizes: dict[Path, dict[str, tuple[Real, str]]] = {
+        ("initial",): {
+            "kinetic energy": ((mass * speed**2 + rotational) / 2, "J"),
+            "angular momentum": (max(map(abs, momentum)), "kg m^2/s"),
+        },
+        ("body",): {
+            "largest moment of inertia": (most, "kg m^2"),
+            "smallest moment of inertia, inverted,": (1 / least if least > 0 else MP.inf, "1/(kg m^2)"),
+        },
+        ("run", "duration"): {
+            "distance from the origin at the end": (way, "m"),
+            "energy at the end": (mass * ((speed + gravity * time) ** 2 + gravity * way), "J"),
+        },
+    }
+    for path, quantities in sizes.items():
+        for name, (value, unit) in quantities.items():
+            if value > MAX_SIZE:
+                raise Inconsistent((path, f"its {name} is {MP.nstr(value, 3)} {unit}; at most {MAX_SIZE:g} is allowed"))
 
 
 def _shape(table: grammar.AnyBody | grammar.PartTable) -> Shape | None:

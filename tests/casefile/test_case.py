@@ -15,6 +15,7 @@ from bodycheck.casefile.case import MAX_FILE_BYTES, Fault, parse, shipped
 from bodycheck.casefile.expectation import Limit
 from bodycheck.casefile.toml_positions import positions
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Sphere
+from tests.support.cases import a_case
 
 GOOD = """\
 format = 1
@@ -264,3 +265,46 @@ def test_a_motion_whose_numbers_would_overflow_is_refused(mass: str, size: str, 
     assert where.endswith("initial")
     assert what in message
     assert "at most 1e+150" in message
+
+
+@pytest.mark.parametrize(
+    ("place", "change", "what"),
+    [
+        (
+            "body",
+            {"mass = 2": "mass = 1e100", "[0.1, 0.3, 0.2]": "[1e30, 1e30, 1e30]", "[0.0, 0.1, 10.0]": "[0.0, 0.0, 0.0]"},
+            "largest moment of inertia is 6.67e+159",
+        ),
+        (
+            "body",
+            {"mass = 2": "mass = 1e-100", "[0.1, 0.3, 0.2]": "[1e-30, 1e-30, 1e-30]"},
+            "smallest moment of inertia, inverted, is 1.5e+160",
+        ),
+        (
+            "run.duration",
+            {"10.0\nsamples": "1e90\nsamples", "timestep = 0.002": "timestep = 1e85"},
+            "distance from the origin at the end is",
+        ),
+    ],
+)
+def test_a_body_or_a_way_whose_numbers_would_overflow_is_refused(place: str, change: dict[str, str], what: str) -> None:
+    text = GOOD
+    for one, other in change.items():
+        assert one in text
+        text = text.replace(one, other, 1)
+    ((where, message),) = faults(text).items()
+    assert where.endswith(place)
+    assert what in message
+
+
+def test_a_part_without_a_direction_is_refused() -> None:
+    parts = """[[body.parts]]
+shape = "sphere"
+radius = 1.0
+mass = 1.0
+quaternion = [0.0, 0.0, 0.0, 0.0]
+"""
+    text = a_case(body={}).replace("[body]\n", parts)
+    ((where, message),) = faults(text).items()
+    assert where.endswith("body.parts[1].quaternion")
+    assert message.endswith("its length is 0; any other length is allowed")
