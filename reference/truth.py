@@ -18,6 +18,7 @@ from bodycheck.reference.planar import Stop, planar_state
 from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Scene
+from bodycheck.reference.sliding.friction import footprint_of
 from bodycheck.reference.sliding.motion import Slide, slide
 from bodycheck.reference.sliding.ways import BALANCE_WITNESS
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -112,6 +113,7 @@ def missing_model(scene: Scene) -> str | None:
         return "a sliding body whose frame is not that of its principal axes"
     try:
         planar_state(scene)
+        footprint_of(scene.body.shape, scene.plane.law)
     except NotFlat as error:
         return str(error)
     return None

@@ -133,7 +133,7 @@ def least_braking(body: Flat) -> float:
     face. So it is at least 1/sqrt(2) of the smaller of both; the rest is for pressures that shift.
     """
     pure = accelerations(body, np.zeros(2), np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
-    return float(np.linalg.norm(pure, axis=1).min()) / 2
+    return float(np.hypot.reduce(pure, axis=1).min()) / 2  # squares of strong friction would overflow
 
 
 def _rates_of_errors(body: Flat, panels: Panels, nodes: Array, caused: Array) -> Array:

@@ -1,12 +1,13 @@
 """The slide of a flat body: closed forms, the stop, what mechanics demands, and the error that it states of itself."""
 
 import math
+import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from bodycheck.reference.errors import NotFlat, OutOfReach, WouldTip
+from bodycheck.reference.errors import NotFlat, NotModelled, OutOfReach, WouldTip
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.integration import dop853 as integration
 from bodycheck.reference.kinematics import geodesic_angle, quaternion_from_euler
@@ -18,6 +19,7 @@ from bodycheck.reference.sliding.footprint import Disk, Footprint, Points, nearn
 from bodycheck.reference.sliding.friction import friction, uniform_friction
 from bodycheck.reference.sliding.motion import Slide, slide
 from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truth import truth
 
 BRICK = Brick((0.1, 0.2, 0.05))
 DISK = Cylinder(0.1, 0.02)
@@ -303,6 +305,20 @@ FLAT = lying(BRICK, (1.0, 0.0), 1.0, Plane(0.5))
 def test_a_body_that_does_not_lie_flat_is_refused_by_name(scene: Scene, complaint: str) -> None:
     with pytest.raises(NotFlat, match=complaint):
         slide(scene, TIMES)
+
+
+def test_the_truth_names_what_it_does_not_model_of_a_body_that_lies_flat() -> None:
+    with pytest.raises(NotModelled, match="a cylinder has no corners"):
+        truth(lying(DISK, (1.0, 0.0), 0.0, Plane(0.5, "corners")), TIMES)
+
+
+def test_friction_so_strong_that_its_square_overflows_has_a_truth() -> None:
+    """A wide face on a body of a small moment, whose deceleration of the spin is 1e199 rad/s^2."""
+    flat = lying(Brick((1e90, 1e90, 0.05)), (1e-50, 0.0), 0.0, Plane(1e100, "decoupled"))
+    scene = replace(flat, body=replace(flat.body, moments=(1e-16, 1e-16, 1e-16)))
+    with warnings.catch_warnings(action="error"):
+        found = truth(scene, TIMES)
+    assert found.stop is not None
 
 
 def test_a_balanced_load_means_nothing_to_the_decoupled_law() -> None:
