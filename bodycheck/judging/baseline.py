@@ -239,10 +239,37 @@ def read(path: Path) -> Baseline:
         told = json.loads((table.schema.metadata or {})[METADATA])
         if told["format"] != FORMAT:
             raise ValueError(f"its format is {told['format']}, not {FORMAT}")
-        rows = {RunKey.of_row(row): _present(row) for row in table.to_pylist()}
-        return Baseline({name: told["header"][name] for name in HEADER}, dict(told["cases"]), rows)
-    except (OSError, ValueError, KeyError, TypeError, pa.ArrowException) as error:
+        header = {name: told["header"][name] for name in HEADER}
+        for name in ("machine", "packages", "engines"):
+            _texts(header[name], name)
+        rows = [_checked(row) for row in table.to_pylist()]
+        return Baseline(header, _texts(told["cases"], "cases"), {RunKey.of_row(row): _present(row) for row in rows})
+    except (OSError, ValueError, KeyError, TypeError, BadInput, RecursionError, pa.ArrowException) as error:
         raise BadInput(f"{path}: not a baseline of `bodycheck run --save`: {error}") from error
+
+
+def _texts(table: Any, name: str) -> dict[str, str]:
+    """Return a table of texts. Raises `TypeError` if it is anything else."""
+    if not isinstance(table, dict) or not all(isinstance(text, str) for text in table.values()):
+        raise TypeError(f"{name} should be a table of texts")
+    return table
+
+
+def _checked(row: Row) -> Row:
+    """Return a row. Raises `TypeError` or `ValueError` if it has a value that no run has."""
+    for name in ("case", "engine", "integrator", "status"):
+        if not isinstance(row[name], str):
+            raise TypeError(f"{name} should be a text, not {row[name]!r:.60}")
+    if not math.isfinite(row["timestep"]):
+        raise ValueError(f"a time step of {row['timestep']!r:.60}")
+    for name in (*FIGURES, *(name + ALLOWANCE for name in FIGURES), FASTEST, SLOWEST):
+        value = row.get(name)
+        if value is not None and (isinstance(value, bool) or not isinstance(value, float | int)):
+            raise TypeError(f"{name} should be a number, not {value!r:.60}")
+    for name in (FASTEST, SLOWEST):
+        if (value := row.get(name)) is not None and not 0 < value < math.inf:
+            raise ValueError(f"{name} is {value:g}; it should be positive")
+    return row
 
 
 def diff(base: Baseline, now: Baseline) -> Difference:

@@ -290,6 +290,38 @@ def test_what_is_no_baseline_is_refused(flips: Path, tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [
+        ("attitude_error", "x"),
+        ("attitude_error_allowance", [1.0]),
+        ("time_per_step_low", 0.0),
+        ("status", b"ok"),
+        ("timestep", np.nan),
+    ],
+)
+def test_a_baseline_with_a_value_that_no_run_has_is_refused(flips: Path, tmp_path: Path, column: str, value: object) -> None:
+    table = pq.read_table(flips)
+    assert column in table.column_names
+    changed = table.set_column(table.column_names.index(column), column, pa.array([value] * len(table)))
+    pq.write_table(changed, tmp_path / "changed.parquet")
+    with pytest.raises(
+        BadInput, match=f"not a baseline of `bodycheck run --save`: .*{'time step' if column == 'timestep' else column}"
+    ):
+        baseline.read(tmp_path / "changed.parquet")
+
+
+@pytest.mark.parametrize("change", [{"header": {"engines": "x"}}, {"cases": {"spin": 1}}, {"cases": 1}])
+def test_a_baseline_with_other_metadata_is_refused(flips: Path, tmp_path: Path, change: dict[str, object]) -> None:
+    table = pq.read_table(flips)
+    told = json.loads(table.schema.metadata[baseline.METADATA])
+    for name, value in change.items():
+        told[name] = told[name] | value if name == "header" and isinstance(value, dict) else value
+    pq.write_table(table.replace_schema_metadata({baseline.METADATA: json.dumps(told)}), tmp_path / "changed.parquet")
+    with pytest.raises(BadInput, match="should be a table of texts"):
+        baseline.read(tmp_path / "changed.parquet")
+
+
 def test_run_saves(calls_here: None, tmp_path: Path) -> None:
     def run(*arguments: object) -> Done:
         return bodycheck("run", "projectile", "--engine", "mujoco", "--integrator", "RK4", *arguments)
