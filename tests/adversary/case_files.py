@@ -43,16 +43,19 @@ def noise(chance: Chance) -> bytes:
     """Bytes of no file, or a good file in another encoding."""
     size = chance.choice([0, 1, 3, 100, 5000])
     text = chance.choice(_good())
-    return chance.choice(
-        [
-            lambda: chance.randbytes(size),
-            lambda: bytes(chance.choice(b"[]{}\"'=.,#\n \t\\u0_exn") for _ in range(size)),
-            lambda: text.encode(chance.choice(["utf-16", "utf-32", "utf-8-sig", "utf-16-le", "cp037"])),
-            lambda: chance.randbytes(16) + text.encode(),
-            lambda: b"\0" * size + text.encode(),
-            lambda: text.encode() * (MAX_FILE_BYTES // len(text.encode())),
-        ]
-    )()
+    match chance.randrange(6):
+        case 0:
+            return chance.randbytes(size)
+        case 1:
+            return bytes(chance.choice(b"[]{}\"'=.,#\n \t\\u0_exn") for _ in range(size))
+        case 2:
+            return text.encode(chance.choice(["utf-16", "utf-32", "utf-8-sig", "utf-16-le", "cp037"]))
+        case 3:
+            return chance.randbytes(16) + text.encode()
+        case 4:
+            return b"\0" * size + text.encode()
+        case _:
+            return text.encode() * (MAX_FILE_BYTES // len(text.encode()))
 
 
 def extreme(chance: Chance) -> str:
