@@ -12,6 +12,9 @@ from bodycheck.errors import BadInput
 #: The time step (s) where none is given: MuJoCo's default.
 DEFAULT_TIMESTEP = 0.002
 
+#: Most characters in the name of an engine or of an integrator.
+MAX_NAME_LENGTH = 100
+
 #: Spellings that earlier versions of bodycheck wrote into results folders and baselines, with their present spellings.
 FORMER_SPELLINGS = {
     **{f"{name}-fluid": f"{name}:drag=fluid" for name in ("Euler", "RK4", "implicit", "implicitfast", "discrete")},
@@ -47,6 +50,8 @@ class Method:
 
         Raises `BadInput` for text that is not a spelling of a method, and for a spelling of an earlier version.
         """
+        if not spelling.isprintable():
+            raise BadInput(f"{spelling!r} is not the spelling of a method: it has characters that cannot be printed")
         if (present := current(spelling)) != spelling:
             raise BadInput(f"{spelling!r} is now spelled {present!r}")
         integrator, colon, rest = spelling.partition(":")
@@ -60,7 +65,7 @@ class Method:
             options[key] = " ".join(map(_shortest, value.split()))
         if not integrator:
             raise BadInput(f"{spelling!r} names no integrator; allowed: INTEGRATOR or INTEGRATOR:KEY=VALUE,KEY=VALUE")
-        return cls(integrator, timestep, tuple(sorted(options.items())))
+        return cls(checked_name(integrator, "integrator"), timestep, tuple(sorted(options.items())))
 
     @property
     def name(self) -> str:
@@ -82,6 +87,26 @@ class Method:
 
     def __str__(self) -> str:
         return f"{self.name} {self.timestep:g} s"
+
+
+def is_name(text: str) -> bool:
+    """Return whether a text can be the name of an engine or of an integrator.
+
+    It begins with a letter or a digit, so that no spreadsheet takes it for a formula, and has at most `MAX_NAME_LENGTH`
+    characters that can be printed, which surrogates and control characters cannot.
+    """
+    return 0 < len(text) <= MAX_NAME_LENGTH and text[0].isalnum() and text.isprintable()
+
+
+def checked_name(text: str, what: str) -> str:
+    """Return the name of an engine or of an integrator. Raises `BadInput`, which says what was named, for any other text."""
+    if not is_name(text):
+        shown = f"{text[:MAX_NAME_LENGTH]!r}{'…' if len(text) > MAX_NAME_LENGTH else ''}"
+        raise BadInput(
+            f"{shown} is no name of an {what}; allowed: at most {MAX_NAME_LENGTH} printable characters, the first a letter or "
+            "a digit"
+        )
+    return text
 
 
 def current(spelling: str) -> str:

@@ -1,12 +1,10 @@
 """Check the record of an engine, which may come from another package and hold anything."""
 
-import re
-
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Option
+from bodycheck.adapters.method import MAX_NAME_LENGTH, is_name
 
-#: A name begins with a letter or a digit, and has at most 100 printable characters.
-NAME = re.compile(r"[^\W_][ -~]{0,99}")
-RULE = "text of 1 to 100 characters that begins with a letter or digit"
+#: What `is_name` demands of a name.
+RULE = f"text of 1 to {MAX_NAME_LENGTH} printable characters that begins with a letter or digit"
 
 
 def fault_of(engine: object) -> str | None:
@@ -45,7 +43,7 @@ def _fault_of_variants(engine: Engine) -> str | None:
 
 
 def _is_name(value: object) -> bool:
-    return type(value) is str and NAME.fullmatch(value) is not None
+    return type(value) is str and is_name(value)
 
 
 def _shown(value: object) -> str:

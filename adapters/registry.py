@@ -14,6 +14,7 @@ from importlib.metadata import entry_points
 
 import bodycheck.adapters
 from bodycheck.adapters.contract import Adapter
+from bodycheck.adapters.method import is_name
 from bodycheck.adapters.record import fault_of
 
 #: The group of entry points that name adapters in other packages.
@@ -31,9 +32,12 @@ class EngineBroken(EngineMissing):
 
 
 def names() -> tuple[str, ...]:
-    """Return the names of all engines that have an adapter, installed or not."""
+    """Return the names of all engines that have an adapter, installed or not.
+
+    An entry point whose name cannot be that of an engine is not one.
+    """
     own = _own()
-    return tuple(own + [point.name for point in entry_points(group=ENGINE_GROUP) if point.name not in own])
+    return tuple(own + [p.name for p in entry_points(group=ENGINE_GROUP) if p.name not in own and is_name(p.name)])
 
 
 def distribution(name: str) -> str:

@@ -16,6 +16,7 @@ from bodycheck.casefile.values import (
     MAX_PARTS,
     MAX_SAMPLES,
     MAX_TAGS,
+    EngineName,
     Label,
     Name,
     NonNegative,
@@ -224,7 +225,7 @@ def optional(kind: Any, description: str) -> Any:
 class MethodTable(Table):
     """The method of which something is expected, and how its run must end."""
 
-    engine: Label = Field(description="its name, as `bodycheck engines` lists it")
+    engine: EngineName = Field(description="its name, as `bodycheck engines` lists it")
     integrator: Spelling = Field(description="by the engine's own name; options behind a colon, as in Euler:cone=elliptic")
     timestep: Positive = Field(description="s")
     status: Status | None = Field(default=None, description="how the run must end; default ok")

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-from bodycheck.adapters.method import Method
+from bodycheck.adapters.method import Method, checked_name
 from bodycheck.errors import BadInput
 
 #: Limits of the numbers, texts and arrays of a case file.
@@ -41,6 +41,13 @@ def _spelling(value: str) -> str:
     return value
 
 
+def _engine(value: str) -> str:
+    try:
+        return checked_name(value, "engine")
+    except BadInput as error:
+        raise ValueError(str(error)) from error
+
+
 Finite = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Number = Annotated[Finite, Field(ge=-MAX_NUMBER, le=MAX_NUMBER), AfterValidator(_not_vanishing)]
 Positive = Annotated[Finite, Field(gt=0, le=MAX_NUMBER), AfterValidator(_not_vanishing)]
@@ -51,6 +58,7 @@ Text = Annotated[str, Field(strict=True, max_length=MAX_TEXT_LENGTH), AfterValid
 Name = Annotated[str, Field(strict=True, pattern=r"^[a-z0-9-]+$", max_length=MAX_NAME_LENGTH)]
 Label = Annotated[str, Field(strict=True, min_length=1, max_length=MAX_NAME_LENGTH), AfterValidator(_printable)]
 Spelling = Annotated[Label, AfterValidator(_spelling)]
+EngineName = Annotated[Label, AfterValidator(_engine)]
 Vector = tuple[Number, Number, Number]
 PositiveVector = tuple[Positive, Positive, Positive]
 

@@ -1,7 +1,8 @@
 """Tables as CSV files: how all of them are written and read.
 
 A file is UTF-8 text with a header line. Lines end in a line feed, decimal numbers have all the digits that identify them, truth
-values are `True` and `False`, and an entry without a value (None or NaN) is empty.
+values are `True` and `False`, and an entry without a value (None or NaN) is empty. A text that a spreadsheet would take for a
+formula has an apostrophe before it, which `read` removes.
 """
 
 import csv
@@ -10,6 +11,9 @@ from dataclasses import fields
 from pathlib import Path
 from types import UnionType
 from typing import Any, get_args
+
+#: What a text begins with that spreadsheets take for a formula.
+FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 Parser = Callable[[str], Any]
 
@@ -36,8 +40,7 @@ def write(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]])
     with path.open("w", encoding="utf-8", newline="") as stream:
         writer = csv.DictWriter(stream, columns, lineterminator="\n")
         writer.writeheader()
-        # NaN is the only value that differs from itself.
-        writer.writerows({name: value if value == value else None for name, value in row.items()} for row in rows)
+        writer.writerows({name: _entry(value) for name, value in row.items()} for row in rows)
 
 
 def read(path: Path, parsers: Mapping[str, Parser]) -> list[dict[str, Any]]:
@@ -60,10 +63,23 @@ def read(path: Path, parsers: Mapping[str, Parser]) -> list[dict[str, Any]]:
 
     def value(name: str, text: str) -> Any:
         parser = parsers.get(name, float)
+        text = text[1:] if text and text.startswith("'") and _is_formula(text[1:]) else text
         return parser(text) if text or parser is str else None
 
     with path.open(encoding="utf-8", newline="") as stream:
         return [{name: value(name, text) for name, text in row.items()} for row in csv.DictReader(stream)]
+
+
+def _entry(value: Any) -> Any:
+    """Return what is written for a value."""
+    if isinstance(value, str):
+        return f"'{value}" if _is_formula(value) else value
+    return value if value == value else None  # NaN is the only value that differs from itself
+
+
+def _is_formula(text: str) -> bool:
+    """Return whether an apostrophe belongs before a text, which may have some of its own."""
+    return text.lstrip("'").startswith(FORMULA)
 
 
 def parsers_of(rows: type) -> dict[str, Parser]:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from bodycheck.adapters.method import Method, current
+from bodycheck.adapters.method import Method, checked_name, current
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,10 @@ class RunKey:
         """Return the key of a row of any table with the columns case, engine, integrator and timestep (s).
 
         Rows of earlier versions of bodycheck, which spelled some methods differently, are accepted. Raises `BadInput` if the
-        column `integrator` does not contain the spelling of a method.
+        column `integrator` does not contain the spelling of a method, or `engine` no name of an engine.
         """
-        return cls(row["case"], row["engine"], Method.parse(current(row["integrator"]), float(row["timestep"])), label)
+        engine = checked_name(row["engine"], "engine")
+        return cls(row["case"], engine, Method.parse(current(row["integrator"]), float(row["timestep"])), label)
 
     @classmethod
     def of_method(cls, engine: str, spelling: str, timestep: float = 0.0, label: str = "") -> "RunKey":

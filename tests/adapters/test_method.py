@@ -4,13 +4,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bodycheck.adapters.method import FORMER_SPELLINGS, Method, current
+from bodycheck.adapters.method import FORMER_SPELLINGS, MAX_NAME_LENGTH, Method, current, is_name
 from bodycheck.errors import BadInput
 
 WORDS = st.text(st.characters(codec="ascii", categories=("Ll", "Lu", "Nd"), include_characters="-_."), min_size=1, max_size=12)
 
 
-@given(integrator=WORDS, options=st.dictionaries(WORDS, WORDS, max_size=4))
+@given(integrator=WORDS.filter(is_name), options=st.dictionaries(WORDS, WORDS, max_size=4))
 def test_a_spelling_is_parsed_back_to_itself(integrator: str, options: dict[str, str]) -> None:
     written = integrator + (":" if options else "") + ",".join(f"{key}={value}" for key, value in options.items())
     if current(written) != written:
@@ -38,6 +38,15 @@ def test_the_order_of_options_and_the_form_of_numbers_make_no_other_method() -> 
         ("Euler:", "'' is not an option"),
         ("Euler:cone", "'cone' is not an option"),
         ("Euler:cone=", "'cone=' is not an option"),
+        ("=cmd()", "'=cmd\\(\\)' is no name of an integrator"),
+        ("+1", "no name"),
+        ("-1", "no name"),
+        ("@A1", "no name"),
+        (" Euler", "no name"),
+        ("e" * (MAX_NAME_LENGTH + 1), "at most 100 printable characters"),
+        ("Euler\udc80", "cannot be printed"),
+        ("Euler\x1b[2J", "cannot be printed"),
+        ("Euler:cone=\n", "cannot be printed"),
         ("Euler:=elliptic", "'=elliptic' is not an option"),
         ("Euler:cone=a,cone=b", "the option cone is given twice"),
     ],

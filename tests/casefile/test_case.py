@@ -154,6 +154,8 @@ timestep = 0.002
         ("timestep = 0.002", "timestep = 1e-30", "29 expect[1].timestep", "steps; at most"),
         ("samples = 1001", "samples = 1e3", "24 run.samples", "valid integer"),
         ("attitude_error = 1e-6", "atitude_error = 1e-6", "30 expect[1].atitude_error", "unknown key; allowed: engine"),
+        ('engine = "mujoco"', 'engine = "=cmd()"', "27 expect[1].engine", "'=cmd()' is no name of an engine"),
+        ('integrator = "RK4"', 'integrator = "##[error]x"', "28 expect[1].integrator", "is no name of an integrator"),
         ("[body]", "[[body]]", "5 body", "should be a table"),
         ('title = "A good case"', "title = ", "3 ", "not TOML"),
         ("[run]", "[body]", "22 ", "not TOML"),

@@ -1,5 +1,6 @@
 """CSV tables: every value is read back as it was written, and the bytes of a file are fixed."""
 
+import csv
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +32,16 @@ def test_the_bytes_of_a_table(tmp_path: Path) -> None:
     assert path.read_bytes() == expected.encode()
     with pytest.raises(ValueError, match="'more'"):
         csv_tables.write(path, ("name",), [{"name": "", "more": 1}])
+
+
+@pytest.mark.parametrize("text", ["=HYPERLINK(1)", "+1", "-1", "@A1", "\t=1", "'=1", "''", "'", "'a", "", "Euler"])
+def test_no_text_is_a_formula_to_a_spreadsheet(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "table.csv"
+    csv_tables.write(path, ("name",), [{"name": text}, {"name": "end"}])
+    with path.open(encoding="utf-8", newline="") as stream:
+        cell = "".join(list(csv.reader(stream))[1])
+    assert not cell.startswith(("=", "+", "-", "@", "\t", "\r"))
+    assert csv_tables.read(path, {"name": str})[0] == {"name": text}
 
 
 def test_the_parsers_of_a_dataclass_are_those_of_its_types() -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -94,6 +95,23 @@ def test_an_adapter_without_its_record_is_missing(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr(registry, "entry_points", lambda **_: [Point()])
     with pytest.raises(registry.EngineMissing, match="halfway has no adapter: object lacks `engine` or `prepare`"):
         registry.load("halfway")
+
+
+@pytest.mark.parametrize("name", ["=cmd()", "e" * 101, "\udc80", "", "::error::x"])
+def test_an_entry_point_or_an_integrator_with_such_a_name_is_none(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Point:
+        def __init__(self, name: str) -> None:
+            self.name = name
+
+        def load(self) -> object:
+            engine = Engine("fine", "fine", "1.0", (Integrator(name),), frozenset())
+            return SimpleNamespace(engine=engine, prepare=len)
+
+    monkeypatch.setattr(registry, "entry_points", lambda **_: [Point("fine"), Point(name)])
+    assert "fine" in registry.names()
+    assert name not in registry.names()
+    with pytest.raises(registry.EngineMissing, match="an integrator is named "):
+        registry.load("fine")
 
 
 def test_a_wrong_engine_is_measured_and_an_adapter_like_it_is_found_out(miniatures: Path) -> None:
