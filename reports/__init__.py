@@ -14,10 +14,11 @@ This folder is the frame that all reports share:
 The folder `runs` is the report of runs, built on this frame, which imports nothing from it.
 """
 
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from bodycheck.runner_log import print_command
 
 if TYPE_CHECKING:
     from bodycheck.judging.result_set import ResultSet
@@ -80,7 +81,7 @@ def annotate_github(found: "ResultSet", files: Mapping[str, Path], environment: 
 
     if github.is_running(environment):
         for line in github.annotations(found.verdicts, found.results.cases, files, environment):
-            print(line, file=sys.stderr)
+            print_command(line)
         github.add_summary(environment, markdown_report.render(gather([found])))
 
 

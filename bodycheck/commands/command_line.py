@@ -11,6 +11,7 @@ from bodycheck.commands.report import report
 from bodycheck.commands.run import run
 from bodycheck.commands.truth import truth
 from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, BadInput, Failed
+from bodycheck.runner_log import guarded
 from bodycheck.studies.ablation.command import ablate
 from bodycheck.studies.extremes.command import extremes
 from bodycheck.studies.releases.command import bisect, releases
@@ -36,15 +37,16 @@ for command in COMMANDS:
 
 def main() -> None:
     """Run the command line and exit with its code. This is the entry point of the command `bodycheck`."""
-    try:
-        code = app(exit_on_error=False, print_error=False, result_action="return_value")
-    except (CycloptsError, BadInput) as error:
-        print(error, file=sys.stderr)
-        code = BAD_INPUT
-    except Failed as error:
-        print(error, file=sys.stderr)
-        code = FAILED
-    except KeyboardInterrupt:
-        print("bodycheck: interrupted", file=sys.stderr)
-        code = INTERRUPTED
+    with guarded():
+        try:
+            code = app(exit_on_error=False, print_error=False, result_action="return_value")
+        except (CycloptsError, BadInput) as error:
+            print(error, file=sys.stderr)
+            code = BAD_INPUT
+        except Failed as error:
+            print(error, file=sys.stderr)
+            code = FAILED
+        except KeyboardInterrupt:
+            print("bodycheck: interrupted", file=sys.stderr)
+            code = INTERRUPTED
     sys.exit(code)

@@ -4,11 +4,11 @@ Its imports are inside the function, so that `--help` answers at once.
 """
 
 import os
-import sys
 from pathlib import Path
 
 from bodycheck.console.options import Json
 from bodycheck.errors import FAILED, OK
+from bodycheck.runner_log import print_command
 
 
 def diff(base: Path, now: Path, /, *, json: Json = False) -> int:
@@ -37,5 +37,5 @@ def diff(base: Path, now: Path, /, *, json: Json = False) -> int:
     elif found.changes or found.paces:
         terminal.print_difference(found)
     if found.changes and github.is_running(os.environ):
-        print(github.annotation("error" if found.worse else "notice", found.text, "bodycheck diff"), file=sys.stderr)
+        print_command(github.annotation("error" if found.worse else "notice", found.text, "bodycheck diff"))
     return FAILED if found.worse else OK

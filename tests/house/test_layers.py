@@ -13,7 +13,7 @@ from tests.support import ROOT
 
 #: Rooms and modules of `bodycheck`, from the lowest floor up. A room imports from itself and from floors below its own.
 FLOORS = (
-    {"reference", "errors", "suggestion"},
+    {"reference", "errors", "runner_log", "suggestion"},
     {"adapters", "figures"},
     {"casefile"},
     {"running"},

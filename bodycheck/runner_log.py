@@ -1,0 +1,66 @@
+"""Keep what is printed from being taken for commands by the runners of CI systems, which read the log of a job.
+
+A runner of GitHub acts on a line that begins with `::`, after white space, and on `##[` anywhere in a line; those of Azure and
+TeamCity act on `##vso[` and `##teamcity[`. Names of files and texts of case files and of results may come from strangers. In
+what is printed, the second of these characters is therefore written as an escape, which has the same meaning in JSON and TOML.
+
+A terminal is not the log of a runner, and what is printed there is left as it is.
+"""
+
+import re
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, TextIO
+
+#: The beginning of a command: two characters, of which the second is escaped, behind what may stand before them.
+COMMAND = re.compile(r"((?:\A|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029])[\s\ufeff\u200b]*:):|(#)#(?=\w*\[)")
+
+
+def harmless(text: str) -> str:
+    """Return a text of whole lines in which no runner finds a command."""
+    return COMMAND.sub(lambda found: rf"{found[1]}\u003a" if found[1] else rf"{found[2]}\u0023", text)
+
+
+class Guarded:
+    """A stream that writes whole lines, after `harmless`, to another one."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self.stream = stream
+        self.line = ""
+
+    def write(self, text: str) -> int:
+        """Write the lines that end in a text; the rest waits for its end, because a command may be written in parts."""
+        lines, newline, self.line = (self.line + text).rpartition("\n")
+        if newline:
+            self.stream.write(harmless(lines + newline))
+        return len(text)
+
+    def finish(self) -> None:
+        """Write a last line that has no end."""
+        if self.line:
+            self.stream.write(harmless(self.line))
+            self.line = ""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.stream, name)
+
+
+@contextmanager
+def guarded() -> Iterator[None]:
+    """Guard stdout and stderr while the context lasts, unless they are terminals."""
+    before = sys.stdout, sys.stderr
+    guards = [Guarded(stream) if stream is not None and not stream.isatty() else stream for stream in before]
+    sys.stdout, sys.stderr = guards  # type: ignore[assignment]  # a guard has what a stream has
+    try:
+        yield
+    finally:
+        sys.stdout, sys.stderr = before
+        for guard in guards:
+            if isinstance(guard, Guarded):
+                guard.finish()
+
+
+def print_command(command: str) -> None:
+    """Print a command for the runner on stderr: it must be one line whose data are escaped."""
+    print(command, file=sys.stderr.stream if isinstance(sys.stderr, Guarded) else sys.stderr)
