@@ -51,7 +51,7 @@ def guarded() -> Iterator[None]:
     """Guard stdout and stderr while the context lasts, unless they are terminals."""
     before = sys.stdout, sys.stderr
     guards = [Guarded(stream) if stream is not None and not stream.isatty() else stream for stream in before]
-    sys.stdout, sys.stderr = guards  # type: ignore[assignment]  # a guard has what a stream has
+    sys.stdout, sys.stderr = guards
     try:
         yield
     finally:

@@ -7,5 +7,6 @@ environments and no copy of it can become outdated.
 - `environments`: the environments in the cache folder: obtain, list, run and remove them.
 - `making`: how one environment is made in an empty folder and checked.
 - `installation`: virtual environments and packages by uv, from the sources for which pip is configured.
+- `privacy`: who can change a folder of the cache.
 - `subprocesses`: programs that end with this process.
 """

@@ -5,7 +5,7 @@ and each interpreter with the packages that the environment must fit.
 
 An environment is made under a temporary name, by one process at a time, and renamed as the last act, so that it is there either
 whole or not at all. What an installation that was killed leaves behind is removed by the next one, and an environment that is
-damaged is made anew.
+damaged is made anew. Nothing in the folder is used or run if another user can change it, or a folder that it is in.
 """
 
 import contextlib
@@ -30,7 +30,7 @@ from packaging.version import InvalidVersion, Version
 from platformdirs import user_cache_path
 
 from bodycheck.adapters import registry
-from bodycheck.environments import installation, making
+from bodycheck.environments import installation, making, privacy
 from bodycheck.environments.installation import InstallationFailed, NotOnOffer
 from bodycheck.environments.making import Release
 from bodycheck.running import pool
@@ -132,10 +132,13 @@ def obtain_all(engine: str, versions: Sequence[str], jobs: int, progress: "Advan
 
 
 def cached(engine: str) -> tuple[str, ...]:
-    """Return the versions of an engine that have an environment, ascending. Raises `Unobtainable` for an unknown engine."""
+    """Return the versions of an engine that have an environment, ascending. Raises `Unobtainable` for an unknown engine.
+
+    Folders whose names are not those of versions are not ours and are left out.
+    """
     _distribution(engine)
     there = [marker.parent.parent.name for marker in (_home() / engine).glob(f"*/{_fit()}/{MARKER}")]
-    return tuple(map(str, sorted(map(Version, there))))
+    return tuple(map(str, sorted(version for name in there if str(version := _version(name)) == name and version)))
 
 
 def kept(engine: str) -> dict[str, Environment]:
@@ -192,9 +195,10 @@ def run(
     subprocess.TimeoutExpired
         It took longer than `timeout`.
     Unobtainable
-        The environment is no longer there.
+        The environment is no longer there, or another user can change it.
     """
     try:
+        _check_private(environment.python.parent)
         return making.run(environment.python, ["-m", module, *arguments], stdin, timeout)
     except OSError as error:
         raise Unobtainable(f"{environment.engine} {environment.version} is no longer there: {error}") from error
@@ -268,6 +272,23 @@ def _release(engine: str, version: str) -> Release:
         raise Unobtainable(f"{version!r} is not a version of {engine}; a version looks like 3.1.6 (PEP 440)") from error
 
 
+def _version(text: str) -> Version | None:
+    """Return a version; None for what is not one by PEP 440."""
+    try:
+        return Version(text)
+    except InvalidVersion:
+        return None
+
+
+def _check_private(folder: Path) -> None:
+    """Raise `Unobtainable` if another user can change what is in an existing folder of the cache. Raises `OSError`."""
+    if (place := privacy.open_to_others(folder)) is not None:
+        raise Unobtainable(
+            f"{folder}: not used, because another user can change {place}; let {CACHE_VARIABLE} name a folder that only you "
+            "can write to"
+        )
+
+
 def _home() -> Path:
     return cache_folder() / "environments"
 
@@ -287,8 +308,16 @@ def _fit() -> str:
 
 
 def _lock(folder: Path) -> BaseFileLock:
-    """Return the lock of an environment, which a process holds while it works on it and loses when it ends."""
-    folder.parent.mkdir(parents=True, exist_ok=True)
+    """Return the lock of an environment, which a process holds while it works on it and loses when it ends.
+
+    Raises `Unobtainable` if its folder cannot be made, or if another user can change it or what it is in.
+    """
+    try:
+        privacy.make(folder.parent)
+        places = (installation.interpreter(folder).parent, folder, folder.parent)
+        _check_private(next(place for place in places if place.exists()))
+    except OSError as error:
+        raise Unobtainable(f"{folder.parent}: cannot be used as a folder: {error.strerror}") from error
     return FileLock(folder.with_name(f"{folder.name}.lock"))
 
 
@@ -300,6 +329,8 @@ def _remove_unfinished(folder: Path) -> None:
 
 def _remove(folder: Path) -> None:
     """Remove an environment, its marker first, so that half an environment never counts as one."""
-    if folder.exists():
+    if folder.is_symlink() or folder.is_file():
+        folder.unlink()
+    elif folder.exists():
         (folder / MARKER).unlink(missing_ok=True)
         shutil.rmtree(folder)

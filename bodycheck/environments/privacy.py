@@ -1,0 +1,51 @@
+"""Who can change a folder: what is run from the cache must come from this user or from the administrator."""
+
+import os
+import stat
+import sys
+from pathlib import Path
+
+if sys.platform != "win32":
+    import grp
+    import pwd
+
+
+def open_to_others(path: Path) -> Path | None:
+    """Return the first of a path and its parents that another user can change or replace; None if there is none.
+
+    Each of them must belong to this user or to the administrator, and nobody else may write to it, except that a folder with
+    the sticky bit, such as /tmp, lets others add entries of their own. Where the path leads through links, both the links and
+    what they lead to are checked. On Windows, where folders have no such owner, the answer is None.
+
+    Raises `OSError` if there is no such path.
+    """
+    if sys.platform == "win32":
+        return None
+    given, real = path.absolute(), path.resolve(strict=True)
+    return next((place for place in (given, *given.parents, real, *real.parents) if not _is_ours(place)), None)
+
+
+def make(folder: Path) -> None:
+    """Make a folder and its parents for this user alone; those that are there stay as they are. Raises `OSError`."""
+    for place in (*reversed(folder.parents), folder):
+        if not place.is_dir():
+            place.mkdir(mode=0o700, exist_ok=True)
+
+
+def _is_ours(place: Path) -> bool:
+    status = place.lstat()
+    if status.st_uid not in (0, os.getuid()):
+        return False
+    if stat.S_ISLNK(status.st_mode) or status.st_mode & stat.S_ISVTX:
+        return True
+    others = bool(status.st_mode & stat.S_IWOTH)
+    return not others and (not status.st_mode & stat.S_IWGRP or _is_own_group(status.st_gid))
+
+
+def _is_own_group(number: int) -> bool:
+    """Return whether a group is the one that many systems make for each user, who is its only member."""
+    try:
+        group, user = grp.getgrgid(number), pwd.getpwuid(os.getuid())
+    except KeyError:
+        return False
+    return group.gr_gid == user.pw_gid and group.gr_name == user.pw_name and not set(group.gr_mem) - {user.pw_name}
