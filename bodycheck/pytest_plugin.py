@@ -3,8 +3,8 @@
 Every run of pytest loads this module if bodycheck is installed, so it imports only pytest, and what escapes texts, before it
 collects a case file.
 
-Engines run in one separate process per session. If it crashes, the test fails and the session continues; only the first test
-waits for the imports.
+Each engine runs in one separate process per session, and so does the reference. If one crashes, the test fails and the session
+continues; only its first test waits for the imports.
 """
 
 import keyword
@@ -244,13 +244,13 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
 
 
 def _perform(config: pytest.Config) -> "Perform":
-    """Return the function that makes runs and truths in the process of the session."""
+    """Return the function that makes runs and truths in the processes of the session."""
     if PERFORM_KEY not in config.stash:
         from bodycheck.running import campaign, pool
 
         stack = ExitStack()
         config.add_cleanup(stack.close)
-        call = stack.enter_context(pool.caller(campaign.perform, campaign.TIME_LIMIT_S))
+        call = stack.enter_context(pool.caller(campaign.perform, campaign.TIME_LIMIT_S, group=campaign.group))
         kept: Perform = lru_cache(MAX_CACHED_RESULTS)(call)
         config.stash[PERFORM_KEY] = kept
     return config.stash[PERFORM_KEY]

@@ -315,7 +315,7 @@ def _measured(results: Results, verdicts: Sequence[Verdict], jobs: int, progress
     ]
     answers: dict[RunKey, list[Run]] = defaultdict(list)
     found = {}
-    with closing(pool.call_all(campaign.perform_run, tasks, jobs, campaign.TIME_LIMIT_S)) as calls:
+    with closing(pool.call_all(campaign.perform_run, tasks, jobs, campaign.TIME_LIMIT_S, group=campaign.group)) as calls:
         for task, answer in calls:
             progress(f"{task.case.name} · {task.engine} {task.method}, nudged")
             key = task.key

@@ -122,7 +122,7 @@ def results(
                 file=sys.stderr,
             )
             progress("", there)
-        with closing(pool.call_all(perform, left, jobs, limit, memory)) as answers:
+        with closing(pool.call_all(perform, left, jobs, limit, memory, group)) as answers:
             for argument, result in answers:
                 _add(writer, argument, result, places, head["engines"])
                 progress(_name(argument))
@@ -184,6 +184,11 @@ def _stop_tasks(cases: Mapping[str, Case], runs: Sequence[Run]) -> tuple[StopTas
         if case.scene.plane is not None and isinstance(made.outcome, Completed):
             found |= {StopTask(case, law): None for law in (case.scene.plane, made.contact_law) if law is not None}
     return tuple(found)
+
+
+def group(argument: TruthTask | Task) -> str | None:
+    """Return what a task shares its processes with: the tasks of its engine, or the truths (None)."""
+    return argument.engine if isinstance(argument, Task) else None
 
 
 def perform_run(task: Task) -> Run:

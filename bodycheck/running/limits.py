@@ -10,6 +10,7 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
+from multiprocessing import resource_tracker
 from pathlib import Path
 
 if sys.platform != "win32":
@@ -71,6 +72,28 @@ def die_with_parent() -> None:
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
         if os.getppid() != parent.pid:  # the parent ended before the request took effect
             os._exit(0)
+
+
+def lead_group() -> None:
+    """Make this process the leader of a group of its own, to which the processes belong that it starts."""
+    if sys.platform != "win32":
+        os.setsid()
+
+
+def kill_group(leader: int) -> None:
+    """Kill the processes of a leader's group that are left, after or before the end of the leader."""
+    if sys.platform != "win32":
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(leader, signal.SIGKILL)
+
+
+def give_up_resource_tracker() -> None:
+    """Close the descriptor of the parent's resource tracker; a process that needs a tracker starts one of its own."""
+    tracker = resource_tracker._resource_tracker
+    inherited = getattr(tracker, "_fd", None)
+    if inherited is not None:
+        vars(tracker)["_fd"] = None
+        os.close(inherited)
 
 
 def _memory_in_use() -> int:

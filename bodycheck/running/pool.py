@@ -1,22 +1,26 @@
 """Call functions in worker processes, so that a call that crashes, exits, hangs or exhausts memory affects nothing else.
 
-A worker process makes one call after another. Every worker has its own pipe, so that the failure of one does not affect others.
+A worker process makes one call after another, all of them of one group, so that an engine shares no process with another
+engine or with the truth. Every worker has its own channel, so that the failure of one does not affect others, and answers carry
+the number of their call. What an engine starts ends with its worker.
 """
 
 import contextlib
 import math
 import multiprocessing
 import os
+import pickle
 import signal
+import socket
 import time
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Hashable, Iterator, Sequence
 from dataclasses import dataclass
-from multiprocessing.connection import Connection, wait
+from multiprocessing.connection import wait
 from multiprocessing.process import BaseProcess
 from typing import Any, NamedTuple, TypeVar
 
-from bodycheck.running import limits
+from bodycheck.running import channel, limits
 from bodycheck.running.outcome import Crashed, TimedOut, crash
 
 Argument = TypeVar("Argument")
@@ -28,8 +32,15 @@ MEMORY_LIMIT_BYTES = 4 << 30
 #: Interval at which silent processes are checked for being alive.
 POLL_INTERVAL_S = 1.0
 
+#: Interval at which the rest of a message is sent that a socket did not take at once.
+SENDING_INTERVAL_S = 0.01
+
 #: Time limit for the end of a process.
 SHUTDOWN_TIMEOUT_S = 10.0
+
+
+def _one_group(argument: object) -> None:
+    """All calls belong to one group."""
 
 
 def call_all(
@@ -38,6 +49,7 @@ def call_all(
     jobs: int,
     limit: float,
     memory: int = MEMORY_LIMIT_BYTES,
+    group: Callable[[Argument], Hashable] = _one_group,
 ) -> Generator[tuple[Argument, Result | Crashed | TimedOut], None, None]:
     """Yield every argument with the result of function(argument), in the order in which the calls finish.
 
@@ -58,20 +70,21 @@ def call_all(
         The time limit of one call (s). A call that exceeds it is killed, and its result is `TimedOut`.
     memory
         The memory limit of one call (bytes), where the operating system supports it (see `limits`).
+    group
+        What a call belongs to; calls of different groups are made in different processes.
 
     Raises
     ------
     RuntimeError
         If no process can be started.
     """
-    waiting = deque(range(len(arguments)))
-    suspects: deque[int] = deque()
+    queue = _Queue(list(map(group, arguments)))
     workers: list[_Worker] = []
     try:
-        while waiting or suspects or workers:
-            while len(workers) < jobs and sum(worker.fresh for worker in workers) < len(waiting) + len(suspects):
+        while queue or workers:
+            while len(workers) < jobs and sum(worker.fresh for worker in workers) < len(queue):
                 workers.append(_start(function, memory))
-            wait([worker.connection for worker in workers], _poll_timeout(workers))
+            wait([worker.channel.socket for worker in workers], _poll_timeout(workers))
             for worker in tuple(workers):
                 place, answer = worker.place, _answer(worker, limit)
                 if answer is None:
@@ -80,10 +93,10 @@ def call_all(
                     raise RuntimeError(f"no process can be started: {answer.result.reason}")
                 unclear = answer.died and worker.calls > 1
                 if unclear and place is not None:
-                    suspects.append(place)
-                queue = suspects if worker.fresh and suspects else waiting
-                if answer.reusable and queue:
-                    worker.call(following := queue.popleft(), arguments[following], limit)
+                    queue.suspects.append(place)
+                following = queue.following(worker, workers) if answer.reusable else None
+                if following is not None:
+                    worker.call(following, arguments[following], limit)
                 else:
                     workers.remove(worker)
                     worker.stop()
@@ -96,26 +109,29 @@ def call_all(
 
 @contextlib.contextmanager
 def caller(
-    function: Callable[[Argument], Result], limit: float, memory: int = MEMORY_LIMIT_BYTES
+    function: Callable[[Argument], Result],
+    limit: float,
+    memory: int = MEMORY_LIMIT_BYTES,
+    group: Callable[[Argument], Hashable] = _one_group,
 ) -> Iterator[Callable[[Argument], Result | Crashed | TimedOut]]:
-    """Provide a function that calls `function` in a worker process, which is kept between calls.
+    """Provide a function that calls `function` in the worker process of the call's group, which is kept between calls.
 
     Failures, limits and parameters are those of `call_all`.
     """
-    workers: list[_Worker] = []
+    workers: dict[Hashable, _Worker] = {}
 
     def call(argument: Argument) -> Result | Crashed | TimedOut:
+        own = group(argument)
         while True:
-            if not workers:
-                workers.append(_start(function, memory))
-                if (ready := _wait(workers[0], limit)).died:
+            if own not in workers:
+                workers[own] = _start(function, memory)
+                if (ready := _wait(workers[own], limit)).died:
                     raise RuntimeError(f"no process can be started: {ready.result.reason}")
-            worker = workers[0]
+            worker = workers[own]
             worker.call(0, argument, limit)
             answer = _wait(worker, limit)
             if not answer.reusable:
-                workers.remove(worker)
-                worker.stop()
+                workers.pop(own).stop()
             if not answer.died or worker.calls == 1:
                 result: Result | Crashed | TimedOut = answer.result
                 return result
@@ -123,8 +139,42 @@ def caller(
     try:
         yield call
     finally:
-        for worker in workers:
+        for worker in workers.values():
             worker.stop()
+
+
+class _Queue:
+    """The places of the calls that are to be made, by group, and of those that are repeated in a fresh process."""
+
+    def __init__(self, groups: Sequence[Hashable]) -> None:
+        self.groups = groups
+        self.suspects: deque[int] = deque()
+        self._waiting: dict[Hashable, deque[int]] = {}
+        for place, group in enumerate(groups):
+            self._waiting.setdefault(group, deque()).append(place)
+
+    def __len__(self) -> int:
+        return len(self.suspects) + sum(map(len, self._waiting.values()))
+
+    def following(self, worker: "_Worker", workers: Sequence["_Worker"]) -> int | None:
+        """Take and return the next call for one of the workers; None if it must not make any that is left.
+
+        A fresh worker prefers a group that no other one serves, because every further process of a group costs its imports.
+        """
+        if worker.fresh and self.suspects:
+            return self.suspects.popleft()
+        served = {self.groups[other.place] for other in workers if other.place is not None}
+        if worker.place is None:
+            free = [group for group in self._waiting if group not in served] or list(self._waiting)
+            group = min(free, key=lambda group: self._waiting[group][0], default=None)
+        else:
+            group = self.groups[worker.place]
+        if group not in self._waiting:
+            return None
+        place = self._waiting[group].popleft()
+        if not self._waiting[group]:
+            del self._waiting[group]
+        return place
 
 
 class _Answer(NamedTuple):
@@ -137,10 +187,10 @@ class _Answer(NamedTuple):
 
 @dataclass(eq=False)
 class _Worker:
-    """A worker process and this end of its pipe. `place` is the index of the present argument; None before the first call."""
+    """A worker process and this end of its channel. `place` is the index of the argument; None before the first call."""
 
     process: BaseProcess
-    connection: "Connection[Any, Any]"
+    channel: channel.Parent
     place: int | None = None
     calls: int = 0
     deadline: float = math.inf
@@ -151,20 +201,21 @@ class _Worker:
 
     def call(self, place: int, argument: Any, limit: float) -> None:
         self.place, self.calls, self.deadline = place, self.calls + 1, time.monotonic() + limit
-        with contextlib.suppress(OSError):  # the process is dead, which `_answer` will find
-            self.connection.send(argument)
+        self.channel.send(self.calls, pickle.dumps(argument))
 
     def stop(self) -> None:
+        if self.process.pid is not None:
+            limits.kill_group(self.process.pid)
         self.process.kill()
         self.process.join()
-        self.connection.close()
+        self.channel.close()
 
 
 def _start(function: Callable[[Any], Any], memory: int) -> _Worker:
     context = multiprocessing.get_context("spawn")
-    ours, theirs = context.Pipe()
+    ours, theirs, mark = channel.pair()
     # The process is daemonic, so that the end of the program does not wait for it.
-    process = context.Process(target=_work, args=(function, theirs, memory), daemon=True)
+    process = context.Process(target=_work, args=(function, theirs, mark, memory), daemon=True)
     process.start()
     theirs.close()
     return _Worker(process, ours)
@@ -172,26 +223,33 @@ def _start(function: Callable[[Any], Any], memory: int) -> _Worker:
 
 def _wait(worker: _Worker, limit: float) -> _Answer:
     while (answer := _answer(worker, limit)) is None:
-        wait([worker.connection], _poll_timeout([worker]))
+        wait([worker.channel.socket], _poll_timeout([worker]))
     return answer
 
 
 def _poll_timeout(workers: Sequence[_Worker]) -> float:
     nearest = min(worker.deadline for worker in workers) - time.monotonic()
-    return max(0.0, min(POLL_INTERVAL_S, nearest))
+    longest = SENDING_INTERVAL_S if any(worker.channel.busy for worker in workers) else POLL_INTERVAL_S
+    return max(0.0, min(longest, nearest))
 
 
 def _answer(worker: _Worker, limit: float) -> _Answer | None:
-    """Return the answer to a worker's call; None while the call is running."""
+    """Return the answer to a worker's call; None while the call is running. It does not wait."""
     ended = not worker.process.is_alive()  # checked first, so that an answer sent before the end is still read
     try:
-        if worker.connection.poll():
-            return _Answer(*worker.connection.recv())
-    except (EOFError, OSError):
-        ended = True
-    except Exception as error:
+        while True:
+            more = worker.channel.read()
+            for number, message in worker.channel.messages():
+                if number == worker.calls:  # another number is that of an earlier call, which was answered twice
+                    return _Answer(*pickle.loads(message))
+            if not (ended and more):
+                break
+    except channel.Damaged:
+        reason = "something other than bodycheck wrote into the channel of its process"
+        return _Answer(Crashed(reason), reusable=False, died=True)
+    except (Exception, SystemExit) as error:
         return _Answer(Crashed(f"its result cannot be read: {crash(error).reason}"), reusable=False)
-    if ended:
+    if ended or worker.channel.closed:
         return _Answer(Crashed(_cause_of_death(worker.process)), reusable=False, died=True)
     if time.monotonic() > worker.deadline:
         return _Answer(TimedOut(limit), reusable=False)
@@ -213,27 +271,34 @@ def _cause_of_death(process: BaseProcess) -> str:
         return f"its process died of signal {-exitcode}"
 
 
-def _work(function: Callable[[Any], Any], connection: "Connection[Any, Any]", memory: int) -> None:
+def _work(function: Callable[[Any], Any], theirs: socket.socket, mark: bytes, memory: int) -> None:
     """Run the loop of a worker process: report that it is ready, then answer calls."""
     limits.die_with_parent()
+    limits.lead_group()
     limits.allow_memory(memory)
+    limits.give_up_resource_tracker()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles interrupts
     os.dup2(2, 1)  # output of engines goes to stderr, because stdout is for results
+    parent, own = channel.Worker(theirs, mark), os.getpid()
+    if hasattr(os, "register_at_fork"):
+        os.register_at_fork(after_in_child=parent.close)
     try:
-        connection.send((None, True))
+        parent.send(0, pickle.dumps((None, True)))
         while True:
-            _reply(connection, _call(function, connection.recv()))
+            number, argument = parent.receive()
+            result = _call(function, pickle.loads(argument))
+            if os.getpid() != own:  # the engine has made a copy of the process, and the copy must not answer
+                os._exit(0)
+            parent.send(number, _pickled(result))
     except (EOFError, ConnectionError):
         return  # the parent is gone
 
 
-def _reply(connection: "Connection[Any, Any]", result: Any) -> None:
+def _pickled(result: Any) -> bytes:
     try:
-        connection.send((result, not limits.keeps_much()))
-    except ConnectionError:
-        raise
-    except Exception as error:  # the result cannot be pickled
-        connection.send((crash(error), False))
+        return pickle.dumps((result, not limits.keeps_much()))
+    except Exception as error:
+        return pickle.dumps((crash(error), False))
 
 
 def _call(function: Callable[[Any], Any], argument: Any) -> Any:

@@ -27,13 +27,16 @@ from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import missing_model
-from bodycheck.running.outcome import Completed, Diverged, Outcome, Run, Unsupported, crash
+from bodycheck.running.outcome import Completed, Crashed, Diverged, Outcome, Run, Unsupported, crash
 
 #: Largest number of steps for which the load of a contact is measured, which takes about ten times as long as stepping.
 MAX_LOAD_STEPS = 20_000
 
 #: Smallest motion per step that is visible in single precision, relative to the position or in rad.
 VISIBLE_MOTION = 1e-6
+
+#: Largest distance of a quaternion's norm from 1. The rounding of single precision is a tenth of it.
+UNIT_TOLERANCE = 1e-6
 
 #: Ratio of the kinetic energy to the largest possible one, above which a run has diverged.
 DIVERGED_ENERGY_RATIO = 100.0
@@ -122,12 +125,26 @@ def _advance(simulation: Simulation, case: Case, method: Method) -> Outcome:
             signal: Literal["gave up", "reset"] = "reset" if isinstance(error, EngineReset) else "gave up"
             return Diverged(str(error), signal, _trajectory(steps, method, error.states[0, :, 0]))
         wall_time = time.perf_counter() - start
-    states = np.asarray(states, dtype=np.float64)  # convert the engine's own type of array
+    states = _numbers(states)
     if states.shape != (1, len(steps), 1, 13):
         raise ValueError(f"its states have the shape {states.shape}, not {(1, len(steps), 1, 13)}")
     trajectory = _trajectory(steps, method, states[0, :, 0])
-    failed = _divergence(case.scene, trajectory) or _standstill(case.scene, trajectory, method.timestep)
+    failed = (
+        _divergence(case.scene, trajectory)
+        or _lost_attitude(trajectory)
+        or _standstill(case.scene, trajectory, method.timestep)
+    )
     return failed or Completed(trajectory, int(steps[-1]), wall_time)
+
+
+def _numbers(states: object) -> Array:
+    """Return states in an engine's own type of array as float64. Raises `ValueError` unless they are real numbers."""
+    if isinstance(states, np.ma.MaskedArray):
+        raise ValueError("its states are a masked array")
+    array = np.asarray(states)
+    if array.dtype.kind not in "fiu":
+        raise ValueError(f"its states are of the type {array.dtype}, not real numbers")
+    return array.astype(np.float64)
 
 
 def _trajectory(steps: Strides, method: Method, rows: Array) -> Trajectory:
@@ -143,7 +160,7 @@ def _divergence(scene: Scene, trajectory: Trajectory) -> Diverged | None:
     finite = np.isfinite(np.hstack(states)).all(axis=1)
     if not finite.all():
         return Diverged(f"not a number at t = {t[np.argmin(finite)]:.6g} s", trajectory=trajectory)
-    with np.errstate(over="ignore"):
+    with np.errstate(all="ignore"):  # states that cannot be may overflow
         kinetic = observe(scene, trajectory).kinetic_energy
     most = _largest_kinetic_energy(scene, float(t[-1]))
     beyond = kinetic > DIVERGED_ENERGY_RATIO * most
@@ -152,6 +169,16 @@ def _divergence(scene: Scene, trajectory: Trajectory) -> Diverged | None:
         reason = f"kinetic energy {kinetic[first] / most:.3g} times the most possible at t = {t[first]:.6g} s"
         return Diverged(reason, trajectory=trajectory)
     return None
+
+
+def _lost_attitude(trajectory: Trajectory) -> Crashed | None:
+    """Return `Crashed` if a quaternion is none of an attitude, because its norm is not 1; else None."""
+    norms = np.hypot.reduce(trajectory.quaternion, axis=1)
+    off = np.abs(norms - 1) > UNIT_TOLERANCE
+    if not off.any():
+        return None
+    first = int(np.argmax(off))
+    return Crashed(f"its quaternion has the norm {norms[first]:.8g}, not 1, at t = {trajectory.t[first]:.6g} s")
 
 
 def _standstill(scene: Scene, trajectory: Trajectory, timestep: float) -> Diverged | None:

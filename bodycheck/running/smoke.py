@@ -116,7 +116,7 @@ def check(engine: str) -> list[str]:
 
 def check_all(engines: Sequence[str]) -> dict[str, list[str]]:
     """Return the faults of the adapters of engines by name, each found in a worker process. Raises nothing of an engine."""
-    with closing(pool.call_all(check, engines, jobs=1, limit=TIME_LIMIT_S)) as answers:
+    with closing(pool.call_all(check, engines, jobs=1, limit=TIME_LIMIT_S, group=str)) as answers:
         found = {name: answer if isinstance(answer, list) else [f"{name}: {answer.reason}"] for name, answer in answers}
     return {name: found[name] for name in engines}
 

@@ -1,16 +1,18 @@
 """Calls in worker processes: one that segfaults, hangs, exits or eats memory is told of, and harms no other."""
 
 import os
+import random
 import subprocess
 import sys
 import time
 import types
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from bodycheck.running import pool
+from bodycheck.running import channel, pool
 from bodycheck.running.outcome import Crashed, TimedOut
 from tests.support import ROOT
 from tests.support.calls import (
@@ -19,6 +21,7 @@ from tests.support.calls import (
     holding_the_interpreter,
     is_running,
     keeping,
+    leaving_a_child,
     misbehaving,
     pids_in,
     poisoned,
@@ -53,6 +56,7 @@ def test_what_a_call_keeps_of_memory_is_not_missing_to_the_next() -> None:
         (aborting, "SIGKILL", "its process died of signal SIGKILL"),
         (misbehaving, "closes its files", "its process exited with code 1"),
         (misbehaving, "closes its files and goes on", "its process closed its pipe"),
+        (misbehaving, "writes into all descriptors", "something other than bodycheck wrote into the channel of its process"),
         (misbehaving, "cannot be sent", "AttributeError: "),
         (misbehaving, "cannot be received", "its result cannot be read: ValueError: "),
         (misbehaving, "speaks in no encoding", r"OSError: \udcff"),
@@ -123,3 +127,65 @@ def test_where_no_process_can_be_started_it_is_said(monkeypatch: pytest.MonkeyPa
     monkeypatch.setitem(sys.modules, nowhere.__name__, nowhere)
     with pytest.raises(RuntimeError, match="no process can be started: its process exited with code 1"):
         list(pool.call_all(nowhere.call, [1], jobs=1, limit=LIMIT))
+
+
+@pytest.mark.parametrize(
+    ("how", "answer"), [("makes a copy of the process", "makes a copy of the process"), ("answers twice", "ghost")]
+)
+def test_an_answer_is_that_of_its_own_call(how: str, answer: str) -> None:
+    calls = [how, "bread", "water"]
+    assert dict(pool.call_all(misbehaving, calls, jobs=1, limit=LIMIT)) == {how: answer, "bread": "bread", "water": "water"}
+
+
+def test_what_a_call_writes_into_its_channel_harms_no_other_call() -> None:
+    calls = ["writes into all descriptors", "bread", "water"]
+    made = dict(pool.call_all(misbehaving, calls, jobs=1, limit=LIMIT))
+    assert isinstance(made.pop(calls[0]), Crashed)
+    assert made == {"bread": "bread", "water": "water"}
+
+
+@pytest.mark.parametrize("jobs", [1, 3])
+def test_groups_share_no_process(jobs: int) -> None:
+    calls = [f"{group}{place}" for place in range(3) for group in "ab"]
+    found = dict(pool.call_all(whose_process, calls, jobs=jobs, limit=LIMIT, group=lambda name: name[0]))
+    assert found.keys() == set(calls)
+    of_a, of_b = ({pid for name, pid in found.items() if name[0] == group} for group in "ab")
+    assert not of_a & of_b
+    with pool.caller(whose_process, limit=LIMIT, group=lambda name: name[0]) as call:
+        assert call("a1") == call("a2") != call("b1") == call("b2")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no groups of processes")
+def test_what_a_call_starts_ends_with_its_worker(tmp_path: Path) -> None:
+    list(pool.call_all(leaving_a_child, [str(tmp_path / "pids")], jobs=1, limit=LIMIT))
+    (child,) = pids_in(tmp_path / "pids", 1)
+    # It sleeps for ten minutes unless it is killed; the minute is for machines that are busy.
+    deadline = time.monotonic() + 60
+    while is_running(child) and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert not is_running(child)
+
+
+def test_a_channel_takes_messages_of_any_size_and_nothing_else() -> None:
+    ours, theirs, mark = channel.pair()
+    worker = channel.Worker(theirs, mark)
+    message = random.Random(1).randbytes(3 << 20)  # more than a socket takes at once
+    ours.send(1, message)
+    assert ours.busy
+    with ThreadPoolExecutor(1) as executor:
+        received = executor.submit(worker.receive)
+        while not received.done():
+            ours.read()
+    assert received.result() == (1, message)
+    for number in (1, 2):
+        worker.send(number, b"answer")
+    ours.read()
+    assert list(ours.messages()) == [(1, b"answer"), (2, b"answer")]
+    theirs.sendall(b"\x00")
+    ours.read()
+    with pytest.raises(channel.Damaged):
+        list(ours.messages())
+    worker.close()
+    ours.read()
+    assert ours.closed
+    ours.close()

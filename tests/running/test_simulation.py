@@ -1,6 +1,6 @@
 """One run in this process: what is bad input, and that nothing which an engine raises leaves it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -68,6 +68,45 @@ def test_nothing_that_an_engine_raises_leaves_simulate(
 
 def test_an_adapter_that_fails_nowhere_completes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(registry, "load", lambda name: Faulty("nowhere", RuntimeError()))
+    assert simulate(SLIDE, "faulty", "step", 0.1).outcome.status == "ok"
+
+
+def _scaled(by: float) -> Callable[[np.ndarray], object]:
+    scale = np.ones(13)
+    scale[3:7] = by
+    return lambda states: states * scale
+
+
+@pytest.mark.parametrize(
+    ("spoil", "reason"),
+    [
+        (_scaled(0.0), "its quaternion has the norm 0, not 1, at t = 0 s"),
+        (_scaled(1 + 2e-6), "its quaternion has the norm 1.000002, not 1, at t = 0 s"),
+        (_scaled(1e200), "its quaternion has the norm 1e+200, not 1, at t = 0 s"),
+        (lambda states: states + 0j, "ValueError: its states are of the type complex128, not real numbers"),
+        (lambda states: states.astype(str), "ValueError: its states are of the type <U32, not real numbers"),
+        (lambda states: states.astype(object), "ValueError: its states are of the type object, not real numbers"),
+        (lambda states: np.ma.masked_less(states, -1e9), "ValueError: its states are a masked array"),
+    ],
+)
+def test_states_that_are_none_crash(
+    spoil: Callable[[np.ndarray], object], reason: str, monkeypatch: pytest.MonkeyPatch, recwarn: pytest.WarningsRecorder
+) -> None:
+    class Spoiling(Faulty):
+        def advance(self, strides: np.ndarray) -> Any:
+            return spoil(super().advance(strides))
+
+    monkeypatch.setattr(registry, "load", lambda name: Spoiling("nowhere", RuntimeError()))
+    assert simulate(SLIDE, "faulty", "step", 0.1).outcome == Crashed(reason)
+    assert not recwarn.list
+
+
+def test_a_quaternion_in_single_precision_is_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Single(Faulty):
+        def advance(self, strides: np.ndarray) -> Any:
+            return super().advance(strides).astype(np.float32)
+
+    monkeypatch.setattr(registry, "load", lambda name: Single("nowhere", RuntimeError()))
     assert simulate(SLIDE, "faulty", "step", 0.1).outcome.status == "ok"
 
 

@@ -1,12 +1,19 @@
 """What worker processes are made to do in tests. They import this module, which therefore imports nothing that is slow."""
 
+import contextlib
 import ctypes
+import gc
 import os
+import pickle
 import signal
+import subprocess
+import sys
 import threading
 import time
 from pathlib import Path
 from typing import Any
+
+from bodycheck.running.channel import Worker
 
 #: What a call keeps when it has returned.
 KEPT: list[bytearray] = []
@@ -59,6 +66,15 @@ def misbehaving(how: str) -> Any:
     if how == "closes its files and goes on":
         os.closerange(3, 256)
         time.sleep(600)
+    if how == "writes into all descriptors":
+        for descriptor in range(3, 256):
+            with contextlib.suppress(OSError):
+                os.write(descriptor, b"\x00\x10" * 512)
+    if how == "makes a copy of the process" and (copy := os.fork()):
+        os.waitpid(copy, 0)
+    if how == "answers twice":
+        (own,) = (found for found in gc.get_objects() if isinstance(found, Worker))
+        own.send(1, pickle.dumps(("ghost", True)))
     if how == "cannot be sent":
         return lambda: None
     if how == "cannot be received":
@@ -76,6 +92,12 @@ def whose_process(what: str) -> int:
         time.sleep(600)
     poisoned(what)
     return os.getpid()
+
+
+def leaving_a_child(pids: str) -> None:
+    """Starts a process that sleeps for ten minutes, and returns."""
+    child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
+    Path(pids).write_text(f"{child.pid}\n", "utf-8")
 
 
 def holding_the_interpreter(pids: str) -> None:

@@ -204,7 +204,7 @@ def _rows(
     if rows:
         progress("", len(rows))
     left = [trial for trial in study.trials if trial.key not in rows]
-    with closing(pool.call_all(_try, left, jobs, limit)) as answers:
+    with closing(pool.call_all(_try, left, jobs, limit, group=lambda trial: trial.engine)) as answers:
         for trial, answer in answers:
             row = _row(trial, versions[trial.engine], answer)
             log.add({"record": "run", "row": asdict(row)})
@@ -224,7 +224,7 @@ def _limits(
             probes[RunKey(case, engine, Method.parse(integrator, 0.0)), spin][record["product"]] = record["stable"]
     brackets = {search: bracket(probes[search.key]) for search in study.searches}
     while left := [Probe(search, product) for search, known in brackets.items() for product in known.following]:
-        with closing(pool.call_all(_probe, left, jobs, limit)) as answers:
+        with closing(pool.call_all(_probe, left, jobs, limit, group=lambda probe: probe.search.engine)) as answers:
             for probe, answer in answers:
                 # A run that crashes its process or exceeds the time limit counts as unstable.
                 held = probes[probe.search.key][probe.product] = answer is True

@@ -3,6 +3,7 @@
 They know spins about a principal axis only, so that their exact motion needs no integration.
 """
 
+import contextlib
 import ctypes
 import math
 import os
@@ -81,6 +82,26 @@ def shapeless(t: float, row: np.ndarray) -> np.ndarray:
     return row[:12]
 
 
+def scribbling(t: float, row: np.ndarray) -> np.ndarray:
+    """Writes into every descriptor of its process but those of the terminal."""
+    for descriptor in range(3, 256):
+        with contextlib.suppress(OSError):
+            os.write(descriptor, b"\x00\x10" * 512)
+    return row
+
+
+def forking(t: float, row: np.ndarray) -> np.ndarray:
+    """Makes a copy of its process at the start, which goes on as the process does."""
+    if t == 0 and (copy := os.fork()):
+        os.waitpid(copy, 0)
+    return row
+
+
+def unnormalised(t: float, row: np.ndarray) -> np.ndarray:
+    row[3:7] *= 1.5 if t >= 0.5 else 1.0
+    return row
+
+
 def hanging(t: float, row: np.ndarray) -> np.ndarray:
     while True:
         time.sleep(1)
@@ -156,4 +177,6 @@ EXPLODING, NOT_A_NUMBER = Miniature("exploding", exploding), Miniature("not-a-nu
 RAISING, DYING, HANGING = Miniature("raising", raising), Miniature("dying", dying), Miniature("hanging", hanging)
 PRINTING, VANISHING, EXITING = Miniature("printing", printing), Miniature("vanishing", vanishing), Miniature("exiting", exiting)
 SEGFAULTING, ALLOCATING = Miniature("segfaulting", segfaulting), Miniature("allocating", allocating)
+SCRIBBLING, FORKING = Miniature("scribbling", scribbling), Miniature("forking", forking)
+UNNORMALISED = Miniature("unnormalised", unnormalised)
 SHAPELESS, DAWDLING, FROZEN = Miniature("shapeless", shapeless), Miniature("dawdling", dawdling), Frozen("frozen", exact)
