@@ -22,6 +22,8 @@ types: $(VENV)/.installed-for-development
 tests: $(VENV)/.installed-for-development
 	$(BIN)/pytest -n auto --dist loadfile
 
+# Numbers of attacks and their first seed, such as FILES=1000, are in CONTRIBUTING.md.
+export FILES RUNS FOLDERS KILLS SEED
 slow: $(VENV)/.installed-for-development
 	$(BIN)/pytest -n auto -m slow
 

@@ -7,14 +7,14 @@ from itertools import pairwise
 DEFAULTS = {"FILES": 100_000, "RUNS": 2_000, "FOLDERS": 1_000, "KILLS": 100}
 
 #: The seed of the first attack.
-SEED = int(os.environ.get("SEED", "1"))
+SEED = int(os.environ.get("SEED") or 1)
 
 Batch = tuple[int, int]
 
 
 def size(name: str) -> int:
     """How many attacks of a kind are asked for."""
-    return int(os.environ.get(name, DEFAULTS[name]))
+    return int(os.environ.get(name) or DEFAULTS[name])  # make passes on what is not set as an empty text
 
 
 def batches(name: str, count: int = 8) -> list[Batch]:

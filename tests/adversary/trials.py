@@ -92,19 +92,19 @@ def _batch(trial: str, first: int, count: int, found: list[Failure]) -> int:
 
 
 def _main(trial: str, first: str, count: str) -> None:
-    channel = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # whatever else is printed is no line of the channel
     module, _, name = trial.partition(":")
     make: Trial = getattr(importlib.import_module(f"tests.adversary.{module}"), name)
-    for seed in range(int(first), int(first) + int(count)):
-        print(json.dumps([seed, None]), file=channel, flush=True)
-        folder = Path(tempfile.mkdtemp(prefix=f"{seed}-"))
-        try:
-            problem = make(seed, folder)
-        except Exception:
-            problem = traceback.format_exc(limit=-12)
-        shutil.rmtree(folder, ignore_errors=True)
-        print(json.dumps([seed, problem]), file=channel, flush=True)
+    with os.fdopen(os.dup(1), "w") as channel:
+        os.dup2(2, 1)  # whatever else is printed is no line of the channel
+        for seed in range(int(first), int(first) + int(count)):
+            print(json.dumps([seed, None]), file=channel, flush=True)
+            folder = Path(tempfile.mkdtemp(prefix=f"{seed}-"))
+            try:
+                problem = make(seed, folder)
+            except Exception:
+                problem = traceback.format_exc(limit=-12)
+            shutil.rmtree(folder, ignore_errors=True)
+            print(json.dumps([seed, problem]), file=channel, flush=True)
 
 
 if __name__ == "__main__":
