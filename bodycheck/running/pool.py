@@ -2,7 +2,8 @@
 
 A worker process makes one call after another, all of them of one group, so that an engine shares no process with another
 engine or with the truth. Every worker has its own channel, so that the failure of one does not affect others, and answers carry
-the number of their call. What an engine starts ends with its worker.
+the number of their call. A process whose state a call has changed makes no other call, and what an engine starts ends with its
+worker.
 """
 
 import contextlib
@@ -22,6 +23,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from bodycheck.running import channel, limits
 from bodycheck.running.outcome import Crashed, TimedOut, crash
+from bodycheck.running.process_state import state
 
 Argument = TypeVar("Argument")
 Result = TypeVar("Result")
@@ -286,17 +288,18 @@ def _work(function: Callable[[Any], Any], theirs: socket.socket, mark: bytes, me
         parent.send(0, pickle.dumps((None, True)))
         while True:
             number, argument = parent.receive()
-            result = _call(function, pickle.loads(argument))
+            loaded, before = pickle.loads(argument), state()
+            result = _call(function, loaded)
             if os.getpid() != own:  # the engine has made a copy of the process, and the copy must not answer
                 os._exit(0)
-            parent.send(number, _pickled(result))
+            parent.send(number, _pickled(result, reusable=state() == before and not limits.keeps_much()))
     except (EOFError, ConnectionError):
         return  # the parent is gone
 
 
-def _pickled(result: Any) -> bytes:
+def _pickled(result: Any, reusable: bool) -> bytes:
     try:
-        return pickle.dumps((result, not limits.keeps_much()))
+        return pickle.dumps((result, reusable))
     except Exception as error:
         return pickle.dumps((crash(error), False))
 

@@ -22,7 +22,7 @@ MEMORY = 512 << 20
 LIMIT = 15.0
 
 STEPS = (0.1, 0.05)
-INNOCENT = ("exact", "drifting", "printing", "forking", "mujoco")
+INNOCENT = ("exact", "drifting", "printing", "forking", "meddling", "mujoco")
 GUILTY = {
     "segfaulting": ("crashed", "its process died of signal SIGSEGV"),
     "hanging": ("timeout", f"stopped after {LIMIT:g} s"),
@@ -33,6 +33,7 @@ GUILTY = {
     "raising": ("crashed", "RuntimeError: the miniature engine gives up"),
     "shapeless": ("crashed", "ValueError: its states have the shape (1, 11, 1, 12), not (1, 11, 1, 13)"),
     "scribbling": ("crashed", "something other than bodycheck wrote into the channel of its process"),
+    "rounding": ("crashed", "it changed how its process rounds floating-point numbers"),
     "unnormalised": ("crashed", "its quaternion has the norm 1.5, not 1, at t = 0.5 s"),
     "not-a-number": ("diverged", "not a number at t = 0.5 s"),
     "exploding": ("diverged", "kinetic energy "),

@@ -16,7 +16,9 @@ from bodycheck.running import channel, pool
 from bodycheck.running.outcome import Crashed, TimedOut
 from tests.support import ROOT
 from tests.support.calls import (
+    CHANGES,
     aborting,
+    changing,
     hanging_or_not,
     holding_the_interpreter,
     is_running,
@@ -189,3 +191,10 @@ def test_a_channel_takes_messages_of_any_size_and_nothing_else() -> None:
     ours.read()
     assert ours.closed
     ours.close()
+
+
+def test_a_process_that_a_call_has_changed_makes_no_other_call() -> None:
+    calls = [*CHANGES, "nothing", "nothing again"]
+    found = dict(pool.call_all(changing, calls, jobs=1, limit=LIMIT))
+    assert len({found[what] for what in CHANGES}) == len(CHANGES)
+    assert found["nothing"] == found["nothing again"] not in {found[what] for what in CHANGES}

@@ -2,16 +2,22 @@
 
 import contextlib
 import ctypes
+import ctypes.util
 import gc
 import os
 import pickle
+import platform
+import random
 import signal
 import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from bodycheck.running.channel import Worker
 
@@ -91,6 +97,33 @@ def whose_process(what: str) -> int:
     if what == "hang":
         time.sleep(600)
     poisoned(what)
+    return os.getpid()
+
+
+#: What a call changes in its process, by the name of the change.
+CHANGES: dict[str, Callable[[], object]] = {
+    "path": sys.path.clear,
+    "environment": os.environ.clear,
+    "folder": lambda: os.chdir("/"),
+    "rounding": lambda: round_up(),
+    "handler": lambda: signal.signal(signal.SIGTERM, signal.SIG_IGN),
+    "handler in C": lambda: ctypes.CDLL(None).signal(signal.SIGUSR1, ctypes.c_void_p(1)),
+    "seed": lambda: random.seed(1),
+    "seed of numpy": lambda: np.random.seed(1),
+    "faults": lambda: np.seterr(all="raise"),
+    "thread": lambda: threading.Thread(target=time.sleep, args=(600,), daemon=True).start(),
+}
+
+
+def round_up() -> None:
+    """Let the arithmetic of this process round towards plus infinity (FE_UPWARD of fenv.h)."""
+    upward = {"x86_64": 0x800, "aarch64": 0x400000, "arm64": 0x400000}[platform.machine()]
+    ctypes.CDLL(ctypes.util.find_library("m")).fesetround(upward)
+
+
+def changing(what: str) -> int:
+    """Change something for good, or nothing, and return the process."""
+    CHANGES.get(what, int)()
     return os.getpid()
 
 

@@ -5,8 +5,10 @@ They know spins about a principal axis only, so that their exact motion needs no
 
 import contextlib
 import ctypes
+import ctypes.util
 import math
 import os
+import platform
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -97,6 +99,22 @@ def forking(t: float, row: np.ndarray) -> np.ndarray:
     return row
 
 
+def meddling(t: float, row: np.ndarray) -> np.ndarray:
+    """Leaves its process with another environment, folder and seed when it comes to its last sample."""
+    if t == 1.0:
+        os.environ.clear()
+        os.chdir("/")
+        np.random.seed(1)
+    return row
+
+
+def rounding(t: float, row: np.ndarray) -> np.ndarray:
+    """Lets the arithmetic of its process round towards plus infinity (FE_UPWARD of fenv.h)."""
+    upward = {"x86_64": 0x800, "aarch64": 0x400000, "arm64": 0x400000}[platform.machine()]
+    ctypes.CDLL(ctypes.util.find_library("m")).fesetround(upward)
+    return row
+
+
 def unnormalised(t: float, row: np.ndarray) -> np.ndarray:
     row[3:7] *= 1.5 if t >= 0.5 else 1.0
     return row
@@ -178,5 +196,6 @@ RAISING, DYING, HANGING = Miniature("raising", raising), Miniature("dying", dyin
 PRINTING, VANISHING, EXITING = Miniature("printing", printing), Miniature("vanishing", vanishing), Miniature("exiting", exiting)
 SEGFAULTING, ALLOCATING = Miniature("segfaulting", segfaulting), Miniature("allocating", allocating)
 SCRIBBLING, FORKING = Miniature("scribbling", scribbling), Miniature("forking", forking)
-UNNORMALISED = Miniature("unnormalised", unnormalised)
+UNNORMALISED, MEDDLING = Miniature("unnormalised", unnormalised), Miniature("meddling", meddling)
+ROUNDING = Miniature("rounding", rounding)
 SHAPELESS, DAWDLING, FROZEN = Miniature("shapeless", shapeless), Miniature("dawdling", dawdling), Frozen("frozen", exact)

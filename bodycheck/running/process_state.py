@@ -1,0 +1,71 @@
+"""The state of a process that one call in it can leave behind for the next one."""
+
+import os
+import random
+import signal
+import sys
+import threading
+from collections.abc import Hashable
+from pathlib import Path
+
+import numpy as np
+
+#: Pairs whose quotients are others if rounding is directed, and one whose quotient is zero if small numbers are flushed.
+_ROUNDED, _SMALL = ((1.0, 3.0), (-1.0, 3.0)), ((sys.float_info.min, 3.0),)
+
+
+def rounding() -> Hashable:
+    """Return numbers that tell how floating-point numbers are rounded."""
+    return tuple(one / other for one, other in _ROUNDED)
+
+
+#: What `rounding` returns where numbers are rounded to the nearest, as they are when a process begins.
+TO_NEAREST = rounding()
+
+
+def state() -> tuple[Hashable, ...]:
+    """Return what a call may have changed and the next one would notice; it is equal where nothing was changed.
+
+    These are the paths of imports, the environment, the working directory, the arithmetic of floating point and how its faults
+    are handled, the handlers of signals, the global generators of random numbers, and the number of Python's threads. Other
+    threads are not counted, because many libraries keep theirs for the next call.
+    """
+    return (
+        tuple(sys.path),
+        tuple(sorted(os.environ.items())),
+        _working_directory(),
+        rounding(),
+        tuple(one / other for one, other in _SMALL),
+        tuple(np.reciprocal(np.array([3.0, -3.0, 1e308 * 1.7])).tolist()),
+        tuple(np.geterr().items()),
+        tuple(map(_handler, sorted(signal.valid_signals()))),
+        random.getstate(),
+        _numpy_generator(),
+        threading.active_count(),
+        _masks_of_signals(),
+    )
+
+
+def _working_directory() -> str | None:
+    try:
+        return os.getcwd()
+    except OSError:  # it was removed
+        return None
+
+
+def _handler(number: int) -> str:
+    return repr(signal.getsignal(number))
+
+
+def _numpy_generator() -> tuple[Hashable, ...]:
+    name, key, *rest = np.random.get_state(legacy=True)
+    return name, np.asarray(key).tobytes(), *rest
+
+
+def _masks_of_signals() -> tuple[str, ...]:
+    """Return which signals are blocked, ignored and handled, also in C; empty where the system does not say it."""
+    try:
+        lines = Path("/proc/self/status").read_text("ascii", "replace").splitlines()
+    except OSError:
+        return ()
+    return tuple(line for line in lines if line.startswith(("SigBlk:", "SigIgn:", "SigCgt:")))
