@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.grammar import Status, shape_of, with_shape
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import MAX_NUMBER, MAX_POINTS, MAX_STEPS
+from bodycheck.casefile.values import MAX_NUMBER, MAX_POINTS, MAX_STEPS, MAX_TIMESTEPS
 from bodycheck.figures.columns import LIMITED
 from bodycheck.reference.definition import Definition, Tensor
 from bodycheck.reference.exact.start import defined_inertia
@@ -39,8 +39,15 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
     if plane.get("law") == "decoupled" and plane.get("pressure") == "balanced":
         yield ("scene", "plane", "pressure"), "the decoupled law does not depend on where the load is; allowed: uniform"
     duration = _number(_mapping(document.get("run")).get("duration"))
-    expectations = document.get("expect")
-    for index, expectation in enumerate(expectations if isinstance(expectations, list) else []):
+    expect = document.get("expect")
+    expectations = expect if isinstance(expect, list) else []
+    timesteps = {_number(_mapping(expectation).get("timestep")) for expectation in expectations}
+    if len(timesteps) > MAX_TIMESTEPS:
+        yield (
+            ("expect",),
+            f"has {len(timesteps)} time steps, each with a reference of its own; at most {MAX_TIMESTEPS} are allowed",
+        )
+    for index, expectation in enumerate(expectations):
         for path, message in _expect_contradictions(_mapping(expectation), duration):
             yield ("expect", index, *path), message
     yield from _extremes_contradictions(_mapping(document.get("extremes")), duration)

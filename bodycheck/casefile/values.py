@@ -15,6 +15,8 @@ MAX_NAME_LENGTH = 100
 MAX_TEXT_LENGTH = 1000
 MAX_TAGS = 50
 MAX_EXPECTATIONS = 1000
+#: Each time step of the expectations needs a truth of its own, at the instants that an engine reaches with it.
+MAX_TIMESTEPS = 50
 MAX_VALUES = 50
 MAX_POINTS = 500
 #: Largest absolute value of a number. Its inverse is the smallest one except 0, so that squares and products do not overflow.

@@ -14,6 +14,7 @@ from bodycheck import Case, CaseFaults, load
 from bodycheck.casefile.case import MAX_FILE_BYTES, Fault, parse, shipped
 from bodycheck.casefile.expectation import Limit
 from bodycheck.casefile.toml_positions import positions
+from bodycheck.casefile.values import MAX_TIMESTEPS
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Sphere
 from tests.support.cases import a_case
 
@@ -164,6 +165,18 @@ timestep = 0.002
 def test_one_fault(old: str, new: str, place: str, words: str) -> None:
     found = faults(GOOD.replace(old, new, 1))
     assert any(key.startswith(place) and words in message for key, message in found.items()), found
+
+
+def test_expectations_have_few_time_steps() -> None:
+    """Each needs a truth, so that their number bounds the work that a file asks for before any of it is done."""
+    more = [
+        f'[[expect]]\nengine = "mujoco"\nintegrator = "RK4"\ntimestep = {0.01 + 1e-4 * place!r}\nattitude_error = 1.0\n'
+        for place in range(MAX_TIMESTEPS)
+    ]
+    assert len(parse(GOOD + "".join(more[1:]), "good").expectations) == MAX_TIMESTEPS
+    ((place, message),) = faults(GOOD + "".join(more)).items()
+    assert place == "26 expect"
+    assert message.endswith("has 51 time steps, each with a reference of its own; at most 50 are allowed")
 
 
 def test_a_missing_coordinate_is_one_fault() -> None:
