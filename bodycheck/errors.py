@@ -1,7 +1,13 @@
 """The exit codes of commands, and the exception for bad input."""
 
+import errno
+
 #: Exit codes of commands. FAILED means that an expectation or a run failed.
 OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+
+#: Errors of the operating system if the disk is full or read-only, or a file too large for a quota or a limit.
+NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS})
 
 
 class BadInput(Exception):

@@ -18,6 +18,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from bodycheck.files import writing
 from bodycheck.runner_log import print_command
 
 if TYPE_CHECKING:
@@ -86,11 +87,11 @@ def annotate_github(found: "ResultSet", files: Mapping[str, Path], environment: 
 
 
 def write_junit(sets: "Sequence[ResultSet]", path: Path) -> None:
-    """Write the verdicts as JUnit XML. Raises `OSError` if the file cannot be written."""
+    """Write the verdicts as JUnit XML. Raises `NotWritten` if the file cannot be written."""
     from bodycheck.reports.runs import comparison, junit
 
     verdicts = [verdict for one in sets for verdict in one.verdicts]
-    path.write_text(junit.render(verdicts, comparison.header(sets)), encoding="utf-8")
+    writing.write_named(path, junit.render(verdicts, comparison.header(sets)).encode("utf-8", "replace"))
 
 
 def write_study(report: "StudyReport", folder: Path, formats: "Sequence[Format]" = ()) -> tuple[Path, ...]:
@@ -109,5 +110,5 @@ def _write(folder: Path, texts: Mapping[str, str]) -> tuple[Path, ...]:
     """Write texts to files of these names in a folder and return their paths."""
     paths = tuple(folder / name for name in texts)
     for path, text in zip(paths, texts.values(), strict=True):
-        path.write_text(text, encoding="utf-8", errors="replace")
+        writing.write(path, text.encode("utf-8", "replace"))
     return paths

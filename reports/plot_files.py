@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import vl_convert
 
+from bodycheck.files import writing
 from bodycheck.reports.charts import INK, Spec
 from bodycheck.reports.study import StudyReport
 
@@ -39,20 +40,20 @@ def of_study(report: StudyReport) -> Iterator[tuple[str, Spec]]:
 
 
 def write(plots: Iterator[tuple[str, Spec]], folder: Path, formats: Sequence[Format]) -> None:
-    """Write one file for each plot and format into the sub-folder `FOLDER`. Raises `OSError` if one cannot be written."""
+    """Write one file for each plot and format into the sub-folder `FOLDER`. Raises `NotWritten` if one cannot be written."""
     if not formats:
         return
-    (folder / FOLDER).mkdir(exist_ok=True)
     taken: set[str] = set()
     for name, chart in plots:
         safe = _file_name(name, taken)
         for kind in formats:
             path = folder / FOLDER / f"{safe}.{kind}"
             if kind == "svg":
-                path.write_text(_numbered(vl_convert.vegalite_to_svg(chart)), encoding="utf-8")
+                content = _numbered(vl_convert.vegalite_to_svg(chart)).encode("utf-8", "replace")
             else:
                 opaque = chart | {"config": chart["config"] | {"background": "white"}}
-                path.write_bytes(vl_convert.vegalite_to_png(opaque, scale=SCALE))
+                content = vl_convert.vegalite_to_png(opaque, scale=SCALE)
+            writing.write(path, content, folder)
 
 
 def _file_name(name: str, taken: set[str]) -> str:

@@ -1,6 +1,7 @@
 """Write new case files, and the JSON Schema by which editors complete and check case files."""
 
 import json
+import os
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from pydantic_core import core_schema
 from bodycheck.casefile import grammar, values
 from bodycheck.casefile.case import SUFFIX
 from bodycheck.errors import BadInput
+from bodycheck.files import writing
 
 #: The file with the schema, beside the shipped cases; the first line of each case names it for editors.
 SCHEMA_FILE = "case.schema.json"
@@ -32,13 +34,9 @@ def new(name: str, folder: Path) -> Path:
         most = values.MAX_NAME_LENGTH
         raise BadInput(f"name: read {name!r}; allowed: small letters, digits and hyphens, at most {most}") from error
     path = folder / (name + SUFFIX)
-    try:
-        with path.open("x", encoding="utf-8") as stream:
-            stream.write(template().replace(f'name = "{TEMPLATE_NAME}"', f'name = "{name}"', 1))
-    except FileExistsError as error:
-        raise BadInput(f"{path}: exists already") from error
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be written: {error.strerror}") from error
+    if os.path.lexists(path):
+        raise BadInput(f"{path}: exists already")
+    writing.write(path, template().replace(f'name = "{TEMPLATE_NAME}"', f'name = "{name}"', 1).encode("utf-8"))
     return path
 
 

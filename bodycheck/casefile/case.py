@@ -22,6 +22,7 @@ from bodycheck.casefile.scenes import Inconsistent, build_scene
 from bodycheck.casefile.toml_positions import Path, Position, positions
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
+from bodycheck.files import reading
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.suggestion import did_you_mean
@@ -32,6 +33,8 @@ SUFFIX = ".case.toml"
 MAX_FILE_BYTES = 1 << 18
 MAX_KEY_PARTS = 16
 MAX_DIGITS = 500
+#: What some editors write at the beginning of a file.
+BYTE_ORDER_MARK = "\ufeff"
 #: The largest number of faults that are reported, and the longest quotation and message (characters).
 MAX_FAULTS = 100
 MAX_QUOTE_LENGTH = 60
@@ -191,14 +194,16 @@ def _deepest_offset(text: str) -> int:
 
 def _read(path: FilePath) -> str:
     try:
-        if not path.is_file():
+        if not path.exists():
             known = f"there is no such file, and no shipped case of this name; shipped: {', '.join(shipped())}"
             raise CaseFaults((Fault(str(path), known + did_you_mean(str(path), shipped())),))
-        with path.open("rb") as stream:
-            content = stream.read(MAX_FILE_BYTES + 1)
-        if len(content) > MAX_FILE_BYTES:
-            raise CaseFaults((Fault(str(path), f"larger than {MAX_FILE_BYTES} bytes, the limit for case files"),))
-        return content.decode("utf-8")
+        text = reading.content(path, MAX_FILE_BYTES, follow=True).decode("utf-8")
+        if text.startswith(BYTE_ORDER_MARK):
+            wrong = "begins with a byte order mark (BOM), which TOML does not allow; save it as UTF-8 without one"
+            raise CaseFaults((Fault(str(path), wrong, Position(1, 1)),))
+        return text
+    except reading.Refused as error:
+        raise CaseFaults((Fault(str(path), error.reason),)) from error
     except UnicodeDecodeError as error:
         read = error.object[: error.start].decode("utf-8")
         wrong = f"cannot be read: it is not UTF-8: {error.reason}"

@@ -10,7 +10,7 @@ from bodycheck.commands.listing import cases, engines
 from bodycheck.commands.report import report
 from bodycheck.commands.run import run
 from bodycheck.commands.truth import truth
-from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, BadInput, Failed
+from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, NO_ROOM, BadInput, Failed
 from bodycheck.runner_log import guarded
 from bodycheck.studies.ablation.command import ablate
 from bodycheck.studies.extremes.command import extremes
@@ -40,12 +40,18 @@ def main() -> None:
     with guarded():
         try:
             code = app(exit_on_error=False, print_error=False, result_action="return_value")
+            sys.stdout.flush()
         except (CycloptsError, BadInput) as error:
             print(error, file=sys.stderr)
             code = BAD_INPUT
         except Failed as error:
             print(error, file=sys.stderr)
             code = FAILED
+        except OSError as error:
+            if error.errno not in NO_ROOM:
+                raise
+            print(f"bodycheck: cannot write: {error}", file=sys.stderr)
+            code = BAD_INPUT
         except KeyboardInterrupt:
             print("bodycheck: interrupted", file=sys.stderr)
             code = INTERRUPTED

@@ -47,7 +47,8 @@ def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit
     if isinstance(found[0], StudyReport) and len(found) == 1:
         if junit is not None:
             raise BadInput(f"--junit {junit}: {folders[0]} contains a study, and studies have no expectations")
-        reports.write_study(found[0], into, figures)
+        with saved.undamaged(folders[0]):
+            reports.write_study(found[0], into, figures)
         print(f"report: {into / 'report.html'}", file=sys.stderr)
         return OK
     sets = []
@@ -56,7 +57,8 @@ def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit
             raise BadInput(f"{folder}: contains a study; only folders of runs can be compared in one report")
         with saved.undamaged(folder):
             sets.append(result_set.judged(one, label))
-    write(sets, into, figures, junit)
+    with saved.undamaged(*folders):
+        write(sets, into, figures, junit)
     if interrupted := [str(one.results.folder) for one in sets if not one.results.complete]:
         print(
             f"bodycheck: interrupted; the report contains the runs before the interruption: {', '.join(interrupted)}",
@@ -69,14 +71,19 @@ def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit
 def _report_releases(folders: tuple[Path, ...], into: Path, figures: Figures, junit: Path | None) -> int:
     """Write one report of several studies of releases, made for example on several machines."""
     from bodycheck import reports
+    from bodycheck.commands import saved
+    from bodycheck.files import reading
     from bodycheck.studies.releases import rows as release_rows
     from bodycheck.studies.releases.page import present
 
     if junit is not None:
         raise BadInput(f"--junit {junit}: {folders[0]} contains a study, and studies have no expectations")
-    found = [release_rows.read(folder) for folder in folders]
+    for folder in folders:
+        reading.refuse_links(folder)
     arguments.make_folder("--out", into)
-    reports.write_study(present(dict(zip(release_rows.labels(found), found, strict=True))), into, figures)
+    with saved.undamaged(*folders):
+        found = [release_rows.read(folder) for folder in folders]
+        reports.write_study(present(dict(zip(release_rows.labels(found), found, strict=True))), into, figures)
     print(f"report: {into / 'report.html'}", file=sys.stderr)
     return OK
 

@@ -13,9 +13,10 @@ from bodycheck.adapters.method import current
 from bodycheck.casefile.case import CaseFaults
 from bodycheck.errors import BadFolder
 from bodycheck.figures.columns import COLUMNS
+from bodycheck.files import reading
 from bodycheck.reports.study import StudyReport
-from bodycheck.running import csv_tables, journal, store
-from bodycheck.running.header import DESCRIPTIONS, Header
+from bodycheck.running import csv_tables, journal, records, store
+from bodycheck.running.header import Header
 from bodycheck.running.key import RunKey
 from bodycheck.running.store import Results
 from bodycheck.studies.ablation import page as ablation
@@ -34,6 +35,12 @@ PARSERS: dict[str, csv_tables.Parser] = {"string": str, "boolean": csv_tables.tr
 #: How to read the columns that tradeoff.csv has besides those of results and that do not hold decimal numbers.
 TRADEOFF_PARSERS: dict[str, csv_tables.Parser] = {"evaluations": int}
 
+#: What reading and judging damaged files may raise, beside `BadInput`.
+DAMAGE = (
+    *(OSError, ArithmeticError, LookupError, TypeError, ValueError),
+    *(AttributeError, AssertionError, RecursionError, MemoryError),
+)
+
 #: The predicate of messages about an interrupted study.
 INTERRUPTED = "was interrupted before its report was written; run it again with the same --out to resume it"
 
@@ -46,6 +53,7 @@ def read(folder: Path) -> Results | StudyReport:
     """
     if not folder.is_dir():
         raise BadFolder(f"{folder}: there is no such folder" if not folder.exists() else f"{folder}: is not a folder")
+    reading.refuse_links(folder)
     there = [name for name in (store.RECORDS, EXTREMES) if (folder / name).is_file()]
     if len(there) != 1:
         found = " and ".join(there) or f"neither {store.RECORDS} nor {EXTREMES}"
@@ -56,25 +64,27 @@ def read(folder: Path) -> Results | StudyReport:
         if there == [EXTREMES]:
             return _extremes(folder)
         results = store.read(folder)
-        _checked(results.header)
         return _study(results) or results
 
 
 @contextmanager
-def undamaged(folder: Path) -> Iterator[None]:
-    """Turn errors of reading a folder within the context into `BadFolder`: the files are not as bodycheck wrote them."""
+def undamaged(*folders: Path) -> Iterator[None]:
+    """Turn errors of reading folders within the context into `BadFolder`: the files are not as bodycheck wrote them."""
     try:
         yield
     except CaseFaults as error:
-        raise BadFolder(f"{folder}: damaged: {error}") from error
-    except (OSError, KeyError, TypeError, ValueError) as error:
-        raise BadFolder(f"{folder}: damaged: {type(error).__name__}: {error}") from error
+        raise BadFolder(f"{_names(folders)}: damaged: {error}") from error
+    except DAMAGE as error:
+        raise BadFolder(f"{_names(folders)}: damaged: {type(error).__name__}: {error}") from error
+
+
+def _names(folders: tuple[Path, ...]) -> str:
+    return " or ".join(map(str, folders))
 
 
 def _checked(header: Mapping[str, Any]) -> Header:
-    """Return a header. Raises `KeyError` if it lacks an entry that every report contains."""
-    for name in DESCRIPTIONS:
-        header[name]
+    """Return a header. Raises `ValueError` if it lacks an entry that every report contains."""
+    records.typed(records.HeaderRecord, header)
     return cast(Header, header)
 
 
@@ -97,7 +107,7 @@ def _tradeoff(results: Results) -> StudyReport:
     rows = _rows(results.folder / "tradeoff.csv", parsers | TRADEOFF_PARSERS)
     _check(results, "tradeoff.csv", {RunKey.of_row(row) for row in rows}, {RunKey.of_row(run) for run in _runs(results)})
     orders = _rows(results.folder / "orders.csv", csv_tables.parsers_of(Order))
-    return tradeoff.present(results.header, rows, [Order(**order) for order in orders])
+    return tradeoff.present(results.header, rows, [records.typed(Order, order) for order in orders])
 
 
 def _ablation(results: Results) -> StudyReport:
@@ -113,10 +123,10 @@ def _extremes(folder: Path) -> StudyReport:
     header = _checked(contents.header)
     if not contents.complete:
         raise BadFolder(f"{folder}: the study {INTERRUPTED}")
-    rows = [Row(**row) for row in _rows(folder / "extremes.csv", csv_tables.parsers_of(Row))]
-    limits = [Limit(**limit) for limit in _rows(folder / "limits.csv", csv_tables.parsers_of(Limit))]
+    rows = [records.typed(Row, row) for row in _rows(folder / "extremes.csv", csv_tables.parsers_of(Row))]
+    limits = [records.typed(Limit, limit) for limit in _rows(folder / "limits.csv", csv_tables.parsers_of(Limit))]
     runs = [record["row"] for record in contents.records if record["record"] == "run"]
-    made = [Row(**row | {"integrator": current(row["integrator"])}) for row in runs]
+    made = [records.typed(Row, row | {"integrator": current(row["integrator"])}) for row in runs]
     if set(rows) != set(made):
         raise BadFolder(f"{folder}: damaged: extremes.csv does not list the same runs as {EXTREMES}")
     return extremes.present(header, rows, limits)

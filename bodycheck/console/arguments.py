@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bodycheck.errors import BadInput, Failed
+from bodycheck.files import writing
 from bodycheck.suggestion import did_you_mean
 
 if TYPE_CHECKING:
@@ -135,11 +136,11 @@ def folder_for(folders: tuple[Path, ...], out: Path | None) -> Path:
 
 def make_folder(option: str, path: Path | None) -> None:
     """Make the folder that an option names; do nothing if it is None. Raises `BadInput` if the folder cannot be made."""
-    try:
-        if path is not None:
-            path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise BadInput(f"{option} {path}: the folder cannot be made: {error}") from error
+    if path is not None:
+        try:
+            writing.make_folder(path)
+        except writing.NotWritten as error:
+            raise BadInput(f"{option}: the folder cannot be made: {error}") from error
 
 
 def processes(jobs: int | None) -> int:

@@ -20,10 +20,11 @@ from bodycheck.casefile.identity import identity
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES as ALL_FIGURES
 from bodycheck.figures.columns import distance_from_ideal
-from bodycheck.judging import judgement, rounding
+from bodycheck.files import writing
+from bodycheck.judging import baseline_checks, judgement, rounding
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running import campaign, pool
+from bodycheck.running import campaign, pool, records
 from bodycheck.running.header import DESCRIPTIONS
 from bodycheck.running.key import RunKey
 from bodycheck.running.machine import SPEED_TOLERANCE
@@ -215,7 +216,7 @@ def save(
 
     Raises
     ------
-    BadInput
+    NotWritten
         If the file cannot be written.
     """
     allowed = rows(results, verdicts, jobs, progress)
@@ -226,50 +227,33 @@ def save(
         "header": {name: value for name, value in results.header.items() if name in HEADER},
         "cases": {name: identity(case) for name, case in results.cases.items()},
     }
-    try:
-        pq.write_table(table.replace_schema_metadata({METADATA: json.dumps(told)}), path, compression="zstd")
-    except OSError as error:
-        raise BadInput(f"{path}: cannot be written: {error}") from error
+    content = pa.BufferOutputStream()
+    pq.write_table(table.replace_schema_metadata({METADATA: json.dumps(told)}), content, compression="zstd")
+    writing.write_named(path, content.getvalue().to_pybytes())
 
 
 def read(path: Path) -> Baseline:
     """Read the baseline in a file. Raises `BadInput` if the file cannot be read or is not a baseline."""
+    figures = [column for name in FIGURES for column in (name, name + ALLOWANCE)]
     try:
-        table = pq.read_table(path)
+        table = baseline_checks.read(path)
         told = json.loads((table.schema.metadata or {})[METADATA])
         if told["format"] != FORMAT:
             raise ValueError(f"its format is {told['format']}, not {FORMAT}")
-        header = {name: told["header"][name] for name in HEADER}
-        for name in ("machine", "packages", "engines"):
-            _texts(header[name], name)
-        rows = [_checked(row) for row in table.to_pylist()]
-        return Baseline(header, _texts(told["cases"], "cases"), {RunKey.of_row(row): _present(row) for row in rows})
-    except (OSError, ValueError, KeyError, TypeError, BadInput, RecursionError, pa.ArrowException) as error:
+        metadata = records.typed(baseline_checks.Metadata, told)
+        rows = {RunKey.of_row(row): _present(row) for row in (baseline_checks.check(row, figures) for row in table.to_pylist())}
+        return Baseline(asdict(metadata.header), metadata.cases, rows)
+    except (
+        OSError,
+        ValueError,
+        LookupError,
+        TypeError,
+        BadInput,
+        RecursionError,
+        MemoryError,
+        pa.ArrowException,
+    ) as error:
         raise BadInput(f"{path}: not a baseline of `bodycheck run --save`: {error}") from error
-
-
-def _texts(table: Any, name: str) -> dict[str, str]:
-    """Return a table of texts. Raises `TypeError` if it is anything else."""
-    if not isinstance(table, dict) or not all(isinstance(text, str) for text in table.values()):
-        raise TypeError(f"{name} should be a table of texts")
-    return table
-
-
-def _checked(row: Row) -> Row:
-    """Return a row. Raises `TypeError` or `ValueError` if it has a value that no run has."""
-    for name in ("case", "engine", "integrator", "status"):
-        if not isinstance(row[name], str):
-            raise TypeError(f"{name} should be a text, not {row[name]!r:.60}")
-    if not math.isfinite(row["timestep"]):
-        raise ValueError(f"a time step of {row['timestep']!r:.60}")
-    for name in (*FIGURES, *(name + ALLOWANCE for name in FIGURES), FASTEST, SLOWEST):
-        value = row.get(name)
-        if value is not None and (isinstance(value, bool) or not isinstance(value, float | int)):
-            raise TypeError(f"{name} should be a number, not {value!r:.60}")
-    for name in (FASTEST, SLOWEST):
-        if (value := row.get(name)) is not None and not 0 < value < math.inf:
-            raise ValueError(f"{name} is {value:g}; it should be positive")
-    return row
 
 
 def diff(base: Baseline, now: Baseline) -> Difference:

@@ -23,6 +23,7 @@ from bodycheck.casefile.toml_positions import entries, positions
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES, LIMITED, truth_bounds
 from bodycheck.figures.scales import in_scene
+from bodycheck.files import writing
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import plan as planned
@@ -132,9 +133,9 @@ def write(results: Results, verdicts: Sequence[Verdict], places: Mapping[str, Pa
         try:
             if file.read_bytes() != case.text.encode():
                 raise BadInput(f"{file}: has changed meanwhile; nothing is written")
-            file.write_text(text, encoding="utf-8", newline="")
         except OSError as error:
-            raise BadInput(f"{file}: cannot be written: {error.strerror}") from error
+            raise BadInput(f"{file}: cannot be read: {error.strerror}") from error
+        writing.write_named(file, text.encode("utf-8"))
         changes += made
     return changes
 

@@ -1,5 +1,6 @@
 """Judge stored runs: compute their errors, check their expectations, and make one row of results per run."""
 
+import io
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -13,6 +14,7 @@ import pandas as pd
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
 from bodycheck.figures.columns import ALWAYS_TABLED, FURTHER, truth_bounds
+from bodycheck.files import writing
 from bodycheck.judging.convergence import attitude_order
 from bodycheck.judging.discrepancy import Summary, compare
 from bodycheck.reference.truth import NoTruth, Truth
@@ -221,11 +223,13 @@ def _frame(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
 
 
 def write(verdicts: Iterable[Verdict], folder: Path) -> None:
-    """Write results.csv and results.parquet into a folder."""
+    """Write results.csv and results.parquet into a folder. Raises `NotWritten`."""
     rows = records(verdicts)
     frame = _frame(rows)
     csv_tables.write(folder / "results.csv", list(frame.columns), rows)
-    frame.to_parquet(folder / "results.parquet", index=False)
+    content = io.BytesIO()
+    frame.to_parquet(content, index=False)
+    writing.write(folder / "results.parquet", content.getvalue())
 
 
 def broken(

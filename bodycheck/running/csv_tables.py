@@ -6,16 +6,22 @@ formula has an apostrophe before it, which `read` removes.
 """
 
 import csv
+import io
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from types import UnionType
 from typing import Any, get_args
 
+from bodycheck.files import reading, writing
+
 #: What a text begins with that spreadsheets take for a formula.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 Parser = Callable[[str], Any]
+
+#: The largest size of a table that is read, in bytes.
+MAX_BYTES = 1 << 28
 
 
 def write(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
@@ -32,15 +38,16 @@ def write(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]])
 
     Raises
     ------
-    OSError
-        The file cannot be written.
+    NotWritten
+        The file cannot be written, or it is a symbolic link.
     ValueError
         A row has a value for a column that is not among `columns`.
     """
-    with path.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.DictWriter(stream, columns, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({name: _entry(value) for name, value in row.items()} for row in rows)
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, columns, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows({name: _entry(value) for name, value in row.items()} for row in rows)
+    writing.write(path, stream.getvalue().encode("utf-8", "replace"))
 
 
 def read(path: Path, parsers: Mapping[str, Parser]) -> list[dict[str, Any]]:
@@ -56,9 +63,9 @@ def read(path: Path, parsers: Mapping[str, Parser]) -> list[dict[str, Any]]:
     Raises
     ------
     OSError
-        The file cannot be read.
+        The file cannot be read, is too large, or is not a regular file.
     ValueError
-        An entry cannot be parsed, or the file is not UTF-8.
+        An entry cannot be parsed, a row is too long, or the file is not UTF-8.
     """
 
     def value(name: str, text: str) -> Any:
@@ -66,8 +73,14 @@ def read(path: Path, parsers: Mapping[str, Parser]) -> list[dict[str, Any]]:
         text = text[1:] if text and text.startswith("'") and _is_formula(text[1:]) else text
         return parser(text) if text or parser is str else None
 
-    with path.open(encoding="utf-8", newline="") as stream:
-        return [{name: value(name, text) for name, text in row.items()} for row in csv.DictReader(stream)]
+    stream = io.StringIO(reading.content(path, MAX_BYTES).decode("utf-8"), newline="")
+    try:
+        table = list(csv.DictReader(stream, strict=True))
+    except csv.Error as error:
+        raise ValueError(str(error)) from error
+    if any(None in row or None in row.values() for row in table):
+        raise ValueError(f"{path}: a row has more or fewer entries than the header")
+    return [{name: value(name, text) for name, text in row.items()} for row in table]
 
 
 def _entry(value: Any) -> Any:

@@ -1,22 +1,35 @@
 """Journals: files of JSON lines that record work while it is done, so that work that was interrupted can be resumed.
 
 A journal has a header, a record for each thing that was done, and a footer. Without its footer it tells of interrupted work. A
-last line that is incomplete, because its writer was killed, does not count.
+last line that is incomplete, because its writer was killed or the disk was full, does not count.
+
+Each line ends with a checksum of the rest of it, so that a changed record is seen. Journals of earlier versions have none.
 
 While a journal is written, a lock file beside it, `NAME.lock`, keeps other processes from writing it. The lock ends with its
 process. The lock file of a process that was killed is left, locks nothing, and is removed after the work is resumed.
 """
 
 import json
+import os
+import re
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 from filelock import BaseFileLock, FileLock, Timeout, UnixFileLock
 
 from bodycheck.errors import BadInput
+from bodycheck.files import reading, writing
 
 Record = dict[str, Any]
+
+#: The largest size of a journal in bytes.
+MAX_BYTES = 1 << 28
+
+#: The key of a line's checksum, the number of its hexadecimal digits, and a line that has one.
+CHECK, DIGITS = "check", 16
+CHECKED_LINE = re.compile(rb'(\{.*), "%s": "([0-9a-f]{%d})"\}' % (CHECK.encode(), DIGITS))
 
 
 class BadJournal(BadInput):
@@ -51,28 +64,41 @@ class Journal:
         The records that were there when it was opened.
     """
 
-    def __init__(self, stream: BinaryIO, lock: BaseFileLock, records: tuple[Record, ...] = ()) -> None:
+    def __init__(self, path: Path, lock: BaseFileLock, records: tuple[Record, ...] = ()) -> None:
         self.records = records
-        self._stream, self._lock, self._count = stream, lock, len(records)
+        self._path, self._lock, self._count = path, lock, len(records)
+        with writing.failing(path):
+            self._descriptor = os.open(path, os.O_WRONLY | os.O_APPEND | reading.NO_LINK | reading.NO_WAITING)
 
     def __enter__(self) -> "Journal":
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
-        if kind is None:
-            _write(self._stream, {"record": "footer", "records": self._count})
-        self._stream.close()
-        _release(self._lock)
+        try:
+            if kind is None:
+                self._append({"record": "footer", "records": self._count})
+        finally:
+            os.close(self._descriptor)
+            _release(self._lock)
 
     def add(self, record: Record) -> None:
-        """Write a record; when this returns, the operating system has it, and the end of this process does not lose it."""
-        _write(self._stream, record)
+        """Write a record; when this returns, the operating system has it, and the end of this process does not lose it.
+
+        Raises `NotWritten`, for example if the disk is full; the work is then resumed after the last whole record.
+        """
+        self._append(record)
         self._count += 1
+
+    def _append(self, record: Record) -> None:
+        writing.append(self._descriptor, _line(record), self._path)
 
 
 def begin(path: Path, header: Record) -> Journal:
-    """Begin a journal, in place of any that is there. Raises `BadJournal` if another process is writing that one."""
-    return _begin(*_open(path), header)
+    """Begin a journal, in place of any that is there.
+
+    Raises `BadJournal` if another process is writing that one, and `NotWritten` if it cannot be written.
+    """
+    return _opened(path, _lock(path), header, ())
 
 
 def resume(path: Path, header: Record) -> Journal:
@@ -89,24 +115,28 @@ def resume(path: Path, header: Record) -> Journal:
     ------
     BadJournal
         Another process is writing the journal.
+    NotWritten
+        The journal cannot be written.
     """
-    stream, lock = _open(path)  # from here on no other process adds to it
+    lock = _lock(path)  # from here on no other process adds to it
     try:
         contents = read(path)
     except BadJournal:
-        return _begin(stream, lock, header)
+        return _opened(path, lock, header, ())
     if contents.complete or contents.header.get("identity") != header["identity"]:
-        return _begin(stream, lock, header)
-    stream.truncate(len(_whole_lines(path)))
-    return Journal(stream, lock, contents.records)
+        return _opened(path, lock, header, ())
+    return _opened(path, lock, contents.header, contents.records)
 
 
 def read(path: Path) -> Contents:
     """Return the contents of a journal. Raises `BadJournal`."""
     try:
-        header, *records = [json.loads(line) for line in _whole_lines(path).splitlines()]
-        if not all(isinstance(record, dict) for record in (header, *records)) or header.get("record") != "header":
-            raise ValueError("the first line must be a header and all others records")
+        content = reading.content(path, MAX_BYTES)
+        lines = content[: content.rfind(b"\n") + 1].splitlines()
+        checked = bool(lines) and CHECKED_LINE.fullmatch(lines[0]) is not None
+        header, *records = [_record(line, number, checked) for number, line in enumerate(lines, start=1)]
+        if header.get("record") != "header":
+            raise ValueError("the first line must be a header")
     except (OSError, ValueError, RecursionError) as error:
         raise BadJournal(f"{path}: not a journal: {error}") from error
     complete = bool(records) and records[-1].get("record") == "footer"
@@ -115,17 +145,19 @@ def read(path: Path) -> Contents:
     return Contents(header, tuple(records[:-1] if complete else records), complete)
 
 
-def _open(path: Path) -> tuple[BinaryIO, BaseFileLock]:
-    """Open and lock a journal. Raises `BadJournal` if another process has locked it."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    stream = path.open("ab")
-    lock = FileLock(path.with_name(f"{path.name}.lock"))
-    try:
-        lock.acquire(timeout=0)
-    except Timeout as error:
-        stream.close()
-        raise BadJournal(f"{path}: another process is writing it") from error
-    return stream, lock
+def _lock(path: Path) -> BaseFileLock:
+    """Lock a journal, in a folder that is made if need be. Raises `BadJournal` if another process has locked it."""
+    writing.make_folder(path.parent)
+    file = path.with_name(f"{path.name}.lock")
+    if file.is_symlink() or (file.exists() and (not file.is_file() or file.stat().st_size > 0)):
+        raise BadJournal(f"{file}: is not a lock file of bodycheck; remove it")
+    lock = FileLock(file)
+    with writing.failing(file):
+        try:
+            lock.acquire(timeout=0)
+        except Timeout as error:
+            raise BadJournal(f"{path}: another process is writing it") from error
+    return lock
 
 
 def _release(lock: BaseFileLock) -> None:
@@ -137,17 +169,39 @@ def _release(lock: BaseFileLock) -> None:
     lock.release()
 
 
-def _begin(stream: BinaryIO, lock: BaseFileLock, header: Record) -> Journal:
-    stream.truncate(0)
-    _write(stream, {"record": "header", **header})
-    return Journal(stream, lock)
+def _opened(path: Path, lock: BaseFileLock, header: Record, records: tuple[Record, ...]) -> Journal:
+    """Write a journal with a header and the records that are kept, and open it to add further ones.
+
+    It takes the place of the file that was there, which may share its content with another one through a hard link.
+    """
+    try:
+        writing.write(path, b"".join(map(_line, ({"record": "header", **header}, *records))))
+        return Journal(path, lock, records)
+    except BaseException:
+        _release(lock)
+        raise
 
 
-def _write(stream: BinaryIO, record: Record) -> None:
-    stream.write(json.dumps(record, ensure_ascii=False).encode("utf-8") + b"\n")
-    stream.flush()
+def _line(record: Record) -> bytes:
+    """Return the line of a record, with its checksum at the end."""
+    try:
+        text = json.dumps(record, ensure_ascii=False).encode("utf-8")
+    except UnicodeEncodeError:  # a file name that is not UTF-8, in the command
+        text = json.dumps(record).encode("ascii")
+    return b'%s, "%s": "%s"}\n' % (text[:-1], CHECK.encode(), _checksum(text[:-1]))
 
 
-def _whole_lines(path: Path) -> bytes:
-    content = path.read_bytes()
-    return content[: content.rfind(b"\n") + 1]
+def _record(line: bytes, number: int, checked: bool) -> Record:
+    """Return the record in a line. Raises `ValueError` if its checksum is wrong, or missing although it must be there."""
+    found = CHECKED_LINE.fullmatch(line)
+    if checked and (found is None or _checksum(found[1]) != found[2]):
+        raise ValueError(f"line {number} was changed after it was written: its checksum is wrong")
+    record: Any = json.loads(line)
+    if not isinstance(record, dict):
+        raise ValueError(f"line {number} is not a record")
+    record.pop(CHECK, None)
+    return record
+
+
+def _checksum(text: bytes) -> bytes:
+    return sha256(text).hexdigest()[:DIGITS].encode()

@@ -5,7 +5,8 @@ If it has no footer, the work was interrupted. `trajectories/` contains the stat
 files.
 """
 
-import shutil
+import contextlib
+import os
 from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Collection, Sequence
@@ -17,11 +18,12 @@ from typing import Any, cast
 from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.errors import BadFolder
 from bodycheck.figures.definition import Load
+from bodycheck.files import reading, writing
 from bodycheck.reference.bounds import NAMES
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running import journal, trajectory_files
+from bodycheck.running import journal, records, trajectory_files
 from bodycheck.running.header import Header, StoredHeader
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Run, TimedOut, Unsupported
@@ -45,9 +47,9 @@ class Writer:
         texts = [{"name": case.name, "text": case.text} for case in cases]
         self.folder = folder
         self.journal = journal.resume(folder / RECORDS, {"format": FORMAT, **header, "identity": identity, "cases": texts})
-        records = self.journal.records
-        self.stops = {_law_of(record) for record in records if record["record"] == "stop"}
-        self.done = {_path_of(record) for record in records if record["record"] != "stop" and _is_stored(folder, record)}
+        there = self.journal.records
+        self.stops = {_law_of(record) for record in there if record["record"] == "stop"}
+        self.done = {_path_of(record) for record in there if record["record"] != "stop" and _is_stored(folder, record)}
         _remove_all_but(self.done, folder)
 
     def __enter__(self) -> "Writer":
@@ -74,7 +76,7 @@ class Writer:
         bounds = {
             column: getattr(truth.bounds, name) for column, name in zip(trajectory_files.BOUND_COLUMNS, NAMES, strict=True)
         }
-        trajectory_files.write(self.folder / truth_path(case.name, timestep), truth.trajectory, bounds)
+        trajectory_files.write(self.folder, truth_path(case.name, timestep), truth.trajectory, bounds)
         record: dict[str, Any] = {"case": case.name, "timestep": timestep, "model": truth.model, "why": truth.reason}
         record |= {"backend": truth.backend, "witnesses": truth.witnesses}
         if truth.stop is not None:
@@ -100,7 +102,7 @@ class Writer:
         }
         match run.outcome:
             case Completed() as done:
-                trajectory_files.write(self.folder / _path_of(record), done.trajectory, {})
+                trajectory_files.write(self.folder, _path_of(record), done.trajectory, {})
                 load = asdict(done.load) if done.load is not None else None
                 record |= {"steps": done.steps, "wall_time": done.wall_time, "load": load}
             case TimedOut(limit):
@@ -150,8 +152,12 @@ class Results:
 
     @cached_property
     def cases(self) -> dict[str, Case]:
-        """The cases that were run, by name."""
-        return {entry["name"]: parse_stored(entry["text"], entry["name"]) for entry in self.header["cases"]}
+        """The cases that were run, by name. Raises `CaseFaults` or `BadFolder` if their texts are damaged."""
+        found = {entry["name"]: parse_stored(entry["text"], entry["name"]) for entry in self.header["cases"]}
+        for name, case in found.items():
+            if case.name != name:
+                raise BadFolder(f"{self.folder}: damaged: the case {name} is called {case.name} in its own text")
+        return found
 
     def runs(self) -> Sequence[Run]:
         """Return all runs in the order of the plan; their trajectories are read from disk each time that they are needed."""
@@ -201,8 +207,8 @@ class Results:
 
     @cached_property
     def _runs(self) -> tuple[Run, ...]:
-        records = [record for record in self.records if record["record"] == "run"]
-        return tuple(self._run_of(record) for record in sorted(records, key=lambda record: int(record["place"])))
+        runs = [record for record in self.records if record["record"] == "run"]
+        return tuple(self._run_of(record) for record in sorted(runs, key=lambda record: int(record["place"])))
 
     @cached_property
     def _by_method(self) -> dict[RunKey, tuple[list[float], list[Run]]]:
@@ -232,13 +238,24 @@ def read(folder: Path) -> Results:
     """Read the results in a folder. Raises `BadFolder` if they are missing or damaged."""
     try:
         contents = journal.read(folder / RECORDS)
-        if contents.header["format"] != FORMAT:
-            raise ValueError(f"its format is {contents.header['format']!r}, not {FORMAT}")
+        if contents.header.get("format") != FORMAT:
+            raise ValueError(f"its format is {contents.header.get('format')!r}, not {FORMAT}")
+        _check(contents.header, contents.records)
         # If a run was repeated because its trajectory was lost, its later record is the valid one.
-        records = {_identity_of(record): record for record in contents.records}
-    except (journal.BadJournal, ValueError, KeyError, TypeError) as error:
+        latest = {_identity_of(record): record for record in contents.records}
+    except (journal.BadJournal, ValueError) as error:
         raise BadFolder(f"{folder}: no readable results: {error}") from error
-    return Results(folder, cast(StoredHeader, contents.header), tuple(records.values()), contents.complete)
+    return Results(folder, cast(StoredHeader, contents.header), tuple(latest.values()), contents.complete)
+
+
+def _check(header: dict[str, Any], found: Sequence[dict[str, Any]]) -> None:
+    """Raise `ValueError` unless the header and the records of a results folder have what is read of them."""
+    records.typed(records.HeaderRecord, header)
+    names = [case.name for case in records.typed(records.CasesRecord, header).cases]
+    for record in found:
+        records.check(record)
+        if record["case"] not in names:
+            raise ValueError(f"a {record['record']} of the case {record['case']!r}, which the header does not contain")
 
 
 def _identity_of(record: dict[str, Any]) -> Path | tuple[str, Plane]:
@@ -270,16 +287,26 @@ def _is_stored(folder: Path, record: dict[str, Any]) -> bool:
 
 
 def _refuse_other_things(folder: Path) -> None:
+    """Raise `BadFolder` for a path that is no folder, and for a folder that has other files than results, or a link."""
     if folder.exists() and not folder.is_dir():
         raise BadFolder(f"{folder}: is not a folder")
-    if folder.exists() and any(folder.iterdir()) and not (folder / RECORDS).is_file():
+    if reading.names_in(folder) and not (folder / RECORDS).is_file():
         raise BadFolder(f"{folder}: contains files that are not results; give an empty or a new folder")
+    reading.refuse_links(folder)
 
 
 def _remove_all_but(kept: Collection[Path], folder: Path) -> None:
-    """Delete trajectory files that no journal record refers to."""
-    if not kept:
-        shutil.rmtree(folder / TRAJECTORIES, ignore_errors=True)
-    for path in (folder / TRAJECTORIES).rglob("*"):
-        if path.is_file() and path.relative_to(folder) not in kept:
-            path.unlink()
+    """Delete trajectory files that no journal record refers to, and what a process that was killed left unfinished.
+
+    The folder must not contain any symbolic link.
+    """
+    with writing.failing(folder):
+        for path in folder.rglob("*"):
+            if writing.is_part(path):
+                path.unlink()
+        for place, _, names in os.walk(folder / TRAJECTORIES, topdown=False):
+            for path in (Path(place, name) for name in names):
+                if path.relative_to(folder) not in kept:
+                    path.unlink()
+            with contextlib.suppress(OSError):  # it is not empty
+                os.rmdir(place)

@@ -1,6 +1,5 @@
 """The trajectory files of a results folder: one Parquet file for each truth and for each completed run."""
 
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,12 +9,17 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from bodycheck.casefile.values import MAX_SAMPLES
 from bodycheck.errors import BadFolder
+from bodycheck.files import reading, writing
 from bodycheck.reference.bounds import NAMES, Bounds
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: Name of the folder of all trajectory files, inside a results folder.
 TRAJECTORIES = "trajectories"
+
+#: The largest size of a trajectory file in bytes, which leaves room for the bounds of later versions.
+MAX_BYTES = 64 * 8 * MAX_SAMPLES
 
 #: Columns of a state: position (m), quaternion w x y z (body to world), velocity (m/s), angular velocity, body frame (rad/s).
 STATE_COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz")
@@ -56,22 +60,35 @@ def truth_path(case: str, timestep: float) -> Path:
     return _path(case, f"truth-{timestep!r}s")
 
 
-def write(file: Path, trajectory: Trajectory, more: Mapping[str, Array]) -> None:
-    """Write a trajectory of n instants into a file, and further columns (n,) by their names.
+def write(folder: Path, path: Path, trajectory: Trajectory, more: Mapping[str, Array]) -> None:
+    """Write a trajectory into a file, which appears whole or not at all.
 
-    The file appears whole or not at all.
+    Parameters
+    ----------
+    folder
+        The results folder.
+    path
+        Path of the file relative to it.
+    trajectory
+        A trajectory of n instants.
+    more
+        Further columns (n,) by their names.
+
+    Raises
+    ------
+    NotWritten
+        The file cannot be written.
     """
     states = np.hstack([trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity])
     columns = {"t": trajectory.t, **dict(zip(STATE_COLUMNS, states.T, strict=True)), **more}
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_suffix(".part")
-    pq.write_table(pa.table(columns), part, compression="zstd", use_dictionary=False, use_byte_stream_split=True)
-    os.replace(part, file)
+    content = pa.BufferOutputStream()
+    pq.write_table(pa.table(columns), content, compression="zstd", use_dictionary=False, use_byte_stream_split=True)
+    writing.write(folder / path, content.getvalue().to_pybytes(), folder)
 
 
 def read(file: Path) -> Trajectory:
     """Return the trajectory in a file. Raises `BadFolder` if the file is missing or damaged."""
-    return _trajectory(_table(file, ()))
+    return _trajectory(_columns(file, ()))
 
 
 def read_truth(file: Path) -> tuple[Trajectory, Bounds]:
@@ -80,17 +97,16 @@ def read_truth(file: Path) -> tuple[Trajectory, Bounds]:
     Bounds that an earlier version of bodycheck did not write are not a number. Raises `BadFolder` if the file is missing or
     damaged.
     """
-    table = _table(file, _columns_of(file, BOUND_COLUMNS))
-    unknown = np.full(len(table), np.nan)
-    bounds = (table[name].to_numpy() if name in table.column_names else unknown for name in BOUND_COLUMNS)
-    return _trajectory(table), Bounds(*bounds)
+    columns = _columns(file, BOUND_COLUMNS)
+    unknown = np.full(len(columns["t"]), np.nan)
+    return _trajectory(columns), Bounds(*(columns.get(name, unknown) for name in BOUND_COLUMNS))
 
 
 def is_readable(file: Path) -> bool:
     """Return whether a trajectory file exists and is whole."""
     try:
-        pq.read_table(file)
-    except (OSError, pa.ArrowException):
+        _columns(file, ())
+    except BadFolder:
         return False
     return True
 
@@ -99,26 +115,28 @@ def _path(case: str, name: str) -> Path:
     return Path(TRAJECTORIES, case, f"{quote(name, safe=' =,')}.parquet")
 
 
-def _columns_of(file: Path, wanted: tuple[str, ...]) -> tuple[str, ...]:
-    """Return those of the wanted columns that a file has."""
+def _columns(file: Path, wanted: tuple[str, ...]) -> dict[str, Array]:
+    """Return the columns of a trajectory by their names, and those of the wanted ones that the file has.
+
+    Raises `BadFolder` if the file is missing or damaged.
+    """
     try:
-        names = pq.read_schema(file).names
-    except (OSError, pa.ArrowException) as error:
-        raise _unreadable(file, error) from error
-    return tuple(name for name in wanted if name in names)
+        stored = pq.ParquetFile(pa.BufferReader(reading.content(file, MAX_BYTES)))
+        if not 1 <= stored.metadata.num_rows <= MAX_SAMPLES:
+            raise ValueError(f"it has {stored.metadata.num_rows} instants; allowed: 1 to {MAX_SAMPLES}")
+        names = ["t", *STATE_COLUMNS]
+        table = stored.read(columns=[*names, *(name for name in wanted if name in stored.schema_arrow.names)])
+        for field in table.schema:
+            if field.type != pa.float64() or table[field.name].null_count:
+                raise ValueError(f"its column {field.name} does not hold numbers alone")
+        found = {name: table[name].to_numpy() for name in table.column_names}
+        if not all(np.isfinite(found[name]).all() for name in names):
+            raise ValueError("its states are not finite")
+    except (OSError, pa.ArrowException, ValueError, KeyError, OverflowError, MemoryError) as error:
+        raise BadFolder(f"{file}: a trajectory that the results tell of cannot be read: {error}") from error
+    return found
 
 
-def _unreadable(file: Path, error: Exception) -> BadFolder:
-    return BadFolder(f"{file}: a trajectory that the results tell of cannot be read: {error}")
-
-
-def _table(file: Path, more: tuple[str, ...]) -> pa.Table:
-    try:
-        return pq.read_table(file, columns=["t", *STATE_COLUMNS, *more])
-    except (OSError, pa.ArrowException) as error:
-        raise _unreadable(file, error) from error
-
-
-def _trajectory(table: pa.Table) -> Trajectory:
-    states = np.column_stack([table[name].to_numpy() for name in STATE_COLUMNS])
-    return Trajectory(table["t"].to_numpy(), states[:, :3], states[:, 3:7], states[:, 7:10], states[:, 10:])
+def _trajectory(columns: Mapping[str, Array]) -> Trajectory:
+    states = np.column_stack([columns[name] for name in STATE_COLUMNS])
+    return Trajectory(columns["t"], states[:, :3], states[:, 3:7], states[:, 7:10], states[:, 10:])

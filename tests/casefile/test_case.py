@@ -1,6 +1,7 @@
 """Case files: the grammar, and that every fault is told where it stands."""
 
 import math
+import os
 import re
 import tomllib
 from pathlib import Path
@@ -187,11 +188,18 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     huge, binary = tmp_path / "huge.case.toml", tmp_path / "binary.case.toml"
     huge.write_text("#" * (MAX_FILE_BYTES + 1))
     binary.write_bytes(b"\xff\xfe\x00")
+    marked, pipe, endless = (tmp_path / f"{name}.case.toml" for name in ("marked", "pipe", "endless"))
+    marked.write_bytes(b'\xef\xbb\xbfformat = 1\nname = "marked"\n')
+    os.mkfifo(pipe)
+    endless.symlink_to("/dev/zero")
     for path, words in (
         (huge, "larger than"),
         (binary, "cannot be read"),
+        (marked, "1:1: begins with a byte order mark"),
         (tmp_path / "absent", "no such file"),
-        (tmp_path, "no such file"),
+        (tmp_path, "is not a regular file"),
+        (pipe, "is not a regular file"),
+        (endless, "is not a regular file"),
     ):
         with pytest.raises(CaseFaults, match=words) as caught:
             load(path)

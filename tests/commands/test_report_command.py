@@ -20,7 +20,7 @@ from bodycheck.judging import result_set
 from bodycheck.reports.lines import assign
 from bodycheck.running.key import RunKey
 from bodycheck.running.store import RECORDS
-from tests.support import saved_results
+from tests.support import journals, saved_results
 from tests.support.saved_results import REPORT, TABLES, call
 
 Record = dict[str, Any]
@@ -50,10 +50,11 @@ def copy(saved: Path, tmp_path: Path) -> Callable[..., Path]:
 
 def edit(path: Path, change: Callable[[Record], Record | None]) -> None:
     """Change the records of a journal; None leaves one out."""
-    header, *records, footer = (json.loads(line) for line in path.read_text().splitlines())
+    header, *records, footer = journals.records(path)
     kept = [new for record in records if (new := change(record)) is not None]
-    lines = [change(header), *kept, {**footer, "records": len(kept)}]
-    path.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    begin = change(header)
+    assert begin is not None
+    journals.write(path, [begin, *kept, {**footer, "records": len(kept)}])
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -137,7 +138,10 @@ def spoil(name: str, old: str, new: str) -> Callable[[Path], None]:
     def spoiled(folder: Path) -> None:
         text = (folder / name).read_text()
         assert old in text
-        (folder / name).write_text(text.replace(old, new, 1))
+        if name.endswith(".jsonl"):
+            journals.spoil(folder / name, lambda text: text.replace(old, new, 1))
+        else:
+            (folder / name).write_text(text.replace(old, new, 1))
 
     return spoiled
 

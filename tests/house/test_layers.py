@@ -14,7 +14,7 @@ from tests.support import ROOT
 #: Rooms and modules of `bodycheck`, from the lowest floor up. A room imports from itself and from floors below its own.
 FLOORS = (
     {"reference", "errors", "runner_log", "suggestion"},
-    {"adapters", "figures"},
+    {"adapters", "figures", "files"},
     {"casefile"},
     {"running"},
     {"judging", "environments"},

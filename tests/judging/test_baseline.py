@@ -305,9 +305,7 @@ def test_a_baseline_with_a_value_that_no_run_has_is_refused(flips: Path, tmp_pat
     assert column in table.column_names
     changed = table.set_column(table.column_names.index(column), column, pa.array([value] * len(table)))
     pq.write_table(changed, tmp_path / "changed.parquet")
-    with pytest.raises(
-        BadInput, match=f"not a baseline of `bodycheck run --save`: .*{'time step' if column == 'timestep' else column}"
-    ):
+    with pytest.raises(BadInput, match=f"not a baseline of `bodycheck run --save`: '?{column}"):
         baseline.read(tmp_path / "changed.parquet")
 
 
@@ -318,7 +316,7 @@ def test_a_baseline_with_other_metadata_is_refused(flips: Path, tmp_path: Path, 
     for name, value in change.items():
         told[name] = told[name] | value if name == "header" and isinstance(value, dict) else value
     pq.write_table(table.replace_schema_metadata({baseline.METADATA: json.dumps(told)}), tmp_path / "changed.parquet")
-    with pytest.raises(BadInput, match="should be a table of texts"):
+    with pytest.raises(BadInput, match=r"'(header', 'engines|cases)'.*: Input should be a valid"):
         baseline.read(tmp_path / "changed.parquet")
 
 

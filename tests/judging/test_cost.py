@@ -1,7 +1,6 @@
 """Judging grows with the number of runs and no faster, and keeps no trajectory."""
 
 import gc
-import json
 import shutil
 import weakref
 from collections import Counter
@@ -21,6 +20,7 @@ from bodycheck.reference.trajectory import Trajectory
 from bodycheck.running import campaign, store, trajectory_files
 from bodycheck.running.plan import plan
 from bodycheck.running.store import Results
+from tests.support import journals
 from tests.support.cases import shortened
 from tests.support.processes import calls_here
 from tests.support.truths import truth_for_runs
@@ -44,13 +44,13 @@ def written(folder: Path, *names: str, expectation: str = "") -> Results:
 def reads(monkeypatch: pytest.MonkeyPatch) -> Counter[Path]:
     """How often each trajectory file is read."""
     found: Counter[Path] = Counter()
-    read = trajectory_files._table
+    read = trajectory_files._columns
 
     def counted(file: Path, more: tuple[str, ...]) -> Any:
         found[file] += 1
         return read(file, more)
 
-    monkeypatch.setattr(trajectory_files, "_table", counted)
+    monkeypatch.setattr(trajectory_files, "_columns", counted)
     return found
 
 
@@ -155,11 +155,11 @@ def test_results_without_stops_are_attributed_all_the_same(tmp_path: Path) -> No
     results = written(tmp_path / "now", SLIDING)
     shutil.copytree(tmp_path / "now", tmp_path / "before")
     records = tmp_path / "before" / store.RECORDS
-    lines = [json.loads(line) for line in records.read_text().splitlines()]
+    lines = journals.records(records)
     kept = [line for line in lines if line["record"] != "stop"]
     assert len(kept) == len(lines) - 2
     kept[-1]["records"] = len(kept) - 2
-    records.write_text("".join(f"{json.dumps(line)}\n" for line in kept))
+    journals.write_without_checksums(records, kept)
     earlier = store.read(tmp_path / "before")
     assert not earlier.stops
     now, before = (attribution.attribute(one, judgement.judge(one)) for one in (results, earlier))

@@ -1,7 +1,6 @@
 """Results and baselines of earlier versions, which spelled some methods otherwise and knew fewer bounds, are still read."""
 
 import csv
-import json
 import math
 import re
 from pathlib import Path
@@ -15,7 +14,7 @@ from bodycheck.casefile.case import CaseFaults, parse, parse_stored
 from bodycheck.judging import baseline, judgement
 from bodycheck.running import store
 from bodycheck.running.plan import Task
-from tests.support import campaigns
+from tests.support import campaigns, journals
 from tests.support.commands import call
 from tests.support.processes import calls_here
 
@@ -35,13 +34,13 @@ def results(tmp_path: Path) -> store.Results:
     case = parse(TEXT + EXPECT.format(NEW), "new")
     folder = campaigns.results([Task(case, "mujoco", Method.parse(NEW, 0.002))], tmp_path / "old").folder
     records = folder / store.RECORDS
-    lines = [json.loads(line) for line in records.read_text("utf-8").splitlines()]
+    lines = journals.records(records)
     for record in lines:
         if record.get("integrator") == NEW:
             record["integrator"] = OLD
         for entry in record.get("cases", ()):
             entry["text"] = TEXT + EXPECT.format(OLD)
-    records.write_text("".join(json.dumps(record) + "\n" for record in lines), "utf-8")
+    journals.write_without_checksums(records, lines)
     (trajectory,) = (folder / store.TRAJECTORIES).rglob("mujoco-*")
     trajectory.rename(trajectory.with_name(f"mujoco-{OLD}-0.002s.parquet"))
     return store.read(folder)

@@ -4,7 +4,6 @@ This module imports little, because every question is asked from a process of it
 """
 
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -13,6 +12,7 @@ from typing import Any, Literal
 
 from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment, Unobtainable
+from bodycheck.files import writing
 from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.studies.orders import Order
 
@@ -101,10 +101,8 @@ def failed(outcome: Crashed | TimedOut) -> Answer:
 
 def store(answer: Answer, path: Path) -> None:
     """Write an answer into a file, completely or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_suffix(f".{os.getpid()}.part")
-    part.write_text(json.dumps(asdict(answer)), "utf-8")
-    os.replace(part, path)
+    writing.make_folder(path.parent)
+    writing.write(path, json.dumps(asdict(answer)).encode("utf-8"))
 
 
 def stored(path: Path) -> Answer | None:

@@ -140,18 +140,15 @@ def merged_header(found: Mapping[str, Found]) -> ReleasesHeader:
 
 def write(found: Found, folder: Path) -> None:
     """Write releases.csv, changes.csv and releases.jsonl into a folder. Raises `BadInput` if that fails."""
-    try:
-        with journal.begin(folder / RECORDS, dict(found.header)) as log:
-            for row in found.rows:
-                log.add({"record": "row", "row": dict(row)})
-            for change in found.changes:
-                log.add({"record": "change", "change": asdict(change)})
-            further = dict.fromkeys(name for row in found.rows for name in row if name not in COLUMNS)
-            names = sorted(further, key=lambda name: name.endswith(ALLOWANCE_SUFFIX))
-            csv_tables.write(folder / "releases.csv", (*COLUMNS, *names), found.rows)
-            csv_tables.write(folder / "changes.csv", [field.name for field in fields(Change)], map(asdict, found.changes))
-    except OSError as error:
-        raise BadInput(f"{folder}: cannot be written: {error}") from error
+    with journal.begin(folder / RECORDS, dict(found.header)) as log:
+        for row in found.rows:
+            log.add({"record": "row", "row": dict(row)})
+        for change in found.changes:
+            log.add({"record": "change", "change": asdict(change)})
+        further = dict.fromkeys(name for row in found.rows for name in row if name not in COLUMNS)
+        names = sorted(further, key=lambda name: name.endswith(ALLOWANCE_SUFFIX))
+        csv_tables.write(folder / "releases.csv", (*COLUMNS, *names), found.rows)
+        csv_tables.write(folder / "changes.csv", [field.name for field in fields(Change)], map(asdict, found.changes))
 
 
 def read(folder: Path) -> Found:
