@@ -11,6 +11,8 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from tests.support import journals
+
 Chance = random.Random
 
 #: Values that a stranger may write into JSON.
@@ -138,7 +140,21 @@ def damage_records(chance: Chance, path: Path) -> None:
                     break
             case _:
                 lines[at] = damage_json(chance, lines[at])
+    if chance.random() < 0.75:  # a stranger can compute the checksums
+        lines = [_sealed(line) for line in lines]
     path.write_text("".join(f"{line}\n" for line in lines), encoding="utf-8", errors="surrogatepass")
+
+
+def _sealed(line: str) -> str:
+    """The line of a record with the checksum that belongs to it; any other line as it is."""
+    try:
+        record = json.loads(line)
+    except (ValueError, RecursionError):
+        return line
+    if not isinstance(record, dict) or not record:
+        return line
+    record.pop("check", None)
+    return journals.sealed(json.dumps(record)).removesuffix("\n")
 
 
 def damage_json(chance: Chance, text: str) -> str:
