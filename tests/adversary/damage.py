@@ -161,7 +161,7 @@ def damage_json(chance: Chance, text: str) -> str:
     """Change one value of a JSON document, or its name."""
     try:
         document = json.loads(text)
-    except ValueError:
+    except (ValueError, RecursionError):
         return text
     places = list(_places(document))
     if not places:
