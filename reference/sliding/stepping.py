@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.integration.dop853 import Derivative, advance, dop853
 from bodycheck.reference.sliding.panels import NODES
 from bodycheck.reference.trajectory import Array
@@ -14,6 +15,9 @@ from bodycheck.reference.trajectory import Array
 #: Relative difference of two instants that counts as rounding.
 TIME_ROUNDING = 4 * float(np.finfo(float).eps)
 
+
+#: Most steps until the rest: those of ordinary slides are hundreds, and so many take some ten seconds.
+MAX_SLIDE_STEPS = 10_000
 
 #: Number of steps in a panel near the end of a motion. There the error of a panel's rule, relative to the speed, may be large.
 STEPS_NEAR_REST = 4
@@ -89,6 +93,8 @@ def integrate_until_rest(
     chosen, taken = [np.repeat(state[None], done, axis=0)], 0
     ends, nodes, panel, now = [state], [], [], stage(state)
     while now is not Stage.AT_REST and done < len(times):
+        if taken == MAX_SLIDE_STEPS:
+            raise OutOfReach(f"the slide takes more than {MAX_SLIDE_STEPS} integration steps")
         taken = advance(solver, taken, float(state[0]), float(times[-1]))
         before, state = state, solver.y
         dense = solver.dense_output()
