@@ -130,8 +130,6 @@ def _columns(file: Path, wanted: tuple[str, ...]) -> dict[str, Array]:
             if field.type != pa.float64() or table[field.name].null_count:
                 raise ValueError(f"its column {field.name} does not hold numbers alone")
         found = {name: table[name].to_numpy() for name in table.column_names}
-        if not all(np.isfinite(found[name]).all() for name in names):
-            raise ValueError("its states are not finite")
     except (OSError, pa.ArrowException, ValueError, KeyError, OverflowError, MemoryError) as error:
         raise BadFolder(f"{file}: a trajectory that the results tell of cannot be read: {error}") from error
     return found
