@@ -58,7 +58,8 @@ def call_all(
     The result of a call that raises an exception, including `SystemExit`, or whose process dies is `Crashed`. If a process dies
     after earlier calls, the last call is repeated in a new process, because an earlier call may have caused the failure.
 
-    The generator must be iterated by one thread; the processes end with that thread.
+    The generator must be iterated by one thread; the processes end with that thread. Raises `RuntimeError` if no process can be
+    started.
 
     Parameters
     ----------
@@ -74,11 +75,6 @@ def call_all(
         The memory limit of one call (bytes), where the operating system supports it (see `limits`).
     group
         What a call belongs to; calls of different groups are made in different processes.
-
-    Raises
-    ------
-    RuntimeError
-        If no process can be started.
     """
     queue = _Queue(list(map(group, arguments)))
     workers: list[_Worker] = []

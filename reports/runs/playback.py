@@ -96,12 +96,10 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
     timestep = _common([line for line, verdict in runs.items() if verdict.discrepancy is not None and line.timestep in truths])
     if timestep is None:
         return None
-    truth, reach = truths[timestep], _reach(scene.body)
-    trajectory = truth.trajectory
+    truth, trajectory, reach = truths[timestep], truths[timestep].trajectory, _reach(scene.body)
     fastest = float(np.linalg.norm(trajectory.angular_velocity, axis=1).max())
     own_runs = {line: verdict for line, verdict in runs.items() if line.timestep == timestep}
-    own = [_shown(line, verdict, truth) for line, verdict in own_runs.items()]
-    played = [one for one in own if one is not None]
+    played = [one for line, verdict in own_runs.items() if (one := _shown(line, verdict, truth)) is not None]
     if not played:
         return Playback(None, "", ("There is no animation because the errors of no run are finite numbers.",))
     if scene.plane is None and not fastest and not any(one.trajectory.angular_velocity.any() for one in played):
@@ -110,15 +108,14 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
     record = _turning(trajectory, rates)
     if record is None:
         return Playback(None, "", (f"There is no animation because the body turns by {TOO_FAST}.",))
+    if scene.plane is not None and _too_far(trajectory, reach):
+        return Playback(None, "", ("There is no animation because the body goes too far to be drawn.",))
     if scene.plane is not None:
-        if _too_far(trajectory, reach):
-            return Playback(None, "", ("There is no animation because the body goes too far to be drawn.",))
         record |= _course(trajectory.t, trajectory.position / reach, PLACE_TOLERANCE)
     first = choose(played, reach if scene.plane is not None else math.inf)
-    kept: dict[Shown, dict[str, Any]] = {}
-    finite = [one.line for one in played]
-    undrawn = [name_of(line) for line, verdict in own_runs.items() if verdict.discrepancy is not None and line not in finite]
-    left_out = []
+    unseen = own_runs.keys() - {one.line for one in played}
+    undrawn = [name_of(line) for line, verdict in own_runs.items() if verdict.discrepancy is not None and line in unseen]
+    left_out, kept = [], dict[Shown, dict[str, Any]]()
     if (room := most - len(_json(record))) < 0:
         return Playback(None, "", ("There is no animation, to keep this file small.",))
     for one in (*first, *(other for other in played if other not in first)):
@@ -129,11 +126,9 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
         else:
             kept[one] = entry
     order = [one for one in played if one in kept]
-    relative = replace(scene.body, moments=_relative(scene.body))  # only the direction and ratios of the momentum are drawn
-    size = float(np.linalg.norm(angular_momentum(relative, trajectory.angular_velocity), axis=1).max())
     data = {
         "body": _drawn(scene.body, reach),
-        "momentum": size,
+        "momentum": _largest_momentum(scene.body, trajectory),
         "plane": scene.plane is not None,
         "within": tracks.TOLERANCE,
         "end": float(trajectory.t[-1]),
@@ -142,6 +137,12 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
         "shown": [order.index(one) for one in first if one in kept],
     }
     return Playback(data, _alt(scene, played), tuple(_notes(scene, timestep, runs, undrawn, left_out)))
+
+
+def _largest_momentum(body: Body, trajectory: Trajectory) -> float:
+    """Return the largest angular momentum of a motion, in a unit of its own: only its direction and ratios are drawn."""
+    relative = replace(body, moments=_relative(body))
+    return float(np.linalg.norm(angular_momentum(relative, trajectory.angular_velocity), axis=1).max())
 
 
 def choose(runs: Sequence[Shown], reach: float) -> list[Shown]:

@@ -10,7 +10,7 @@ from bodycheck.reports import html, markdown
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.page import present
 from tests.support import pages
-from tests.support.pages import HOSTILE, Page, attributes_of, markdown_tables
+from tests.support.pages import HOSTILE, HOSTILE_NAME, Page, attributes_of, markdown_tables
 from tests.support.tradeoff_rows import HEADER, Row, curve, drawn, failed, hostile_report, order, row
 
 
@@ -19,7 +19,8 @@ def test_hostile_strings_show_as_text() -> None:
     text = html.render_study(report)
     pages.check(text)
     seen = Page(text)
-    assert seen.text.count(HOSTILE) >= 6
+    assert seen.text.count(HOSTILE) + seen.text.count(HOSTILE_NAME) >= 6
+    assert HOSTILE_NAME in seen.text
     assert text.lower().count("</script") == len(attributes_of(text, "script")) == 4
     for part in report.parts:
         for chart in part.charts:

@@ -6,6 +6,9 @@ from itertools import pairwise
 
 HOSTILE = "<script>alert(1)</script> \"quoted\" 'single' \u202eשלום\u202c | `code` [link](x) & <b>"
 
+#: As hostile as the name of an integrator can be: it begins with a letter and can be printed.
+HOSTILE_NAME = "x" + "".join(letter for letter in HOSTILE if letter.isprintable())
+
 
 class Page(HTMLParser):
     """What a browser would see: attributes, texts outside scripts and styles, and table cells with their numbers."""

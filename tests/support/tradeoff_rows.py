@@ -11,7 +11,7 @@ from bodycheck.reports.study import StudyReport
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements
 from bodycheck.studies.tradeoff.page import present
-from tests.support.pages import HOSTILE
+from tests.support.pages import HOSTILE, HOSTILE_NAME
 
 HEADER = {
     "bodycheck": "0",
@@ -108,9 +108,9 @@ def drawn(specification: Spec) -> tuple[int, int, int]:
 def hostile_report() -> StudyReport:
     """The report of a study all of whose strings try to be markup."""
     rows = [
-        *curve(HOSTILE, [1e-1, 1e-2], [1e-3, 1e-2]),
+        *curve(HOSTILE_NAME, [1e-1, 1e-2], [1e-3, 1e-2]),
         failed(engine="</script><script>alert(2)</script>", status=HOSTILE, reason="</dl>"),
         failed(status="unsupported", reason=HOSTILE),
     ]
-    orders = [order(integrator=HOSTILE, scheme=HOSTILE, scheme_residual=1e-3, claimed=4, floor=1e-2)]
+    orders = [order(integrator=HOSTILE_NAME, scheme=HOSTILE, scheme_residual=1e-3, claimed=4, floor=1e-2)]
     return present(HEADER | {"missing": {"drake": HOSTILE}}, rows, orders)
