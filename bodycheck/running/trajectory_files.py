@@ -125,6 +125,8 @@ def _columns(file: Path, wanted: tuple[str, ...]) -> dict[str, Array]:
         if not 1 <= stored.metadata.num_rows <= MAX_SAMPLES:
             raise ValueError(f"it has {stored.metadata.num_rows} instants; allowed: 1 to {MAX_SAMPLES}")
         names = ["t", *STATE_COLUMNS]
+        if absent := [name for name in names if name not in stored.schema_arrow.names]:
+            raise ValueError(f"it has no column {absent[0]}")
         table = stored.read(columns=[*names, *(name for name in wanted if name in stored.schema_arrow.names)])
         for field in table.schema:
             if field.type != pa.float64() or table[field.name].null_count:
