@@ -69,6 +69,10 @@ class Tensor:
     rows: tuple[Vector, Vector, Vector]
 
 
+#: What a body is made of, in the frame of the body.
+Given = Solid | Tensor | tuple[Particle, ...] | tuple[Solid, ...]
+
+
 @dataclass(frozen=True)
 class Nearest:
     """The doubles that the scene of a definition was given when it was made: see `scene.Body` and `scene.State`."""
@@ -96,7 +100,7 @@ class Definition:
         The doubles of the scene that was made of it; None before there is one.
     """
 
-    inertia: Solid | Tensor | tuple[Particle, ...] | tuple[Solid, ...]
+    inertia: Given
     attitude: Attitude = (1.0, 0.0, 0.0, 0.0)
     rotation: Vector | EulerRates = (0.0, 0.0, 0.0)
     nearest: Nearest | None = field(default=None, compare=False)

@@ -12,7 +12,7 @@ from bodycheck.casefile.grammar import Status, shape_of, with_shape
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import MAX_NUMBER, MAX_POINTS, MAX_STEPS, MAX_TIMESTEPS
 from bodycheck.figures.columns import LIMITED
-from bodycheck.reference.definition import Definition, Tensor
+from bodycheck.reference.definition import Tensor
 from bodycheck.reference.exact.start import defined_inertia
 from bodycheck.reference.inertia import satisfies_triangle_inequality
 
@@ -98,7 +98,7 @@ def _body_contradictions(body: dict[str, Any]) -> Iterator[tuple[Path, str]]:
         if not np.allclose(tensor, tensor.T, rtol=1e-12, atol=0):
             yield ("body", "inertia"), "the tensor must be symmetric"
         else:
-            moments = _principal_moments(tensor)
+            moments = _principal_moments(tensor, _number(body.get("mass")))
             if min(moments) <= 0:
                 yield ("body", "inertia"), f"its smallest principal moment is {min(moments):.6g}; all must be positive"
     if moments and min(moments) > 0 and not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
@@ -125,10 +125,10 @@ def _body_contradictions(body: dict[str, Any]) -> Iterator[tuple[Path, str]]:
             yield ("body", "parts", index, "quaternion"), "its length is 0; any other length is allowed"
 
 
-def _principal_moments(tensor: NDArray[np.float64]) -> list[float]:
-    """Return the principal moments of a tensor (3, 3) by the function that makes the body of the case."""
+def _principal_moments(tensor: NDArray[np.float64], mass: float) -> list[float]:
+    """Return the principal moments of a tensor (3, 3) by the function that makes the body of the case, which keeps them."""
     a, b, c = ((float(row[0]), float(row[1]), float(row[2])) for row in tensor)
-    return [float(moment) for moment in defined_inertia(Definition(Tensor(1.0, (a, b, c)))).moments]
+    return [float(moment) for moment in defined_inertia(Tensor(mass, (a, b, c))).moments]
 
 
 def _mapping(value: Any) -> dict[str, Any]:

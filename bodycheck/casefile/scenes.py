@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from bodycheck.casefile import grammar
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.reference.definition import Attitude, Definition, EulerAngles, EulerRates, Particle, Solid, Tensor
+from bodycheck.reference.definition import Attitude, Definition, EulerAngles, EulerRates, Given, Particle, Solid, Tensor
 from bodycheck.reference.exact.numbers import MP, Real, real
 from bodycheck.reference.exact.start import defined_scene, start
 from bodycheck.reference.planar import resting_height
@@ -59,7 +59,7 @@ def _definition(table: grammar.CaseTable) -> Definition:
     return Definition(_inertia(table.body), _attitude(initial), rotation)
 
 
-def _inertia(table: grammar.AnyBody) -> Solid | Tensor | tuple[Particle, ...] | tuple[Solid, ...]:
+def _inertia(table: grammar.AnyBody) -> Given:
     if table.inertia is not None:
         assert table.mass is not None  # the grammar requires a mass unless the body is composed
         match table.inertia:

@@ -6,7 +6,7 @@ Inertia is always about the centre of mass. A tensor is given by its six compone
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bodycheck.reference.definition import Definition, Particle, Solid, Tensor
+from bodycheck.reference.definition import Given, Particle, Solid, Tensor
 from bodycheck.reference.exact.numbers import MP, Real, Vector3, vector
 from bodycheck.reference.exact.rotations import IDENTITY, attitude, matrix
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
@@ -80,12 +80,12 @@ def joined(parts: Sequence[MassProperties]) -> MassProperties:
     return MassProperties(mass, (x0, y0, z0), (xx, yy, zz, xy, xz, yz))
 
 
-def mass_properties(definition: Definition) -> MassProperties:
-    """Mass properties of the body that a file defines, in the frame of the body.
+def mass_properties(given: Given) -> MassProperties:
+    """Mass properties of what a file says that a body is made of, in the frame of the body.
 
     Of a tensor whose upper and lower half differ in their last digits, the mean is taken.
     """
-    match definition.inertia:
+    match given:
         case Solid() as alone:
             return solid(alone)
         case Tensor(mass, (a, b, c)):

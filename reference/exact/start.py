@@ -3,7 +3,7 @@
 import functools
 from dataclasses import dataclass, replace
 
-from bodycheck.reference.definition import Attitude, Definition, EulerRates, Nearest, valid
+from bodycheck.reference.definition import Attitude, Definition, EulerRates, Given, Nearest, valid
 from bodycheck.reference.exact.axes import principal_axes
 from bodycheck.reference.exact.inertia import mass_properties
 from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Real, Vector3, doubles, vector
@@ -51,7 +51,7 @@ def start(scene: Scene) -> Start:
     """
     body, initial, definition, holds = scene.body, scene.initial, scene.definition, valid(scene)
     if definition is not None and holds.inertia:
-        found = defined_inertia(definition)
+        found = defined_inertia(definition.inertia)
     else:
         w, x, y, z = body.axes
         found = Inertia(MP.mpf(body.mass), vector(body.moments), unit((MP.mpf(w), MP.mpf(x), MP.mpf(y), MP.mpf(z))))
@@ -70,7 +70,7 @@ def defined_scene(definition: Definition, shape: Shape | None) -> Scene:
 
     shape: the shape that the body has for contact, if any.
     """
-    inertia = defined_inertia(definition)
+    inertia = defined_inertia(definition.inertia)
     turn, rates = defined_rotation(definition.attitude, definition.rotation)
     (a, b, c), (p, q, r) = doubles(inertia.moments), doubles(rates)
     (aw, ax, ay, az), (w, x, y, z) = doubles(inertia.axes), doubles(turn)
@@ -82,9 +82,9 @@ def defined_scene(definition: Definition, shape: Shape | None) -> Scene:
 
 
 @functools.lru_cache(maxsize=64)
-def defined_inertia(definition: Definition) -> Inertia:
-    """The inertia of the body that a file defines."""
-    made = mass_properties(definition)
+def defined_inertia(given: Given) -> Inertia:
+    """The inertia of a body from what a file says that it is made of."""
+    made = mass_properties(given)
     moments, axes = principal_axes(made.tensor)
     return Inertia(made.mass, moments, axes)
 

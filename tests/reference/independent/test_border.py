@@ -76,7 +76,7 @@ def test_tensor_attitude_and_rates_are_those_of_the_exact_start(kind: str) -> No
     rng = np.random.default_rng(sum(map(ord, kind)))
     for _ in range(10):
         definition = a_definition(rng, kind)
-        found, exact = border(defined_scene(definition, None)), mass_properties(definition)
+        found, exact = border(defined_scene(definition, None)), mass_properties(definition.inertia)
         xx, yy, zz, xy, xz, yz = exact.tensor
         scale = max(xx, yy, zz)
         assert abs(found.mass - exact.mass) <= AGREEMENT * exact.mass
