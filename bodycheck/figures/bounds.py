@@ -7,12 +7,13 @@ energy and angular momentum are computed by.
 """
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from decimal import ROUND_CEILING, Context
 
 import numpy as np
 
 from bodycheck.figures.conservation import angular_momentum_size, energy_size
-from bodycheck.figures.definition import Comparison, Figure
+from bodycheck.figures.definition import Comparison, Figure, Scales
 from bodycheck.reference.trajectory import Array
 
 
@@ -62,65 +63,36 @@ ATTITUDE = Figure(
     of_truth=True,
 )
 
+
+def _bound(of: str, unit: str, compute: Callable[[Comparison], Array], scale: Callable[[Scales], float]) -> Figure:
+    """Return the bound of the truth's own error in a state. of: the state, in words."""
+    return Figure(
+        name=f"truth_{of.replace(' ', '_')}_error",
+        title=f"Truth {of} error",
+        meaning=f"bound of the truth's own {of} error; smaller {of} errors have no meaning",
+        unit=unit,
+        largest=True,
+        compute=_where_known(compute),
+        scale=scale,
+        limited=False,
+        of_truth=True,
+    )
+
+
+def _relative_bound(of: str, compute: Callable[[Comparison], Array], scale: Callable[[Scales], float]) -> Figure:
+    """Return the bound of the truth's own error in a conserved quantity, relative to its size. of: the quantity, in words."""
+    extent = f"bound of the truth's own {of} error, relative to the size of the {of}"
+    meaning = f"{extent}; smaller drifts and errors of it have no meaning"
+    return replace(_bound(of, "", compute, scale), meaning=meaning)
+
+
 #: The bounds of the other figures, the last columns.
 OTHERS = (
-    Figure(
-        name="truth_position_error",
-        title="Truth position error",
-        meaning="bound of the truth's own position error; smaller position errors have no meaning",
-        unit="m",
-        largest=True,
-        compute=_where_known(lambda compared: compared.truth.bounds.position_error),
-        scale=lambda scales: scales.length,
-        limited=False,
-        of_truth=True,
+    _bound("position", "m", lambda compared: compared.truth.bounds.position_error, lambda scales: scales.length),
+    _bound("velocity", "m/s", lambda compared: compared.truth.bounds.velocity_error, lambda scales: scales.speed),
+    _bound(
+        "angular velocity", "rad/s", lambda compared: compared.truth.bounds.angular_velocity_error, lambda scales: scales.rate
     ),
-    Figure(
-        name="truth_velocity_error",
-        title="Truth velocity error",
-        meaning="bound of the truth's own velocity error; smaller velocity errors have no meaning",
-        unit="m/s",
-        largest=True,
-        compute=_where_known(lambda compared: compared.truth.bounds.velocity_error),
-        scale=lambda scales: scales.speed,
-        limited=False,
-        of_truth=True,
-    ),
-    Figure(
-        name="truth_angular_velocity_error",
-        title="Truth angular velocity error",
-        meaning="bound of the truth's own angular velocity error; smaller angular velocity errors have no meaning",
-        unit="rad/s",
-        largest=True,
-        compute=_where_known(lambda compared: compared.truth.bounds.angular_velocity_error),
-        scale=lambda scales: scales.rate,
-        limited=False,
-        of_truth=True,
-    ),
-    Figure(
-        name="truth_energy_error",
-        title="Truth energy error",
-        meaning=(
-            "bound of the truth's own energy error, relative to the size of the energy; smaller drifts and errors of it have "
-            "no meaning"
-        ),
-        largest=True,
-        compute=_where_known(_energy),
-        scale=lambda scales: scales.energy,
-        limited=False,
-        of_truth=True,
-    ),
-    Figure(
-        name="truth_angular_momentum_error",
-        title="Truth angular momentum error",
-        meaning=(
-            "bound of the truth's own angular momentum error, relative to the size of the angular momentum; smaller drifts and "
-            "errors of it have no meaning"
-        ),
-        largest=True,
-        compute=_where_known(_angular_momentum),
-        scale=lambda scales: scales.angular_momentum,
-        limited=False,
-        of_truth=True,
-    ),
+    _relative_bound("energy", _energy, lambda scales: scales.energy),
+    _relative_bound("angular momentum", _angular_momentum, lambda scales: scales.angular_momentum),
 )
