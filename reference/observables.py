@@ -15,7 +15,8 @@ class Observables:
     Attributes
     ----------
     translational_energy, rotational_energy, potential_energy
-        (n,) energies (J); the potential energy is zero where the centre of mass is at z = 0.
+        (n,) energies (J); the potential energy is counted from the height of the scene's initial position, so that it does not
+        depend on where the origin is.
     angular_momentum, body_angular_momentum
         (n, 3) angular momentum about the centre of mass (kg m^2/s), in the world frame and in the body frame.
     """
@@ -44,7 +45,7 @@ def observe(scene: Scene, trajectory: Trajectory) -> Observables:
     return Observables(
         translational_energy=body.mass * (trajectory.velocity**2).sum(axis=1) / 2,
         rotational_energy=(momentum * trajectory.angular_velocity).sum(axis=1) / 2,
-        potential_energy=body.mass * scene.gravity * trajectory.position[:, 2],
+        potential_energy=body.mass * scene.gravity * (trajectory.position[:, 2] - scene.initial.position[2]),
         angular_momentum=rotate(trajectory.quaternion, momentum),
         body_angular_momentum=momentum,
     )

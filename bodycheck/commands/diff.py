@@ -14,8 +14,9 @@ from bodycheck.runner_log import print_command
 def diff(base: Path, now: Path, /, *, json: Json = False) -> int:
     """Compare two baselines, and print the changes that exceed the effect of rounding and the error of the truth.
 
-    The command prints nothing if there is no such change. It also prints improvements and new runs, and, if both baselines
-    were made on the same machine, changes of the time per step; these do not make it fail.
+    The command prints nothing if there is no such change. A figure whose definition has changed between the versions of
+    bodycheck that made the baselines is named and not compared. The command also prints improvements and new runs, and, if
+    both baselines were made on the same machine, changes of the time per step; these do not make it fail.
 
     Exit codes: 0 nothing got worse; 1 an error or a status got worse, or a run is missing; 2 the files are not baselines of
     the same cases.
@@ -34,7 +35,7 @@ def diff(base: Path, now: Path, /, *, json: Json = False) -> int:
     found = baseline.diff(baseline.read(base), baseline.read(now))
     if json:
         terminal.print_json(baseline.as_json(found))
-    elif found.changes or found.paces:
+    elif found.changes or found.paces or found.redefined:
         terminal.print_difference(found)
     if found.changes and github.is_running(os.environ):
         print_command(github.annotation("error" if found.worse else "notice", found.text, "bodycheck diff"))

@@ -119,6 +119,8 @@ def print_difference(found: "Difference") -> None:
         print_table(header, rows)
     for pace in found.paces:
         print(pace.text)
+    if found.redefined:
+        print(f"not compared, since their definition has changed (save a new baseline): {', '.join(found.redefined)}")
     if found.changes:
         print(found.text)
 

@@ -36,9 +36,10 @@ def angular_momentum(compared: Comparison) -> Array:
 def energy_size(reference: Observables) -> float:
     """Return the size (J) that a total energy is relative to, from the truth's values.
 
-    It is the initial total energy or, where that is zero, the largest kinetic energy.
+    It is the initial kinetic energy or, where that is zero, the largest kinetic energy. A potential energy would make it depend
+    on where the origin is.
     """
-    return abs(float(reference.total_energy[0])) or _largest_kinetic_energy(reference)
+    return float(reference.kinetic_energy[0]) or _largest_kinetic_energy(reference)
 
 
 def rotational_energy_size(reference: Observables) -> float:
@@ -80,13 +81,14 @@ DRIFTS = (
     Figure(
         name="energy_drift",
         title="Energy drift",
-        meaning="change of the energy, which should be constant, relative to its size",
+        meaning="change of the energy, which should be constant, relative to the initial kinetic energy",
         largest=True,
         remark="without friction and drag",
         compute=_where(True, total_energy),
         scale=lambda scales: scales.energy,
         presence="every table",
         bounded_by="truth_energy_error",
+        revision=2,
         plotted=True,
     ),
     Figure(
@@ -120,12 +122,13 @@ ERRORS = (
     Figure(
         name="energy_error",
         title="Energy error",
-        meaning="difference between the energy and the exact energy, relative to its size",
+        meaning="difference between the energy and the exact energy, relative to the initial kinetic energy",
         largest=True,
         remark="with friction or drag",
         compute=_where(False, total_energy),
         scale=lambda scales: scales.energy,
         bounded_by="truth_energy_error",
+        revision=2,
         plotted=True,
     ),
     Figure(

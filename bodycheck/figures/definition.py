@@ -158,6 +158,9 @@ class Figure(Column):
         Name of the column with the bound of the truth's own error in the figure; empty where there is none.
     of_truth
         Whether the figure tells of the truth and not of the engine.
+    revision
+        The number of the figure's definition. It rises by 1 when the same run gets another value, so that values of baselines
+        with different definitions are not compared.
     tabled, plotted
         Whether a report has the figure in the table of a case, and draws it over time.
     """
@@ -170,5 +173,6 @@ class Figure(Column):
     ideal: float = 0.0
     bounded_by: str = ""
     of_truth: bool = False
+    revision: int = 1
     tabled: bool = True
     plotted: bool = False

@@ -21,13 +21,15 @@ def in_run(truth: Truth, trajectory: Trajectory) -> Scales:
     scene = truth.scene
     seen, reference = observe(scene, trajectory), observe(scene, truth.trajectory)
     duration, rate = float(trajectory.t[-1]), largest(trajectory.angular_velocity)
+    # What is rounded are the coordinates, which count from the origin.
+    weighed = scene.body.mass * scene.gravity * np.abs(trajectory.position[:, 2])
     return Scales(
         length=largest(trajectory.position),
         speed=largest(trajectory.velocity),
         angle=max(1.0, rate * duration),
         rate=rate,
         duration=duration,
-        energy=float((seen.kinetic_energy + np.abs(seen.potential_energy)).max()) / energy_size(reference),
+        energy=float((seen.kinetic_energy + weighed).max()) / energy_size(reference),
         rotational_energy=float(seen.rotational_energy.max()) / rotational_energy_size(reference),
         angular_momentum=largest(seen.angular_momentum) / angular_momentum_size(scene, reference),
     )

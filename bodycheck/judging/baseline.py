@@ -4,9 +4,8 @@ import json
 import math
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import closing
-from dataclasses import asdict, dataclass, replace
-from functools import lru_cache, partial
+from dataclasses import asdict, dataclass, field
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any, Literal, get_args
@@ -21,15 +20,14 @@ from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES as ALL_FIGURES
 from bodycheck.figures.columns import distance_from_ideal
 from bodycheck.files import writing
-from bodycheck.judging import baseline_checks, judgement, rounding
+from bodycheck.judging import baseline_checks, judgement, nudged_runs, rounding
 from bodycheck.judging.judgement import Verdict
-from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running import campaign, pool, records
+from bodycheck.judging.nudged_runs import ALLOWANCE, FASTEST, SLOWEST
+from bodycheck.running import records
 from bodycheck.running.header import DESCRIPTIONS
 from bodycheck.running.key import RunKey
 from bodycheck.running.machine import SPEED_TOLERANCE
-from bodycheck.running.outcome import Completed, Run, Unsupported
-from bodycheck.running.plan import Task
+from bodycheck.running.outcome import Completed, Unsupported
 from bodycheck.running.store import Results
 
 #: Version of the format of baselines.
@@ -39,12 +37,6 @@ METADATA = b"bodycheck"
 
 #: What is kept of the header of results.
 HEADER = tuple(name for name in DESCRIPTIONS if name not in ("command", "missing"))
-
-#: Suffix of the column with the allowed difference of a figure if nothing has changed; see `rounding.allowances`.
-ALLOWANCE = "_allowance"
-
-#: Columns with the shortest and the longest time per step (s) of the runs of a row.
-FASTEST, SLOWEST = "time_per_step_low", "time_per_step_high"
 
 #: The compared figures.
 FIGURES = tuple(name for name, figure in ALL_FIGURES.items() if not figure.of_truth)
@@ -60,11 +52,24 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True)
 class Baseline:
-    """The contents of a file that `save` has written: versions and machine, identities of cases by name, and rows."""
+    """The contents of a file that `save` has written.
+
+    Attributes
+    ----------
+    header
+        Versions and machine.
+    cases
+        The identities of the cases by name.
+    rows
+        The rows by the keys of their runs.
+    revisions
+        The revisions of the figures whose definition has ever changed; a figure that is missing has revision 1.
+    """
 
     header: Mapping[str, Any]
     cases: Mapping[str, str]
     rows: Mapping[RunKey, Row]
+    revisions: Mapping[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -165,11 +170,14 @@ class Difference:
         The changes of the time per step.
     versions
         The programs whose version changed, with the old and the new version.
+    redefined
+        The names of the figures that both have and that are not compared, because their definition changed in between.
     """
 
     changes: tuple[Change, ...]
     paces: tuple[Pace, ...]
     versions: tuple[tuple[str, str, str], ...]
+    redefined: tuple[str, ...] = ()
 
     @property
     def worse(self) -> tuple[Change, ...]:
@@ -226,6 +234,7 @@ def save(
         "format": FORMAT,
         "header": {name: value for name, value in results.header.items() if name in HEADER},
         "cases": {name: identity(case) for name, case in results.cases.items()},
+        "revisions": {name: figure.revision for name, figure in ALL_FIGURES.items() if figure.revision > 1},
     }
     content = pa.BufferOutputStream()
     pq.write_table(table.replace_schema_metadata({METADATA: json.dumps(told)}), content, compression="zstd")
@@ -242,7 +251,7 @@ def read(path: Path) -> Baseline:
             raise ValueError(f"its format is {told['format']}, not {FORMAT}")
         metadata = records.typed(baseline_checks.Metadata, told)
         rows = {RunKey.of_row(row): _present(row) for row in (baseline_checks.check(row, figures) for row in table.to_pylist())}
-        return Baseline(asdict(metadata.header), metadata.cases, rows)
+        return Baseline(asdict(metadata.header), metadata.cases, rows, metadata.revisions)
     except (
         OSError,
         ValueError,
@@ -259,14 +268,25 @@ def read(path: Path) -> Baseline:
 def diff(base: Baseline, now: Baseline) -> Difference:
     """Return the changes that exceed the effect of rounding and the errors of the truths.
 
+    Figures whose definition changed between the two are not compared.
+
     Raises `BadInput` if the physics of a case has changed, because its runs cannot be compared then.
     """
     if other := sorted(name for name, told in base.cases.items() if now.cases.get(name, told) != told):
         raise BadInput(f"the case itself has changed, save a new baseline: {', '.join(other)}")
-    found = [change for key in {**base.rows, **now.rows} for change in changes(key, base.rows.get(key), now.rows.get(key))]
+    redefined = [name for name in FIGURES if base.revisions.get(name, 1) != now.revisions.get(name, 1)]
+    found = [
+        change
+        for key in {**base.rows, **now.rows}
+        for change in changes(key, base.rows.get(key), now.rows.get(key))
+        if change.what not in redefined
+    ]
+    shared = [(base.rows[key], now.rows[key]) for key in base.rows.keys() & now.rows.keys()]
+    lost = tuple(name for name in redefined if any(_entries_of_both(*rows, name) for rows in shared))
     found.sort(key=lambda change: (DIRECTIONS.index(change.direction), -change.factor))
     same_machine = base.header["machine"] == now.header["machine"]
-    return Difference(tuple(found), tuple(_paces(base, now)) if same_machine else (), tuple(_versions(base, now)))
+    paces = tuple(_paces(base, now)) if same_machine else ()
+    return Difference(tuple(found), paces, tuple(_versions(base, now)), lost)
 
 
 def as_json(found: Difference) -> dict[str, Any]:
@@ -274,7 +294,8 @@ def as_json(found: Difference) -> dict[str, Any]:
     changes = [{**asdict(change), "text": change.text} for change in found.changes]
     paces = [{**asdict(pace), "text": pace.text} for pace in found.paces]
     versions = {name: {"base": base, "now": now} for name, base, now in found.versions}
-    return {"worse": len(found.worse), "changes": changes, "times": paces, "versions": versions}
+    told = {"worse": len(found.worse), "changes": changes, "times": paces, "versions": versions}
+    return told | {"redefined": list(found.redefined)}
 
 
 def rows(
@@ -284,38 +305,8 @@ def rows(
 
     Every completed run is repeated `rounding.NUDGES` times. Parameters are those of `save`.
     """
-    measured = _measured(results, verdicts, jobs, progress)
+    measured = nudged_runs.measured(results, verdicts, jobs, progress)
     return [row | measured.get(RunKey.of_row(row), {}) for row in judgement.records(verdicts)]
-
-
-def _measured(results: Results, verdicts: Sequence[Verdict], jobs: int, progress: Callable[[str], None]) -> dict[RunKey, Row]:
-    """Repeat the completed runs with nudged initial states, and return allowances and times by the key of the run."""
-    truths = lru_cache(1)(results.truth)
-    waiting = {verdict.run.key: verdict.run for verdict in verdicts if verdict.discrepancy is not None}
-    tasks = [
-        Task(rounding.nudged(results.cases[run.case], run, seed), run.engine, run.method)
-        for run in waiting.values()
-        for seed in range(rounding.NUDGES)
-    ]
-    answers: dict[RunKey, list[Run]] = defaultdict(list)
-    found = {}
-    with closing(pool.call_all(campaign.perform_run, tasks, jobs, campaign.TIME_LIMIT_S, group=campaign.group)) as calls:
-        for task, answer in calls:
-            progress(f"{task.case.name} · {task.engine} {task.method}, nudged")
-            key = task.key
-            answers[key].append(answer if isinstance(answer, Run) else replace(waiting[key], outcome=answer))
-            if len(answers[key]) == rounding.NUDGES:
-                run = waiting.pop(key)
-                found[key] = _row_of(truths(run.case, run.method.timestep), run, answers.pop(key))
-    return found
-
-
-def _row_of(truth: Truth | NoTruth, run: Run, others: Sequence[Run]) -> Row:
-    assert isinstance(truth, Truth)  # the run has a discrepancy
-    allowed = {f"{name}{ALLOWANCE}": value for name, value in rounding.allowances(truth, run, others).items()}
-    completed = [one.outcome for one in (run, *others) if isinstance(one.outcome, Completed)]
-    times = [outcome.wall_time / outcome.steps for outcome in completed if outcome.steps]
-    return allowed | ({FASTEST: min(times), SLOWEST: max(times)} if times else {})
 
 
 def changes(key: RunKey, base: Row | None, now: Row | None) -> Iterator[Change]:

@@ -1,7 +1,7 @@
 """What a baseline must hold. It is checked when a baseline is read, since the file may come from anyone."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -30,10 +30,14 @@ class Header:
 
 @dataclass(frozen=True)
 class Metadata:
-    """What a baseline holds beside its table: the header, and the identities of the cases by name."""
+    """What a baseline holds beside its table: the header, the identities of the cases by name, and the revisions of figures.
+
+    Baselines of earlier versions lack the revisions, which were all 1.
+    """
 
     header: Header
     cases: dict[Name, Printable]
+    revisions: dict[Printable, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -140,7 +140,8 @@ def _bounds(scene: Scene, begin: Start, turning: Turning, motion: Trajectory) ->
     begun = np.array(doubles(begin.rates))
     rotational, spin = float(moments @ begun**2) / 2, float(np.linalg.norm(moments * begun))
     position, velocity = translation_bounds(scene, motion)
-    speeds, heights = np.linalg.norm(motion.velocity, axis=1), np.abs(motion.position[:, 2])
+    speeds = np.linalg.norm(motion.velocity, axis=1)
+    heights = np.abs(motion.position[:, 2] - scene.initial.position[2])
     mass, weight = scene.body.mass, scene.body.mass * scene.gravity
     translational = mass * speeds * (velocity + ROUNDINGS * speeds) + weight * (position + ROUNDINGS * heights)
     return Bounds(

@@ -93,7 +93,8 @@ def with_row(found: Baseline, **entries: Any) -> Baseline:
 def test_a_run_against_itself_is_silent(flips: Path) -> None:
     done = diff(flips, flips)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert json.loads(diff(flips, flips, "--json").stdout) == {"worse": 0, "changes": [], "times": [], "versions": {}}
+    nothing = {"worse": 0, "changes": [], "times": [], "versions": {}, "redefined": []}
+    assert json.loads(diff(flips, flips, "--json").stdout) == nothing
 
 
 def test_a_run_made_again_has_not_changed(base: Baseline, tmp_path: Path) -> None:
@@ -234,6 +235,30 @@ def test_a_small_change_is_told_with_the_digits_it_takes(base: Baseline) -> None
     assert change.text.endswith("energy_drift 0.25 → 0.2500000001, worse by 4e-10 of it")
     (change,) = baseline.diff(with_row(base, energy_drift=0.0, energy_drift_allowance=1e-15), one).changes
     assert change.text.endswith("energy_drift 0 → 0.25, worse")
+
+
+def test_figures_of_another_definition_are_named_and_not_compared(flips: Path, base: Baseline, tmp_path: Path) -> None:
+    assert base.revisions == {"energy_drift": 2, "energy_error": 2}
+    assert baseline.diff(base, base).redefined == ()
+    earlier = replace(with_row(base, energy_drift=0.0, energy_drift_allowance=0.0), revisions={})
+    for found in (baseline.diff(earlier, base), baseline.diff(base, earlier)):
+        assert found.changes == ()
+        assert found.redefined == ("energy_drift",)  # a flip without drag has no energy error
+        assert baseline.as_json(found)["redefined"] == ["energy_drift"]
+    changed = with_row(earlier, status="crashed")
+    assert statuses(baseline.diff(changed, base)) == [("status", "crashed", "ok", "better")]
+    # Files of earlier versions have no revisions.
+    table = pq.read_table(flips)
+    told = json.loads(table.schema.metadata[baseline.METADATA])
+    del told["revisions"]
+    old = tmp_path / "old.parquet"
+    pq.write_table(table.replace_schema_metadata({baseline.METADATA: json.dumps(told)}), old)
+    assert baseline.read(old).revisions == {}
+    done = bodycheck("diff", old, flips)
+    assert (done.returncode, done.stdout) == (
+        0,
+        "not compared, since their definition has changed (save a new baseline): energy_drift\n",
+    )
 
 
 def test_versions_are_named(base: Baseline) -> None:

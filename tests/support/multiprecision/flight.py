@@ -58,10 +58,10 @@ class Flight:
 
     @property
     def energy(self) -> Real:
-        """The energy (J), which is constant; the potential energy is zero at z = 0."""
+        """The energy (J), which is constant; the potential energy is counted from the start."""
         spin = self.start.angular_velocity
         kinetic = self.mass * dot(self.start.velocity, self.start.velocity) + dot(spin, self.inertia * spin)
-        return kinetic / 2 + self.mass * self.gravity * self.start.position[2]
+        return kinetic / 2
 
     @property
     def angular_momentum(self) -> Vector:

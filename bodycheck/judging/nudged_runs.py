@@ -1,0 +1,54 @@
+"""Completed runs, repeated from nudged initial states: by how much rounding may change their figures, and their times."""
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import replace
+from functools import lru_cache
+
+from bodycheck.judging import rounding
+from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.truth import NoTruth, Truth
+from bodycheck.running import campaign, pool
+from bodycheck.running.key import RunKey
+from bodycheck.running.outcome import Completed, Run
+from bodycheck.running.plan import Task
+from bodycheck.running.store import Results
+
+#: Suffix of the column with the allowed difference of a figure if nothing has changed; see `rounding.allowances`.
+ALLOWANCE = "_allowance"
+
+#: Columns with the shortest and the longest time per step (s) of the runs of a row.
+FASTEST, SLOWEST = "time_per_step_low", "time_per_step_high"
+
+
+def measured(
+    results: Results, verdicts: Sequence[Verdict], jobs: int, progress: Callable[[str], None]
+) -> dict[RunKey, dict[str, float]]:
+    """Repeat the completed runs with nudged initial states, and return allowances and times by the key of the run."""
+    truths = lru_cache(1)(results.truth)
+    waiting = {verdict.run.key: verdict.run for verdict in verdicts if verdict.discrepancy is not None}
+    tasks = [
+        Task(rounding.nudged(results.cases[run.case], run, seed), run.engine, run.method)
+        for run in waiting.values()
+        for seed in range(rounding.NUDGES)
+    ]
+    answers: dict[RunKey, list[Run]] = defaultdict(list)
+    found = {}
+    with closing(pool.call_all(campaign.perform_run, tasks, jobs, campaign.TIME_LIMIT_S, group=campaign.group)) as calls:
+        for task, answer in calls:
+            progress(f"{task.case.name} · {task.engine} {task.method}, nudged")
+            key = task.key
+            answers[key].append(answer if isinstance(answer, Run) else replace(waiting[key], outcome=answer))
+            if len(answers[key]) == rounding.NUDGES:
+                run = waiting.pop(key)
+                found[key] = _row_of(truths(run.case, run.method.timestep), run, answers.pop(key))
+    return found
+
+
+def _row_of(truth: Truth | NoTruth, run: Run, others: Sequence[Run]) -> dict[str, float]:
+    assert isinstance(truth, Truth)  # the run has a discrepancy
+    allowed = {f"{name}{ALLOWANCE}": value for name, value in rounding.allowances(truth, run, others).items()}
+    completed = [one.outcome for one in (run, *others) if isinstance(one.outcome, Completed)]
+    times = [outcome.wall_time / outcome.steps for outcome in completed if outcome.steps]
+    return allowed | ({FASTEST: min(times), SLOWEST: max(times)} if times else {})
