@@ -110,14 +110,16 @@ def conserved_errors(
 ) -> dict[str, Array]:
     """The errors of energy and angular momentum that errors (n,) of the states of a motion can cause, by the names of `Bounds`.
 
-    They hold for errors in any direction.
+    They hold for errors in any direction, and are infinite where no double is large enough.
     """
     moments = np.array(scene.body.moments)
     speeds, spins = np.linalg.norm(motion.velocity, axis=1), np.linalg.norm(motion.angular_velocity, axis=1)
     largest = float(moments.max())
-    momentum_error = largest * (angular_velocity_error + spins * error)
-    translational = scene.body.mass * (velocity_error * (speeds + velocity_error) + scene.gravity * position_error)
-    rotational = largest * angular_velocity_error * (spins + angular_velocity_error)
+    turned = np.minimum(error, 2.0)  # a unit vector that is turned by any angle moves by at most 2
+    with np.errstate(over="ignore"):
+        momentum_error = largest * (angular_velocity_error + spins * turned)
+        translational = scene.body.mass * (velocity_error * (speeds + velocity_error) + scene.gravity * position_error)
+        rotational = largest * angular_velocity_error * (spins + angular_velocity_error)
     return {"energy_error": translational + rotational, "angular_momentum_error": momentum_error}
 
 

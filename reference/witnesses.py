@@ -127,7 +127,9 @@ def course(begin: Start, times: Array, few_periods: float = FEW_PERIODS) -> Cour
         direct = growth(times)
         return Course(period, False, speed, speed * end, float(np.max(direct, initial=0.0)), direct, growth)
     one = float(growth(np.array([float(period)]))[0])
-    return Course(period, True, speed, speed * float(period), one, (1 + times / float(period)) * one, growth)
+    with np.errstate(over="ignore"):  # infinite growth is out of reach of every integration
+        continued = (1 + times / float(period)) * one
+    return Course(period, True, speed, speed * float(period), one, continued, growth)
 
 
 @dataclass(frozen=True)

@@ -183,8 +183,13 @@ def _log_time_derivative(flat: Flat, scales: _Scales) -> Derivative:
     unit_force, gyration = flat.mass * flat.deceleration, flat.gyration
 
     def derivative(_s: float, y: Array) -> Array:
-        # In plain numbers, because NumPy takes longer for arrays of three.
-        _, _, _, psi, x, y_, spin, log = y.tolist()
+        try:
+            return rates(*y.tolist())
+        except (ArithmeticError, ValueError):  # beyond the range of doubles: not a number, and the solver tries a shorter step
+            return np.full(len(y), np.nan)
+
+    # In plain numbers, because NumPy takes longer for arrays of three.
+    def rates(_t: float, _x: float, _y: float, psi: float, x: float, y_: float, spin: float, log: float) -> Array:
         c, s, speed = math.cos(psi), math.sin(psi), math.exp(log)
         velocity = c * x + s * y_, c * y_ - s * x, spin / gyration
         f1, f2, torque = flat.law(*velocity)

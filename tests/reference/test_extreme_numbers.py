@@ -1,0 +1,49 @@
+"""Truths of accepted cases whose numbers are extreme: each has a bound or a reason, and no number goes out of range unseen."""
+
+import contextlib
+
+import numpy as np
+import pytest
+
+from bodycheck.casefile.case import parse
+from bodycheck.reference.errors import OutOfReach
+from bodycheck.running.truths import truth
+from tests.support.cases import a_case
+
+#: Growth of rounding, and a period, that together are beyond the range of doubles.
+NEARLY_UNSTABLE = {
+    "body": {"shape": "none", "mass": 1.0, "inertia": [24.0, 17.0, 7.2]},
+    "initial": {"angular_velocity": [1e-100, 2.3e41, 0.0]},
+}
+
+#: Drag that leaves the velocity unknown, and a moment that turns its error into an energy beyond the range of doubles.
+HEAVY_DRAG = {
+    "body": {"shape": "none", "mass": 1e-75, "inertia": [7.5e56, 7.5e56, 1.0]},
+    "initial": {"velocity": [-1e-99, -105.0, 0.0], "angular_velocity": [-7.5e-57, 1e16, 1e75]},
+    "scene": {"drag": {"quadratic": 9e99}},
+    "run": {"duration": 4e7, "samples": 3},
+}
+
+#: A spin so fast that the turn until its stop, and its error, are more radians than the rates leave room for.
+SPINNING_SPECK = {
+    "body": {"shape": "brick", "mass": 1e-99, "semi_axes": [1e-9, 7e-82, 2.8e-7]},
+    "initial": {"velocity": [1e9, -1.16e33, 0.0], "angular_velocity": [0.0, 0.0, 2e19]},
+    "scene": {"gravity": 5.8e-28, "plane": {"friction": 2.2e-15, "law": "area", "pressure": "uniform"}},
+    "run": {"duration": 1e75, "samples": 11},
+}
+
+#: A slide whose first trial step leads out of the range of doubles.
+SPINNING_NEEDLE = {
+    "body": {"shape": "cylinder", "mass": 1e-16, "radius": 3.5e-34, "half_length": 1e100, "inertia": [9e99, 9e99, 1e-31]},
+    "initial": {"velocity": [1.1e-68, 1.0, 0.0], "angular_velocity": [0.0, 0.0, -1e75]},
+    "scene": {"gravity": 9.81, "plane": {"friction": 1e9, "law": "area", "pressure": "balanced"}},
+    "run": {"duration": 1e-99, "samples": 11},
+}
+
+
+@pytest.mark.parametrize("scene", [NEARLY_UNSTABLE, HEAVY_DRAG, SPINNING_SPECK, SPINNING_NEEDLE])
+def test_a_truth_of_extreme_numbers_has_a_bound_or_a_reason(scene: dict[str, object]) -> None:
+    case = parse(a_case(**scene), "extreme")
+    with contextlib.suppress(OutOfReach):
+        for bound in vars(truth(case).bounds).values():
+            assert not np.isnan(bound).any()
