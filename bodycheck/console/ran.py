@@ -5,12 +5,12 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from bodycheck.adapters.contract import Adapter
 from bodycheck.casefile.case import Case
 from bodycheck.console import terminal
 from bodycheck.console.arguments import load_cases, load_engines, processes
+from bodycheck.files.temporary import temporary_folder
 from bodycheck.running import campaign
 from bodycheck.running.plan import Plan
 from bodycheck.running.store import Results
@@ -87,7 +87,7 @@ def ran(selection: Selection, plan: Plan, out: Path | None) -> Iterator[Ran]:
     tasks = plan(cases, adapters, selection.integrators, selection.timesteps)
     header = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, engines.missing)
     with ExitStack() as stack:
-        folder = out or Path(stack.enter_context(TemporaryDirectory(prefix="bodycheck-")))
+        folder = out or stack.enter_context(temporary_folder())
         with terminal.progress("running", campaign.size(tasks)) as progress:
             done = campaign.results(tasks, folder, header, processes(selection.jobs), progress=progress)
             results = stack.enter_context(done)

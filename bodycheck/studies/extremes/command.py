@@ -5,8 +5,6 @@ Its imports are inside the function, so that `--help` answers at once.
 
 import sys
 from contextlib import ExitStack
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 from bodycheck.console.options import CaseName, Engines, Figures, Integrators, Jobs, Json, Out
 from bodycheck.errors import FAILED, OK
@@ -31,6 +29,7 @@ def extremes(
     from bodycheck import reports
     from bodycheck.console import terminal
     from bodycheck.console.arguments import check_has_folder, load_cases, load_engines, processes
+    from bodycheck.files.temporary import temporary_folder
     from bodycheck.running import campaign
     from bodycheck.studies.extremes import printing, study
     from bodycheck.studies.extremes.page import present
@@ -42,7 +41,7 @@ def extremes(
     planned = study.prepare(loaded, adapters, integrator)
     head = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, engines.missing)
     with ExitStack() as stack:
-        folder = out or Path(stack.enter_context(TemporaryDirectory(prefix="bodycheck-")))
+        folder = out or stack.enter_context(temporary_folder())
         progress = stack.enter_context(terminal.progress("pushing", planned.size))
         rows, limits = stack.enter_context(study.results(planned, folder, head, processes(jobs), progress))
         if out is not None:

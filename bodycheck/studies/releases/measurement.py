@@ -9,7 +9,6 @@ import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 from bodycheck.adapters import offers, registry
@@ -17,6 +16,7 @@ from bodycheck.adapters.contract import Adapter, Engine, Method
 from bodycheck.casefile import case
 from bodycheck.casefile.case import Case
 from bodycheck.errors import BadInput
+from bodycheck.files.temporary import temporary_folder
 from bodycheck.judging import baseline, judgement
 from bodycheck.running import campaign
 from bodycheck.running.outcome import crash
@@ -46,7 +46,7 @@ def _answer(engine: str, question: Question, jobs: int) -> Answer:
     if not tasks:
         return Answer(offered, lacking)
     head = campaign.header(sys.argv, {engine: adapter.engine.version}, {})
-    with TemporaryDirectory(prefix="bodycheck-") as folder, campaign.results(tasks, Path(folder), head, jobs) as results:
+    with temporary_folder() as folder, campaign.results(tasks, folder, head, jobs) as results:
         verdicts = judgement.judge(results)
         if question.kind == "figures":
             return Answer(offered, lacking, rows=tuple(map(_plain, baseline.rows(results, verdicts, jobs))))
