@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from bodycheck.casefile.finding import is_case_file
 from bodycheck.runner_log import harmless
 
 if TYPE_CHECKING:
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 
     Perform = Callable[[Task | TruthTask], Any]
 
-#: The end of the names of case files, which `bodycheck.casefile.case` defines too; it is repeated to avoid an import.
-SUFFIX = ".case.toml"
 OPTION = "--bodycheck-engine"
 MARKER = "bodycheck"
 #: Name of the user property of a test that describes a known discrepancy.
@@ -73,7 +72,7 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    if not file_path.name.endswith(SUFFIX):
+    if not is_case_file(file_path):
         return None
     file = CaseFile.from_parent(parent, path=file_path)
     # pytest prints the path of a file, in which the runner of a CI system must not find a command.
@@ -106,7 +105,7 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
         (report.nodeid, text)
         for report in terminalreporter.getreports("passed")
         for name, text in report.user_properties
-        if name == KNOWN_PROPERTY and report.nodeid.partition("::")[0].endswith(SUFFIX)
+        if name == KNOWN_PROPERTY and is_case_file(report.nodeid.partition("::")[0])
     ]
     if told:
         terminalreporter.section("known discrepancies according to the case files")

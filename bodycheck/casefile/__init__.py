@@ -1,6 +1,7 @@
 """Case files: reading, checking and writing them.
 
 - `case` loads a case file and returns a `Case`, or all faults of the file with their lines. This is the entry point.
+- `finding` finds the case files that a user names: by a name, a path, a folder or a pattern.
 - `grammar` defines the keys and the allowed values; `contradictions` checks rules that connect several keys.
 - `scenes` builds the scene of a case from its tables. `values` defines the types of values, and `axes` the axes of extremes.
 - `toml_positions` finds the line and column of a key. `identity` tells whether two cases describe the same physics.

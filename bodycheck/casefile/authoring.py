@@ -11,7 +11,7 @@ from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
 from bodycheck.casefile import grammar, values
-from bodycheck.casefile.case import SUFFIX
+from bodycheck.casefile.finding import SUFFIX
 from bodycheck.errors import BadInput
 from bodycheck.files import writing
 

@@ -18,6 +18,7 @@ from bodycheck.casefile import grammar
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.contradictions import contradictions
 from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
+from bodycheck.casefile.finding import SUFFIX
 from bodycheck.casefile.scenes import Inconsistent, build_scene
 from bodycheck.casefile.toml_positions import Path, Position, positions
 from bodycheck.errors import BadInput
@@ -27,8 +28,6 @@ from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.suggestion import did_you_mean
 
-#: The end of the names of case files.
-SUFFIX = ".case.toml"
 #: Limits of a case file's size, of the parts of a dotted key and of the digits of a number.
 MAX_FILE_BYTES = 1 << 18
 MAX_KEY_PARTS = 16

@@ -19,7 +19,7 @@ def validate(*files: str) -> int:
     Parameters
     ----------
     files
-        Paths of case files, or names of shipped cases.
+        Case files, folders of them, patterns, or names of shipped cases.
     """
     if not files:
         raise BadInput("validate: give at least one case file")
@@ -77,7 +77,7 @@ def expect(
     Parameters
     ----------
     files
-        Paths of case files.
+        Case files, folders of them, or patterns.
     margin
         The limit divided by the measured value. The default is 3. Limits are rounded down to two digits.
     """
@@ -86,8 +86,9 @@ def expect(
     from bodycheck.judging import expectation_writer, judgement
 
     expectation_writer.check_margin(margin)
-    places = expectation_writer.places(files, arguments.load_cases(files))
-    with ran(Selection(files, engine, integrator, timestep, jobs), expectation_writer.plan, None) as made:
+    names = arguments.case_names(files) if files else ()
+    places = expectation_writer.places(names, arguments.load_cases(names) if names else ())
+    with ran(Selection(names, engine, integrator, timestep, jobs), expectation_writer.plan, None) as made:
         changes = expectation_writer.write(made.results, judgement.judge(made.results), places, margin)
     terminal.print_changes(changes)
     return OK if all(change.done for change in changes) else FAILED

@@ -49,11 +49,12 @@ def run(
     for option, path in (("--save", save), ("--junit", junit)):
         arguments.check_writable(option, path)
     arguments.check_has_folder(figures, out)
-    with ran(Selection(cases, engine, integrator, timestep, jobs), plan, out) as made:
+    names = arguments.case_names(cases)
+    with ran(Selection(names, engine, integrator, timestep, jobs), plan, out) as made:
         found = result_set.judged(made.results)
         verdicts = found.verdicts
         write([found], out, figures, junit)
-        reports.annotate_github(found, arguments.files_of(made.cases, cases), os.environ)
+        reports.annotate_github(found, arguments.files_of(made.cases, names), os.environ)
         if save is not None:
             with terminal.progress("nudging", baseline.size(verdicts)) as progress:
                 baseline.save(save, made.results, verdicts, arguments.processes(jobs), progress)

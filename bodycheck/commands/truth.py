@@ -38,7 +38,7 @@ def truth(
     from bodycheck.reference.errors import NotModelled, OutOfReach
     from bodycheck.running import truths
 
-    (loaded,) = arguments.load_cases((case,))
+    loaded = arguments.load_case(case)
     if not all(0 <= instant < float("inf") for instant in at):
         raise BadInput("--at: instants must be finite and at least 0 s")
     times = sorted(at) or None

@@ -16,13 +16,36 @@ if TYPE_CHECKING:
     from bodycheck.casefile.case import Case
 
 
-def load_cases(names: tuple[str, ...]) -> "list[Case]":
-    """Load the named cases; all shipped cases if none is named. Raises `CaseFaults` with the faults of all files."""
-    from bodycheck.casefile.case import CaseFaults, Fault, load, shipped
+def case_names(cases: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of shipped cases and the paths of files that CASE arguments stand for; all shipped cases for none.
+
+    Raises `BadInput` if a folder or a pattern stands for no case file. What is returned stands for itself.
+    """
+    from bodycheck.casefile.case import shipped
+    from bodycheck.casefile.finding import named
+
+    return named(cases, shipped()) if cases else shipped()
+
+
+def load_case(argument: str) -> "Case":
+    """Load the one case that an argument stands for. Raises `CaseFaults`, and `BadInput` if it stands for several cases."""
+    names = case_names((argument,))
+    if len(names) > 1:
+        raise BadInput(f"{argument}: stands for {len(names)} cases, of which one is needed: {names[0]}, {names[1]}, …")
+    (case,) = load_cases(names)
+    return case
+
+
+def load_cases(cases: tuple[str, ...]) -> "list[Case]":
+    """Load the cases that CASE arguments stand for; all shipped cases for none.
+
+    Raises `CaseFaults` with the faults of all files, and `BadInput` if a folder or a pattern stands for no case file.
+    """
+    from bodycheck.casefile.case import CaseFaults, Fault, load
 
     loaded: dict[str, Case] = {}
     faults: list[Fault] = []
-    for name in dict.fromkeys(names or shipped()):
+    for name in case_names(cases):
         try:
             case = load(name)
         except CaseFaults as error:
@@ -100,11 +123,11 @@ def check_engine(name: str) -> None:
 def files_of(cases: "list[Case]", names: tuple[str, ...]) -> dict[str, Path]:
     """Return the files of cases, by the name of the case; shipped cases have none.
 
-    `names` are the names and paths from which `load_cases` loaded the cases.
+    `names` are those that `case_names` returned, from which `load_cases` loaded the cases.
     """
     from bodycheck.casefile.case import shipped
 
-    given = zip(cases, dict.fromkeys(names or shipped()), strict=True)
+    given = zip(cases, names, strict=True)
     return {case.name: Path(name) for case, name in given if name not in shipped()}
 
 

@@ -6,7 +6,9 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 #: One of several cases.
-CaseName = Annotated[str, Parameter(help="Names of shipped cases, or paths of case files. Default: all shipped cases.")]
+CaseName = Annotated[
+    str, Parameter(help="Cases: names of shipped cases, case files, folders of them, or patterns. Default: all shipped cases.")
+]
 
 Engines = Annotated[
     tuple[str, ...], Parameter(help="An engine to use. May be given several times. Default: all installed engines.")

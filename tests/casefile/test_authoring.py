@@ -11,7 +11,8 @@ from jsonschema import Draft202012Validator
 
 from bodycheck import CaseFaults, load
 from bodycheck.casefile.authoring import SCHEMA_FILE, new, schema, template
-from bodycheck.casefile.case import SUFFIX, parse, shipped
+from bodycheck.casefile.case import parse, shipped
+from bodycheck.casefile.finding import SUFFIX
 from bodycheck.casefile.values import MAX_NUMBER
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED

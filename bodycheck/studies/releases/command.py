@@ -22,7 +22,7 @@ def releases(
     *versions: str,
     case: Annotated[
         tuple[str, ...],
-        Parameter(help="A shipped case or the path of a case file. May be given several times. Default: all shipped cases."),
+        Parameter(help="A shipped case, case file, folder or pattern. May be given several times. Default: all shipped cases."),
     ] = (),
     integrator: Integrators = (),
     timestep: Timesteps = (),
@@ -143,11 +143,11 @@ def bisect(
     """
     from bodycheck.adapters.method import DEFAULT_TIMESTEP
     from bodycheck.console import terminal
-    from bodycheck.console.arguments import check_engine, load_cases, processes
+    from bodycheck.console.arguments import check_engine, load_case, processes
     from bodycheck.studies.releases import bisection, printing
 
     check_engine(engine)
-    (loaded,) = load_cases((case,))
+    loaded = load_case(case)
     kept = bisection.Limit(loaded, integrator, timestep or DEFAULT_TIMESTEP, quantity, limit)
     observer = bisection.Observer(engine, kept, processes(jobs), lambda text: print(text, file=sys.stderr))
     try:

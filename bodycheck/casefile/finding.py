@@ -1,0 +1,170 @@
+"""Find the case files that a user names: by the name of a shipped case, a path, a folder or a pattern.
+
+A folder stands for every case file in it and in the folders below it. A repository may come from a stranger: no link to a
+folder is followed, a link to a file only within the folder that was named, and the number of entries is bounded.
+"""
+
+import fnmatch
+import os
+import re
+from collections.abc import Collection, Iterator, Sequence
+from pathlib import Path
+
+from bodycheck.errors import BadInput
+
+#: The end of the names of case files.
+SUFFIX = ".case.toml"
+
+#: Most files and folders that are looked at for one argument, and most case files that it may stand for.
+MAX_ENTRIES = 200_000
+MAX_CASES = 10_000
+
+#: Folders that hold what others made, besides hidden ones and virtual environments: installed packages bring case files along.
+OTHERS_FOLDERS = frozenset({"build", "dist", "node_modules", "__pycache__"})
+
+#: The file by which a folder is known to be a virtual environment.
+ENVIRONMENT = "pyvenv.cfg"
+
+#: The marks of a pattern, and the one that stands for any number of folders.
+WILD = re.compile(r"[*?\[]")
+ANY_FOLDERS = "**"
+
+
+def is_case_file(path: str | Path) -> bool:
+    """Return whether a path has the name of a case file."""
+    return Path(path).name.endswith(SUFFIX)
+
+
+def named(arguments: Sequence[str], shipped: Collection[str]) -> tuple[str, ...]:
+    """Return the names of shipped cases and the paths of files that arguments stand for, each file once.
+
+    Parameters
+    ----------
+    arguments
+        Each is the name of a shipped case, a path, a folder, or a pattern of paths with `*`, `?`, `[...]` or `**`. A pattern
+        that no path matches may match names of shipped cases. The order is that of the arguments; a folder and a pattern give
+        sorted paths. An argument that is none of these is returned as it is, so that loading it says what is wrong.
+    shipped
+        The names of the shipped cases.
+
+    Raises
+    ------
+    BadInput
+        A folder or a pattern stands for no case file, or for more than `MAX_CASES`; more than `MAX_ENTRIES` files and folders
+        must be looked at; a folder cannot be read; it has a link with the name of a case file that leads out of it.
+    """
+    found: dict[str, str] = {}
+    for argument in arguments:
+        for name in _meant(argument, shipped):
+            found.setdefault(name if name in shipped else os.path.realpath(name), name)
+    return tuple(found.values())
+
+
+def _meant(argument: str, shipped: Collection[str]) -> Sequence[str]:
+    """Return the names and paths that one argument stands for."""
+    if argument in shipped or "\0" in argument:
+        return [argument]
+    path, tally = Path(argument), _Tally(argument)
+    if _is_folder(path):
+        files = sorted(_below(path, tally))
+        if not files:
+            raise BadInput(f"{argument}: there is no case file (*{SUFFIX}) in this folder or below it")
+    elif WILD.search(argument) and not os.path.lexists(argument):
+        first, parts = (Path(path.anchor), path.parts[1:]) if path.anchor else (Path(), path.parts)
+        files = sorted({file for match in _matches(first, parts, tally) for file in _cases_at(match, tally)})
+        if not files:
+            names = fnmatch.filter(sorted(shipped), argument)
+            if not names:
+                raise BadInput(f"{argument}: no case file (*{SUFFIX}) and no shipped case matches this pattern")
+            return names
+    else:
+        return [argument]
+    if len(files) > MAX_CASES:
+        raise BadInput(f"{argument}: stands for more than {MAX_CASES} case files; name fewer")
+    return [str(file) for file in files]
+
+
+class _Tally:
+    """Counts the files and folders that are looked at for an argument."""
+
+    def __init__(self, argument: str) -> None:
+        self.argument, self.entries = argument, 0
+
+    def add(self, count: int) -> None:
+        """Count more of them. Raises `BadInput` if they are more than `MAX_ENTRIES`."""
+        self.entries += count
+        if self.entries > MAX_ENTRIES:
+            raise BadInput(f"{self.argument}: has more than {MAX_ENTRIES} files and folders; name a smaller folder")
+
+
+def _below(folder: Path, tally: _Tally) -> Iterator[Path]:
+    """Yield the case files in a folder and in the folders below it."""
+    root = os.path.join(os.path.realpath(folder), "")
+    for _, entries in _folders(folder, tally):
+        for entry in entries:
+            if is_case_file(entry.name) and not entry.is_dir():
+                if entry.is_symlink() and not os.path.realpath(entry.path).startswith(root):
+                    raise BadInput(f"{entry.path}: is a link that leads out of {folder}; name the file that it leads to")
+                yield Path(entry.path)
+
+
+def _folders(folder: Path, tally: _Tally) -> Iterator[tuple[Path, list[os.DirEntry[str]]]]:
+    """Yield a folder and the folders below it with what is in each, without links and without what others made."""
+    left = [folder]
+    while left:
+        inside = left.pop()
+        entries = _entries(inside, tally)
+        if inside != folder and any(entry.name == ENVIRONMENT for entry in entries):
+            continue
+        yield inside, entries
+        left += [Path(entry.path) for entry in entries if entry.is_dir(follow_symlinks=False) and _is_own(entry.name)]
+
+
+def _is_own(name: str) -> bool:
+    """Return whether a file or folder of this name may be the user's."""
+    return not name.startswith(".") and name not in OTHERS_FOLDERS
+
+
+def _matches(folder: Path, parts: Sequence[str], tally: _Tally) -> Iterator[Path]:
+    """Yield the files and folders below a folder whose path from there matches the parts of a pattern."""
+    if not parts:
+        yield folder
+    elif parts[0] == ANY_FOLDERS:
+        for inside, _ in _folders(folder, tally):
+            yield from _matches(inside, parts[1:], tally)
+    elif not WILD.search(parts[0]):
+        if os.path.lexists(folder / parts[0]):
+            yield from _matches(folder / parts[0], parts[1:], tally)
+    elif _is_folder(folder):
+        for entry in _entries(folder, tally):
+            path = Path(entry.path)
+            if fnmatch.fnmatch(entry.name, parts[0]) and _is_own(entry.name) and not os.path.lexists(path / ENVIRONMENT):
+                yield from _matches(path, parts[1:], tally)
+
+
+def _cases_at(path: Path, tally: _Tally) -> Iterator[Path]:
+    """Yield the case files of what a pattern matches: those in a folder, or the file itself if it has the name of one."""
+    if _is_folder(path):
+        yield from _below(path, tally)
+    elif is_case_file(path):
+        yield path
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except OSError:  # a name that is too long; loading says so
+        return False
+
+
+def _entries(folder: Path, tally: _Tally) -> list[os.DirEntry[str]]:
+    """Return what is in a folder. Raises `BadInput` if it cannot be read."""
+    found = []
+    try:
+        with os.scandir(folder) as entries:
+            for entry in entries:
+                tally.add(1)
+                found.append(entry)
+    except OSError as error:
+        raise BadInput(f"{folder}: cannot be read: {error.strerror}") from error
+    return found
