@@ -24,7 +24,7 @@ import numpy as np
 from bodycheck.adapters.contract import Engine, Integrator, Method, Model, SceneUnsupported, Strides, choice
 from bodycheck.adapters.mujoco import DISTRIBUTION, contact
 from bodycheck.adapters.mujoco import models as scene_models
-from bodycheck.adapters.mujoco.stepping import Rollouts, Steps, quiet, refuse_warnings, stepping
+from bodycheck.adapters.mujoco.stepping import Stepper, quiet, refuse_warnings
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
@@ -133,7 +133,7 @@ def contact_law(scene: Scene, method: Method) -> Plane | None:
     return replace(scene.plane, friction=coefficient, law="corners", pressure="balanced")
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Rollouts | Steps:
+def prepare(scenes: Sequence[Scene], method: Method) -> Stepper:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
     model = model_of(scene, method)
@@ -167,7 +167,7 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Rollouts | Steps:
         force = scene_models.friction_force(scene, scene.plane, method.timestep, data)
     elif scene.drag and not fluid and model != "rotation":
         force = scene_models.drag_force(scene.drag, data)
-    return stepping(compiled, data, joints, force)
+    return Stepper(compiled, data, joints, force)
 
 
 @lru_cache(maxsize=8)

@@ -1,6 +1,6 @@
-"""Step a MuJoCo model by `mujoco.rollout`, a loop in C, or by `mj_step` with releases that lack it.
+"""Step a MuJoCo model by `mujoco.rollout`, a loop in C that returns every state, or by one call of `mj_step` a stride.
 
-Both take the same steps, and stop at the first warning that MuJoCo gives.
+Both take the same steps, and stop at the first warning that MuJoCo gives. Releases before 3.2.7 lack rollouts.
 """
 
 from collections.abc import Iterator
@@ -13,8 +13,12 @@ from bodycheck.adapters.contract import EngineDiverged, EngineReset, Strides, si
 from bodycheck.adapters.mujoco.models import Force, Joints
 from bodycheck.reference.trajectory import Array
 
-#: Steps per rollout. A rollout returns every state, so this bounds the memory; a call costs as much time as about 30 steps.
+#: Steps of a rollout, and steps after which MuJoCo is asked whether it has given a warning. A rollout returns every state, so
+#: this bounds the memory; a call costs as much time as about 30 steps.
 STEPS_PER_ROLLOUT = 8192
+
+#: Steps per sample from which on one call of `mj_step` a sample is cheaper than a rollout, which copies the state in each step.
+STEPS_WORTH_A_CALL = 5
 
 #: The warnings of MuJoCo by name.
 WARNINGS = {
@@ -27,21 +31,6 @@ try:
     from mujoco.rollout import Rollout as Pool
 except ImportError:  # older than MuJoCo 3.2.7
     Pool = None
-
-
-def stepping(model: mujoco.MjModel, data: mujoco.MjData, joints: Joints, force: Force | None) -> "Rollouts | Steps":
-    """Return a simulation that steps a model from the state in its data by the fastest way of the installed MuJoCo.
-
-    Parameters
-    ----------
-    model, data
-        MuJoCo's compiled model and its data, which hold the initial state.
-    joints
-        The joints of the body, which convert states to rows of the contract.
-    force
-        An external force; None if there is none.
-    """
-    return Steps(model, data, joints, force) if Pool is None else Rollouts(model, data, joints, force)
 
 
 @contextmanager
@@ -80,27 +69,45 @@ def refuse_warnings(data: mujoco.MjData, time: float) -> None:
         raise signal(f"MuJoCo {answer} {', '.join(given)} at t = {time:.6g} s")
 
 
-class Rollouts:
-    """A MuJoCo model and its data, advanced by `mujoco.rollout`."""
+class Stepper:
+    """A MuJoCo model and its data, which holds the current state, with the fastest way to advance it.
+
+    Parameters
+    ----------
+    model, data
+        MuJoCo's compiled model and its data, which hold the initial state.
+    joints
+        The joints of the body, which convert states to rows of the contract.
+    force
+        An external force; None if there is none.
+    """
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: Joints, force: Force | None) -> None:
         self.model, self.data, self.joints, self.force = model, data, joints, force
-        self.pool = Pool(nthread=0)
-        # Row 0 is the current state, the other rows are those of one rollout. Filling them allocates the memory before the
-        # first step is timed.
-        self.states = np.full((STEPS_PER_ROLLOUT + 1, mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)), 0.0)
-        mujoco.mj_getState(model, data, self.states[0], mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        self.pool = None if Pool is None else Pool(nthread=0)
+        # Row 0 is the state before a rollout, the other rows are those of the rollout. Filling them allocates the memory before
+        # the first step is timed.
+        size = 0 if Pool is None else mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        self.states = np.full((STEPS_PER_ROLLOUT + 1, size), 0.0)
 
     def advance(self, strides: Strides) -> Array:
         """Return the states (1, n, 1, 13) after each of n strides, as `Simulation.advance` does."""
+        dense = self.pool is not None and int(strides.sum()) < STEPS_WORTH_A_CALL * len(strides)
+        with external_force(self.force):
+            rows = self._by_rollouts(strides) if dense else self._by_strides(strides)
+        return single(self.joints.rows(rows))
+
+    def _by_rollouts(self, strides: Strides) -> Array:
+        """Return the coordinates and velocities (n, nq + nv) after each of n strides."""
         ends = np.cumsum(strides)
         columns = slice(1, 1 + self.model.nq + self.model.nv)
         rows = np.empty((len(strides), self.model.nq + self.model.nv))
+        mujoco.mj_getState(self.model, self.data, self.states[0], mujoco.mjtState.mjSTATE_FULLPHYSICS)
         done = 0
         while True:
             count = min(STEPS_PER_ROLLOUT, int(ends[-1]) - done)
             if count:
-                self._step(count)
+                self._roll_out(count)
             first, last = np.searchsorted(ends, (done, done + count + 1))
             rows[first:last] = self.states[ends[first:last] - done, columns]
             # After a warning the clock of a rollout stands still, and after a reset it jumps back.
@@ -115,56 +122,69 @@ class Rollouts:
             self.states[0] = self.states[count]
             done += count
             if done == ends[-1]:
-                return single(self.joints.rows(rows))
+                mujoco.mj_setState(self.model, self.data, self.states[0], mujoco.mjtState.mjSTATE_FULLPHYSICS)
+                return rows
 
-    def _step(self, count: int) -> None:
+    def _roll_out(self, count: int) -> None:
         start, following = self.states[0], self.states[1 : count + 1]
-        with external_force(self.force):
-            self.pool.rollout(
-                self.model,
-                self.data,
-                start[None],
-                nstep=count,
-                initial_warmstart=self.data.qacc_warmstart[None],
-                state=following[None],
-            )
+        self.pool.rollout(
+            self.model,
+            self.data,
+            start[None],
+            nstep=count,
+            initial_warmstart=self.data.qacc_warmstart[None],
+            state=following[None],
+        )
 
+    def _by_strides(self, strides: Strides) -> Array:
+        """Return the coordinates and velocities (n, nq + nv) after each of n strides."""
+        rows = np.empty((len(strides), self.model.nq + self.model.nv))
+        ends, first = np.cumsum(strides), 0
+        while first < len(strides):
+            # A few thousand steps, but at least one stride.
+            last = max(first + 1, int(np.searchsorted(ends, ends[first] + STEPS_PER_ROLLOUT, side="right")))
+            before = self._state()
+            self._stride(strides[first:last], rows[first:last])
+            if warnings(self.data):
+                self._restore(before)
+                self._find_warning(strides, rows, first)
+            first = last
+        return rows
 
-class Steps:
-    """A MuJoCo model and its data, advanced by `mj_step` with one call per stride."""
-
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: Joints, force: Force | None) -> None:
-        self.model, self.data, self.joints, self.force = model, data, joints, force
-
-    def advance(self, strides: Strides) -> Array:
-        """Return the states (1, n, 1, 13) after each of n strides, as `Simulation.advance` does."""
-        data, nq = self.data, self.model.nq
-        rows = np.empty((len(strides), nq + self.model.nv))
-        with external_force(self.force):
-            for place, stride in enumerate(strides.tolist()):
-                before = self._state()
-                if stride:
-                    mujoco.mj_step(self.model, data, stride)
-                try:
-                    if warnings(data):
-                        self._find_warning(before, stride)
-                except EngineDiverged as signal:
-                    rows[place, :nq], rows[place, nq:] = data.qpos, data.qvel
-                    signal.states = single(self.joints.rows(rows[: place + 1]))
-                    raise
-                rows[place, :nq], rows[place, nq:] = data.qpos, data.qvel
-        return single(self.joints.rows(rows))
+    def _stride(self, strides: Strides, rows: Array) -> None:
+        """Advance by n strides, and fill rows (n, nq + nv) with the coordinates and velocities after each."""
+        step, model, data, nq = mujoco.mj_step, self.model, self.data, self.model.nq
+        qpos, qvel = data.qpos, data.qvel  # a look-up costs as much time as the copy
+        for row, stride in zip(rows, strides.tolist(), strict=True):
+            if stride:
+                step(model, data, stride)
+            row[:nq] = qpos
+            row[nq:] = qvel
 
     def _state(self) -> tuple[float, Array, Array, Array]:
         data = self.data
         return data.time, data.qpos.copy(), data.qvel.copy(), data.qacc_warmstart.copy()
 
-    def _find_warning(self, before: tuple[float, Array, Array, Array], stride: int) -> None:
-        """Repeat a stride in which MuJoCo gave a warning, and raise `EngineDiverged` at the step of the warning."""
+    def _restore(self, state: tuple[float, Array, Array, Array]) -> None:
+        """Return to a state and forget all warnings."""
         data = self.data
         mujoco.mj_resetData(self.model, data)
-        data.time, data.qpos[:], data.qvel[:], data.qacc_warmstart[:] = before
-        for _ in range(stride):
-            time = data.time
-            mujoco.mj_step(self.model, data)
-            refuse_warnings(data, max(time, data.time))
+        data.time, data.qpos[:], data.qvel[:], data.qacc_warmstart[:] = state
+
+    def _find_warning(self, strides: Strides, rows: Array, first: int) -> None:
+        """Repeat the strides from the first on, in which MuJoCo gave a warning, and raise `EngineDiverged` at that step."""
+        for place in range(first, len(strides)):
+            before = self._state()
+            self._stride(strides[place : place + 1], rows[place : place + 1])
+            if not warnings(self.data):
+                continue
+            self._restore(before)
+            try:
+                for _ in range(strides[place]):
+                    time = self.data.time
+                    mujoco.mj_step(self.model, self.data)
+                    refuse_warnings(self.data, max(time, self.data.time))
+            except EngineDiverged as signal:
+                rows[place] = np.concatenate([self.data.qpos, self.data.qvel])
+                signal.states = single(self.joints.rows(rows[: place + 1]))
+                raise

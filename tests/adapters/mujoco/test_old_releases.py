@@ -8,44 +8,49 @@ import pytest
 
 from bodycheck import load
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import EngineReset, Method
+from bodycheck.adapters.contract import EngineReset, Method, Strides
 from bodycheck.adapters.mujoco import stepping as mujoco_stepping
 from bodycheck.environments import environments, making
 from bodycheck.environments.environments import Unobtainable
 from bodycheck.reference.scene import State
 
-#: More steps than a rollout has.
-STRIDES = np.array([0, 3, 0, 500, 9000, 1])
-
 CASES = ("osrf-boxes-complex", "football-wobble", "sliding-brick")
 MUJOCO = registry.load("mujoco")
+
+
+def mixed(count: int) -> Strides:
+    """Strides of 0 to 4 steps, for which rollouts are taken, with more steps in all than a rollout has."""
+    return np.resize([0, 3, 0, 4, 1], count)
 
 
 @pytest.mark.parametrize("name", CASES)
 @pytest.mark.parametrize("integrator", ["Euler", "RK4"])
 def test_steps_are_those_of_rollouts(name: str, integrator: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A simulation that changes from one way to the other takes the same steps too."""
     scene, method = load(name).scene, Method.parse(integrator, 1e-3)
-    rollouts = MUJOCO.prepare([scene], method)
+    dense, sparse = mixed(6000), np.array([500, 9000, 1, 700])
+    simulation = MUJOCO.prepare([scene], method)
+    rolled = [simulation.advance(dense), simulation.advance(sparse), simulation.advance(dense)]
     monkeypatch.setattr(mujoco_stepping, "Pool", None)
-    steps = MUJOCO.prepare([scene], method)
-    assert (type(rollouts), type(steps)) == (mujoco_stepping.Rollouts, mujoco_stepping.Steps)
-    whole = rollouts.advance(STRIDES)
-    pieces = [steps.advance(STRIDES[:2]), steps.advance(STRIDES[2:])]
-    np.testing.assert_array_equal(np.concatenate(pieces, axis=1), whole)
+    simulation = MUJOCO.prepare([scene], method)
+    assert simulation.pool is None
+    stepped = [simulation.advance(strides) for strides in (dense[:5], dense[5:], sparse, dense)]
+    np.testing.assert_array_equal(np.concatenate(stepped, axis=1), np.concatenate(rolled, axis=1))
 
 
-def test_steps_stop_at_the_reset_at_which_rollouts_stop(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("stride", "count"), [(50, 200), (4, 2500), (12000, 3)])
+def test_steps_stop_at_the_reset_at_which_rollouts_stop(stride: int, count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     scene = replace(load("intermediate-axis-flip").scene, initial=State(angular_velocity=(0.0, 0.1, 300.0)))
-    strides = np.full(200, 50)
+    strides = np.full(count, stride)
     signals = []
-    for pool in (mujoco_stepping.Pool, None):
-        monkeypatch.setattr(mujoco_stepping, "Pool", pool)
+    for worth in (np.inf, 0):
+        monkeypatch.setattr(mujoco_stepping, "STEPS_WORTH_A_CALL", worth)
         with pytest.raises(EngineReset) as signal:
             MUJOCO.prepare([scene], Method.parse("Euler", 2e-3)).advance(strides)
         signals.append(signal.value)
     assert str(signals[0]) == str(signals[1])
     np.testing.assert_array_equal(signals[0].states, signals[1].states)
-    assert 1 < signals[0].states.shape[1] < len(strides)
+    assert 0 < signals[0].states.shape[1] < len(strides)
 
 
 FIGURES = """
