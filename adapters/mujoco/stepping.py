@@ -5,6 +5,7 @@ Both take the same steps, and stop at the first warning that MuJoCo gives. Relea
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -84,7 +85,7 @@ class Stepper:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: Joints, force: Force | None) -> None:
         self.model, self.data, self.joints, self.force = model, data, joints, force
-        self.pool = None if Pool is None else Pool(nthread=0)
+        self.pool: Any = None if Pool is None else Pool(nthread=0)
         # Row 0 is the state before a rollout, the other rows are those of the rollout. Filling them allocates the memory before
         # the first step is timed.
         size = 0 if Pool is None else mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
