@@ -2,6 +2,7 @@
 
 - `contract` defines what an adapter must offer.
 - `method` parses and writes the spelling of a method: an integrator, its options and a time step.
+- `engine_name` parses the name of an engine, which may have a version.
 - `record` checks the record of an engine.
 - `registry` finds adapters by name.
 - `offers` decides which methods an engine offers for a scene, and checks methods before they are run.

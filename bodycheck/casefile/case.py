@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from datetime import date, time
 from importlib import resources
@@ -16,6 +16,7 @@ from pydantic import ValidationError
 from bodycheck.adapters.method import Method, current
 from bodycheck.casefile import grammar
 from bodycheck.casefile.axes import AXES
+from bodycheck.casefile.checkable import uncheckable
 from bodycheck.casefile.contradictions import contradictions
 from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
 from bodycheck.casefile.finding import SUFFIX
@@ -123,13 +124,14 @@ def load(case: str | FilePath) -> Case:
 
 def parse(text: str, file: str) -> Case:
     """Return the case in the text of a case file; `file` is its name in the faults. Raises `CaseFaults`."""
-    return _parsed(_document(text, file), text, file)
+    document = _document(text, file)
+    return _parsed(document, text, file, uncheckable(document))
 
 
 def parse_stored(text: str, file: str) -> Case:
     """The case in a text that bodycheck itself has stored, maybe an earlier version of it, which spelled methods otherwise.
 
-    Raises `CaseFaults`.
+    Its expectations need not be such that they can be checked here. Raises `CaseFaults`.
     """
     document = _document(text, file)
     expectations = document.get("expect")
@@ -139,8 +141,9 @@ def parse_stored(text: str, file: str) -> Case:
     return _parsed(document, text, file)
 
 
-def _parsed(document: dict[str, Any], text: str, file: str) -> Case:
-    errors, unreported = list(contradictions(document)), 0
+def _parsed(document: dict[str, Any], text: str, file: str, further: Iterable[tuple[Path, str]] = ()) -> Case:
+    """Return the case of a document. Raises `CaseFaults` with the faults of the format, and further ones."""
+    errors, unreported = [*contradictions(document), *further], 0
     try:
         table = grammar.CaseTable.model_validate(document)
     except ValidationError as error:
@@ -338,7 +341,7 @@ def _expectation(table: grammar.ExpectTable) -> Expectation:
     until = date.fromisoformat(table.until) if table.until is not None else None
     status = table.status or OK
     method = Method.parse(table.integrator, table.timestep)
-    return Expectation(table.engine, method, limits, status, table.known or "", until)
+    return Expectation(table.engine, method, limits, status, table.known or "", until, table.version or "")
 
 
 def _limit(name: str, allowed: float | grammar.RangeTable) -> Limit:

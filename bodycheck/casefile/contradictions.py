@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.grammar import Status, shape_of, with_shape
+from bodycheck.casefile.raw_values import mapping, number, numbers
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import MAX_NUMBER, MAX_POINTS, MAX_STEPS, MAX_TIMESTEPS
+from bodycheck.casefile.values import MAX_POINTS, MAX_STEPS, MAX_TIMESTEPS
 from bodycheck.figures.columns import LIMITED
 from bodycheck.reference.definition import Tensor
 from bodycheck.reference.exact.start import defined_inertia
@@ -27,30 +28,30 @@ PART_SIZES = {
 
 def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
     """Yield the faults between keys, as pairs of path and message. The raw document may have any other faults too."""
-    yield from _body_contradictions(_mapping(document.get("body")))
-    initial = _mapping(document.get("initial"))
+    yield from _body_contradictions(mapping(document.get("body")))
+    initial = mapping(document.get("initial"))
     for one, other in (("euler_zxz", "quaternion"), ("euler_rates", "angular_velocity")):
         if one in initial and other in initial:
             yield ("initial", other), f"{one} is given too; give only one"
-    quaternion = _numbers(initial.get("quaternion"), 4)
+    quaternion = numbers(initial.get("quaternion"), 4)
     if quaternion and not 0.999 < math.hypot(*quaternion) < 1.001:
         yield ("initial", "quaternion"), f"its length is {math.hypot(*quaternion):.6g}; must be 1 within 0.1 %"
-    plane = _mapping(_mapping(document.get("scene")).get("plane"))
+    plane = mapping(mapping(document.get("scene")).get("plane"))
     if plane.get("law") == "decoupled" and plane.get("pressure") == "balanced":
         yield ("scene", "plane", "pressure"), "the decoupled law does not depend on where the load is; allowed: uniform"
-    duration = _number(_mapping(document.get("run")).get("duration"))
+    duration = number(mapping(document.get("run")).get("duration"))
     expect = document.get("expect")
     expectations = expect if isinstance(expect, list) else []
-    timesteps = {_number(_mapping(expectation).get("timestep")) for expectation in expectations}
+    timesteps = {number(mapping(expectation).get("timestep")) for expectation in expectations}
     if len(timesteps) > MAX_TIMESTEPS:
         yield (
             ("expect",),
             f"has {len(timesteps)} time steps, each with a reference of its own; at most {MAX_TIMESTEPS} are allowed",
         )
     for index, expectation in enumerate(expectations):
-        for path, message in _expect_contradictions(_mapping(expectation), duration):
+        for path, message in _expect_contradictions(mapping(expectation), duration):
             yield ("expect", index, *path), message
-    yield from _extremes_contradictions(_mapping(document.get("extremes")), duration)
+    yield from _extremes_contradictions(mapping(document.get("extremes")), duration)
 
 
 def _expect_contradictions(expectation: dict[str, Any], duration: float) -> Iterator[tuple[Path, str]]:
@@ -65,12 +66,12 @@ def _expect_contradictions(expectation: dict[str, Any], duration: float) -> Iter
         if isinstance(allowed, dict):
             if not allowed:
                 yield (name,), "contains no limit; allowed: at_least, at_most"
-            if "at_most" in allowed and _number(allowed.get("at_least")) > _number(allowed["at_most"]):
+            if "at_most" in allowed and number(allowed.get("at_least")) > number(allowed["at_most"]):
                 yield (name,), "at_least is larger than at_most"
     for one, other in (("known", "until"), ("until", "known")):
         if one in expectation and other not in expectation:
             yield (other,), f"is missing; {one} requires it"
-    timestep = _number(expectation.get("timestep"))
+    timestep = number(expectation.get("timestep"))
     if duration > 0 and timestep > 0 and duration / timestep > MAX_STEPS:
         yield ("timestep",), f"results in {duration / timestep:.3g} steps; at most {MAX_STEPS:.0e} are allowed"
 
@@ -85,20 +86,20 @@ def _extremes_contradictions(extremes: dict[str, Any], duration: float) -> Itera
     for name, axis in AXES.items():
         values = extremes.get(name)
         for index, value in enumerate(values if isinstance(values, list) else []):
-            number = _number(value)
-            if number > 0 and duration > 0 and (rule := axis.refused(number, duration)) is not None:
+            size = number(value)
+            if size > 0 and duration > 0 and (rule := axis.refused(size, duration)) is not None:
                 yield ("extremes", name, index), rule
 
 
 def _body_contradictions(body: dict[str, Any]) -> Iterator[tuple[Path, str]]:
     inertia = body.get("inertia")
-    moments, rows = _numbers(inertia, 3), [_numbers(row, 3) for row in inertia] if isinstance(inertia, list) else []
+    moments, rows = numbers(inertia, 3), [numbers(row, 3) for row in inertia] if isinstance(inertia, list) else []
     if len(rows) == 3 and all(rows):
         tensor = np.array(rows)
         if not np.allclose(tensor, tensor.T, rtol=1e-12, atol=0):
             yield ("body", "inertia"), "the tensor must be symmetric"
         else:
-            moments = _principal_moments(tensor, _number(body.get("mass")))
+            moments = _principal_moments(tensor, number(body.get("mass")))
             if min(moments) <= 0:
                 yield ("body", "inertia"), f"its smallest principal moment is {min(moments):.6g}; all must be positive"
     if moments and min(moments) > 0 and not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
@@ -118,9 +119,9 @@ def _body_contradictions(body: dict[str, Any]) -> Iterator[tuple[Path, str]]:
             if needs and (key in needs) != (key in part):
                 what = "is missing" if key in needs else f"does not apply to a {part['shape']}; allowed: {', '.join(needs)}"
                 yield ("body", "parts", index, key), what
-        if "euler_zxz" in _mapping(part) and "quaternion" in part:
+        if "euler_zxz" in mapping(part) and "quaternion" in part:
             yield ("body", "parts", index, "quaternion"), "euler_zxz is given too; give only one"
-        quaternion = _numbers(_mapping(part).get("quaternion"), 4)
+        quaternion = numbers(mapping(part).get("quaternion"), 4)
         if quaternion and not any(quaternion):
             yield ("body", "parts", index, "quaternion"), "its length is 0; any other length is allowed"
 
@@ -129,21 +130,3 @@ def _principal_moments(tensor: NDArray[np.float64], mass: float) -> list[float]:
     """Return the principal moments of a tensor (3, 3) by the function that makes the body of the case, which keeps them."""
     a, b, c = ((float(row[0]), float(row[1]), float(row[2])) for row in tensor)
     return [float(moment) for moment in defined_inertia(Tensor(mass, (a, b, c))).moments]
-
-
-def _mapping(value: Any) -> dict[str, Any]:
-    return value if isinstance(value, dict) else {}
-
-
-def _number(value: Any) -> float:
-    """Return the number, or 0.0 if it is invalid; the grammar reports invalid types."""
-    return (_numbers([value], 1) or [0.0])[0]
-
-
-def _numbers(value: Any, length: int) -> list[float] | None:
-    """Return the list if it contains `length` finite numbers, else None; the grammar reports invalid types."""
-    if not isinstance(value, list) or len(value) != length:
-        return None
-    if not all(isinstance(item, int | float) and not isinstance(item, bool) for item in value):
-        return None
-    return [float(item) for item in value] if all(abs(item) <= MAX_NUMBER for item in value) else None

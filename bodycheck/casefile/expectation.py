@@ -66,6 +66,8 @@ class Expectation:
         A reference to a known discrepancy that breaks the expectation; empty if there is none.
     until
         The last day on which a known discrepancy is tolerated.
+    version
+        The version of the engine with which the limits were measured; empty if the case does not say it.
     """
 
     engine: str
@@ -74,6 +76,7 @@ class Expectation:
     status: str = OK
     known: str = ""
     until: date | None = None
+    version: str = ""
 
     @property
     def needs_order(self) -> bool:

@@ -228,6 +228,9 @@ class MethodTable(Table):
     engine: EngineName = Field(description="its name, as `bodycheck engines` lists it")
     integrator: Spelling = Field(description="by the engine's own name; options behind a colon, as in Euler:cone=elliptic")
     timestep: Positive = Field(description="s")
+    version: Label | None = Field(
+        default=None, description="of the engine with which the limits were measured, as `bodycheck expect` writes it"
+    )
     status: Status | None = Field(default=None, description="how the run must end; default ok")
 
 

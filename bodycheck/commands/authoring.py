@@ -64,6 +64,7 @@ def schema(of: Literal["cases", "results"] = "cases", /) -> int:
 def expect(
     *files: str,
     margin: float = 3.0,
+    figure: tuple[str, ...] = (),
     engine: Engines = (),
     integrator: Integrators = (),
     timestep: Timesteps = (),
@@ -71,8 +72,9 @@ def expect(
 ) -> int:
     """Run cases, and write the measured errors, times a margin, into the case files as expectations.
 
-    Existing expectations of the same engine and method are updated. The default time steps are 2 ms and those of the existing
-    expectations. Exit codes: 0 all expectations were written; 1 some could not be written.
+    Existing expectations of the same engine and method are updated, with the version of the engine. The default time steps are
+    2 ms and those of the existing expectations. A limit that no run could exceed is not written. Exit codes: 0 all expectations
+    were written; 1 some could not be written.
 
     Parameters
     ----------
@@ -80,15 +82,19 @@ def expect(
         Case files, folders of them, or patterns.
     margin
         The limit divided by the measured value. The default is 3. Limits are rounded down to two digits.
+    figure
+        A figure to limit, for example attitude_error. May be given several times. Default: all figures in new expectations, and
+        those that the existing ones limit.
     """
     from bodycheck.console import terminal
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging import expectation_writer, judgement
 
     expectation_writer.check_margin(margin)
+    expectation_writer.check_figures(figure)
     names = arguments.case_names(files) if files else ()
     places = expectation_writer.places(names, arguments.load_cases(names) if names else ())
     with ran(Selection(names, engine, integrator, timestep, jobs), expectation_writer.plan, None) as made:
-        changes = expectation_writer.write(made.results, judgement.judge(made.results), places, margin)
+        changes = expectation_writer.write(made.results, judgement.judge(made.results), places, margin, figure)
     terminal.print_changes(changes)
     return OK if all(change.done for change in changes) else FAILED

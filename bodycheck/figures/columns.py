@@ -9,6 +9,8 @@ Three files are renewed by commands:
     python docs/tables.py
 """
 
+import math
+
 import numpy as np
 
 from bodycheck.figures import bounds, conservation, contact, motion
@@ -88,6 +90,14 @@ EXPECTED = COLUMNS | LIMITED
 
 #: Units of the columns that have one.
 UNITS = {column.name: column.unit for column in COLUMNS.values() if column.unit}
+
+
+def most_possible(name: str, last: float) -> float:
+    """Return the largest value that a figure of a run with this last instant (s) can have, in the figure's unit.
+
+    It is infinite for figures without such a value, and for the observed order.
+    """
+    return FIGURES[name].most(last) if name in FIGURES else math.inf
 
 
 def distance_from_ideal(name: str, value: float) -> float:

@@ -55,6 +55,7 @@ STOP = (
         remark="of a body that slides to rest",
         compute=_of_stops(lambda seen, expected: abs(seen.time - expected.time)),
         scale=lambda scales: scales.duration,
+        most=lambda last: last,  # both stops are between the start and the last instant
     ),
     Figure(
         name="stop_position_error",
@@ -106,6 +107,7 @@ POSE = (
         remark="on a plane",
         compute=tilt,
         scale=lambda scales: scales.angle,
+        most=lambda _: math.pi,
         plotted=True,
     ),
 )
@@ -138,5 +140,6 @@ LOAD = (
         compute=_of_load(lambda load: load.time_in_contact),
         limited=False,
         ideal=1.0,
+        most=lambda _: 1.0,
     ),
 )

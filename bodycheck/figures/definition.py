@@ -1,5 +1,6 @@
 """What a column of results and a figure of a run are: their names, units and meanings, and how a figure is computed."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -154,6 +155,9 @@ class Figure(Column):
         Where its column is.
     ideal
         The value of a run without any error.
+    most
+        Function from the last instant of a run (s) to the largest value that the figure can have, in its unit; infinite where
+        there is none. A limit at or above it cannot fail.
     bounded_by
         Name of the column with the bound of the truth's own error in the figure; empty where there is none.
     of_truth
@@ -171,6 +175,7 @@ class Figure(Column):
     limited: bool = True
     presence: Presence = "where measured"
     ideal: float = 0.0
+    most: Callable[[float], float] = lambda _: math.inf
     bounded_by: str = ""
     of_truth: bool = False
     revision: int = 1

@@ -1,5 +1,7 @@
 """Figures of the motion: how far position, velocity, attitude and angular velocity are from the truth."""
 
+import math
+
 from bodycheck.figures.definition import Comparison, Figure
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.trajectory import Array
@@ -59,6 +61,7 @@ ERRORS = (
         compute=attitude_error,
         scale=lambda scales: scales.angle,
         presence="every run",
+        most=lambda _: math.pi,
         bounded_by="truth_error",
         plotted=True,
     ),

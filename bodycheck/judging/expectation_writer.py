@@ -7,21 +7,24 @@ such a figure is taken for its floor. A comment behind each limit says what was 
 import json
 import math
 import re
+import tomllib
 from collections import defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_FLOOR, Context
 from pathlib import Path
+from typing import cast
 
 import tomlkit
-from tomlkit.items import Float, Integer
+from tomlkit.items import Item
 
 from bodycheck.adapters.contract import Adapter
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case, parse, shipped
-from bodycheck.casefile.toml_positions import entries, positions
+from bodycheck.casefile.expectation import unit
+from bodycheck.casefile.toml_positions import Position, entries, positions
 from bodycheck.errors import BadInput
-from bodycheck.figures.columns import FIGURES, LIMITED, truth_bounds
+from bodycheck.figures.columns import FIGURES, LIMITED, most_possible, truth_bounds
 from bodycheck.figures.scales import in_scene
 from bodycheck.files import writing
 from bodycheck.judging.judgement import Verdict
@@ -30,6 +33,7 @@ from bodycheck.running import plan as planned
 from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.running.plan import Task
 from bodycheck.running.store import Results
+from bodycheck.suggestion import did_you_mean
 
 #: A figure below this part of what it is the difference of is nothing but rounding, as one below the truth's own bound is.
 ROUNDING = 1e-12
@@ -47,11 +51,33 @@ COMMENT_ON_LIMIT = re.compile(r"# \S+ x .*measured with .*")
 
 @dataclass(frozen=True)
 class Measurement:
-    """What a method gave. figures: those that may be limited, and floors: below which they are rounding, by their names."""
+    """What a method gave.
+
+    Attributes
+    ----------
+    verdict
+        The verdict on its run.
+    figures
+        The figures to be limited, by name.
+    floors
+        What they are rounding below, by name.
+    most
+        The largest values that they can have, by name.
+    """
 
     verdict: Verdict
     figures: Mapping[str, float]
     floors: Mapping[str, float]
+    most: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Limited:
+    """A limit as it is written. number: its digits; comment: what was measured; idle: why it cannot fail; empty if it can."""
+
+    number: str
+    comment: str
+    idle: str
 
 
 @dataclass(frozen=True)
@@ -63,13 +89,23 @@ class Change:
     done: bool = True
 
 
-def measure(verdict: Verdict, truth: Truth | NoTruth) -> Measurement:
-    """The figures of a run, none where it is not ok. truth: of its scene, at its instants."""
+def measure(verdict: Verdict, truth: Truth | NoTruth, asked: Collection[str] = ()) -> Measurement:
+    """The figures of a run, none where it is not ok.
+
+    Parameters
+    ----------
+    verdict
+        The verdict on the run.
+    truth
+        The truth of its scene, at its instants.
+    asked
+        The names of the figures; all that a case may limit if it is empty.
+    """
     if verdict.discrepancy is None or isinstance(truth, NoTruth):
-        return Measurement(verdict, {}, {})
-    maxima = verdict.discrepancy.maxima()
-    figures = {name: maxima[name] for name in LIMITED if name in maxima}
-    return Measurement(verdict, figures, floors(truth, figures))
+        return Measurement(verdict, {}, {}, {})
+    maxima, last = verdict.discrepancy.maxima(), float(truth.trajectory.t[-1])
+    figures = {name: maxima[name] for name in asked or LIMITED if name in maxima}
+    return Measurement(verdict, figures, floors(truth, figures), {name: most_possible(name, last) for name in figures})
 
 
 def floors(truth: Truth, names: Iterable[str]) -> dict[str, float]:
@@ -83,6 +119,14 @@ def check_margin(margin: float) -> None:
     """Raises `BadInput` for a margin that rounding would bring below 1."""
     if not SMALLEST_MARGIN <= margin < math.inf:
         raise BadInput(f"--margin {margin:g}: must be at least {SMALLEST_MARGIN:g}, as limits are rounded down to two digits")
+
+
+def check_figures(names: Sequence[str]) -> None:
+    """Raise `BadInput` for a figure that cannot be written as a limit."""
+    allowed = [name for name in LIMITED if name in FIGURES]
+    for name in names:
+        if name not in allowed:
+            raise BadInput(f"--figure {name}: allowed: {', '.join(allowed)}{did_you_mean(name, allowed)}")
 
 
 def places(files: Sequence[str], cases: Sequence[Case]) -> dict[str, Path]:
@@ -119,15 +163,24 @@ def plan(
     )
 
 
-def write(results: Results, verdicts: Sequence[Verdict], places: Mapping[str, Path], margin: float) -> list[Change]:
-    """Set the expectations in the files of cases, by their names, from results that were judged. Raises `BadInput`."""
+def write(
+    results: Results,
+    verdicts: Sequence[Verdict],
+    places: Mapping[str, Path],
+    margin: float,
+    figures: Sequence[str] = (),
+) -> list[Change]:
+    """Set the expectations in the files of cases, by their names, from results that were judged; of some figures, or all.
+
+    Raises `BadInput`.
+    """
     changes = []
     by_case: dict[str, list[Verdict]] = defaultdict(list)
     for verdict in verdicts:
         by_case[verdict.run.case].append(verdict)
     for name, case in results.cases.items():
         file, own = places[name], by_case[name]
-        measurements = [measure(verdict, results.truth(name, verdict.run.method.timestep)) for verdict in own]
+        measurements = [measure(verdict, results.truth(name, verdict.run.method.timestep), figures) for verdict in own]
         text, made = rewrite(case, measurements, margin)
         parse(text, str(file))
         try:
@@ -143,27 +196,44 @@ def write(results: Results, verdicts: Sequence[Verdict], places: Mapping[str, Pa
 def rewrite(case: Case, measurements: Sequence[Measurement], margin: float) -> tuple[str, list[Change]]:
     """The text of a case's file with its expectations set, and what was done.
 
-    Where something is expected of a method already, its numbers are renewed; ranges, orders, statuses and what is known to fail
-    stay. Of others all figures are limited, in tables at the end.
+    Where something is expected of a method already, its numbers and its version are renewed; ranges, orders, statuses and what
+    is known to fail stay. Of others all figures are limited, in tables at the end. A limit that cannot fail is not written.
     """
     newline = "\r\n" if "\r\n" in case.text else "\n"
     lines = case.text.split("\n")
     changes: list[Change] = []
     tables: list[str] = []
     for measurement in measurements:
-        verdict = measurement.verdict
-        run, outcome = verdict.run, verdict.outcome
+        run = measurement.verdict.run
         places = [place for place, expectation in enumerate(case.expectations) if expectation.concerns(run.engine, run.method)]
-        if isinstance(outcome, Crashed | TimedOut) and not places:
-            changes.append(Change(verdict, f"nothing is written: {outcome.status}: {outcome.reason}", done=False))
-        elif not places:
-            tables += ["", *_table(measurement, margin)]
-            changes.append(Change(verdict, "written"))
+        if not places:
+            table, change = _table(measurement, margin)
+            tables += table
+            changes.append(change)
         changes += [_renew(lines, case, place, measurement, margin) for place in places]
     text = "\n".join(lines)
     if tables and not text.endswith("\n"):
         text += newline
     return text + "".join(line + newline for line in tables), changes
+
+
+def _table(measurement: Measurement, margin: float) -> tuple[list[str], Change]:
+    """The lines of an expectation of a method of which nothing is expected yet, and what was done."""
+    verdict = measurement.verdict
+    run, outcome = verdict.run, verdict.outcome
+    if isinstance(outcome, Crashed | TimedOut):
+        return [], Change(verdict, f"nothing is written: {outcome.status}: {outcome.reason}", done=False)
+    limits = {name: _limit(measurement, name, margin) for name in measurement.figures}
+    idle = _told_idle(limits.values())
+    written = {name: limit for name, limit in limits.items() if not limit.idle}
+    if verdict.discrepancy is not None and not written:
+        return [], Change(verdict, f"nothing is written: {idle or 'none of the figures exists in this scene'}", done=False)
+    lines = ["", "[[expect]]", f"engine = {_quoted(run.engine)}", f"integrator = {_quoted(run.method.name)}"]
+    lines += [f"timestep = {run.method.timestep!r}", f"version = {_quoted(run.version)}"]
+    if verdict.discrepancy is None:
+        lines.append(_with_comment(f"status = {_quoted(outcome.status)}", f"# found with {run.engine} {run.version}"))
+    lines += [_with_comment(f"{name} = {limit.number}", limit.comment) for name, limit in written.items()]
+    return lines, Change(verdict, "; ".join(filter(None, ("written", idle))))
 
 
 def _renew(lines: list[str], case: Case, place: int, measurement: Measurement, margin: float) -> Change:
@@ -179,59 +249,80 @@ def _renew(lines: list[str], case: Case, place: int, measurement: Measurement, m
     if outcome.status != expectation.status:
         found = f"{outcome.status}: {outcome.reason}".removesuffix(": ")
         return Change(verdict, f"left as it is: {expectation.status} is expected, found is {found}", done=False)
-    there = positions(case.text, [("expect", place, name) for name in measurement.figures])
-    renewed = False
-    for name in measurement.figures:
-        if position := there.get(("expect", place, name)):
-            line = lines[position.line - 1]
-            if (new := _with_number(line, name, *_limit(measurement, name, margin))) is not None:
-                lines[position.line - 1] = new
-                renewed = True
-    return Change(verdict, "renewed" if renewed else "left as it is: it has no numbers")
+    numbers = _numbers(case, place)
+    limits = {name: _limit(measurement, name, margin) for name in measurement.figures if name in numbers}
+    renewed = {name: limit for name, limit in limits.items() if not limit.idle}
+    there = positions(case.text, [("expect", place, name) for name in (*renewed, "timestep", "version")])
+    for name, limit in renewed.items():
+        at = there["expect", place, name].line - 1
+        lines[at] = _with_value(lines[at], name, tomlkit.value(limit.number), limit.comment)
+    if renewed and renewed.keys() == numbers:
+        version = there.get(("expect", place, "version"))
+        _set_version(lines, version, there["expect", place, "timestep"], verdict.run.version)
+    idle = _told_idle(limits.values())
+    nothing = "left as it is" if numbers else "left as it is: it has no numbers"
+    text = "; ".join(filter(None, ("renewed" if renewed else nothing, idle)))
+    return Change(verdict, text, done=not idle)
 
 
-def _with_number(line: str, name: str, number: str, comment: str) -> str | None:
-    """Return a line of a case file with another number, and a comment on it in the column of the one that is there.
+def _numbers(case: Case, place: int) -> set[str]:
+    """The names of the figures that one of a case's expectations limits by a number, and not by a range."""
+    table = tomllib.loads(case.text)["expect"][place]
+    return {name for name in FIGURES if isinstance(table.get(name), int | float)}
 
-    A comment that is not from this module stays. Returns None if the line does not set a key to a number.
+
+def _set_version(lines: list[str], version: Position | None, timestep: Position, value: str) -> None:
+    """Set the version in an expectation; version, timestep: the positions of these keys.
+
+    Where there is no version, its line is added to that of the time step, so that the lines after it keep their numbers.
+    """
+    if version is not None:
+        lines[version.line - 1] = _with_value(lines[version.line - 1], "version", tomlkit.string(value))
+        return
+    before = lines[timestep.line - 1].partition("\n")[0]
+    end = "\r" if before.endswith("\r") else ""
+    lines[timestep.line - 1] = f"{before}\nversion = {_quoted(value)}{end}"
+
+
+def _with_value(line: str, name: str, value: Item, comment: str = "") -> str:
+    """Return a line of a case file with another value of its key, and a comment in the column of the one that is there.
+
+    A comment that is not from this module stays.
     """
     document = tomlkit.parse(f"{line}\n")  # a carriage return is valid only before a line feed
-    value = document.get(name)
-    if not isinstance(value, Integer | Float):
-        return None
-    column = line.index("#") if value.trivia.comment else COMMENT_COLUMN
-    if value.trivia.comment and not COMMENT_ON_LIMIT.fullmatch(value.trivia.comment):
-        comment = value.trivia.comment
-    document[name] = renewed = tomlkit.value(number)
-    renewed.trivia.comment = ""
-    end = "\r" if line.endswith("\r") else ""
-    return f"{document.as_string().rstrip():<{column - 1}} {comment}{end}"
+    trivia = cast(Item, document.item(name)).trivia
+    column = line.index("#", len(line.rstrip()) - len(trivia.comment)) if trivia.comment else COMMENT_COLUMN
+    if trivia.comment and not COMMENT_ON_LIMIT.fullmatch(trivia.comment):
+        comment = trivia.comment
+    document[name] = value
+    cast(Item, document.item(name)).trivia.comment = ""  # it is taken over from the value before
+    return _with_comment(document.as_string().rstrip(), comment, column) + ("\r" if line.endswith("\r") else "")
 
 
-def _table(measurement: Measurement, margin: float) -> list[str]:
-    """The lines of a new expectation."""
-    run, status = measurement.verdict.run, measurement.verdict.outcome.status
-    lines = ["[[expect]]", f"engine = {_quoted(run.engine)}", f"integrator = {_quoted(run.method.name)}"]
-    lines.append(f"timestep = {run.method.timestep!r}")
-    if not measurement.figures:
-        return [*lines, f"{f'status = {_quoted(status)}':<{COMMENT_COLUMN - 1}} # found with {run.engine} {run.version}"]
-    for name in measurement.figures:
-        number, comment = _limit(measurement, name, margin)
-        lines.append(f"{f'{name} = {number}':<{COMMENT_COLUMN - 1}} {comment}")
-    return lines
+def _with_comment(text: str, comment: str, column: int = COMMENT_COLUMN) -> str:
+    """Return a line of a case file with a comment, if there is one, in a column that is counted from 0."""
+    return f"{text:<{column - 1}} {comment}" if comment else text
 
 
 def _quoted(text: str) -> str:
     return json.dumps(text, ensure_ascii=False)
 
 
-def _limit(measurement: Measurement, name: str, margin: float) -> tuple[str, str]:
-    """The limit of a figure and the comment on it."""
+def _limit(measurement: Measurement, name: str, margin: float) -> Limited:
+    """The limit of a figure, and the comment on it."""
     value, floor, run = measurement.figures[name], measurement.floors[name], measurement.verdict.run
     found = f"{value:.3g} measured with {run.engine} {run.version}"
-    if value >= floor:
-        return _rounded_down(margin * value), f"# {margin:g} x {found}"
-    return _rounded_down(margin * floor), f"# {margin:g} x {floor:.2g}, the floor: {found} is rounding"
+    number, comment = _rounded_down(margin * value), f"# {margin:g} x {found}"
+    if value < floor:
+        number, comment = _rounded_down(margin * floor), f"# {margin:g} x {floor:.2g}, the floor: {found} is rounding"
+    most = measurement.most[name]
+    beyond = f"{margin:g} x {value:.3g} is not below {most:.4g}{unit(name)}, the most possible"
+    idle = f"no limit of {name}, about which the method says nothing here: {beyond}"
+    return Limited(number, comment, idle if float(number) >= most else "")
+
+
+def _told_idle(limits: Iterable[Limited]) -> str:
+    return "; ".join(limit.idle for limit in limits if limit.idle)
 
 
 def _rounded_down(value: float) -> str:

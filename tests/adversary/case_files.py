@@ -156,7 +156,7 @@ def _plane(chance: Chance, number: Number) -> Table:
 
 
 def _expectation(chance: Chance, number: Number, duration: float) -> Table:
-    method = {"engine": chance.choice(["mujoco", "pinocchio", "exact", "none"]), "integrator": chance.choice(["Euler", "rk4"])}
+    method = {"engine": chance.choice(["mujoco", "pinocchio"]), "integrator": chance.choice(["Euler", "rk4"])}
     steps = chance.choice([1, 10, 1000])
     limited = {chance.choice(list(LIMITED)): chance.choice([number(positive=True), {"at_most": number(positive=True)}])}
     return method | {"timestep": allowed(duration / steps)} | chance.choice([limited, {"status": "diverged"}])

@@ -1,12 +1,14 @@
 """Expectations are set from what was measured, and all else in a case file stays as it was."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from bodycheck import Case, load, simulate, truth
+from bodycheck.adapters import registry
 from bodycheck.casefile.case import parse
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
@@ -33,6 +35,7 @@ def test_numbers_are_renewed_and_all_else_stays() -> None:
     text, (change,) = rewrite(case, [measurement], 3.0)
     assert (change.text, change.done) == ("renewed", True)
     before, after = TUMBLING.split("\n"), text.split("\n")
+    after.remove(f'version = "{measurement.verdict.run.version}"')
     changed = {old: new for old, new in zip(before, after, strict=True) if old != new}
     figures = measurement.figures
     names = [re.split("[ =]", line)[0] for line in changed]
@@ -67,6 +70,47 @@ def test_a_new_table_stands_at_the_end_and_limits_all_figures() -> None:
         taken = max(measurement.figures[limit.name], measurement.floors[limit.name])
         assert 2 * taken / 1.1 <= (limit.at_most or 0) <= 2 * taken
     assert judgement.verdict(parse(text, "f"), truth_for_runs(case, 0.01), measurement.verdict.run).passed is True
+
+
+def test_the_version_of_a_measurement_is_written_with_its_numbers() -> None:
+    """It is renewed where all numbers are; after some of them it would be wrong of the others."""
+    case = parse(TUMBLING.replace("order = 1", 'version = "1.0.0"  # ours\norder = 1'), "f")
+    measurement = measured(case)
+    version = measurement.verdict.run.version
+    text, _ = rewrite(case, [measurement], 3.0)
+    assert re.findall("version.*", text) == [f'version = "{version}"  # ours']
+    assert parse(text, "f").expectations[0].version == version
+    some = replace(measurement, figures={"attitude_error": measurement.figures["attitude_error"]})
+    text, _ = rewrite(case, [some], 3.0)
+    assert re.findall("version.*", text) == ['version = "1.0.0"  # ours']
+    assert text.count(f"measured with mujoco {version}") == 0, "the one limit has a comment of the user"
+    assert limits(parse(text, "f")) == limits(case) | {
+        "attitude_error": pytest.approx(3 * some.figures["attitude_error"], rel=0.1)
+    }
+    added, _ = rewrite(case, [measured(case, "pinocchio", "rk4")], 3.0)
+    written = parse(added, "f").expectations[1]
+    assert (written.version, written.method.timestep) == (registry.load("pinocchio").engine.version, 0.01)
+
+
+def test_a_limit_that_cannot_fail_is_not_written() -> None:
+    """Three times an error of 1.5 rad is more than the angle between any two attitudes."""
+    case = parse(TUMBLING, "f")
+    measurement = measured(case)
+    lost = replace(measurement, figures=measurement.figures | {"attitude_error": 1.5})
+    beyond = "3 x 1.5 is not below 3.142 rad, the most possible"
+    idle = f"no limit of attitude_error, about which the method says nothing here: {beyond}"
+    text, (change,) = rewrite(case, [lost], 3.0)
+    assert (change.text, change.done) == (f"renewed; {idle}", False)
+    assert limits(parse(text, "f"))["attitude_error"] == 3.0, "what was there stays"
+    bare = parse(TUMBLING.split("[[expect]]")[0] + "[body]" + TUMBLING.split("[body]")[1], "f")
+    text, (change,) = rewrite(bare, [lost], 3.0)
+    assert (change.text, change.done) == (f"written; {idle}", True)
+    assert limits(parse(text, "f")).keys() == lost.figures.keys() - {"attitude_error"}
+    text, (change,) = rewrite(bare, [replace(lost, figures={"attitude_error": 1.5})], 3.0)
+    assert (text, change.text, change.done) == (bare.text, f"nothing is written: {idle}", False)
+    half = replace(lost, figures={"attitude_error": 1.57})
+    text, _ = rewrite(bare, [half], 2.0)
+    assert limits(parse(text, "f")) == {"attitude_error": 3.1}
 
 
 def test_tables_between_expectations_stay_where_they_are() -> None:
@@ -161,6 +205,22 @@ def test_expect_measures_and_writes(calls_here: None, tmp_path: Path) -> None:
     assert "3 passed, 0 failed" in done.stdout
 
 
+def test_expect_writes_the_figures_that_are_named(calls_here: None, tmp_path: Path) -> None:
+    path = tmp_path / "free.case.toml"
+    path.write_text(TUMBLING)
+    options = ("--figure", "velocity_error", "--figure", "tilt", "--jobs", "1")
+    assert call("expect", str(path), "--integrator", "Euler", "--integrator", "RK4", *options) == 0
+    renewed, first, second = load(path).expectations
+    assert {limit.name: limit.at_most for limit in renewed.limits if limit.at_most == 9.0} == {
+        "energy_drift": 9.0,
+        "angular_velocity_error": 9.0,
+    }
+    for added in (first, second):
+        assert [limit.name for limit in added.limits] == ["velocity_error"], "a body in flight has no tilt"
+    assert call("expect", str(path), "--integrator", "rk4", "--figure", "tilt", "--jobs", "1") == 1
+    assert len(load(path).expectations) == 3
+
+
 def test_a_case_for_which_there_is_no_such_method_is_left(calls_here: None, tmp_path: Path) -> None:
     free, lying = tmp_path / "free.case.toml", tmp_path / "lying.case.toml"
     free.write_text(TUMBLING)
@@ -180,6 +240,8 @@ def test_a_case_for_which_there_is_no_such_method_is_left(calls_here: None, tmp_
         (("good.case.toml", "--margin", "1"), "--margin 1: must be at least 1.1"),
         (("good.case.toml", "--margin", "nan"), "--margin nan"),
         (("good.case.toml", "--integrator", "RK44"), "did you mean"),
+        (("good.case.toml", "--figure", "atitude_error"), "--figure atitude_error: allowed: position_error, "),
+        (("good.case.toml", "--figure", "order"), "--figure order: allowed: position_error, "),
     ],
 )
 def test_expect_refuses(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], words: str) -> None:

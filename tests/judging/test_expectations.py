@@ -5,7 +5,7 @@ from datetime import date
 import pytest
 
 from bodycheck import Case, CaseFaults, load, simulate
-from bodycheck.casefile.case import parse
+from bodycheck.casefile.case import parse, parse_stored
 from bodycheck.casefile.expectation import Limit
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
@@ -13,11 +13,11 @@ from tests.support.truths import truth_for_runs
 
 DAY = date(2027, 1, 1)
 BEGINNING = load("free-brick").text.partition("[[expect]]")[0]
+METHOD = '[[expect]]\nengine = "mujoco"\nintegrator = "{integrator}"\ntimestep = 0.01\n'
 
 
 def expecting(*lines: str, integrator: str = "Euler") -> Case:
-    head = f'[[expect]]\nengine = "mujoco"\nintegrator = "{integrator}"\ntimestep = 0.01\n'
-    return parse(BEGINNING + head + "\n".join(lines), "free-brick")
+    return parse(BEGINNING + METHOD.format(integrator=integrator) + "\n".join(lines), "free-brick")
 
 
 def judged(case: Case, integrator: str = "Euler", today: date = DAY) -> Verdict:
@@ -96,6 +96,10 @@ def test_a_known_discrepancy_is_green_until_its_day_and_told_either_way(measured
         (["attitude_error = 1.0", 'known = "x"'], "expect[1].until: is missing; known requires it"),
         (["attitude_error = 1.0", 'until = "2027-06-01"'], "expect[1].known: is missing; until requires it"),
         (["attitude_error = 1.0", 'known = "x"', 'until = "June"'], 'should be a date such as "2027-06-01"'),
+        (["attitude_error = 3.1415926535897932"], "expect[1].attitude_error: read 3.141592653589793; this limit cannot fail"),
+        (["tilt = {at_least = 1.0, at_most = 4.0}"], "expect[1].tilt.at_most: read 4.0; this limit cannot fail"),
+        (["stop_time_error = 10.1"], "no run has more than 10.005 s; allowed: less than 10.005 s"),
+        (["energy_drift = {at_least = 0}"], "expect[1].energy_drift.at_least: read 0; this limit cannot fail"),
         ([], "contains no expectation; give at least one of status, position_error"),
     ],
 )
@@ -104,3 +108,29 @@ def test_what_cannot_be_expected_is_refused(lines: list[str], fault: str) -> Non
         expecting(*lines)
     assert fault in str(caught.value)
     assert len(caught.value.faults) == 1
+
+
+def test_limits_below_the_most_possible_are_accepted() -> None:
+    lines = ("attitude_error = 3.14159", "tilt = {at_least = 0, at_most = 3}", "stop_time_error = 10", "energy_drift = 7.0")
+    (expectation,) = expecting(*lines, "order = {at_least = 0}").expectations
+    assert len(expectation.limits) == 5
+
+
+@pytest.mark.parametrize("text", ["attitude_error = 4.2", 'attitude_error = 1.0\n[[expect]]\nengine = "gone"\ntimestep = 0.1'])
+def test_stored_results_may_expect_what_cannot_be_checked(text: str) -> None:
+    """Those of earlier versions, and of machines that have other engines."""
+    text = METHOD.format(integrator="Euler") + text + ('\nintegrator = "a"\nstatus = "ok"' if "gone" in text else "")
+    with pytest.raises(CaseFaults):
+        parse(BEGINNING + text, "f")
+    assert parse_stored(BEGINNING + text, "f").expectations
+
+
+def test_an_engine_that_nobody_knows_is_a_fault_and_a_version_is_none() -> None:
+    text = BEGINNING + METHOD.format(integrator="Euler") + "attitude_error = 1.0\n"
+    with pytest.raises(CaseFaults) as caught:
+        parse(text.replace('"mujoco"', '"mujocco"'), "f")
+    (fault,) = caught.value.faults
+    assert (fault.key, fault.position) == ("expect[1].engine", (BEGINNING.count("\n") + 2, 1))
+    assert fault.message == "read 'mujocco'; there is no such engine; allowed: mujoco, pinocchio; did you mean 'mujoco'?"
+    (expectation,) = parse(text.replace('"mujoco"', '"mujoco@3.17.0"'), "f").expectations
+    assert expectation.engine == "mujoco@3.17.0"

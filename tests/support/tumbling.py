@@ -14,7 +14,7 @@ timestep = 0.01
 integrator = "Euler"
 engine = "mujoco"
 order = 1             # and this stays
-attitude_error = 9.0  # set by hand
+attitude_error = 3.0  # set by hand
 energy_drift = {at_most = 9.0}
 velocity_error   =   9          # 3 x 9.99 measured with mujoco 1.0.0
 angular_velocity_error=9.0

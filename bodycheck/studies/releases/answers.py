@@ -111,7 +111,7 @@ def _contents(environment: Environment) -> tuple[object, ...]:
 def _tolerated(question: Question) -> tuple[bool, ...]:
     """Return which known discrepancies of a case are tolerated today."""
     today = datetime.now(UTC).date()
-    expectations = case.parse(question.text, question.name).expectations
+    expectations = case.parse_stored(question.text, question.name).expectations
     return tuple(expectation.until >= today for expectation in expectations if expectation.until is not None)
 
 

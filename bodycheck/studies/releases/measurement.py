@@ -36,7 +36,7 @@ def main() -> None:
 def _answer(engine: str, question: Question, jobs: int) -> Answer:
     try:
         adapter = registry.load(engine)
-        loaded = case.parse(question.text, question.name)
+        loaded = case.parse_stored(question.text, question.name)
         offered = offers.offered(adapter.engine, loaded.scene)
         lacking = _lacking(adapter.engine, question.integrators)
     except Exception as error:  # any exception of an engine becomes the answer
