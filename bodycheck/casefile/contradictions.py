@@ -1,7 +1,7 @@
 """Check rules that connect several keys of a case file, which the grammar of single keys cannot express."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, get_args
 
 import numpy as np
@@ -92,18 +92,8 @@ def _extremes_contradictions(extremes: dict[str, Any], duration: float) -> Itera
 
 
 def _body_contradictions(body: dict[str, Any]) -> Iterator[tuple[Path, str]]:
-    inertia = body.get("inertia")
-    moments, rows = numbers(inertia, 3), [numbers(row, 3) for row in inertia] if isinstance(inertia, list) else []
-    if len(rows) == 3 and all(rows):
-        tensor = np.array(rows)
-        if not np.allclose(tensor, tensor.T, rtol=1e-12, atol=0):
-            yield ("body", "inertia"), "the tensor must be symmetric"
-        else:
-            moments = _principal_moments(tensor, number(body.get("mass")))
-            if min(moments) <= 0:
-                yield ("body", "inertia"), f"its smallest principal moment is {min(moments):.6g}; all must be positive"
-    if moments and min(moments) > 0 and not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
-        yield ("body", "inertia"), "no body has these moments: no moment may exceed the sum of the other two"
+    if (fault := _inertia_fault(body.get("inertia"), number(body.get("mass")))) is not None:
+        yield ("body", "inertia"), fault
     if shape_of(with_shape(body)) == "none":
         made = [key for key in ("inertia", "particles", "parts") if key in body]
         if len(made) != 1:
@@ -124,6 +114,41 @@ def _body_contradictions(body: dict[str, Any]) -> Iterator[tuple[Path, str]]:
         quaternion = numbers(mapping(part).get("quaternion"), 4)
         if quaternion and not any(quaternion):
             yield ("body", "parts", index, "quaternion"), "its length is 0; any other length is allowed"
+
+
+#: What is told of a tensor that no body has, while one has that with the other signs.
+OTHER_SIGNS = (
+    "; with the opposite signs of Ixy, Ixz and Iyz it would be possible: the products of inertia stand in the tensor as "
+    "Ixy = -(sum of m x y)"
+)
+
+
+def _inertia_fault(inertia: Any, mass: float) -> str | None:
+    """Return why no body has the inertia in a document; None if one may have it, and for what the grammar reports.
+
+    mass: of the body (kg).
+    """
+    if (moments := numbers(inertia, 3)) is not None:
+        return _impossible(moments) if min(moments) > 0 else None
+    rows = [numbers(row, 3) for row in inertia] if isinstance(inertia, list) else []
+    if len(rows) != 3 or not all(rows):
+        return None
+    tensor = np.array(rows)
+    if not np.allclose(tensor, tensor.T, rtol=1e-12, atol=0):
+        return "the tensor must be symmetric"
+    fault = _impossible(_principal_moments(tensor, mass))
+    if fault is not None and _impossible(_principal_moments(2 * np.diag(np.diag(tensor)) - tensor, mass)) is None:
+        return fault + OTHER_SIGNS
+    return fault
+
+
+def _impossible(moments: Sequence[float]) -> str | None:
+    """Return why no body has three principal moments (kg m^2); None if one has them."""
+    if min(moments) <= 0:
+        return f"its smallest principal moment is {min(moments):.6g}; all must be positive"
+    if not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
+        return "no body has these moments: no moment may exceed the sum of the other two"
+    return None
 
 
 def _principal_moments(tensor: NDArray[np.float64], mass: float) -> list[float]:

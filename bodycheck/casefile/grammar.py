@@ -48,7 +48,7 @@ class Table(BaseModel):
 
 
 #: Description of the key `inertia`.
-INERTIA = "principal moments A, B, C, or the whole tensor along I, J, K, kg m^2"
+INERTIA = "principal moments A, B, C, or the whole tensor along I, J, K with Ixy = -(sum of m x y), kg m^2"
 AnyInertia = Annotated[
     Annotated[PositiveVector, Tag("moments")] | Annotated[Matrix, Tag("tensor")], Discriminator(_kind_of_inertia)
 ]

@@ -4,10 +4,11 @@ import json
 from fractions import Fraction
 from typing import Any
 
+import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from bodycheck import CaseFaults
+from bodycheck import Case, CaseFaults
 from bodycheck.casefile.case import parse
 from bodycheck.reference.exact.start import start
 from bodycheck.reference.inertia import TRIANGLE_TOLERANCE, satisfies_triangle_inequality
@@ -47,11 +48,36 @@ BODIES = st.one_of(
 )
 
 
+def test_products_of_inertia_with_the_other_sign_are_told() -> None:
+    """Of a dumbbell along a diagonal with a little thickness; a CAD program may give the products as sums of m x y."""
+    points = [(1.0, 0.9, 0.8), (-1.0, -0.9, -0.8), (0.1, -0.2, 0.0), (-0.1, 0.2, 0.0)]
+    diagonal = tuple(sum(x * x for point in points for place, x in enumerate(point) if place != axis) for axis in range(3))
+    products = tuple(-sum(point[one] * point[other] for point in points) for one, other in ((0, 1), (0, 2), (1, 2)))
+    right, wrong = tensor(diagonal, products), tensor(diagonal, tuple(-product for product in products))
+    a_free(right)
+    with pytest.raises(CaseFaults, match="with the opposite signs of Ixy, Ixz and Iyz it would be possible") as caught:
+        a_free(wrong)
+    assert [fault.key for fault in caught.value.faults] == ["body.inertia"]
+    with pytest.raises(CaseFaults) as caught:
+        a_free(tensor((1.0, 1.0, 5.0), (0.1, 0.1, 0.1)))
+    assert "opposite" not in str(caught.value), "no body has this with any signs"
+
+
 def inline(value: Any) -> str:
     """A value as TOML."""
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key} = {inline(own)}" for key, own in value.items()) + "}"
     return f"[{', '.join(map(inline, value))}]" if isinstance(value, list) else json.dumps(value)
+
+
+def a_free(body: dict[str, Any]) -> Case:
+    """The case of a free body that rotates."""
+    text = "".join(f"{key} = {inline(value)}\n" for key, value in body.items())
+    return parse(
+        f'format = 1\nname = "free"\ntitle = "free"\n[body]\nshape = "none"\n{text}[initial]\n'
+        "angular_velocity = [1.0, 2.0, 3.0]\n[run]\nduration = 1.0\nsamples = 3\n",
+        "free",
+    )
 
 
 @settings(max_examples=400, deadline=None)
@@ -61,13 +87,8 @@ def inline(value: Any) -> str:
 @example(rank_one((1.0, 1.0, 1.0), 0.0))
 @example({"particles": [{"mass": 1.0, "position": [x, x / 3, x / 7]} for x in (1.0, 2.0, 4.0)]})
 def test_the_moments_of_what_is_accepted_are_those_of_a_body(body: dict[str, Any]) -> None:
-    text = "".join(f"{key} = {inline(value)}\n" for key, value in body.items())
     try:
-        case = parse(
-            f'format = 1\nname = "free"\ntitle = "free"\n[body]\nshape = "none"\n{text}[initial]\n'
-            "angular_velocity = [1.0, 2.0, 3.0]\n[run]\nduration = 1.0\nsamples = 3\n",
-            "free",
-        )
+        case = a_free(body)
     except CaseFaults:
         return
     moments = case.scene.body.moments
