@@ -222,8 +222,8 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
     from bodycheck.adapters import registry
     from bodycheck.casefile.expectation import REFINEMENTS
     from bodycheck.judging.judgement import verdict
-    from bodycheck.reference.truth import NoTruth, Truth
-    from bodycheck.running.campaign import TruthTask
+    from bodycheck.reference.truth import NoTruth
+    from bodycheck.running.campaign import truth_tasks
     from bodycheck.running.outcome import Run
     from bodycheck.running.plan import Task
 
@@ -231,12 +231,15 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
         made = perform(Task(case, engine, method))
         return made if isinstance(made, Run) else Run(case.name, engine, registry.load(engine).engine.version, method, made)
 
-    truth = perform(TruthTask(case, method.timestep))
+    # All tests of a case ask for the same truths, which are computed once.
+    timesteps = [expectation.method.timestep for expectation in case.expectations]
+    truths = perform(next(task for task in truth_tasks(case, timesteps) if method.timestep in task.timesteps))
+    truth = truths[method.timestep] if isinstance(truths, dict) else NoTruth(f"the reference: {truths.reason}")
     concerned = [e for e in case.expectations if e.concerns(engine, method)]
     finer = REFINEMENTS if any(expectation.needs_order for expectation in concerned) else ()
     return verdict(
         case,
-        truth if isinstance(truth, Truth) else NoTruth(f"the reference: {truth.reason}"),
+        truth,
         run(method),
         [run(method.at(method.timestep / by)) for by in finer],
     )

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bodycheck.reference.trajectory import Array
 
@@ -46,6 +47,10 @@ class Bounds:
     def plus(self, other: "Bounds") -> "Bounds":
         """The sums of these bounds and others."""
         return Bounds(*(getattr(self, name) + getattr(other, name) for name in NAMES))
+
+    def part(self, places: NDArray[np.intp]) -> "Bounds":
+        """The bounds at some of the instants, given by their indices (k,)."""
+        return Bounds(*(getattr(self, name)[places] for name in NAMES))
 
 
 #: The names of the figures.

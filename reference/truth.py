@@ -67,8 +67,18 @@ class Truth:
     stop: Stop | None = None
 
     def at(self, times: Array) -> "Truth":
-        """The truth of the same scene at other ascending times (n,) >= 0, s; raises as `truth` does."""
-        return self if np.array_equal(times, self.trajectory.t) else truth(self.scene, times)
+        """The truth of the same scene at other ascending times (n,) >= 0, s.
+
+        It is a part of this one where this one has all of them, and is computed where not; that raises as `truth` does.
+        """
+        known = self.trajectory.t
+        if np.array_equal(times, known):
+            return self
+        places = np.minimum(np.searchsorted(known, times), len(known) - 1)
+        if not len(times) or not np.array_equal(known[places], times):
+            return truth(self.scene, times)
+        stop = self.stop if self.stop is not None and self.stop.time <= times[-1] else None
+        return replace(self, trajectory=self.trajectory.part(places), bounds=self.bounds.part(places), stop=stop)
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.casefile.axes import AXES
+from bodycheck.casefile.expectation import ORDER, REFINEMENTS
 from bodycheck.casefile.grammar import Status, shape_of, with_shape
 from bodycheck.casefile.raw_values import mapping, number, numbers
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import MAX_POINTS, MAX_STEPS, MAX_TIMESTEPS
+from bodycheck.casefile.values import MAX_INSTANTS, MAX_POINTS, MAX_SAMPLES, MAX_STEPS
 from bodycheck.figures.columns import LIMITED
 from bodycheck.reference.definition import Tensor
 from bodycheck.reference.exact.start import defined_inertia
@@ -42,16 +43,27 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
     duration = number(mapping(document.get("run")).get("duration"))
     expect = document.get("expect")
     expectations = expect if isinstance(expect, list) else []
-    timesteps = {number(mapping(expectation).get("timestep")) for expectation in expectations}
-    if len(timesteps) > MAX_TIMESTEPS:
+    steps, samples = len(_timesteps(expectations)), number(mapping(document.get("run")).get("samples"))
+    instants = steps * min(samples, MAX_SAMPLES)  # more samples are a fault of their own
+    if instants > MAX_INSTANTS:
         yield (
             ("expect",),
-            f"has {len(timesteps)} time steps, each with a reference of its own; at most {MAX_TIMESTEPS} are allowed",
+            f"needs a reference at {instants:.3g} instants, for {steps} time steps with {samples:.0f} samples each; at most "
+            f"{MAX_INSTANTS:.3g} are allowed",
         )
     for index, expectation in enumerate(expectations):
         for path, message in _expect_contradictions(mapping(expectation), duration):
             yield ("expect", index, *path), message
     yield from _extremes_contradictions(mapping(document.get("extremes")), duration)
+
+
+def _timesteps(expectations: list[Any]) -> set[float]:
+    """Return the different time steps (s) of the runs that expectations need, with those from which an order is measured."""
+    found = set()
+    for expectation in map(mapping, expectations):
+        finer = REFINEMENTS if ORDER in expectation else ()
+        found |= {number(expectation.get("timestep")) / by for by in (1, *finer)}
+    return found
 
 
 def _expect_contradictions(expectation: dict[str, Any], duration: float) -> Iterator[tuple[Path, str]]:

@@ -15,8 +15,8 @@ MAX_NAME_LENGTH = 100
 MAX_TEXT_LENGTH = 1000
 MAX_TAGS = 50
 MAX_EXPECTATIONS = 1000
-#: Each time step of the expectations needs a truth of its own, at the instants that an engine reaches with it.
-MAX_TIMESTEPS = 50
+#: Instants of the truth, of all time steps that the expectations of a file need: the truth takes some 20 us for each.
+MAX_INSTANTS = 50 * MAX_SAMPLES
 MAX_VALUES = 50
 MAX_POINTS = 500
 #: Largest absolute value of a number. Its inverse is the smallest one except 0, so that squares and products do not overflow.

@@ -1,7 +1,7 @@
 """Make the runs of many tasks, and the truths they need, in worker processes, and store them in a results folder."""
 
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
@@ -15,14 +15,13 @@ from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running import pool, store
+from bodycheck.running import pool, store, truths
 from bodycheck.running.header import Header
 from bodycheck.running.machine import fingerprint
 from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
 from bodycheck.running.plan import Task
-from bodycheck.running.simulation import run, sampling_steps
+from bodycheck.running.simulation import run
 from bodycheck.running.store import Results, Writer
-from bodycheck.running.truths import stop_under, truth
 
 #: Time limit of one run or one truth.
 TIME_LIMIT_S = 300.0
@@ -40,10 +39,14 @@ def _no_progress(done: str, count: int = 1, /) -> None:
 
 @dataclass(frozen=True)
 class TruthTask:
-    """The task of computing the truth for the runs of a case with one time step (s)."""
+    """The task of computing the truths for the runs of a case with some time steps (s), all at once."""
 
     case: Case
-    timestep: float
+    timesteps: tuple[float, ...]
+
+
+#: The answer to a truth task: the truths by time step (s), or why there are none.
+Truths = dict[float, Truth] | NoTruth
 
 
 @dataclass(frozen=True)
@@ -69,8 +72,8 @@ def header(command: Sequence[str], engines: Mapping[str, str], missing: Mapping[
 
 
 def size(tasks: Sequence[Task]) -> int:
-    """Return the number of units of work for tasks: the runs and the truths they need."""
-    return len(tasks) + len(_truth_tasks(tasks))
+    """Return the number of units of work for tasks: the runs, and the truths they need, one for each case and time step."""
+    return len(tasks) + sum(len(needed.timesteps) for needed in _truth_tasks(tasks))
 
 
 @contextmanager
@@ -115,17 +118,15 @@ def results(
     identity = _identity(tasks, head, limit, memory)
     with Writer(folder, head, identity, cases) as writer:
         everything: list[TruthTask | Task] = [*_truth_tasks(tasks), *tasks]
-        left = [argument for argument in everything if not _is_done(writer, argument)]
-        if there := len(everything) - len(left):
-            print(
-                f"bodycheck: resuming the interrupted run in {folder}: {there} of {len(everything)} are done",
-                file=sys.stderr,
-            )
+        left = [argument for argument in everything if _missing(writer, argument)]
+        units = size(tasks)
+        if there := units - sum(_missing(writer, argument) for argument in left):
+            print(f"bodycheck: resuming the interrupted run in {folder}: {there} of {units} are done", file=sys.stderr)
             progress("", there)
         with closing(pool.call_all(perform, left, jobs, limit, memory, group)) as answers:
             for argument, result in answers:
-                _add(writer, argument, result, places, head["engines"])
-                progress(_name(argument))
+                for done in _add(writer, argument, result, places, head["engines"]):
+                    progress(done)
         needed = _stop_tasks({case.name: case for case in cases}, store.read(folder).runs())
         stops = [task for task in needed if not writer.has_stop(task.case.name, task.law)]
         with closing(pool.call_all(perform_stop, stops, jobs, limit, memory)) as found:
@@ -139,20 +140,28 @@ def results(
 def _add(
     writer: Writer,
     argument: TruthTask | Task,
-    result: Run | Truth | NoTruth | Crashed | TimedOut,
+    result: Run | Truths | Crashed | TimedOut,
     places: Mapping[Task, int],
     versions: Mapping[str, str],
-) -> None:
-    """Write a run at its place in the plan, or a truth, or why there is none. versions: of the engines, by name."""
+) -> Iterator[str]:
+    """Write a run at its place in the plan, or truths or why there are none, and yield the name of each after it is written.
+
+    Truths that the folder already had are left as they are. versions: of the engines, by name.
+    """
     match argument, result:
         case Task(), Run():
             writer.add_run(result, places[argument])
+            yield _name(argument)
         case Task(case, engine, method), Crashed() | TimedOut():
             writer.add_run(Run(case.name, engine, versions[engine], method, result), places[argument])
-        case TruthTask(case, timestep), Truth():
-            writer.add_truth(case, timestep, result)
-        case TruthTask(case, timestep), NoTruth() | Crashed() | TimedOut():
-            writer.add_missing_truth(case, timestep, f"the reference: {result.reason}")
+            yield _name(argument)
+        case TruthTask(case), dict() | NoTruth() | Crashed() | TimedOut():
+            for timestep in _left(writer, argument):
+                if isinstance(result, dict):
+                    writer.add_truth(case, timestep, result[timestep])
+                else:
+                    writer.add_missing_truth(case, timestep, f"the reference: {result.reason}")
+                yield f"{case.name} · truth {timestep:g} s"
 
 
 def _identity(tasks: Sequence[Task], head: Header, limit: float, memory: int) -> str:
@@ -163,14 +172,27 @@ def _identity(tasks: Sequence[Task], head: Header, limit: float, memory: int) ->
     return sha256(repr((versions, limit, memory, cases, plan)).encode("utf-8")).hexdigest()
 
 
-def _is_done(writer: Writer, argument: TruthTask | Task) -> bool:
-    if isinstance(argument, Task):
-        return writer.has_run(argument.key)
-    return writer.has_truth(argument.case.name, argument.timestep)
+def _missing(writer: Writer, argument: TruthTask | Task) -> int:
+    """Return how many units of work of a task the folder does not have yet."""
+    return int(not writer.has_run(argument.key)) if isinstance(argument, Task) else len(_left(writer, argument))
+
+
+def _left(writer: Writer, needed: TruthTask) -> list[float]:
+    """Return the time steps (s) whose truths the folder did not have yet when it was opened."""
+    return [timestep for timestep in needed.timesteps if not writer.has_truth(needed.case.name, timestep)]
+
+
+def truth_tasks(case: Case, timesteps: Iterable[float]) -> Iterator[TruthTask]:
+    """Yield the tasks that compute the truths for the runs of a case with some time steps (s); usually it is one."""
+    yield from (TruthTask(case, batch) for batch in truths.batches(case, timesteps))
 
 
 def _truth_tasks(tasks: Sequence[Task]) -> tuple[TruthTask, ...]:
-    return tuple(dict.fromkeys(TruthTask(task.case, task.method.timestep) for task in tasks))
+    """Return the tasks that compute the truths that runs need."""
+    timesteps: dict[Case, list[float]] = {}
+    for task in tasks:
+        timesteps.setdefault(task.case, []).append(task.method.timestep)
+    return tuple(needed for case, steps in timesteps.items() for needed in truth_tasks(case, steps))
 
 
 def _stop_tasks(cases: Mapping[str, Case], runs: Sequence[Run]) -> tuple[StopTask, ...]:
@@ -198,25 +220,22 @@ def perform_run(task: Task) -> Run:
 
 def perform_stop(task: StopTask) -> Stop | None:
     """Compute the stop of a task; None if the reference knows none."""
-    return stop_under(task.case, task.law)
+    return truths.stop_under(task.case, task.law)
 
 
-def perform(argument: TruthTask | Task) -> Run | Truth | NoTruth:
-    """Make the run or compute the truth of a task; `NoTruth` if the reference has none."""
+def perform(argument: TruthTask | Task) -> Run | Truths:
+    """Make the run or compute the truths of a task; `NoTruth` if the reference has none."""
     if isinstance(argument, Task):
         return perform_run(argument)
-    case, timestep = argument.case, argument.timestep
     try:
-        return truth(case, sampling_steps(case.instants, timestep) * timestep)
+        return truths.of_runs(argument.case, argument.timesteps)
     except (NotModelled, OutOfReach) as error:
         return NoTruth(str(error))
 
 
-def _name(argument: TruthTask | StopTask | Task) -> str:
+def _name(argument: StopTask | Task) -> str:
     match argument:
         case Task(case, engine, method):
             return f"{case.name} · {engine} {method}"
-        case TruthTask(case, timestep):
-            return f"{case.name} · truth {timestep:g} s"
         case StopTask(case, law):
             return f"{case.name} · stop under the law {law.law}, {law.pressure} pressure"

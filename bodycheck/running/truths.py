@@ -1,5 +1,6 @@
 """Compute the truth of a case, certify it, and convert both to JSON."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +17,10 @@ from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
 from bodycheck.reference.truth import truth as truth_of_scene
+from bodycheck.running.simulation import sampling_steps
+
+#: Most instants at which a truth is computed at once, which takes some 5 s and 0.5 GiB.
+MAX_INSTANTS = 300_000
 
 #: Number of durations of a case after which a body that still slides counts as not stopping.
 STOP_HORIZON = 100
@@ -28,6 +33,27 @@ def truth(case: Case, times: ArrayLike | None = None) -> Truth:
     `bodycheck.reference.errors.OutOfReach` for a motion that it cannot follow.
     """
     return truth_of_scene(case.scene, _instants(case, times))
+
+
+def batches(case: Case, timesteps: Iterable[float]) -> tuple[tuple[float, ...], ...]:
+    """Return the different ones of some time steps (s) in batches, whose truths are computed together by `of_runs`.
+
+    All are in one batch, unless a case has so many instants at its time steps that they need much memory and time together. A
+    batch has at most `MAX_INSTANTS`, or one time step.
+    """
+    different, most = tuple(dict.fromkeys(timesteps)), max(1, MAX_INSTANTS // case.samples)
+    return tuple(different[first : first + most] for first in range(0, len(different), most))
+
+
+def of_runs(case: Case, timesteps: Iterable[float]) -> dict[float, Truth]:
+    """Return the truths for the runs of a case with some time steps (s), by time step, from one computation.
+
+    It is made at all instants that engines with these time steps reach, and each truth is a part of it. Raises as `truth`
+    does.
+    """
+    instants = {step: sampling_steps(case.instants, step).astype(np.float64) * step for step in timesteps}
+    whole = truth(case, np.unique(np.concatenate(list(instants.values()))))
+    return {step: whole.at(times) for step, times in instants.items()}
 
 
 def certify(case: Case, times: ArrayLike | None = None) -> Certificate:

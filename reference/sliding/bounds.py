@@ -13,6 +13,9 @@ from bodycheck.reference.trajectory import Array, Trajectory
 #: Relative error of about ten roundings in double precision: those of a closed form, and of the storage of a result.
 RELATIVE_ROUNDING = 16 * float(np.finfo(float).eps)
 
+#: Relative error of a yaw that is read from the quaternion of a trajectory. It is at most two roundings.
+STORED_ROUNDING = 4 * float(np.finfo(float).eps)
+
 #: The bound over the error that the witness estimates. The estimate is linear in the error and takes the derivatives of
 #: friction at the middle of a panel; twice of it holds even for a moment of inertia that is a quarter too small.
 SAFETY = 2.0
@@ -35,6 +38,8 @@ class PlanarBounds:
 def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> PlanarBounds:
     """The bounds of a motion and of the trajectory made from it: twice the error that the witness estimates, and rounding.
 
+    Those of position and yaw are the largest of all panels so far, whichever instants are asked for.
+
     After the stop the true body may move on for as long as the error of its velocity takes to be braked. The velocity is
     bounded by that error until then, and by zero later; the way that is left by that error times that duration.
 
@@ -56,10 +61,14 @@ def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> Planar
     found = deviation(scene, motion.panels)
     k = found.gyration
     panel = np.searchsorted(motion.panels.times[1:], times, side="left")
-    x, y, turn, vx, vy, spin = (SAFETY * largest_deviation(found)[panel]).T
+    largest = SAFETY * largest_deviation(found)
+    (x, y, turn), (vx, vy, spin) = np.maximum.accumulate(largest[:, :3])[panel].T, largest[panel, 3:].T
     speed = math.hypot(start[3], start[4], k * start[5])
     velocity, spin = np.hypot(vx, vy) + RELATIVE_ROUNDING * speed, spin + RELATIVE_ROUNDING * speed / k
-    position, yaw = np.hypot(x, y), turn + np.abs(_wrapped(direction_of_first_axis(trajectory.quaternion) - rows[:, 2]))
+    way, turned = np.hypot(*(rows[:, :2] - start[:2]).T), np.abs(rows[:, 2] - start[2])
+    stored = STORED_ROUNDING * (1 + np.abs(start[2]) + turned)
+    differing = np.abs(_wrapped(direction_of_first_axis(trajectory.quaternion) - rows[:, 2]))
+    position, yaw = np.hypot(x, y), turn + np.maximum(differing, stored)
     # From where the error of the speed matters to the speed itself, all that is known is that both motions slow down.
     left, first = _nearly_at_rest(motion, found)
     late = (panel >= first) * left
@@ -74,7 +83,6 @@ def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> Planar
         braked = rate / found.braking if found.braking else np.where(rate > 0, np.inf, 0.0)
         resting = times > stop + braked + RELATIVE_ROUNDING * stop
         velocity, spin = np.where(resting, 0.0, velocity), np.where(resting, 0.0, spin)
-    way, turned = np.abs(rows[:, :2] - start[:2]).sum(axis=1), np.abs(rows[:, 2] - start[2])
     position = position + RELATIVE_ROUNDING * (np.abs(start[:2]).sum() + way + speed * elapsed)
     yaw = yaw + RELATIVE_ROUNDING * (1 + turned + speed / k * elapsed)
     return PlanarBounds(np.maximum.accumulate(position), np.maximum.accumulate(yaw), velocity, spin)

@@ -15,7 +15,7 @@ from bodycheck import Case, CaseFaults, load
 from bodycheck.casefile.case import MAX_FILE_BYTES, Fault, parse, shipped
 from bodycheck.casefile.expectation import Limit
 from bodycheck.casefile.toml_positions import positions
-from bodycheck.casefile.values import MAX_TIMESTEPS
+from bodycheck.casefile.values import MAX_EXPECTATIONS, MAX_INSTANTS, MAX_SAMPLES
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Sphere
 from tests.support.cases import a_case
 
@@ -168,16 +168,30 @@ def test_one_fault(old: str, new: str, place: str, words: str) -> None:
     assert any(key.startswith(place) and words in message for key, message in found.items()), found
 
 
-def test_expectations_have_few_time_steps() -> None:
-    """Each needs a truth, so that their number bounds the work that a file asks for before any of it is done."""
-    more = [
-        f'[[expect]]\nengine = "mujoco"\nintegrator = "RK4"\ntimestep = {0.01 + 1e-4 * place!r}\nattitude_error = 1.0\n'
-        for place in range(MAX_TIMESTEPS)
-    ]
-    assert len(parse(GOOD + "".join(more[1:]), "good").expectations) == MAX_TIMESTEPS
-    ((place, message),) = faults(GOOD + "".join(more)).items()
+def expecting(steps: int, samples: int, figure: str = "attitude_error") -> str:
+    """The good case with so many time steps in its expectations, of which all but the first limit a figure."""
+    return GOOD.replace("samples = 1001", f"samples = {samples}") + "".join(
+        f'[[expect]]\nengine = "mujoco"\nintegrator = "RK4"\ntimestep = {0.01 + 1e-4 * place!r}\n{figure} = 1.0\n'
+        for place in range(1, steps)
+    )
+
+
+def test_a_case_may_expect_something_at_many_time_steps() -> None:
+    assert len(parse(expecting(MAX_EXPECTATIONS, 1001), "good").expectations) == MAX_EXPECTATIONS
+
+
+@pytest.mark.parametrize(("figure", "runs"), [("attitude_error", 1), ("order", 3)])
+def test_the_instants_of_all_time_steps_are_bounded(figure: str, runs: int) -> None:
+    """The truth is computed at all of them, so that the work that a file asks for is known before any of it is done.
+
+    An order is measured with two smaller time steps too.
+    """
+    most = 1 + (MAX_INSTANTS // MAX_SAMPLES - 1) // runs
+    assert len(parse(expecting(most, MAX_SAMPLES, figure), "good").expectations) == most
+    ((place, message),) = faults(expecting(most + 1, MAX_SAMPLES, figure)).items()
     assert place == "26 expect"
-    assert message.endswith("has 51 time steps, each with a reference of its own; at most 50 are allowed")
+    told = f"for {1 + runs * most} time steps with 100001 samples each; at most {MAX_INSTANTS:.3g} are allowed"
+    assert message.endswith(told)
 
 
 def test_a_missing_coordinate_is_one_fault() -> None:

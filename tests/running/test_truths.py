@@ -1,0 +1,77 @@
+"""The truths of a case for all time steps come from one computation, and are what each would be on its own."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bodycheck import load
+from bodycheck.reference.bounds import NAMES
+from bodycheck.reference.truth import Truth
+from bodycheck.running import truths
+from tests.support.cases import shortened
+from tests.support.truths import truth_for_runs
+
+#: Steps whose multiples are hardly ever the same instants, and of which some do not divide the duration.
+STEPS = (0.01, 0.0033, 0.0007)
+
+#: One of each kind of motion: elliptic functions, drag, integrated slides on an area and on corners, a slide in closed form.
+KINDS = ("intermediate-axis-flip", "football-drag", "curling-disk", "curling-brick-corners", "sliding-brick")
+
+
+@pytest.fixture
+def computed(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """The numbers of instants at which truths are computed from now on."""
+    counts: list[int] = []
+    compute = truths.truth_of_scene
+
+    def counted(scene: Any, times: Any) -> Truth:
+        counts.append(len(times))
+        return compute(scene, times)
+
+    monkeypatch.setattr(truths, "truth_of_scene", counted)
+    return counts
+
+
+@pytest.mark.parametrize("name", KINDS)
+def test_truths_that_are_computed_together_are_those_of_each_time_step(name: str, computed: list[int]) -> None:
+    case = load(name)
+    together = truths.of_runs(case, STEPS)
+    assert len(computed) == 1
+    for timestep in STEPS:
+        alone = truth_for_runs(case, timestep)
+        part = together[timestep]
+        for states in ("t", "position", "quaternion", "velocity", "angular_velocity"):
+            np.testing.assert_array_equal(getattr(part.trajectory, states), getattr(alone.trajectory, states))
+        for bound in NAMES:
+            # Of a slide in closed form, the witness's quadrature ends at the last instant, so that the rounding errors that it
+            # measures are others: a few of the 16 roundings that the bound has anyway.
+            rtol = 0.25 if name == "sliding-brick" else 1e-12
+            np.testing.assert_allclose(getattr(part.bounds, bound), getattr(alone.bounds, bound), rtol=rtol, atol=0)
+        assert (part.stop, part.witnesses, part.model) == (alone.stop, alone.witnesses, alone.model)
+
+
+def test_a_truth_that_ends_before_the_stop_has_none() -> None:
+    case = load("sliding-brick")
+    whole = truths.truth(case)
+    assert whole.stop is not None
+    before, after = (whole.at(whole.trajectory.t[chosen]) for chosen in (case.instants < whole.stop.time, case.instants >= 0.5))
+    assert (before.stop, after.stop) == (None, whole.stop)
+
+
+def test_a_thousand_time_steps_take_one_computation(computed: list[int]) -> None:
+    case = shortened(load("curling-brick"), 0.5, 11)
+    steps = [0.02 / count for count in range(1, 1001)]
+    (batch,) = truths.batches(case, [*steps, *steps])
+    assert batch == tuple(steps)
+    found = truths.of_runs(case, batch)
+    assert list(found) == steps
+    assert len(computed) == 1
+
+
+def test_a_batch_has_no_more_instants_than_memory_allows() -> None:
+    case = shortened(load("free-brick"), 1.0, 100_001)
+    steps = [1e-5 * count for count in range(1, 51)]
+    batches = truths.batches(case, steps)
+    assert [step for batch in batches for step in batch] == steps
+    assert all(len(batch) == truths.MAX_INSTANTS // 100_001 for batch in batches[:-1])
