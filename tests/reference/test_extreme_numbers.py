@@ -40,8 +40,19 @@ SPINNING_NEEDLE = {
     "run": {"duration": 1e-99, "samples": 11},
 }
 
+#: A slide whose error grows beyond the range of doubles within a panel.
+SPINNING_BEAM = {
+    "body": {"shape": "brick", "mass": 2.4763052716664716e-55, "semi_axes": [1e-100, 9.753414438283735e51, 1e9]},
+    "initial": {"velocity": [-7.090944322263792e59, 1e-100, 0.0], "angular_velocity": [0.0, 0.0, 4.272336007281539e38]},
+    "scene": {
+        "gravity": 1.7923668382312466e-31,
+        "plane": {"friction": 9.569804835365697e-73, "law": "corners", "pressure": "balanced"},
+    },
+    "run": {"duration": 4.510456185364365e-73, "samples": 11},
+}
 
-@pytest.mark.parametrize("scene", [NEARLY_UNSTABLE, HEAVY_DRAG, SPINNING_SPECK, SPINNING_NEEDLE])
+
+@pytest.mark.parametrize("scene", [NEARLY_UNSTABLE, HEAVY_DRAG, SPINNING_SPECK, SPINNING_NEEDLE, SPINNING_BEAM])
 def test_a_truth_of_extreme_numbers_has_a_bound_or_a_reason(scene: dict[str, object]) -> None:
     case = parse(a_case(**scene), "extreme")
     with contextlib.suppress(OutOfReach):
