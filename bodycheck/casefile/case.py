@@ -168,7 +168,7 @@ DOTTED_KEY_PART = r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \
 #: Patterns that make tomllib slow or exceed its recursion limit, with the error message for each.
 SLOW_PATTERNS = {
     f"{DOTTED_KEY_PART}{{{MAX_KEY_PARTS}}}": f"a key of more than {MAX_KEY_PARTS} parts",
-    rf"(?<![\w-])(?:0[xob]|[0-9])[0-9A-Fa-f_.]{{{MAX_DIGITS}}}": f"a number of more than {MAX_DIGITS} digits",
+    rf"(?<![\w-])[+-]?(?:0[xob]|[0-9])[0-9A-Fa-f_.]{{{MAX_DIGITS}}}": f"a number of more than {MAX_DIGITS} digits",
 }
 
 

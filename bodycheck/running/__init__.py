@@ -3,8 +3,8 @@
 - `plan` decides which cases are run in which engines with which methods. `campaign` makes the runs and their truths.
 - `simulation` makes one run; `outcome` defines how it may end. `truths` computes the truth of a case.
 - `engines` asks engines in a worker process whether they can be used.
-- `pool` calls functions in worker processes, whose memory and lifetime `limits` restricts; they talk
-  through a `channel`, and `process_state` tells whether a call has changed its process.
+- `pool` calls functions in worker processes, whose memory and lifetime `limits` restricts and whose `guard` ends what they
+  start; they talk through a `channel`, and `process_state` tells whether a call has changed its process.
 - `store` writes and reads a folder of results, with `journal` and `records` for its records, `header` for its header,
   `trajectory_files` for its states and `csv_tables` for tables. `key` identifies a run.
 - `machine` describes the machine. `smoke` checks an adapter with scenes whose solution is obvious.

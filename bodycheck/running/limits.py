@@ -5,7 +5,6 @@ On other systems memory is not limited, and a process that outlives its parent e
 
 import contextlib
 import ctypes
-import multiprocessing
 import os
 import signal
 import sys
@@ -17,7 +16,7 @@ if sys.platform != "win32":
     import resource
 
 #: From linux/prctl.h.
-PR_SET_PDEATHSIG = 1
+PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
 
 _allowance_bytes: int | None = None
 _initial_bytes = 0
@@ -65,13 +64,18 @@ def shortage() -> str:
     )
 
 
-def die_with_parent() -> None:
-    """Let the operating system kill this process when the thread that started it ends for any reason."""
-    parent = multiprocessing.parent_process()
-    if sys.platform == "linux" and parent is not None:
-        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
-        if os.getppid() != parent.pid:  # the parent ended before the request took effect
+def end_with(parent: int | None, number: signal.Signals) -> None:
+    """Let the operating system send this process a signal when the thread of its parent that started it ends for any reason."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, number)
+        if os.getppid() != parent:  # the parent ended before the request took effect
             os._exit(0)
+
+
+def adopt_descendants() -> None:
+    """Become the parent of every descendant whose own parent has ended (Linux)."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
 
 
 def lead_group() -> None:

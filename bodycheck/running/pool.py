@@ -21,9 +21,9 @@ from multiprocessing.connection import wait
 from multiprocessing.process import BaseProcess
 from typing import Any, NamedTuple, TypeVar
 
-from bodycheck.running import channel, limits
+from bodycheck.running import channel, guard, limits
 from bodycheck.running.outcome import Crashed, TimedOut, crash
-from bodycheck.running.process_state import state
+from bodycheck.running.process_state import state, threads
 
 Argument = TypeVar("Argument")
 Result = TypeVar("Result")
@@ -202,10 +202,7 @@ class _Worker:
         self.channel.send(self.calls, pickle.dumps(argument))
 
     def stop(self) -> None:
-        if self.process.pid is not None:
-            limits.kill_group(self.process.pid)
-        self.process.kill()
-        self.process.join()
+        guard.stop(self.process, SHUTDOWN_TIMEOUT_S)
         self.channel.close()
 
 
@@ -213,7 +210,8 @@ def _start(function: Callable[[Any], Any], memory: int) -> _Worker:
     context = multiprocessing.get_context("spawn")
     ours, theirs, mark = channel.pair()
     # The process is daemonic, so that the end of the program does not wait for it.
-    process = context.Process(target=_work, args=(function, theirs, mark, memory), daemon=True)
+    content = pickle.dumps((_work, (function, mark, memory)))
+    process = context.Process(target=guard.work, args=(content, theirs), daemon=True)
     process.start()
     theirs.close()
     return _Worker(process, ours)
@@ -269,10 +267,8 @@ def _cause_of_death(process: BaseProcess) -> str:
         return f"its process died of signal {-exitcode}"
 
 
-def _work(function: Callable[[Any], Any], theirs: socket.socket, mark: bytes, memory: int) -> None:
+def _work(theirs: socket.socket, function: Callable[[Any], Any], mark: bytes, memory: int) -> None:
     """Run the loop of a worker process: report that it is ready, then answer calls."""
-    limits.die_with_parent()
-    limits.lead_group()
     limits.allow_memory(memory)
     limits.give_up_resource_tracker()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles interrupts
@@ -280,6 +276,7 @@ def _work(function: Callable[[Any], Any], theirs: socket.socket, mark: bytes, me
     parent, own = channel.Worker(theirs, mark), os.getpid()
     if hasattr(os, "register_at_fork"):
         os.register_at_fork(after_in_child=parent.close)
+    allowed: float = math.inf  # threads, until the first call has ended
     try:
         parent.send(0, pickle.dumps((None, True)))
         while True:
@@ -288,7 +285,8 @@ def _work(function: Callable[[Any], Any], theirs: socket.socket, mark: bytes, me
             result = _call(function, loaded)
             if os.getpid() != own:  # the engine has made a copy of the process, and the copy must not answer
                 os._exit(0)
-            parent.send(number, _pickled(result, reusable=state() == before and not limits.keeps_much()))
+            changed, allowed = state() != before or threads() > allowed, threads()
+            parent.send(number, _pickled(result, reusable=not changed and not limits.keeps_much()))
     except (EOFError, ConnectionError):
         return  # the parent is gone
 

@@ -27,8 +27,8 @@ def state() -> tuple[Hashable, ...]:
     """Return what a call may have changed and the next one would notice; it is equal where nothing was changed.
 
     These are the paths of imports, the environment, the working directory, the arithmetic of floating point and how its faults
-    are handled, the handlers of signals, the global generators of random numbers, and the number of Python's threads. Other
-    threads are not counted, because many libraries keep theirs for the next call.
+    are handled, the handlers of signals, the global generators of random numbers, and the number of Python's threads. For other
+    threads see `threads`.
     """
     return (
         tuple(sys.path),
@@ -44,6 +44,17 @@ def state() -> tuple[Hashable, ...]:
         threading.active_count(),
         _masks_of_signals(),
     )
+
+
+def threads() -> int:
+    """Return the number of all threads of the process, those that libraries start in C included (Linux, else 0).
+
+    The first call in a process may add some, because many libraries keep the threads that they start when they are imported.
+    """
+    try:
+        return len(os.listdir("/proc/self/task"))
+    except OSError:
+        return 0
 
 
 def _working_directory() -> str | None:

@@ -71,10 +71,10 @@ def error_bounds(scene: Scene, motion: Motion, trajectory: Trajectory) -> Planar
     position, yaw = np.hypot(x, y), turn + np.maximum(differing, stored)
     # From where the error of the speed matters to the speed itself, all that is known is that both motions slow down.
     left, first = _nearly_at_rest(motion, found)
-    late = (panel >= first) * left
-    velocity, spin = np.maximum(velocity, late), np.maximum(spin, late / k)
-    lasting = left / found.braking if left else 0.0
-    position, yaw = position + late * lasting, yaw + late / k * lasting
+    late, lasting = panel >= first, left / found.braking if left else 0.0
+    velocity, spin = np.maximum(velocity, late * left), np.maximum(spin, late * left / k)
+    # A way that no double can hold is infinite, but only where there is any.
+    position, yaw = position + np.where(late, left * lasting, 0.0), yaw + np.where(late, left / k * lasting, 0.0)
     elapsed = times
     if motion.stop is not None:
         stop = float(motion.stop[0])
@@ -102,7 +102,7 @@ def _nearly_at_rest(motion: Motion, found: Deviation) -> tuple[float, int]:
     """
     metric = np.array([1.0, 1.0, found.gyration])
     speeds = np.linalg.norm(motion.panels.rows[:, 3:] * metric, axis=1)
-    errors = SAFETY * np.linalg.norm(found.ends[:, 3:] * metric, axis=1)
+    errors = SAFETY * np.hypot.reduce(found.ends[:, 3:] * metric, axis=1)  # squares of large errors would overflow
     late = np.flatnonzero(errors > LINEAR * speeds)
     if len(late):
         first = int(late[0])

@@ -62,6 +62,7 @@ MALFORMED = {
     "not-utf8": b"format = 1\nname = \xff\n",
     "nul": RICH.replace("rich", "ri\0ch").encode(),
     "digits": RICH.replace("9.81", "9" * 5000).encode(),
+    "digits after a sign": RICH.replace("9.81", "-" + "9" * 5000).encode(),
     "deep": ("x = " + "[" * 5000 + "]" * 5000 + "\n" + RICH).encode(),
     "dotted": ("x." * 100_000 + "x = 1\n" + RICH).encode(),
     "large": RICH.encode() + b"#" * MAX_FILE_BYTES,

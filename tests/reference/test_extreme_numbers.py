@@ -51,8 +51,23 @@ SPINNING_BEAM = {
     "run": {"duration": 4.510456185364365e-73, "samples": 11},
 }
 
+#: A slide whose error has a square beyond the range of doubles, and which nearly nothing brakes.
+SPINNING_ROD = {
+    "body": {
+        "shape": "brick",
+        "mass": 2.964842107623685e-34,
+        "semi_axes": [1e-50, 1e-50, 1e9],
+        "inertia": [1.1803941557707058e66, 1.7086379861091958e46, 1.1803941557707058e66],
+    },
+    "initial": {"velocity": [0.0, -1e-16, 0.0], "angular_velocity": [0.0, 0.0, -3.8717246242275725e37]},
+    "scene": {"gravity": 9.81, "plane": {"friction": 3.50447309801852e-33, "law": "area", "pressure": "uniform"}},
+    "run": {"duration": 1e50, "samples": 3},
+}
 
-@pytest.mark.parametrize("scene", [NEARLY_UNSTABLE, HEAVY_DRAG, SPINNING_SPECK, SPINNING_NEEDLE, SPINNING_BEAM])
+SCENES = [NEARLY_UNSTABLE, HEAVY_DRAG, SPINNING_SPECK, SPINNING_NEEDLE, SPINNING_BEAM, SPINNING_ROD]
+
+
+@pytest.mark.parametrize("scene", SCENES)
 def test_a_truth_of_extreme_numbers_has_a_bound_or_a_reason(scene: dict[str, object]) -> None:
     case = parse(a_case(**scene), "extreme")
     with contextlib.suppress(OutOfReach):

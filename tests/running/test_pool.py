@@ -7,6 +7,7 @@ import sys
 import time
 import types
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from tests.support.calls import (
     holding_the_interpreter,
     is_running,
     keeping,
-    leaving_a_child,
+    leaving_children,
     misbehaving,
     pids_in,
     poisoned,
@@ -81,14 +82,16 @@ def test_a_call_that_holds_the_interpreter_is_stopped(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux kills the children of who was killed")
-def test_workers_die_with_their_parent(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("what", "count"), [("holding_the_interpreter", 2), ("partial(leaving_children, 'hangs')", 4)])
+def test_workers_and_what_they_start_die_with_their_parent(tmp_path: Path, what: str, count: int) -> None:
     pids = tmp_path / "pids"
     code = (
-        "from bodycheck.running import pool\nfrom tests.support.calls import holding_the_interpreter\n"
-        f"list(pool.call_all(holding_the_interpreter, [{str(pids)!r}] * 2, jobs=2, limit=600.0))"
+        "from functools import partial\nfrom bodycheck.running import pool\n"
+        "from tests.support.calls import holding_the_interpreter, leaving_children\n"
+        f"list(pool.call_all({what}, [{str(pids)!r}] * 2, jobs=2, limit=600.0))"
     )
     parent = subprocess.Popen([sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": str(ROOT)})
-    workers = pids_in(pids, 2)
+    workers = pids_in(pids, count)
     assert all(map(is_running, workers))
     parent.kill()
     parent.wait()
@@ -157,15 +160,11 @@ def test_groups_share_no_process(jobs: int) -> None:
         assert call("a1") == call("a2") != call("b1") == call("b2")
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no groups of processes")
-def test_what_a_call_starts_ends_with_its_worker(tmp_path: Path) -> None:
-    list(pool.call_all(leaving_a_child, [str(tmp_path / "pids")], jobs=1, limit=LIMIT))
-    (child,) = pids_in(tmp_path / "pids", 1)
-    # It sleeps for ten minutes unless it is killed; the minute is for machines that are busy.
-    deadline = time.monotonic() + 60
-    while is_running(child) and time.monotonic() < deadline:
-        time.sleep(0.01)
-    assert not is_running(child)
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux finds those that have left the group of their worker")
+@pytest.mark.parametrize("how", ["returns", "dies"])
+def test_what_a_call_starts_ends_with_its_worker(tmp_path: Path, how: str) -> None:
+    list(pool.call_all(partial(leaving_children, how), [str(tmp_path / "pids")], jobs=1, limit=LIMIT))
+    assert not any(map(is_running, pids_in(tmp_path / "pids", 2)))
 
 
 def test_a_channel_takes_messages_of_any_size_and_nothing_else() -> None:
@@ -198,3 +197,9 @@ def test_a_process_that_a_call_has_changed_makes_no_other_call() -> None:
     found = dict(pool.call_all(changing, calls, jobs=1, limit=LIMIT))
     assert len({found[what] for what in CHANGES}) == len(CHANGES)
     assert found["nothing"] == found["nothing again"] not in {found[what] for what in CHANGES}
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells of threads that Python does not know")
+def test_a_process_in_which_a_later_call_leaves_a_thread_makes_no_other_call() -> None:
+    found = dict(pool.call_all(changing, ["nothing", "thread in C", "nothing again"], jobs=1, limit=LIMIT))
+    assert found["nothing"] == found["thread in C"] != found["nothing again"]

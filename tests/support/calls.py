@@ -1,5 +1,6 @@
 """What worker processes are made to do in tests. They import this module, which therefore imports nothing that is slow."""
 
+import _thread
 import contextlib
 import ctypes
 import ctypes.util
@@ -114,6 +115,12 @@ CHANGES: dict[str, Callable[[], object]] = {
     "thread": lambda: threading.Thread(target=time.sleep, args=(600,), daemon=True).start(),
 }
 
+#: What a call leaves behind that only a call after the first one in its process must not.
+LATE_CHANGES: dict[str, Callable[[], object]] = {
+    # Python's module `threading` knows nothing of it.
+    "thread in C": lambda: _thread.start_new_thread(time.sleep, (600,)),
+}
+
 
 def round_up() -> None:
     """Let the arithmetic of this process round towards plus infinity (FE_UPWARD of fenv.h)."""
@@ -123,14 +130,27 @@ def round_up() -> None:
 
 def changing(what: str) -> int:
     """Change something for good, or nothing, and return the process."""
-    CHANGES.get(what, int)()
+    (CHANGES | LATE_CHANGES).get(what, int)()
     return os.getpid()
 
 
-def leaving_a_child(pids: str) -> None:
-    """Starts a process that sleeps for ten minutes, and returns."""
+def leaving_children(how: str, pids: str) -> None:
+    """Starts a process and a daemon, which has left the session of this process, for ten minutes; then returns or ends."""
     child = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(600)"])
-    Path(pids).write_text(f"{child.pid}\n", "utf-8")
+    said, saying = os.pipe()
+    if not os.fork():
+        os.setsid()
+        if not os.fork():
+            os.write(saying, f"{os.getpid()}".encode())
+            time.sleep(600)
+        os._exit(0)
+    os.wait()
+    with open(pids, "a") as file:
+        file.write(f"{child.pid}\n{os.read(said, 100).decode()}\n")
+    if how == "dies":
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if how == "hangs":
+        time.sleep(600)
 
 
 def holding_the_interpreter(pids: str) -> None:
