@@ -11,6 +11,9 @@ from bodycheck.reference.scene import Scene, Vector
 #: How many principal moments of a body are equal: all three, two, or none.
 Symmetry = Literal["sphere", "symmetric", "asymmetric"]
 
+#: What happens in a scene: a flight of a turning body, one without rotation, one against drag, or contact with a plane.
+Kind = Literal["turning", "translation", "drag", "contact"]
+
 
 @dataclass(frozen=True)
 class Requirements:
@@ -43,6 +46,15 @@ class Requirements:
     friction: bool
     drag: bool
     degrees_of_freedom: int
+
+    @property
+    def kind(self) -> Kind:
+        """The kind of the scene: the first of contact, drag, rotation and translation that it requires."""
+        if self.contact:
+            return "contact"
+        if self.drag:
+            return "drag"
+        return "translation" if self.rotation == "none" else "turning"
 
     def names(self) -> tuple[str, ...]:
         """The names of the fields that state a required effect."""

@@ -24,9 +24,10 @@ from bodycheck.runner_log import print_command
 if TYPE_CHECKING:
     from bodycheck.judging.result_set import ResultSet
     from bodycheck.reports.plot_files import Format
+    from bodycheck.reports.runs.brief import Brief
     from bodycheck.reports.study import StudyReport
 
-__all__ = ["annotate_github", "write", "write_junit", "write_study"]
+__all__ = ["annotate_github", "brief", "write", "write_junit", "write_study"]
 
 # Functions import what they need: templates and charts are slow to import, and many commands write no report.
 
@@ -63,6 +64,13 @@ def write(sets: "Sequence[ResultSet]", folder: Path, formats: "Sequence[Format]"
     paths = _write(folder, texts)
     plot_files.write(plots.of_runs(contents), folder, formats)
     return paths
+
+
+def brief(sets: "Sequence[ResultSet]") -> "Brief":
+    """Return the beginning of the report of runs, which is made at once; parameters are those of `write`."""
+    from bodycheck.reports.runs.brief import brief as made
+
+    return made(sets)
 
 
 def annotate_github(found: "ResultSet", files: Mapping[str, Path], environment: Mapping[str, str]) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Literal
 
 from bodycheck.console import arguments
-from bodycheck.console.options import Engines, Integrators, Jobs, Timesteps
+from bodycheck.console.options import AS_USUAL, Engines, Integrators, Jobs, Quiet, Timesteps, Viewed
 from bodycheck.errors import FAILED, OK, BadInput
 
 
@@ -69,6 +69,8 @@ def expect(
     integrator: Integrators = (),
     timestep: Timesteps = (),
     jobs: Jobs = None,
+    view: Viewed = AS_USUAL,
+    quiet: Quiet = False,
 ) -> int:
     """Run cases, and write the measured errors, times a margin, into the case files as expectations.
 
@@ -86,15 +88,16 @@ def expect(
         A figure to limit, for example attitude_error. May be given several times. Default: all figures in new expectations, and
         those that the existing ones limit.
     """
-    from bodycheck.console import terminal
+    from bodycheck.console import tables, terminal
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging import expectation_writer, judgement
 
     expectation_writer.check_margin(margin)
+    tables.check(view, terminal.WRITTEN)
     expectation_writer.check_figures(figure)
     names = arguments.case_names(files) if files else ()
     places = expectation_writer.places(names, arguments.load_cases(names) if names else ())
-    with ran(Selection(names, engine, integrator, timestep, jobs), expectation_writer.plan, None) as made:
+    with ran(Selection(names, engine, integrator, timestep, jobs), expectation_writer.plan, None, quiet) as made:
         changes = expectation_writer.write(made.results, judgement.judge(made.results), places, margin, figure)
-    terminal.print_changes(changes)
+    terminal.print_changes([change for change in changes if not quiet or not change.done], view)
     return OK if all(change.done for change in changes) else FAILED

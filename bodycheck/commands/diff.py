@@ -6,12 +6,12 @@ Its imports are inside the function, so that `--help` answers at once.
 import os
 from pathlib import Path
 
-from bodycheck.console.options import Json
+from bodycheck.console.options import AS_USUAL, Json, Viewed
 from bodycheck.errors import FAILED, OK
 from bodycheck.runner_log import print_command
 
 
-def diff(base: Path, now: Path, /, *, json: Json = False) -> int:
+def diff(base: Path, now: Path, /, *, json: Json = False, view: Viewed = AS_USUAL) -> int:
     """Compare two baselines, and print the changes that exceed the effect of rounding and the error of the truth.
 
     The command prints nothing if there is no such change. A figure whose definition has changed between the versions of
@@ -28,15 +28,16 @@ def diff(base: Path, now: Path, /, *, json: Json = False) -> int:
     now
         The newer baseline, made later, on another machine, or with other versions.
     """
-    from bodycheck.console import terminal
+    from bodycheck.console import tables, terminal
     from bodycheck.judging import baseline
     from bodycheck.reports.runs import github
 
+    tables.check(view, terminal.DIFFERENCES)
     found = baseline.diff(baseline.read(base), baseline.read(now))
     if json:
         terminal.print_json(baseline.as_json(found))
     elif found.changes or found.paces or found.redefined:
-        terminal.print_difference(found)
+        terminal.print_difference(found, view)
     if found.changes and github.is_running(os.environ):
         print_command(github.annotation("error" if found.worse else "notice", found.text, "bodycheck diff"))
     return FAILED if found.worse else OK

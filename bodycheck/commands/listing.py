@@ -4,11 +4,11 @@ The imports are inside the functions, so that `--help` answers at once.
 """
 
 from bodycheck.console import arguments
-from bodycheck.console.options import Json
+from bodycheck.console.options import AS_USUAL, Json, Viewed
 from bodycheck.errors import FAILED, OK
 
 
-def cases(*, requires: bool = False, json: Json = False) -> int:
+def cases(*, requires: bool = False, json: Json = False, view: Viewed = AS_USUAL) -> int:
     """List the cases that come with bodycheck.
 
     Parameters
@@ -16,23 +16,26 @@ def cases(*, requires: bool = False, json: Json = False) -> int:
     requires
         Also print which properties a model needs to represent each scene exactly.
     """
-    from dataclasses import asdict
+    from dataclasses import asdict, fields
 
     from bodycheck.casefile.case import shipped
-    from bodycheck.console import terminal
-    from bodycheck.reference.requirements import requirements
+    from bodycheck.console import tables, terminal
+    from bodycheck.reference.requirements import Requirements, requirements
 
+    if not requires:
+        tables.check(view, terminal.CASES)
     loaded = arguments.load_cases(shipped())
     if requires:
+        tables.check(view, terminal.requirement_columns(field.name for field in fields(Requirements)))
         needs = {case.name: asdict(requirements(case.scene)) for case in loaded}
         if json:
             terminal.print_json([{"name": name, **needed} for name, needed in needs.items()])
         else:
-            terminal.print_requirements(needs)
+            terminal.print_requirements(needs, view)
     elif json:
         terminal.print_json([{"name": c.name, "title": c.title, "source": c.source, "tags": c.tags} for c in loaded])
     else:
-        terminal.print_table(("case", "title", "tags"), [(c.name, c.title, ", ".join(c.tags)) for c in loaded])
+        tables.show(terminal.CASES, loaded, view)
     return OK
 
 
@@ -40,6 +43,7 @@ def engines(
     *,
     check: bool = False,
     json: Json = False,
+    view: Viewed = AS_USUAL,
 ) -> int:
     """List the engines with their versions and integrators.
 
@@ -50,9 +54,10 @@ def engines(
         or an installed engine when it is imported.
     """
     from bodycheck.adapters import offers
-    from bodycheck.console import terminal
+    from bodycheck.console import tables, terminal
     from bodycheck.running import smoke
 
+    tables.check(view, terminal.ENGINES)
     loaded = arguments.load_engines(())
     adapters, missing = loaded.adapters, loaded.missing
     faults = smoke.check_all(tuple(adapters)) if check else {}
@@ -68,7 +73,7 @@ def engines(
         )
     else:
         rows = [(name, own.engine.version, ", ".join(offers.listed(own.engine))) for name, own in adapters.items()]
-        terminal.print_table(("engine", "version", "integrators"), rows + [(name, "-", why) for name, why in missing.items()])
+        tables.show(terminal.ENGINES, rows + [(name, "-", why) for name, why in missing.items()], view)
         for name, found in faults.items():
             print("\n".join(found) if found else f"{name}: adapter check passed")
     return FAILED if any(faults.values()) or (check and loaded.broken) else OK

@@ -59,6 +59,7 @@ def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit
             sets.append(result_set.judged(one, label))
     with saved.undamaged(*folders):
         write(sets, into, figures, junit)
+    print(f"report: {into / 'report.html'}", file=sys.stderr)
     if interrupted := [str(one.results.folder) for one in sets if not one.results.complete]:
         print(
             f"bodycheck: interrupted; the report contains the runs before the interruption: {', '.join(interrupted)}",
@@ -108,6 +109,5 @@ def write(sets: "Sequence[ResultSet]", out: Path | None, figures: Figures, junit
     if out is not None:
         result_set.write(sets, out)
         reports.write(sets, out, figures)
-        print(f"report: {out / 'report.html'}", file=sys.stderr)
     if junit is not None:
         reports.write_junit(sets, junit)

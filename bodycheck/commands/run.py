@@ -4,11 +4,29 @@ Its imports are inside the function, so that `--help` answers at once.
 """
 
 import os
+import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from bodycheck.console import arguments
-from bodycheck.console.options import CaseName, Engines, Figures, Integrators, Jobs, Json, JUnit, Out, Timesteps
+from bodycheck.console.options import (
+    AS_USUAL,
+    CaseName,
+    Engines,
+    Figures,
+    Integrators,
+    Jobs,
+    Json,
+    JUnit,
+    Out,
+    Quiet,
+    Timesteps,
+    Viewed,
+)
 from bodycheck.errors import FAILED, OK
+
+if TYPE_CHECKING:
+    from bodycheck.judging.result_set import ResultSet
 
 
 def run(
@@ -22,6 +40,9 @@ def run(
     junit: JUnit = None,
     jobs: Jobs = None,
     json: Json = False,
+    table: bool = False,
+    view: Viewed = AS_USUAL,
+    quiet: Quiet = False,
 ) -> int:
     """Run cases in engines, compare the motions with exact mechanics, and write a report.
 
@@ -38,10 +59,13 @@ def run(
     save
         A file (.parquet) to save the results as a baseline for `bodycheck diff`. Every run is made five times, to measure the
         effect of rounding.
+    table
+        Print the table of all runs before the summary. This is the default where stdout is not a terminal, and with --columns,
+        --sort and --wide. --columns may name any column of results.csv.
     """
     from bodycheck import reports
     from bodycheck.commands.report import write
-    from bodycheck.console import terminal
+    from bodycheck.console import output, results, tables, terminal
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging import baseline, judgement, result_set
     from bodycheck.running.plan import plan
@@ -49,17 +73,34 @@ def run(
     for option, path in (("--save", save), ("--junit", junit)):
         arguments.check_writable(option, path)
     arguments.check_has_folder(figures, out)
+    tables.check(view, results.RUNS)
     names = arguments.case_names(cases)
-    with ran(Selection(names, engine, integrator, timestep, jobs), plan, out) as made:
+    with ran(Selection(names, engine, integrator, timestep, jobs), plan, out, quiet) as made:
         found = result_set.judged(made.results)
         verdicts = found.verdicts
         write([found], out, figures, junit)
         reports.annotate_github(found, arguments.files_of(made.cases, names), os.environ)
         if save is not None:
-            with terminal.progress("nudging", baseline.size(verdicts)) as progress:
+            with terminal.progress("nudging", baseline.size(verdicts), quiet) as progress:
                 baseline.save(save, made.results, verdicts, arguments.processes(jobs), progress)
-    if json:
-        terminal.print_json(judgement.records(verdicts))
-    else:
-        terminal.print_results(verdicts)
+        if json:
+            terminal.print_json(judgement.records(verdicts))
+        elif quiet:
+            results.print_failed(verdicts)
+        else:
+            if table or view != AS_USUAL or not sys.stdout.isatty():
+                results.print_runs(verdicts, view)
+            _print_summary(found, out)
+    output.say_where(out, quiet)
     return FAILED if made.engine_failed or any(verdict.passed is False for verdict in verdicts) else OK
+
+
+def _print_summary(found: "ResultSet", out: Path | None) -> None:
+    """Print the summary of judged results. out: the folder with their report; None if there is none."""
+    from bodycheck import reports
+    from bodycheck.console.summary import Summary, print_summary
+
+    told = reports.brief([found])
+    findings = [f"{finding.subject}: {finding.text}" for finding in (told.broken, *told.findings) if finding is not None]
+    more = [] if out is not None else ["--out FOLDER writes a report, and --table prints all runs."]
+    print_summary(Summary(told.headline, findings, told.counts, told.unsupported, [*told.limits, *more]))

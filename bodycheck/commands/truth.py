@@ -9,7 +9,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from bodycheck.console import arguments
-from bodycheck.console.options import Json
+from bodycheck.console.options import AS_USUAL, Json, Viewed
 from bodycheck.errors import FAILED, OK, BadInput
 
 
@@ -20,6 +20,7 @@ def truth(
     at: Annotated[tuple[float, ...], Parameter(consume_multiple=True)] = (),
     certify: bool = False,
     json: Json = False,
+    view: Viewed = AS_USUAL,
 ) -> int:
     """Print the reference trajectory of a case, and a bound of its error.
 
@@ -34,10 +35,12 @@ def truth(
         truth is at most according to the most accurate of them. The exit code is 1 if two methods are farther apart than their
         own error bounds allow.
     """
-    from bodycheck.console import terminal
+    from bodycheck.console import tables, terminal
+    from bodycheck.console import truths as printing
     from bodycheck.reference.errors import NotModelled, OutOfReach
     from bodycheck.running import truths
 
+    tables.check(view, printing.STATES)
     loaded = arguments.load_case(case)
     if not all(0 <= instant < float("inf") for instant in at):
         raise BadInput("--at: instants must be finite and at least 0 s")
@@ -54,9 +57,9 @@ def truth(
     if json:
         terminal.print_json(truths.as_json(loaded, found) | (truths.certificate_as_json(certificate) if certificate else {}))
     else:
-        terminal.print_truth(found, most_rows=len(at) or 11)
+        printing.print_truth(found, len(at) or 11, view)
         if certificate:
-            terminal.print_certificate(certificate)
+            printing.print_certificate(certificate)
     for fault in certificate.faults if certificate else ():
         print(f"not certified: {fault}", file=sys.stderr if json else sys.stdout)
     return OK if certificate is None or certificate.certified else FAILED

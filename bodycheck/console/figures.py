@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from bodycheck.console.tables import Column
 from bodycheck.figures.bounds import rounded_up, within_truth
 from bodycheck.figures.columns import FIGURES
 
@@ -30,3 +31,44 @@ def error_text(row: Mapping[str, Any], *names: str) -> str:
         return ""
     own = within_truth(FIGURES[name], row)
     return figure_text(row[name]) if own is None else f"{WITHIN} {figure_text(rounded_up(own, 3))}"
+
+
+def error_column(name: str, head: str, *instead: str, **options: Any) -> Column[Mapping[str, Any]]:
+    """Return the column of an error of rows of results.
+
+    Parameters
+    ----------
+    name, head
+        The name of the column of results, and the head with the unit.
+    instead
+        Columns of which the first is shown that a row has, if it lacks this one.
+    options
+        Further fields of `Column`.
+    """
+
+    def value(row: Mapping[str, Any]) -> float | None:
+        return next((row[one] for one in (name, *instead) if row.get(one) is not None), None)
+
+    return Column(name, head, lambda row: error_text(row, name, *instead), value, **options)
+
+
+def bound_column(name: str, head: str, **options: Any) -> Column[Mapping[str, Any]]:
+    """Return the column of a bound of the truth's own error, rounded up; parameters are those of `error_column`."""
+
+    def value(row: Mapping[str, Any]) -> float | None:
+        return row.get(name)
+
+    def text(row: Mapping[str, Any]) -> str:
+        own = value(row)
+        return "" if own is None else f"{rounded_up(own, 2):.2g}"
+
+    return Column(name, head, text, value, **options)
+
+
+def microseconds(name: str, head: str, **options: Any) -> Column[Mapping[str, Any]]:
+    """Return the column of a time of rows of results, in us; parameters are those of `error_column`."""
+
+    def value(row: Mapping[str, Any]) -> float | None:
+        return scaled(1e6, row.get(name))
+
+    return Column(name, head, lambda row: figure_text(value(row)), value, **options)

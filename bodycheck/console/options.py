@@ -1,5 +1,6 @@
 """The arguments and options that several commands share, with their help."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -33,3 +34,38 @@ Figures = Annotated[
 JUnit = Annotated[Path | None, Parameter(help="A file (.xml) for the expectations as test results that CI systems can read.")]
 
 Json = Annotated[bool, Parameter(help="Print JSON instead of tables.")]
+
+Quiet = Annotated[bool, Parameter(help="Print only what failed, and errors: no progress, no tables, no summary.")]
+
+
+@dataclass(frozen=True)
+class View:
+    """Which columns of tables are printed, and in which order their rows.
+
+    Attributes
+    ----------
+    columns
+        Names of columns, separated by commas; empty for all that the terminal has room for.
+    sort
+        The name of the column by which rows are sorted; empty for the order of the command.
+    wide
+        Whether all columns are printed, whatever the width of the terminal.
+    """
+
+    columns: Annotated[str, Parameter(help="Print these columns only, separated by commas.")] = ""
+    sort: Annotated[
+        str, Parameter(help="Sort the rows of tables by this column, so that the largest value or the last name is at the end.")
+    ] = ""
+    wide: Annotated[bool, Parameter(help="Print all columns, also those that a narrow terminal has no room for.")] = False
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the columns."""
+        return tuple(filter(None, (name.strip() for name in self.columns.split(","))))
+
+
+#: A view as three options of a command.
+Viewed = Annotated[View, Parameter(name="*")]
+
+#: The view of a command whose options are not given.
+AS_USUAL = View()

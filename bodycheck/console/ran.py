@@ -8,8 +8,8 @@ from pathlib import Path
 
 from bodycheck.adapters.contract import Adapter
 from bodycheck.casefile.case import Case
-from bodycheck.console import terminal
 from bodycheck.console.arguments import load_cases, load_engines, processes
+from bodycheck.console.progress import progress as shown
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.running import campaign
 from bodycheck.running.plan import Plan
@@ -62,7 +62,7 @@ class Ran:
 
 
 @contextmanager
-def ran(selection: Selection, plan: Plan, out: Path | None) -> Iterator[Ran]:
+def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False) -> Iterator[Ran]:
     """Run the tasks that a plan makes of a selection, and provide the results.
 
     Parameters
@@ -73,6 +73,8 @@ def ran(selection: Selection, plan: Plan, out: Path | None) -> Iterator[Ran]:
         Returns the tasks for cases, adapters, integrators and time steps.
     out
         The folder for the results. If it is None, they are in a temporary folder that the end of the context deletes.
+    quiet
+        Whether no progress is shown.
 
     Raises
     ------
@@ -88,7 +90,7 @@ def ran(selection: Selection, plan: Plan, out: Path | None) -> Iterator[Ran]:
     header = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, engines.missing)
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
-        with terminal.progress("running", campaign.size(tasks)) as progress:
+        with shown("running", campaign.size(tasks), quiet) as progress:
             done = campaign.results(tasks, folder, header, processes(selection.jobs), progress=progress)
             results = stack.enter_context(done)
         yield Ran(results, cases, adapters, engines.failed(cases))

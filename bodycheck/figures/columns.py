@@ -62,6 +62,29 @@ COST_COLUMNS = (
     ),
 )
 
+CASE_COLUMNS = (
+    Column("kind", "string", "Kind", "kind of the scene: turning, translation, drag or contact"),
+    Column("tags", "string", "Tags", "tags of the case, with semicolons between them"),
+)
+
+#: The ends of the names of the columns with the limit of a figure and with its margin.
+LIMIT, MARGIN = "_limit", "_margin"
+
+
+def _limit(figure: Figure) -> tuple[Column, Column]:
+    """Return the columns of the limit of a figure and of its margin."""
+    where = "empty where the figure was not measured or nothing is expected of it"
+    limit = f"largest value that the case allows for {figure.name}, or the least if it has no largest; {where}"
+    margin = f"{figure.name}{LIMIT} divided by {figure.name}; {where}, and where the figure is zero"
+    return (
+        Column(figure.name + LIMIT, "number", f"{figure.title}, limit", limit, figure.unit, figure.counts),
+        Column(figure.name + MARGIN, "number", f"{figure.title}, margin", margin, counts="times the measured value"),
+    )
+
+
+#: Columns with the limits of figures and their margins, which a table has only where any run has a value.
+LIMIT_COLUMNS = tuple(column for figure in FIGURES.values() if figure.limited for column in _limit(figure))
+
 #: All columns by name, in the order of tables.
 COLUMNS: dict[str, Column] = {
     column.name: column
@@ -70,6 +93,8 @@ COLUMNS: dict[str, Column] = {
         *(FIGURES[name] for name in ALWAYS_TABLED),
         *COST_COLUMNS,
         *(FIGURES[name] for name in FURTHER),
+        *CASE_COLUMNS,
+        *LIMIT_COLUMNS,
     )
 }
 

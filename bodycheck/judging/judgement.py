@@ -13,17 +13,21 @@ import pandas as pd
 
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
-from bodycheck.figures.columns import ALWAYS_TABLED, FURTHER, truth_bounds
+from bodycheck.figures.columns import ALWAYS_TABLED, CASE_COLUMNS, FURTHER, LIMIT_COLUMNS, truth_bounds
+from bodycheck.figures.columns import COLUMNS as ALL_COLUMNS
 from bodycheck.files import writing
 from bodycheck.judging.convergence import attitude_order
 from bodycheck.judging.discrepancy import Summary, compare
+from bodycheck.judging.margins import Margin, margins
+from bodycheck.reference.requirements import requirements
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import csv_tables
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Outcome, Run, Unsupported
 from bodycheck.running.store import Results
 
-#: The columns of every table of results. The columns of `FURTHER` that any run has follow.
+#: The columns of every table of results. The columns of `FURTHER` that any run has follow, then those of the case, and then
+#: those of the limits and margins that any run has.
 COLUMNS = (
     *("case", "engine", "version", "integrator", "timestep", "status", "passed", "reason"),
     *ALWAYS_TABLED,
@@ -103,6 +107,8 @@ class Verdict:
         The judgement on each expectation, in the order of the case.
     label
         The label of the results that contain the run, if several are judged together.
+    kind, tags
+        The kind of the scene, and the tags of the case.
     """
 
     run: Run
@@ -113,6 +119,13 @@ class Verdict:
     known: bool = False
     judged: tuple[Judged, ...] = ()
     label: str = ""
+    kind: str = ""
+    tags: tuple[str, ...] = ()
+
+    @property
+    def margins(self) -> tuple[Margin, ...]:
+        """The margins of the figures to the limits that are expected of them."""
+        return margins((one.expectation for one in self.judged), self.discrepancy)
 
     @property
     def key(self) -> RunKey:
@@ -132,12 +145,16 @@ class Verdict:
             "status": self.outcome.status,
             "passed": self.passed,
             "reason": self.reason,
+            "kind": self.kind,
+            "tags": ";".join(self.tags),
         }
         if self.discrepancy is not None and isinstance(self.outcome, Completed):
             steps, wall_time = self.outcome.steps, self.outcome.wall_time
             row |= self.discrepancy.maxima() | {"steps": steps, "wall_time": wall_time}
             if steps:
                 row |= {"time_per_step": wall_time / steps, "realtime_factor": steps * method.timestep / wall_time}
+        for margin in self.margins:
+            row |= margin.columns()
         return row
 
 
@@ -189,8 +206,9 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
     elif isinstance(outcome, Completed) and isinstance(truth, Truth):
         discrepancy = compare(truth, run).summary()
     expectations = _concerning(case, run)
+    told: dict[str, Any] = {"kind": requirements(case.scene).kind, "tags": case.tags}
     if not expectations:
-        return Verdict(run, outcome, discrepancy, False if outcome.failed else None, outcome.reason)
+        return Verdict(run, outcome, discrepancy, False if outcome.failed else None, outcome.reason, **told)
     order = _order(truth, (run, *finer)) if any(expectation.needs_order for expectation in expectations) else None
     bounds = {} if isinstance(truth, NoTruth) else {name: float(b.max()) for name, b in truth_bounds(truth).items()}
     judged = tuple(
@@ -199,13 +217,15 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
     )
     reasons = [one.text for one in judged if one.text] or [outcome.reason]
     known = any(expectation.known for expectation in expectations)
-    return Verdict(run, outcome, discrepancy, all(one.held for one in judged), "; ".join(reasons), known, judged)
+    return Verdict(run, outcome, discrepancy, all(one.held for one in judged), "; ".join(reasons), known, judged, **told)
 
 
 def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     """Return the rows of results with all of `COLUMNS`, in their order; missing values are None."""
     rows = [verdict.row() for verdict in verdicts]
     more = [name for name in FURTHER if any(name in row for row in rows)]
+    more += [column.name for column in CASE_COLUMNS]
+    more += [column.name for column in LIMIT_COLUMNS if any(column.name in row for row in rows)]
     labels = (LABEL,) if any(LABEL in row for row in rows) else ()
     return [dict.fromkeys((*labels, *COLUMNS, *more)) | row for row in rows]
 
@@ -218,8 +238,9 @@ def table(verdicts: Iterable[Verdict]) -> pd.DataFrame:
 def _frame(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     columns = list(rows[0]) if rows else list(COLUMNS)
     frame = pd.DataFrame(rows, columns=columns)
-    figures = dict.fromkeys(columns[columns.index("reason") + 1 :], "Float64")
-    return frame.astype({"passed": "boolean", **figures, "steps": "Int64"})
+    kinds = {"boolean": "boolean", "integer": "Int64", "number": "Float64"}
+    types = {name: kinds.get(ALL_COLUMNS[name].kind) for name in columns if name != "timestep"}
+    return frame.astype({name: type for name, type in types.items() if type is not None})
 
 
 def write(verdicts: Iterable[Verdict], folder: Path) -> None:

@@ -13,15 +13,14 @@ from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, TABLED, Quantity, bound, milliseconds, number
 from bodycheck.reports.runs import comparison, curves
+from bodycheck.reports.runs.brief import brief
 from bodycheck.reports.runs.comparison import Shown
 from bodycheck.reports.runs.curves import Curves
-from bodycheck.reports.runs.differences import compare
-from bodycheck.reports.runs.findings import findings, measured
 from bodycheck.reports.runs.matrix import Matrix, matrices
 from bodycheck.reports.runs.origins import Origins, origins
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback, playback
 from bodycheck.reports.runs.scenes import Fact, describe
-from bodycheck.reports.runs.summary import broken, expectation_status, failure_status, headline, notices, tally
+from bodycheck.reports.runs.summary import expectation_status, failure_status
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.running.header import Header
 from bodycheck.running.key import RunKey
@@ -131,19 +130,15 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     points = max(2, min(MOST_POINTS, MOST_NUMBERS // max(1, 4 * len(verdicts))))
     room = MOST_CHARACTERS // max(1, len(shown))
     sections = tuple(_section(case, lines, points, room) for case in shown)
-    first, *others = sets
-    differences = compare(sets, shown) if others else None
+    told = brief(sets)
     return Contents(
         header=comparison.header(sets),
         complete=all(one.results.complete for one in sets),
-        headline=differences.headline if differences else headline(first.results, verdicts),
-        tally=tally(verdicts),
-        notices=(*(differences.notices if differences else ()), *(text for one in sets for text in notices(one))),
-        broken=broken(verdicts, lines),
-        findings=(
-            *(differences.findings if differences else ()),
-            *findings(measured(verdicts, lines), () if differences else first.parts, lines),
-        ),
+        headline=told.headline,
+        tally=told.tally,
+        notices=told.notices,
+        broken=told.broken,
+        findings=told.findings,
         failures=tuple(_failure(verdict, lines) for verdict in verdicts if verdict.passed is False),
         lines=tuple(lines.values()),
         matrices=matrices({case.name: case.case for case in shown}, verdicts, lines),

@@ -150,13 +150,8 @@ class Matrix:
 
 def kind_of(scene: Scene) -> Kind:
     """Return the kind of a scene, which follows from its requirements."""
-    turning, translation, drag, contact = KINDS
-    needs = requirements(scene)
-    if needs.contact:
-        return contact
-    if needs.drag:
-        return drag
-    return translation if needs.rotation == "none" else turning
+    name = requirements(scene).kind
+    return next(kind for kind in KINDS if kind.name == name)
 
 
 def matrices(cases: Mapping[str, Case], verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> tuple[Matrix, ...]:

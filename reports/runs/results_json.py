@@ -8,7 +8,7 @@ import math
 from collections.abc import Sequence
 from typing import Any, get_args
 
-from bodycheck.figures.columns import COLUMNS, FIGURES, FURTHER
+from bodycheck.figures.columns import CASE_COLUMNS, COLUMNS, FIGURES, FURTHER, LIMIT_COLUMNS
 from bodycheck.figures.definition import Column
 from bodycheck.judging import judgement
 from bodycheck.judging.result_set import ResultSet
@@ -104,9 +104,11 @@ def schema() -> str:
 
 def _run() -> Schema:
     """Return the schema of a row of results: completed runs have numbers, others have none."""
-    figures = (*judgement.COLUMNS[judgement.COLUMNS.index("reason") + 1 :], *FURTHER)
+    limits = (column.name for column in LIMIT_COLUMNS)
+    figures = (*judgement.COLUMNS[judgement.COLUMNS.index("reason") + 1 :], *FURTHER, *limits)
     properties = {name: _column(column) for name, column in COLUMNS.items()}
-    run = _object(properties, "One engine with one method on one case.") | {"required": list(judgement.COLUMNS)}
+    required = [*judgement.COLUMNS, *(column.name for column in CASE_COLUMNS)]
+    run = _object(properties, "One engine with one method on one case.") | {"required": required}
     measured = {name: {"type": "number"} for name in (*ALWAYS, "steps", "wall_time")}
     return run | {
         "if": {"properties": {"status": {"const": Completed.status}}},

@@ -7,7 +7,8 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line
-from bodycheck.reports.notices import missing_engines, unsupported
+from bodycheck.reports.notices import missing_engines
+from bodycheck.reports.notices import unsupported as unsupported_notices
 from bodycheck.reports.quantities import count, verb
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Unsupported
@@ -47,15 +48,31 @@ def tally(verdicts: Sequence[Verdict]) -> tuple[tuple[str, int], ...]:
 
 def notices(one: ResultSet) -> tuple[str, ...]:
     """Return sentences on what limits a set of results: an interruption, missing engines, unsupported runs."""
-    results, verdicts, texts = one.results, one.verdicts, []
-    if not results.complete:
+    reasons = (verdict.outcome.reason for verdict in one.verdicts if _unsupported(verdict))
+    return (*limits(one), *(_labelled(one, text) for text in unsupported_notices(reasons)))
+
+
+def limits(one: ResultSet) -> tuple[str, ...]:
+    """Return the notices of a set of results without those on unsupported runs."""
+    texts = []
+    if not one.results.complete:
         texts.append(
-            f"The command was interrupted after {count(len(verdicts), 'run')}. "
+            f"The command was interrupted after {count(len(one.verdicts), 'run')}. "
             "Runs that had not finished by then are missing from this report."
         )
-    texts += missing_engines(results.header)
-    texts += unsupported(verdict.outcome.reason for verdict in verdicts if _unsupported(verdict))
-    return tuple(f"{one.label}: {text}" if one.label else text for text in texts)
+    texts += missing_engines(one.results.header)
+    return tuple(_labelled(one, text) for text in texts)
+
+
+def _labelled(one: ResultSet, text: str) -> str:
+    return f"{one.label}: {text}" if one.label else text
+
+
+def unsupported(verdicts: Sequence[Verdict]) -> str:
+    """Return why runs are not supported by their engines, with their numbers, in one line; empty if all are supported."""
+    reasons = Counter(verdict.outcome.reason for verdict in verdicts if _unsupported(verdict))
+    told = "; ".join(f"{reason} ({count(amount, 'run')})" for reason, amount in reasons.most_common())
+    return f"unsupported: {told}" if reasons else ""
 
 
 def expectation_status(verdict: Verdict) -> str:

@@ -166,7 +166,7 @@ def test_the_command_goes_on_too(calls_here: None, tmp_path: Path) -> None:
     done = bodycheck(*command, "--jobs", 1)
     assert done.returncode == 0
     assert f"bodycheck: resuming the interrupted run in {out}: 3 of {len(lines) - 2} are done\n" in done.stderr
-    assert done.stderr.count("short · ") == len(lines) - 2 - 3
+    assert "short · " not in done.stderr  # stderr is no terminal: no line a run
     assert "nterrupted" not in (out / "report.md").read_text()
     resumed = pd.read_csv(out / "results.csv")
     pd.testing.assert_frame_equal(resumed.drop(columns=TIMINGS), undisturbed.drop(columns=TIMINGS), check_exact=True)

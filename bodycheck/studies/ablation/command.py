@@ -3,12 +3,23 @@
 Its imports are inside the function, so that `--help` answers at once.
 """
 
-import sys
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from bodycheck.console.options import CaseName, Engines, Figures, Integrators, Jobs, Json, Out, Timesteps
+from bodycheck.console.options import (
+    AS_USUAL,
+    CaseName,
+    Engines,
+    Figures,
+    Integrators,
+    Jobs,
+    Json,
+    Out,
+    Quiet,
+    Timesteps,
+    Viewed,
+)
 from bodycheck.errors import FAILED, OK
 
 
@@ -24,6 +35,8 @@ def ablate(
     figures: Figures = (),
     jobs: Jobs = None,
     json: Json = False,
+    view: Viewed = AS_USUAL,
+    quiet: Quiet = False,
 ) -> int:
     """Measure the cost and the effect of model parts that a case does not require.
 
@@ -31,22 +44,24 @@ def ablate(
     default time step is 2 ms; half of it is run too. Costs are measured with one process. The table is ablation.csv.
     """
     from bodycheck import reports
-    from bodycheck.console import terminal
+    from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import check_has_folder
+    from bodycheck.console.output import say_where
     from bodycheck.console.ran import Selection, ran
     from bodycheck.studies.ablation import printing, study
     from bodycheck.studies.ablation.page import present
 
     check_has_folder(figures, out)
-    with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out) as made:
+    tables.check(view, printing.MODELS)
+    with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out, quiet) as made:
         results = made.results
         rows = study.evaluate(results, made.adapters, integrator, timestep)
         if out is not None:
             study.write(rows, out)
             reports.write_study(present(results.header, results.cases, rows), out, figures)
-            print(f"report: {out / 'report.html'}", file=sys.stderr)
     if json:
         terminal.print_json(study.records(rows))
-    else:
-        printing.print_ablation(rows)
+    elif not quiet:
+        printing.print_ablation(rows, view)
+    say_where(out, quiet)
     return FAILED if made.engine_failed else OK

@@ -3,26 +3,50 @@
 from collections.abc import Sequence
 
 from bodycheck.console.figures import figure_text, scaled
-from bodycheck.console.terminal import print_table
+from bodycheck.console.options import View
+from bodycheck.console.tables import Column, attribute, show
 from bodycheck.studies.ablation.rows import Change, ModelRow
 
 
-def print_ablation(rows: Sequence[ModelRow]) -> None:
+def print_ablation(rows: Sequence[ModelRow], view: View) -> None:
     """Print one line per model."""
-    header = ("case", "engine", "integrator", "step", "model", "us/step", "cost", "position change m", "attitude change rad")
-    print_table((*header, "reason"), map(_model, rows))
+    show(MODELS, rows, view)
 
 
-def _model(row: ModelRow) -> tuple[str, ...]:
-    names = (row.case, row.engine, row.integrator, f"{row.timestep:g}", row.model)
+def _cost(row: ModelRow) -> str:
     spread = f" ({figure_text(row.relative_cost_low)} to {figure_text(row.relative_cost_high)})" if row.relative_cost else ""
-    changes = [_change(row.changes.get(quantity)) for quantity in ("position", "attitude")]
-    return (*names, figure_text(scaled(1e6, row.time_per_step)), figure_text(row.relative_cost) + spread, *changes, row.reason)
+    return figure_text(row.relative_cost) + spread
 
 
-def _change(change: Change | None) -> str:
-    if change is None:
-        return ""
-    if change.is_rounding:
-        return "none"
-    return f"{change.size:.3g}" + ("" if change.agrees else " > time-step errors")
+def _change(quantity: str, unit: str, goes: int) -> Column[ModelRow]:
+    def text(row: ModelRow) -> str:
+        change: Change | None = row.changes.get(quantity)
+        if change is None:
+            return ""
+        if change.is_rounding:
+            return "none"
+        return f"{change.size:.3g}" + ("" if change.agrees else " > time-step errors")
+
+    def size(row: ModelRow) -> float | None:
+        return row.changes[quantity].size if quantity in row.changes else None
+
+    return Column(f"{quantity}_change", f"{quantity} change {unit}", text, size, goes)
+
+
+def _microseconds(row: ModelRow) -> float | None:
+    return scaled(1e6, row.time_per_step)
+
+
+#: The columns of the table.
+MODELS: tuple[Column[ModelRow], ...] = (
+    attribute("case"),
+    attribute("engine", goes=5),
+    attribute("integrator", goes=6),
+    attribute("timestep", "step", "g", goes=2),
+    attribute("model"),
+    Column("time_per_step", "us/step", lambda row: figure_text(_microseconds(row)), _microseconds, goes=4),
+    Column("relative_cost", "cost", _cost, lambda row: row.relative_cost),
+    _change("position", "m", goes=3),
+    _change("attitude", "rad", goes=1),
+    attribute("reason", goes=7, wraps=True),
+)

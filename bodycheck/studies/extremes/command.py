@@ -6,7 +6,7 @@ Its imports are inside the function, so that `--help` answers at once.
 import sys
 from contextlib import ExitStack
 
-from bodycheck.console.options import CaseName, Engines, Figures, Integrators, Jobs, Json, Out
+from bodycheck.console.options import AS_USUAL, CaseName, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Viewed
 from bodycheck.errors import FAILED, OK
 
 
@@ -18,6 +18,8 @@ def extremes(
     figures: Figures = (),
     jobs: Jobs = None,
     json: Json = False,
+    view: Viewed = AS_USUAL,
+    quiet: Quiet = False,
 ) -> int:
     """Push cases and methods to extreme values, and report where and how the methods fail.
 
@@ -27,14 +29,16 @@ def extremes(
     from dataclasses import asdict
 
     from bodycheck import reports
-    from bodycheck.console import terminal
+    from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import check_has_folder, load_cases, load_engines, processes
+    from bodycheck.console.output import say_where
     from bodycheck.files.temporary import temporary_folder
     from bodycheck.running import campaign
     from bodycheck.studies.extremes import printing, study
     from bodycheck.studies.extremes.page import present
 
     check_has_folder(figures, out)
+    tables.check(view, printing.RUNS, printing.LIMITS)
     loaded = [case for case in load_cases(cases) if cases or case.extremes]
     engines = load_engines(engine)
     adapters = engines.adapters
@@ -42,15 +46,14 @@ def extremes(
     head = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, engines.missing)
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
-        progress = stack.enter_context(terminal.progress("pushing", planned.size))
+        progress = stack.enter_context(terminal.progress("pushing", planned.size, quiet))
         rows, limits = stack.enter_context(study.results(planned, folder, head, processes(jobs), progress))
         if out is not None:
             study.write(rows, limits, out)
             reports.write_study(present(head, rows, limits), out, figures)
     if json:
         terminal.print_json({"rows": [asdict(row) for row in rows], "limits": [asdict(limit) for limit in limits]})
-    else:
-        printing.print_extremes(rows, limits)
-    if out is not None:
-        print(f"report: {out / 'report.html'}", file=sys.stderr)
+    elif not quiet:
+        printing.print_extremes(rows, limits, view)
+    say_where(out, quiet)
     return FAILED if engines.failed(loaded) else OK

@@ -2,26 +2,39 @@
 
 from collections.abc import Sequence
 
-from bodycheck.console.figures import figure_text
-from bodycheck.console.terminal import print_table
+from bodycheck.console.options import View
+from bodycheck.console.output import say, tell
+from bodycheck.console.tables import attribute, show
 from bodycheck.studies.extremes.rows import Limit, Row
 
+#: The columns of the table of runs.
+RUNS = (
+    attribute("case"),
+    attribute("engine", goes=2),
+    attribute("integrator"),
+    attribute("timestep", "step", "g", goes=1),
+    attribute("axis"),
+    attribute("value", form=".10g"),
+    attribute("status"),
+    attribute("engine_said", "engine said", goes=3),
+    attribute("seen", at="detail", goes=4, wraps=True),
+)
 
-def print_extremes(rows: Sequence[Row], limits: Sequence[Limit]) -> None:
+#: The columns of the table of limits of stability.
+LIMITS = (
+    attribute("case"),
+    attribute("engine", goes=2),
+    attribute("integrator"),
+    attribute("spin", "spin rad/s", "g"),
+    attribute("largest_stable_timestep", "step s"),
+    attribute("spin_times_step", "spin x step rad", goes=1),
+)
+
+
+def print_extremes(rows: Sequence[Row], limits: Sequence[Limit], view: View) -> None:
     """Print one line per run, beginning with wrong runs that the engine did not report, then one line per method and spin."""
-    header = ("case", "engine", "integrator", "step", "axis", "value", "status", "engine said", "seen")
-    print_table(header, map(_extreme, sorted(rows, key=lambda row: not row.believed)))
-    if limits:
-        print("\nthe largest stable step")
-        print_table(("case", "engine", "integrator", "spin rad/s", "step s", "spin x step rad"), map(_limit, limits))
-    print(f"{len(rows)} runs, {sum(row.believed for row in rows)} of them wrong without any report by the engine")
-
-
-def _extreme(row: Row) -> tuple[str, ...]:
-    place = (row.case, row.engine, row.integrator, f"{row.timestep:g}", row.axis, f"{row.value:.10g}")
-    return (*place, row.status, row.engine_said, row.detail)
-
-
-def _limit(limit: Limit) -> tuple[str, ...]:
-    figures = (limit.largest_stable_timestep, limit.spin_times_step)
-    return (limit.case, limit.engine, limit.integrator, f"{limit.spin:g}", *map(figure_text, figures))
+    show(RUNS, sorted(rows, key=lambda row: not row.believed), view)
+    if limits and (not view.names or {column.name for column in LIMITS} & set(view.names)):
+        say("\nthe largest stable step")
+        show(LIMITS, limits, view)
+    tell(f"{len(rows)} runs, {sum(row.believed for row in rows)} of them wrong without any report by the engine")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
-from bodycheck.console.options import Figures, Integrators, Jobs, Json, Out, Timesteps
+from bodycheck.console.options import AS_USUAL, Figures, Integrators, Jobs, Json, Out, Quiet, Timesteps, Viewed
 from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:
@@ -32,6 +32,8 @@ def releases(
     remove: bool = False,
     jobs: Jobs = None,
     json: Json = False,
+    view: Viewed = AS_USUAL,
+    quiet: Quiet = False,
 ) -> int:
     """Run the same cases in several releases of an engine, and report what changed from release to release.
 
@@ -51,9 +53,13 @@ def releases(
         Delete the environments of the named versions, or of all versions if none is named. Nothing is measured.
     """
     from dataclasses import asdict
+    from functools import partial
 
-    from bodycheck.console import terminal
+    from bodycheck.console import progress as shown
+    from bodycheck.console import tables
     from bodycheck.console.arguments import check_engine, check_has_folder, load_cases, make_folder, processes
+    from bodycheck.console.output import say_where
+    from bodycheck.console.terminal import print_json
     from bodycheck.studies.releases import printing, study
 
     check_engine(engine)
@@ -62,19 +68,22 @@ def releases(
             raise BadInput("--remove cannot be combined with --last; name the versions to remove")
         return _remove(engine, versions, json)
     check_has_folder(figures, out)
+    tables.check(view, printing.CHANGES)
     make_folder("--out", out)
     loaded = load_cases(case)
     chosen, notices = study.chosen(engine, versions, last)
-    found, tally = study.study(engine, chosen, loaded, integrator, timestep, processes(jobs), terminal.progress, notices)
+    bar = partial(shown.progress, quiet=quiet)
+    found, tally = study.study(engine, chosen, loaded, integrator, timestep, processes(jobs), bar, notices)
     if out is not None:
         _write(found, out, figures)
     if json:
         document = {"engine": engine, "versions": chosen, "notices": notices, "took": asdict(tally)}
-        terminal.print_json(document | {"rows": found.rows, "changes": [asdict(change) for change in found.changes]})
-    else:
-        printing.print_releases(found)
-    for line in (*notices, tally.text, *(() if out is None else (f"report: {out / 'report.html'}",))):
+        print_json(document | {"rows": found.rows, "changes": [asdict(change) for change in found.changes]})
+    elif not quiet:
+        printing.print_releases(found, view)
+    for line in (*notices, *(() if quiet else (tally.text,))):
         print(line, file=sys.stderr)
+    say_where(out, quiet)
     return FAILED if notices or found.header["unmeasured"] else OK
 
 

@@ -3,10 +3,21 @@
 The imports are inside the functions, so that `--help` answers at once.
 """
 
-import sys
 from typing import Literal
 
-from bodycheck.console.options import CaseName, Engines, Figures, Integrators, Jobs, Json, Out, Timesteps
+from bodycheck.console.options import (
+    AS_USUAL,
+    CaseName,
+    Engines,
+    Figures,
+    Integrators,
+    Jobs,
+    Json,
+    Out,
+    Quiet,
+    Timesteps,
+    Viewed,
+)
 from bodycheck.errors import FAILED, OK, BadInput
 
 
@@ -19,6 +30,8 @@ def tradeoff(
     figures: Figures = (),
     jobs: Jobs = None,
     json: Json = False,
+    view: Viewed = AS_USUAL,
+    quiet: Quiet = False,
 ) -> int:
     """Measure error and cost of every method over a range of time steps.
 
@@ -29,28 +42,30 @@ def tradeoff(
     from dataclasses import asdict
 
     from bodycheck import reports
-    from bodycheck.console import terminal
+    from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import check_has_folder
+    from bodycheck.console.output import say_where
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging import judgement
     from bodycheck.studies.tradeoff import printing, study
     from bodycheck.studies.tradeoff.page import present
 
     check_has_folder(figures, out)
-    with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out) as made:
+    tables.check(view, printing.RUNS, printing.METHODS)
+    with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out, quiet) as made:
         results, adapters = made.results, made.adapters
         verdicts = judgement.judge(results)
-        with terminal.progress("measuring", 2 * len(results.cases)) as progress:
+        with terminal.progress("measuring", 2 * len(results.cases), quiet) as progress:
             rows = study.price(results, verdicts, adapters, progress)
             orders = study.orders(results, verdicts, adapters, progress)
         if out is not None:
             study.write(rows, orders, out)
             reports.write_study(present(results.header, rows, orders), out, figures)
-            print(f"report: {out / 'report.html'}", file=sys.stderr)
     if json:
         terminal.print_json({"rows": rows, "orders": [asdict(order) for order in orders]})
-    else:
-        printing.print_tradeoff(rows, orders)
+    elif not quiet:
+        printing.print_tradeoff(rows, orders, view)
+    say_where(out, quiet)
     return FAILED if made.engine_failed else OK
 
 

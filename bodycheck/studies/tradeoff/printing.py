@@ -3,20 +3,54 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from bodycheck.console.figures import error_text, figure_text, scaled
-from bodycheck.console.terminal import print_errors, print_table
+from bodycheck.console.figures import error_column, figure_text, microseconds
+from bodycheck.console.options import View
+from bodycheck.console.output import say
+from bodycheck.console.tables import Column, attribute, entry, print_table, show
+from bodycheck.console.terminal import print_errors
 from bodycheck.judging.convergence import UNITS
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.recommendation import Measured, Recommendation
 
 
-def print_tradeoff(rows: Sequence[Mapping[str, Any]], orders: Sequence[Order]) -> None:
+def _interval(order: Order) -> str:
+    return "" if order.order is None else f"{order.order:.2f} ({order.order_low:.2f} to {order.order_high:.2f})"
+
+
+#: The columns of the table of runs.
+RUNS = (
+    entry("case"),
+    entry("engine", goes=2),
+    entry("integrator"),
+    entry("timestep", "step", "g"),
+    entry("status", goes=4),
+    error_column("position_error", "position m", goes=1),
+    error_column("attitude_error", "attitude rad"),
+    microseconds("time_per_step", "us/step", goes=3),
+    entry("cost", "cost s/s"),
+    entry("reason", goes=5, wraps=True),
+)
+
+#: The columns of the table of orders.
+METHODS = (
+    attribute("case"),
+    attribute("engine", goes=4),
+    attribute("integrator"),
+    attribute("quantity"),
+    Column("order", "order", _interval, lambda order: order.order),
+    attribute("claimed", form="g", goes=1),
+    attribute("floor", goes=2),
+    attribute("scheme", goes=3, wraps=True),
+    attribute("scheme_residual", "residual rad", goes=5),
+)
+
+
+def print_tradeoff(rows: Sequence[Mapping[str, Any]], orders: Sequence[Order], view: View) -> None:
     """Print one line per run, then one line per method and quantity."""
-    runs = ("case", "engine", "integrator", "step", "status", "position m", "attitude rad", "us/step", "cost s/s", "reason")
-    print_errors(runs, [_row(row) for row in rows])
-    print()
-    methods = ("case", "engine", "integrator", "quantity", "order", "claimed", "floor", "scheme", "residual rad")
-    print_table(methods, map(_order, orders))
+    print_errors(RUNS, rows, view)
+    if not view.names or {column.name for column in METHODS} & set(view.names):
+        say("")
+        show(METHODS, orders, view)
 
 
 def print_recommendations(found: Sequence[Recommendation], front: Sequence[Measured], quantity: str, error: float) -> None:
@@ -40,19 +74,6 @@ def print_recommendations(found: Sequence[Recommendation], front: Sequence[Measu
         print_table(header, map(_recommendation, found))
     print("\nno other method surpasses these in both error and cost")
     print_table(("engine", "integrator", "step s", "error", "cost s/s"), map(_method, front))
-
-
-def _row(row: Mapping[str, Any]) -> tuple[str, ...]:
-    texts = (row["case"], row["engine"], row["integrator"], f"{row['timestep']:g}", row["status"])
-    errors = (error_text(row, "position_error"), error_text(row, "attitude_error"))
-    return (*texts, *errors, figure_text(scaled(1e6, row["time_per_step"])), figure_text(row["cost"]), row["reason"])
-
-
-def _order(order: Order) -> tuple[str, ...]:
-    interval = "" if order.order is None else f"{order.order:.2f} ({order.order_low:.2f} to {order.order_high:.2f})"
-    claimed = "" if order.claimed is None else str(order.claimed)
-    names = (order.case, order.engine, order.integrator, order.quantity)
-    return (*names, interval, claimed, figure_text(order.floor), order.scheme, figure_text(order.scheme_residual))
 
 
 def _recommendation(found: Recommendation) -> tuple[str, ...]:

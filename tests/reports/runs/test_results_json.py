@@ -20,6 +20,9 @@ from tests.support.saved_results import call
 
 Document = dict[str, Any]
 
+#: The columns that not every row has.
+OPTIONAL = {"set", *columns.FURTHER, *(column.name for column in columns.LIMIT_COLUMNS)}
+
 
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -103,7 +106,7 @@ def test_the_schema_is_strict(document: Document, schema: Document) -> None:
         del value["surprise"]
         for name in list(value):
             kept = value.pop(name)
-            assert bool(faults(schema, small)) == (name not in ("set", *columns.FURTHER)), name
+            assert bool(faults(schema, small)) == (name not in OPTIONAL), name
             value[name] = kept
     for name in free:
         own["header"][name]["surprise"] = "1"
@@ -124,6 +127,8 @@ def test_the_schema_is_strict(document: Document, schema: Document) -> None:
         ("crashed", "position_error", 0.0),
         ("unsupported", "steps", 3),
         ("diverged", "energy_error", 0.0),
+        ("ok", "kind", None),
+        ("crashed", "position_error_margin", 2.0),
     ],
 )
 def test_the_schema_refuses(status: str, name: str, value: object, document: Document, schema: Document) -> None:
@@ -135,7 +140,7 @@ def test_the_schema_refuses(status: str, name: str, value: object, document: Doc
 def test_every_column_is_described_with_its_unit(schema: Document) -> None:
     described = schema["$defs"]["run"]["properties"]
     assert list(described) == list(columns.COLUMNS)
-    assert {"set", *judgement.COLUMNS, *columns.FURTHER} == set(described)
+    assert {*judgement.COLUMNS, "kind", "tags", *OPTIONAL} == set(described)
     for name, column in columns.COLUMNS.items():
         text = described[name]["description"]
         if column.kind in ("number", "integer"):

@@ -1,0 +1,44 @@
+"""Print lines to stdout that any terminal can show, broken between words."""
+
+import os
+import shutil
+import sys
+from pathlib import Path
+from textwrap import wrap
+
+
+def width() -> int | None:
+    """Return the width of the terminal in characters; None for a pipe or a file, whose lines may be of any length."""
+    return shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+
+
+def say(line: str) -> None:
+    """Print a line as it is; characters that the encoding of stdout lacks become question marks."""
+    encoding = getattr(sys.stdout, "encoding", None) or "utf-8"
+    print(line.encode(encoding, "replace").decode(encoding))
+
+
+def tell(text: str, indent: str = "") -> None:
+    """Print sentences, on a terminal on as many lines as they need, those after the first with an indent."""
+    for line in lines(text, width(), indent):
+        say(line)
+
+
+def lines(text: str, most: int | None, indent: str = "") -> list[str]:
+    """Return sentences as lines of at most so many characters, broken between words alone, so that no number is cut."""
+    if most is None:
+        return [text]
+    return wrap(text, most, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+
+
+def bold(line: str) -> None:
+    """Print a line in bold letters, if stdout is a terminal that has them and the user has not asked for none."""
+    has = sys.stdout.isatty() and "NO_COLOR" not in os.environ and os.environ.get("TERM") != "dumb"
+    say(f"\033[1m{line}\033[0m" if has else line)
+
+
+def say_where(folder: Path | None, quiet: bool = False) -> None:
+    """Print on stderr where a report is, as the last line where both streams go to one place; nothing if there is none."""
+    if folder is not None and not quiet:
+        sys.stdout.flush()
+        print(f"report: {folder / 'report.html'}", file=sys.stderr)

@@ -1,0 +1,110 @@
+"""Show on stderr how far a long command is: a bar on a terminal, and elsewhere a line from time to time."""
+
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from rich.console import Console
+from rich.markup import escape
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+from bodycheck.running.campaign import Advance
+
+#: Time between two lines where stderr is not a terminal (s).
+INTERVAL_S = 10.0
+
+
+@dataclass
+class Count:
+    """How much of some work is done, for lines in a file or in the log of a CI job.
+
+    Attributes
+    ----------
+    title
+        What is done.
+    total
+        The number of all units.
+    clock
+        Function that returns the time (s).
+    """
+
+    title: str
+    total: int
+    clock: Callable[[], float] = time.monotonic
+    done: int = 0
+    last: str = ""
+    start: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.start = self.clock()
+
+    def advance(self, last: str, count: int = 1, /) -> None:
+        """Count completed units. last: a text about the last one."""
+        self.done += count
+        self.last = last or self.last
+
+    @property
+    def text(self) -> str:
+        """How much is done after how long, in one line."""
+        after = f"{self.title}: {self.done} of {self.total} after {self.clock() - self.start:.0f} s"
+        return f"{after}, last {self.last}" if self.last else after
+
+
+@contextmanager
+def progress(title: str, total: int, quiet: bool = False) -> Iterator[Advance]:
+    """Show progress on stderr while the context lasts.
+
+    The context provides a function that counts what is done. Its arguments are a text about the last work, and the number of
+    completed units (1 by default).
+
+    Parameters
+    ----------
+    title
+        What is done.
+    total
+        The number of all units.
+    quiet
+        Whether nothing is shown.
+    """
+    count = Count(title, total)
+    if quiet:
+        yield count.advance
+    elif sys.stderr.isatty():
+        with _bar(title, total) as advance:
+            yield advance
+    else:
+        with _repeated(lambda: print(count.text + "\n", end="", file=sys.stderr, flush=True)):
+            yield count.advance
+
+
+@contextmanager
+def _bar(title: str, total: int) -> Iterator[Advance]:
+    columns = (TextColumn(title), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.fields[last]}"))
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title, total=total, last="")
+
+        def advance(last: str, count: int = 1, /) -> None:
+            bar.update(task, advance=count, last=escape(last))
+
+        yield advance
+
+
+@contextmanager
+def _repeated(action: Callable[[], None]) -> Iterator[None]:
+    """Repeat an action every `INTERVAL_S` in a thread of its own while the context lasts, also while one run takes long."""
+    ended = threading.Event()
+
+    def repeat() -> None:
+        while not ended.wait(INTERVAL_S):
+            action()
+
+    thread = threading.Thread(target=repeat, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()

@@ -1,0 +1,70 @@
+"""Print the runs of a set of results to stdout."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from bodycheck.console.figures import bound_column, error_column, microseconds
+from bodycheck.console.options import View
+from bodycheck.console.output import tell
+from bodycheck.console.tables import Column, entry
+from bodycheck.console.terminal import print_errors
+from bodycheck.figures.columns import COLUMNS
+from bodycheck.judging.judgement import Verdict
+
+Row = Mapping[str, Any]
+
+#: The column of a row that this table has and files of results have not: the narrowest margin.
+NARROWEST = "margin"
+
+#: What the table says of the expectations of a run.
+PASSED = {True: "passed", False: "FAILED", None: "-"}
+
+
+def _narrowest(row: Row) -> str:
+    margin = row[NARROWEST]
+    return "" if margin is None else f"{margin.room:.3g} {margin.name}"
+
+
+#: The columns of the table of runs that are printed unless others are named.
+USUAL: tuple[Column[Row], ...] = (
+    entry("case"),
+    entry("engine", goes=1),
+    entry("integrator"),
+    entry("timestep", "step", "g"),
+    entry("status", goes=4),
+    Column("passed", "passed", lambda row: PASSED[row["passed"]], goes=2),
+    error_column("position_error", "position m", goes=3),
+    bound_column("truth_position_error", "truth m", goes=9),
+    error_column("attitude_error", "attitude rad"),
+    bound_column("truth_error", "truth rad", goes=8),
+    error_column("energy_drift", "energy", "energy_error", goes=6),
+    Column(NARROWEST, "margin", _narrowest, lambda row: row[NARROWEST] and row[NARROWEST].room, goes=5),
+    microseconds("time_per_step", "us/step", goes=7),
+    entry("reason", goes=10, wraps=True),
+)
+
+#: The columns of the table of runs: the usual ones, and those of results that are printed if they are named.
+RUNS = (
+    *USUAL,
+    *(
+        entry(name, f"{name} {column.unit}".rstrip(), asked=True)
+        for name, column in COLUMNS.items()
+        if name not in {usual.name for usual in USUAL} and name != "set"
+    ),
+)
+
+
+def print_runs(verdicts: Sequence[Verdict], view: View) -> None:
+    """Print a table with one row per run. The margin is the factor by which the figure nearest to its limit may still grow."""
+    rows = [
+        verdict.row() | {NARROWEST: min(verdict.margins, key=lambda margin: margin.room, default=None)} for verdict in verdicts
+    ]
+    print_errors(RUNS, rows, view)
+
+
+def print_failed(verdicts: Sequence[Verdict]) -> None:
+    """Print one line per failed run, with the reason."""
+    for verdict in verdicts:
+        if verdict.passed is False:
+            run = verdict.run
+            tell(f"FAILED {run.case}, {run.engine} {run.method.name} at {run.method.timestep:g} s: {verdict.reason}")

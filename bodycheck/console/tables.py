@@ -1,0 +1,254 @@
+"""Print tables on terminals of any width without cutting a number.
+
+A terminal that is too narrow for a table first gets the values that are the same in every row above the table, once. Then
+columns go, in the order that they state. A line below the table says which, and how to see them. If even the columns that
+stay do not fit, each row is printed as a list of its values. A pipe and a file get all columns, each row on one line.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from operator import attrgetter, itemgetter
+from textwrap import wrap
+from typing import Any, Generic, TypeVar
+
+from rich.cells import cell_len
+
+from bodycheck.console import output
+from bodycheck.console.options import AS_USUAL, View
+from bodycheck.console.output import bold, say, tell
+from bodycheck.errors import BadInput
+from bodycheck.suggestion import did_you_mean
+
+Row = TypeVar("Row")
+
+#: Characters between two columns.
+GAP = 2
+
+#: Characters that a column of sentences, which may be broken into lines, has at least.
+NARROWEST_TEXT = 24
+
+
+@dataclass(frozen=True)
+class Column(Generic[Row]):
+    """A column of a table on the terminal.
+
+    Attributes
+    ----------
+    name
+        The word for it in `--columns` and `--sort`. It is the name of the column in the files of results where there is one.
+    head
+        The head of the column, with the unit.
+    text
+        Function from a row to the text of its cell.
+    value
+        Function from a row to what rows are sorted by; None for the text. It returns None for a row without a value.
+    goes
+        Columns with larger numbers are left out first where the terminal is narrow; those with 0 stay.
+    wraps
+        Whether the column has sentences, which may be broken into lines.
+    asked
+        Whether the column is printed only if `--columns` names it.
+    """
+
+    name: str
+    head: str
+    text: Callable[[Row], str]
+    value: Callable[[Row], float | str | None] | None = None
+    goes: int = 0
+    wraps: bool = False
+    asked: bool = False
+
+
+def attribute(name: str, head: str = "", form: str = ".3g", at: str = "", **options: Any) -> Column[Any]:
+    """Return the column of an attribute of rows that are objects.
+
+    Parameters
+    ----------
+    name
+        The name of the column.
+    head
+        The head; the name if empty.
+    form
+        The format of numbers.
+    at
+        The attribute, or several with dots between them; the name of the column if empty.
+    options
+        Further fields of `Column`.
+    """
+    return _of(attrgetter(at or name), name, head, form, options)
+
+
+def entry(name: str, head: str = "", form: str = ".3g", **options: Any) -> Column[Any]:
+    """Return the column of an entry of rows that are mappings, which may lack it; parameters are those of `attribute`."""
+    return _of(lambda row: row.get(name), name, head, form, options)
+
+
+def _of(get: Callable[[Any], Any], name: str, head: str, form: str, options: dict[str, Any]) -> Column[Any]:
+    def text(row: Any) -> str:
+        value = get(row)
+        return "" if value is None else value if isinstance(value, str) else f"{value:{form}}"
+
+    return Column(name, head or name, text, **({"value": get} | options))
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a table is laid out; columns are given by their places.
+
+    Attributes
+    ----------
+    shown
+        The columns of the table.
+    widths
+        The width of each of them, in characters.
+    common
+        The columns whose value is the same in every row and is said once, above the table.
+    left_out
+        The columns that are not printed, although they have a text.
+    listed
+        Whether each row is printed as a list of its values, because the columns are too wide.
+    """
+
+    shown: tuple[int, ...]
+    widths: tuple[int, ...]
+    common: tuple[int, ...] = ()
+    left_out: tuple[int, ...] = ()
+    listed: bool = False
+
+
+def check(view: View, *tables: Sequence[Column[Any]]) -> None:
+    """Raise `BadInput` if a view names a column that none of some tables has. This is checked before a long run."""
+    known = list(dict.fromkeys(column.name for table in tables for column in table))
+    for option, names in (("--columns", view.names), ("--sort", (view.sort,) if view.sort else ())):
+        for name in names:
+            if name not in known:
+                raise BadInput(
+                    f"{option}: there is no column {name!r}; there are: {', '.join(known)}{did_you_mean(name, known)}"
+                )
+
+
+def show(columns: Sequence[Column[Row]], rows: Iterable[Row], view: View = AS_USUAL) -> None:
+    """Print a table.
+
+    Parameters
+    ----------
+    columns
+        The columns, in their order.
+    rows
+        The rows.
+    view
+        The columns and the order of rows that the user asks for. A table that has none of the columns is not printed.
+    """
+    ordered = _sorted(columns, rows, view.sort)
+    if view.names:
+        chosen = {column.name: column for column in columns}
+        columns = [chosen[name] for name in view.names if name in chosen]
+        if not columns:
+            return
+    else:
+        columns = [column for column in columns if not column.asked]
+    cells = [[_plain(column.text(row)) for column in columns] for row in ordered]
+    found = layout(columns, cells, None if view.wide or view.names else output.width())
+    if found.listed:
+        _print_lists(columns, cells)
+        return
+    if found.common:
+        told = ", ".join(f"{columns[place].head} {cells[0][place]}" for place in found.common)
+        tell(f"in every row: {told}")
+    bold(_line([columns[place].head for place in found.shown], found.widths))
+    for row in cells:
+        for line in _lines([row[place] for place in found.shown], found.widths):
+            say(line)
+    if found.left_out:
+        names = ", ".join(columns[place].name for place in found.left_out)
+        tell(f"not shown, for want of width: {names} (--wide shows all, --columns A,B,C those that you name)")
+
+
+def print_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
+    """Print a table of texts. The first column stays on a narrow terminal, and the others go from the right."""
+    show([Column(head, head, itemgetter(place), goes=place) for place, head in enumerate(header)], rows)
+
+
+def layout(columns: Sequence[Column[Any]], cells: Sequence[Sequence[str]], width: int | None) -> Layout:
+    """Return the layout of a table.
+
+    Parameters
+    ----------
+    columns
+        The columns.
+    cells
+        The texts of each row, one for each column.
+    width
+        The width of the terminal in characters; None for no limit.
+    """
+    places = range(len(columns))
+    natural = [max(cell_len(text) for text in (column.head, *(row[i] for row in cells))) for i, column in enumerate(columns)]
+    if width is None:
+        return Layout(tuple(places), tuple(natural))
+    least = [min(natural[i], NARROWEST_TEXT) if columns[i].wraps else natural[i] for i in places]
+    shown = [i for i in places if not cells or any(row[i] for row in cells)]
+    common, left_out = [], []
+    first_to_go = sorted(shown, key=lambda i: (-columns[i].goes, -i))
+    for i in first_to_go:
+        if _total(least, shown) > width and len(cells) > 1 and len(shown) > 1 and len({row[i] for row in cells}) == 1:
+            shown.remove(i)
+            common.append(i)
+    for i in first_to_go:
+        if _total(least, shown) > width and i in shown and columns[i].goes:
+            shown.remove(i)
+            left_out.append(i)
+    if _total(least, shown) > width:
+        return Layout(tuple(places), tuple(natural), listed=True)
+    spare = width - _total(least, shown)
+    for i in shown:
+        more = min(spare, natural[i] - least[i])
+        least[i] += more
+        spare -= more
+    return Layout(tuple(shown), tuple(least[i] for i in shown), tuple(sorted(common)), tuple(sorted(left_out)))
+
+
+def _total(widths: Sequence[int], shown: Sequence[int]) -> int:
+    return sum(widths[i] for i in shown) + GAP * (len(shown) - 1)
+
+
+def _sorted(columns: Sequence[Column[Row]], rows: Iterable[Row], name: str) -> list[Row]:
+    """Return rows in ascending order of a column, those without a value at the end; as they are if there is no such column."""
+    found = list(rows)
+    by = next((column for column in columns if column.name == name), None)
+    if by is None:
+        return found
+    value = by.value or by.text
+    values = [value(row) for row in found]
+    known = [i for i, one in enumerate(values) if one is not None and one == one and one != ""]  # a NaN differs from itself
+    order: list[int] = sorted(known, key=lambda i: values[i])  # type: ignore[arg-type, return-value]
+    return [found[i] for i in (*order, *(i for i in range(len(found)) if i not in set(known)))]
+
+
+def _plain(text: str) -> str:
+    """Return a text on one line, without characters that move the cursor or change colours."""
+    line = " ".join(text.split("\n")).replace("\t", " ")
+    return "".join(sign if sign >= " " and not "\x7f" <= sign <= "\x9f" else f"\\x{ord(sign):02x}" for sign in line)
+
+
+def _lines(texts: Sequence[str], widths: Sequence[int]) -> list[str]:
+    """Return the lines of a row, more than one where a sentence is longer than its column is wide."""
+    broken = [
+        [text] if cell_len(text) <= width else wrap(text, width, break_on_hyphens=False)
+        for text, width in zip(texts, widths, strict=True)
+    ]
+    height = max(map(len, broken), default=0)
+    return [_line([lines[at] if at < len(lines) else "" for lines in broken], widths) for at in range(height)]
+
+
+def _line(texts: Sequence[str], widths: Sequence[int]) -> str:
+    padded = [text + " " * (width - cell_len(text)) for text, width in zip(texts, widths, strict=True)]
+    return (" " * GAP).join(padded).rstrip()
+
+
+def _print_lists(columns: Sequence[Column[Any]], cells: Sequence[Sequence[str]]) -> None:
+    for number, row in enumerate(cells):
+        if number:
+            say("")
+        for column, text in zip(columns, row, strict=True):
+            if text:
+                say(f"{column.head}: {text}")

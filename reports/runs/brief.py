@@ -1,0 +1,70 @@
+"""What a report of runs says in a few lines: its beginning, which a terminal shows too."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.judging.result_set import ResultSet
+from bodycheck.reports.finding import Finding
+from bodycheck.reports.lines import assign
+from bodycheck.reports.quantities import count
+from bodycheck.reports.runs import comparison
+from bodycheck.reports.runs.differences import compare
+from bodycheck.reports.runs.findings import findings, measured
+from bodycheck.reports.runs.summary import broken, headline, limits, notices, tally, unsupported
+
+
+@dataclass(frozen=True)
+class Brief:
+    """The beginning of a report.
+
+    Parameters
+    ----------
+    headline, tally, notices
+        The verdict in one line, how many runs ended in each way, and sentences that limit what the report says.
+    limits
+        The notices without those on unsupported runs.
+    unsupported
+        How many runs are unsupported and why, in one line; empty if none are. The notices say it in sentences.
+    broken
+        A sentence about the failed runs; None if there are none.
+    findings
+        Findings, the most telling first.
+    """
+
+    headline: str
+    tally: tuple[tuple[str, int], ...]
+    notices: tuple[str, ...]
+    limits: tuple[str, ...]
+    unsupported: str
+    broken: Finding | None
+    findings: tuple[Finding, ...]
+
+    @property
+    def counts(self) -> str:
+        """How many runs ended in each way, in one sentence."""
+        (_, runs), *ways = self.tally
+        return f"{count(runs, 'run')}: {', '.join(f'{amount} {name}' for name, amount in ways)}"
+
+
+@np.errstate(over="ignore", invalid="ignore", divide="ignore")
+def brief(sets: Sequence[ResultSet]) -> Brief:
+    """Return the beginning of a report of one set of results or, to compare them, of several sets with labels."""
+    shown = comparison.shown(sets)
+    verdicts = [verdict for case in shown for verdict in case.verdicts]
+    lines = assign(verdict.key.over_cases for verdict in verdicts)
+    first, *others = sets
+    differences = compare(sets, shown) if others else None
+    return Brief(
+        headline=differences.headline if differences else headline(first.results, verdicts),
+        tally=tally(verdicts),
+        notices=(*(differences.notices if differences else ()), *(text for one in sets for text in notices(one))),
+        limits=tuple(text for one in sets for text in limits(one)),
+        unsupported=unsupported(verdicts),
+        broken=broken(verdicts, lines),
+        findings=(
+            *(differences.findings if differences else ()),
+            *findings(measured(verdicts, lines), () if differences else first.parts, lines),
+        ),
+    )
