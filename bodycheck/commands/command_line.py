@@ -23,6 +23,7 @@ app = App(
     help_epilogue="Exit codes: 0 success; 1 an expectation or a run failed; 2 bad input or usage; 130 interrupted.",
     version_flags=["--version"],
     default_parameter=Parameter(negative=(), show_default=False),
+    suppress_keyboard_interrupt=False,  # `main` says that the command was interrupted
 )
 
 #: All commands, in the order of their registration.

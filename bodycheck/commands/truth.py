@@ -4,13 +4,22 @@ Its imports are inside the function, so that `--help` answers at once.
 """
 
 import sys
-from typing import Annotated
+from contextlib import closing
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from bodycheck.console import arguments
 from bodycheck.console.options import AS_USUAL, Json, Viewed
-from bodycheck.errors import FAILED, OK, BadInput
+from bodycheck.errors import FAILED, OK, BadInput, Failed
+
+if TYPE_CHECKING:
+    from bodycheck.reference.certificate import Certificate
+    from bodycheck.reference.truth import Truth
+    from bodycheck.running.truths import Question
+
+#: Time limit of the command, that of a truth in a run.
+TIME_LIMIT_S = 300.0
 
 
 def truth(
@@ -19,6 +28,7 @@ def truth(
     *,
     at: Annotated[tuple[float, ...], Parameter(consume_multiple=True)] = (),
     certify: bool = False,
+    limit: float = TIME_LIMIT_S,
     json: Json = False,
     view: Viewed = AS_USUAL,
 ) -> int:
@@ -34,26 +44,23 @@ def truth(
         Also compute the trajectory by all other methods, and print how far they are apart and how large the error of the
         truth is at most according to the most accurate of them. The exit code is 1 if two methods are farther apart than their
         own error bounds allow.
+    limit
+        The time limit in s.
     """
     from bodycheck.console import tables, terminal
     from bodycheck.console import truths as printing
-    from bodycheck.reference.errors import NotModelled, OutOfReach
+    from bodycheck.reference.certificate import Certificate
     from bodycheck.running import truths
 
     tables.check(view, printing.STATES)
     loaded = arguments.load_case(case)
     if not all(0 <= instant < float("inf") for instant in at):
         raise BadInput("--at: instants must be finite and at least 0 s")
-    times = sorted(at) or None
-    try:
-        certificate = truths.certify(loaded, times) if certify else None
-        found = certificate.truth if certificate else truths.truth(loaded, times)
-    except NotModelled as error:
-        print(f"{loaded.name}: unsupported: the reference does not model {error}", file=sys.stderr)
-        return FAILED
-    except OutOfReach as error:
-        print(f"{loaded.name}: the reference cannot follow this motion: {error}", file=sys.stderr)
-        return FAILED
+    if not limit > 0:
+        raise BadInput(f"--limit {limit:g}: must be greater than 0 s")
+    answered = _answered(truths.Question(loaded, tuple(sorted(at)) or None, certify), limit)
+    certificate = answered if isinstance(answered, Certificate) else None
+    found = answered.truth if isinstance(answered, Certificate) else answered
     if json:
         terminal.print_json(truths.as_json(loaded, found) | (truths.certificate_as_json(certificate) if certificate else {}))
     else:
@@ -63,3 +70,26 @@ def truth(
     for fault in certificate.faults if certificate else ():
         print(f"not certified: {fault}", file=sys.stderr if json else sys.stdout)
     return OK if certificate is None or certificate.certified else FAILED
+
+
+def _answered(question: "Question", limit: float) -> "Truth | Certificate":
+    """Return the answer to a question from a worker process with a time limit (s). Raises `Failed` if there is none.
+
+    The process is killed when the command is interrupted, also where it computes in C and hears no signal.
+    """
+    from bodycheck.reference.truth import NoTruth
+    from bodycheck.running import pool, truths
+    from bodycheck.running.outcome import Crashed, TimedOut
+
+    with closing(pool.call_all(truths.answer, [question], jobs=1, limit=limit)) as answers:
+        ((_, found),) = answers
+    name = question.case.name
+    match found:
+        case TimedOut():
+            raise Failed(f"{name}: its truth takes longer than the limit of {limit:g} s; --limit sets another")
+        case NoTruth(reason):
+            raise Failed(f"{name}: {reason}")
+        case Crashed(reason):
+            raise Failed(f"{name}: the computation of its truth failed: {reason}")
+        case _:
+            return found

@@ -1,7 +1,7 @@
 """Compute the truth of a case, certify it, and convert both to JSON."""
 
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reference.truth import truth as truth_of_scene
 from bodycheck.running.simulation import sampling_steps
 
@@ -59,6 +59,26 @@ def of_runs(case: Case, timesteps: Iterable[float]) -> dict[float, Truth]:
 def certify(case: Case, times: ArrayLike | None = None) -> Certificate:
     """Compare all methods of computing the truth of a case. Times and exceptions are those of `truth`."""
     return certificate.certify(case.scene, _instants(case, times))
+
+
+@dataclass(frozen=True)
+class Question:
+    """What `answer` is asked: the truth of a case, or its certificate, at some times (s) or at the case's instants."""
+
+    case: Case
+    times: tuple[float, ...] | None
+    certified: bool
+
+
+def answer(question: Question) -> Truth | Certificate | NoTruth:
+    """Return the truth or the certificate that is asked for, or why there is none. A worker process can call it."""
+    compute = certify if question.certified else truth
+    try:
+        return compute(question.case, question.times)
+    except NotModelled as error:
+        return NoTruth(f"unsupported: the reference does not model {error}")
+    except OutOfReach as error:
+        return NoTruth(f"the reference cannot follow this motion: {error}")
 
 
 def stop_under(case: Case, law: Plane) -> Stop | None:

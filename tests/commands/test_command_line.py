@@ -136,7 +136,7 @@ def test_bad_usage_exits_2_with_a_word(arguments: tuple[str, ...], words: str) -
     assert done.stdout == ""
 
 
-def test_truth_prints_its_arrays() -> None:
+def test_truth_prints_its_arrays(calls_here: None) -> None:
     done = bodycheck("truth", "gimbal-start", "--at", "1.5", "0", "0.25", "--json")
     found = json.loads(done.stdout)
     arrays = ["t", "position", "quaternion", "velocity", "angular_velocity", "truth_error", "truth_position_error"]
@@ -153,7 +153,7 @@ def test_truth_prints_its_arrays() -> None:
     assert len(json.loads(bodycheck("truth", "projectile", "--json").stdout)["t"]) == 201
 
 
-def test_truth_prints_the_bounds_of_every_figure() -> None:
+def test_truth_prints_the_bounds_of_every_figure(calls_here: None) -> None:
     expected = truth(load("intermediate-axis-flip"), [1.0])
     printed = bodycheck("truth", "intermediate-axis-flip", "--at", "1").stdout
     assert "model" in printed

@@ -160,6 +160,11 @@ def holding_the_interpreter(pids: str) -> None:
     ctypes.PyDLL(None).sleep(600)
 
 
+def truth_without_end(question: object) -> None:
+    """Stands in for `bodycheck.running.truths.answer`, and hangs in C; the variable PIDS names the file for its process."""
+    holding_the_interpreter(os.environ["PIDS"])
+
+
 def hanging_or_not(pids: str) -> None:
     if pids:
         holding_the_interpreter(pids)
