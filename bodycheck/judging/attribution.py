@@ -21,6 +21,7 @@ from bodycheck.reference.planar import Stop, yaw
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.running import csv_tables
 from bodycheck.running.key import RunKey
+from bodycheck.running.origin import Origins
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.store import Results
 from bodycheck.running.truths import stop_under
@@ -104,16 +105,17 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
     return found
 
 
-def write(attributions: Mapping[str, Iterable[Attribution]], folder: Path) -> None:
+def write(attributions: Mapping[str, Iterable[Attribution]], folder: Path, origins: Origins) -> None:
     """Write attribution.csv into a folder if there are any attributions.
 
-    They are given by the label of their set of results, which is a column of the table if there are several sets.
+    They are given by the label of their set of results, which is a column of the table if there are several sets. The origins
+    say where the numbers come from.
     """
     rows = [{LABEL: label} | asdict(part) for label, own in attributions.items() for part in own]
     if len(attributions) == 1:
         rows = [{name: row[name] for name in COLUMNS} for row in rows]
     if rows:
-        csv_tables.write(folder / "attribution.csv", list(rows[0]), rows)
+        csv_tables.write(folder / "attribution.csv", list(rows[0]), rows, origins)
 
 
 def _exact(

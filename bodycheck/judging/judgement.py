@@ -1,12 +1,10 @@
 """Judge stored runs: compute their errors, check their expectations, and make one row of results per run."""
 
-import io
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -15,13 +13,11 @@ from bodycheck.casefile.case import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
 from bodycheck.figures.columns import ALWAYS_TABLED, CASE_COLUMNS, FURTHER, LIMIT_COLUMNS, truth_bounds
 from bodycheck.figures.columns import COLUMNS as ALL_COLUMNS
-from bodycheck.files import writing
 from bodycheck.judging.convergence import attitude_order
 from bodycheck.judging.discrepancy import Summary, compare
 from bodycheck.judging.margins import Margin, margins
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running import csv_tables
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Outcome, Run, Unsupported
 from bodycheck.running.store import Results
@@ -232,25 +228,12 @@ def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
 
 def table(verdicts: Iterable[Verdict]) -> pd.DataFrame:
     """Return a table with one row per run, in the columns and order of `records`."""
-    return _frame(records(verdicts))
-
-
-def _frame(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    rows = records(verdicts)
     columns = list(rows[0]) if rows else list(COLUMNS)
     frame = pd.DataFrame(rows, columns=columns)
     kinds = {"boolean": "boolean", "integer": "Int64", "number": "Float64"}
     types = {name: kinds.get(ALL_COLUMNS[name].kind) for name in columns if name != "timestep"}
     return frame.astype({name: type for name, type in types.items() if type is not None})
-
-
-def write(verdicts: Iterable[Verdict], folder: Path) -> None:
-    """Write results.csv and results.parquet into a folder. Raises `NotWritten`."""
-    rows = records(verdicts)
-    frame = _frame(rows)
-    csv_tables.write(folder / "results.csv", list(frame.columns), rows)
-    content = io.BytesIO()
-    frame.to_parquet(content, index=False)
-    writing.write(folder / "results.parquet", content.getvalue())
 
 
 def broken(

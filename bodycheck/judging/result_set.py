@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from bodycheck.errors import BadInput
-from bodycheck.judging import attribution, judgement
+from bodycheck.judging import attribution, judgement, result_files
 from bodycheck.judging.attribution import Attribution
 from bodycheck.judging.judgement import Verdict
+from bodycheck.running import origin
 from bodycheck.running.store import Results
 
 
@@ -78,6 +79,10 @@ def labels(folders: Sequence[Path]) -> list[str]:
 
 
 def write(sets: Sequence[ResultSet], folder: Path) -> None:
-    """Write results.csv, results.parquet and, if there are runs with contact, attribution.csv into a folder."""
-    judgement.write([verdict for one in sets for verdict in one.verdicts], folder)
-    attribution.write({one.label: one.parts for one in sets}, folder)
+    """Write results.csv, results.parquet and, if there are runs with contact, attribution.csv into a folder.
+
+    All of them say where their numbers come from; beside a CSV file is a file with its metadata.
+    """
+    origins = [origin.stored(one.results.header, one.label) for one in sets]
+    result_files.write([verdict for one in sets for verdict in one.verdicts], folder, origins)
+    attribution.write({one.label: one.parts for one in sets}, folder, origins)

@@ -14,6 +14,7 @@ from types import UnionType
 from typing import Any, get_args
 
 from bodycheck.files import reading, writing
+from bodycheck.running.origin import BESIDE, Origins, beside
 
 #: What a text begins with that spreadsheets take for a formula.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
@@ -24,8 +25,8 @@ Parser = Callable[[str], Any]
 MAX_BYTES = 1 << 28
 
 
-def write(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> None:
-    """Write a table.
+def write(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]], origins: Origins = ()) -> None:
+    """Write a table, and beside it a file with the units of its columns and where its numbers come from; see `origin`.
 
     Parameters
     ----------
@@ -35,6 +36,8 @@ def write(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]])
         The names of the columns, in their order.
     rows
         The values of each row by column; a column that a row lacks is empty in it.
+    origins
+        Where the numbers come from.
 
     Raises
     ------
@@ -48,6 +51,7 @@ def write(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]])
     writer.writeheader()
     writer.writerows({name: _entry(value) for name, value in row.items()} for row in rows)
     writing.write(path, stream.getvalue().encode("utf-8", "replace"))
+    writing.write(path.with_name(path.name + BESIDE), beside(path, columns, origins))
 
 
 def read(path: Path, parsers: Mapping[str, Parser]) -> list[dict[str, Any]]:

@@ -37,7 +37,7 @@ def test_run_writes_everything_it_promises(short: Path, tmp_path: Path) -> None:
     done = bodycheck_process("run", short, "projectile", "--out", out, "--jobs", 2)
     assert done.returncode == 0, done.stderr
     names = {"results.csv", "results.parquet", "results.json", "trajectories", "report.html", "report.md", "run.jsonl"}
-    assert {path.name for path in out.iterdir()} == names
+    assert {path.name for path in out.iterdir()} == names | {"results.csv-metadata.json"}
     results = pd.read_csv(out / "results.csv")
     assert set(results.case) == {"short", "projectile"}
     assert set(results.engine) == {"mujoco", "pinocchio"}

@@ -14,7 +14,7 @@ from bodycheck.adapters import registry
 from bodycheck.adapters.method import Method
 from bodycheck.casefile.expectation import Expectation, Limit
 from bodycheck.errors import BadInput
-from bodycheck.judging import judgement
+from bodycheck.judging import judgement, result_set
 from bodycheck.reference.bounds import NAMES
 from bodycheck.running import store
 from bodycheck.running.plan import plan
@@ -53,14 +53,13 @@ def test_what_is_stored_is_what_was_run_bit_by_bit(tmp_path: Path) -> None:
 
 
 def test_results_files_have_the_promised_columns(tmp_path: Path) -> None:
-    verdicts = judgement.judge(run_all(BRICK, ["mujoco"], tmp_path))
-    judgement.write(verdicts, tmp_path)
+    result_set.write([result_set.judged(run_all(BRICK, ["mujoco"], tmp_path))], tmp_path)
     expected = (
         "case, engine, version, integrator, timestep, status, passed, reason, position_error, velocity_error, attitude_error, "
         "angular_velocity_error, energy_drift, rotational_energy_drift, angular_momentum_drift, truth_error, "
         "steps, wall_time, time_per_step, realtime_factor, "
         "truth_position_error, truth_velocity_error, truth_angular_velocity_error, truth_energy_error, "
-        "truth_angular_momentum_error"
+        "truth_angular_momentum_error, kind, tags"
     )
     csv, parquet = pd.read_csv(tmp_path / "results.csv"), pd.read_parquet(tmp_path / "results.parquet")
     assert list(csv.columns) == list(parquet.columns) == expected.split(", ")

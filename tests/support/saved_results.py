@@ -63,7 +63,10 @@ samples = 11
 """
 
 REPORT = ("report.html", "report.md")
-TABLES = ("results.csv", "results.parquet", "results.json", "attribution.csv")
+TABLES = (
+    *("results.csv", "results.csv-metadata.json", "results.parquet", "results.json"),
+    *("attribution.csv", "attribution.csv-metadata.json"),
+)
 METHODS = ("--integrator", "Euler", "--integrator", "RK4", "--integrator", "closed-form")
 
 

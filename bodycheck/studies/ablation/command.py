@@ -48,6 +48,7 @@ def ablate(
     from bodycheck.console.arguments import check_has_folder
     from bodycheck.console.output import say_where
     from bodycheck.console.ran import Selection, ran
+    from bodycheck.running import origin
     from bodycheck.studies.ablation import printing, study
     from bodycheck.studies.ablation.page import present
 
@@ -57,7 +58,7 @@ def ablate(
         results = made.results
         rows = study.evaluate(results, made.adapters, integrator, timestep)
         if out is not None:
-            study.write(rows, out)
+            study.write(rows, out, [origin.stored(results.header)])
             reports.write_study(present(results.header, results.cases, rows), out, figures)
     if json:
         terminal.print_json(study.records(rows))

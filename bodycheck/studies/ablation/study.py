@@ -19,6 +19,7 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import distance
 from bodycheck.running import campaign, csv_tables, pool
 from bodycheck.running.key import RunKey
+from bodycheck.running.origin import Origins
 from bodycheck.running.outcome import Completed
 from bodycheck.running.plan import Task, check
 from bodycheck.running.store import Results
@@ -221,10 +222,10 @@ def largest(values: Array) -> float:
     return float(values.max())
 
 
-def write(rows: Sequence[ModelRow], folder: Path) -> None:
-    """Write ablation.csv into a folder."""
+def write(rows: Sequence[ModelRow], folder: Path, origins: Origins) -> None:
+    """Write ablation.csv into a folder, with where its numbers come from."""
     table = records(rows)
-    csv_tables.write(folder / "ablation.csv", list(table[0]), table)
+    csv_tables.write(folder / "ablation.csv", list(table[0]), table, origins)
 
 
 def records(rows: Sequence[ModelRow]) -> list[dict[str, Any]]:

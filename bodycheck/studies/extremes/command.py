@@ -33,7 +33,7 @@ def extremes(
     from bodycheck.console.arguments import check_has_folder, load_cases, load_engines, processes
     from bodycheck.console.output import say_where
     from bodycheck.files.temporary import temporary_folder
-    from bodycheck.running import campaign
+    from bodycheck.running import campaign, origin
     from bodycheck.studies.extremes import printing, study
     from bodycheck.studies.extremes.page import present
 
@@ -49,7 +49,7 @@ def extremes(
         progress = stack.enter_context(terminal.progress("pushing", planned.size, quiet))
         rows, limits = stack.enter_context(study.results(planned, folder, head, processes(jobs), progress))
         if out is not None:
-            study.write(rows, limits, out)
+            study.write(rows, limits, out, [origin.origin(head, {case.name: case.text for case in loaded})])
             reports.write_study(present(head, rows, limits), out, figures)
     if json:
         terminal.print_json({"rows": [asdict(row) for row in rows], "limits": [asdict(limit) for limit in limits]})

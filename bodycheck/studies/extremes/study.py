@@ -26,6 +26,7 @@ from bodycheck.reference.truth import NoTruth, Truth, distance, truth
 from bodycheck.running import csv_tables, journal, plan, pool
 from bodycheck.running.header import Header
 from bodycheck.running.key import RunKey
+from bodycheck.running.origin import Origins
 from bodycheck.running.outcome import Completed, Crashed, Outcome, TimedOut
 from bodycheck.running.simulation import run
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, states
@@ -190,10 +191,10 @@ def follow(scene: Scene, times: Array) -> Truth | NoTruth:
         return NoTruth(f"the reference cannot follow: {error}")
 
 
-def write(rows: Iterable[Row], limits: Iterable[Limit], folder: Path) -> None:
-    """Write extremes.csv and limits.csv into a folder."""
-    csv_tables.write(folder / "extremes.csv", [field.name for field in fields(Row)], map(asdict, rows))
-    csv_tables.write(folder / "limits.csv", [field.name for field in fields(Limit)], map(asdict, limits))
+def write(rows: Iterable[Row], limits: Iterable[Limit], folder: Path, origins: Origins) -> None:
+    """Write extremes.csv and limits.csv into a folder, with where their numbers come from."""
+    csv_tables.write(folder / "extremes.csv", [field.name for field in fields(Row)], map(asdict, rows), origins)
+    csv_tables.write(folder / "limits.csv", [field.name for field in fields(Limit)], map(asdict, limits), origins)
 
 
 def _rows(

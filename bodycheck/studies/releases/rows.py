@@ -13,7 +13,7 @@ from bodycheck.adapters.method import current
 from bodycheck.errors import BadInput
 from bodycheck.judging.judgement import COLUMNS
 from bodycheck.running import csv_tables, journal
-from bodycheck.running.header import Header
+from bodycheck.running.header import DESCRIPTIONS, Header
 from bodycheck.running.outcome import Unsupported
 
 #: The file with the records of the study.
@@ -140,6 +140,7 @@ def merged_header(found: Mapping[str, Found]) -> ReleasesHeader:
 
 def write(found: Found, folder: Path) -> None:
     """Write releases.csv, changes.csv and releases.jsonl into a folder. Raises `BadInput` if that fails."""
+    origins = [{name: found.header.get(name) for name in DESCRIPTIONS} | {"cases_physics_sha256": found.header["cases"]}]
     with journal.begin(folder / RECORDS, dict(found.header)) as log:
         for row in found.rows:
             log.add({"record": "row", "row": dict(row)})
@@ -147,8 +148,8 @@ def write(found: Found, folder: Path) -> None:
             log.add({"record": "change", "change": asdict(change)})
         further = dict.fromkeys(name for row in found.rows for name in row if name not in COLUMNS)
         names = sorted(further, key=lambda name: name.endswith(ALLOWANCE_SUFFIX))
-        csv_tables.write(folder / "releases.csv", (*COLUMNS, *names), found.rows)
-        csv_tables.write(folder / "changes.csv", [field.name for field in fields(Change)], map(asdict, found.changes))
+        csv_tables.write(folder / "releases.csv", (*COLUMNS, *names), found.rows, origins)
+        csv_tables.write(folder / "changes.csv", [field.name for field in fields(Change)], map(asdict, found.changes), origins)
 
 
 def read(folder: Path) -> Found:

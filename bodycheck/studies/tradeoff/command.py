@@ -47,6 +47,7 @@ def tradeoff(
     from bodycheck.console.output import say_where
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging import judgement
+    from bodycheck.running import origin
     from bodycheck.studies.tradeoff import printing, study
     from bodycheck.studies.tradeoff.page import present
 
@@ -59,7 +60,7 @@ def tradeoff(
             rows = study.price(results, verdicts, adapters, progress)
             orders = study.orders(results, verdicts, adapters, progress)
         if out is not None:
-            study.write(rows, orders, out)
+            study.write(rows, orders, out, [origin.stored(results.header)])
             reports.write_study(present(results.header, rows, orders), out, figures)
     if json:
         terminal.print_json({"rows": rows, "orders": [asdict(order) for order in orders]})

@@ -15,6 +15,7 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.truth import Truth
 from bodycheck.running import campaign, csv_tables, pool
 from bodycheck.running.key import RunKey
+from bodycheck.running.origin import Origins
 from bodycheck.running.outcome import Completed
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.running.store import Results
@@ -109,10 +110,10 @@ def time_in_turn(stretches: Sequence[Stretch]) -> list[Cost]:
     return cost.summarise(cost.measure(stretches))
 
 
-def write(rows: Sequence[Mapping[str, Any]], orders: Iterable[Order], folder: Path) -> None:
-    """Write tradeoff.csv and orders.csv into a folder."""
-    csv_tables.write(folder / "tradeoff.csv", list(rows[0]), rows)
-    csv_tables.write(folder / "orders.csv", [field.name for field in fields(Order)], map(asdict, orders))
+def write(rows: Sequence[Mapping[str, Any]], orders: Iterable[Order], folder: Path, origins: Origins) -> None:
+    """Write tradeoff.csv and orders.csv into a folder, with where their numbers come from."""
+    csv_tables.write(folder / "tradeoff.csv", list(rows[0]), rows, origins)
+    csv_tables.write(folder / "orders.csv", [field.name for field in fields(Order)], map(asdict, orders), origins)
 
 
 def _task(case: Case, verdict: Verdict) -> Task:

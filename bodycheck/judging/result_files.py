@@ -1,0 +1,45 @@
+"""Write the tables of judged results: results.csv, results.parquet, and the metadata beside the first."""
+
+import io
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from bodycheck.files import writing
+from bodycheck.judging import judgement
+from bodycheck.judging.judgement import Verdict
+from bodycheck.running import csv_tables
+from bodycheck.running.origin import Origins, with_origin
+
+
+def write(verdicts: Sequence[Verdict], folder: Path, origins: Origins) -> None:
+    """Write results.csv with the metadata beside it, and results.parquet.
+
+    Parameters
+    ----------
+    verdicts
+        The verdicts on all runs.
+    folder
+        The folder.
+    origins
+        Where the numbers come from.
+
+    Raises
+    ------
+    NotWritten
+        A file cannot be written.
+    """
+    frame = judgement.table(verdicts)
+    rows: list[Mapping[str, Any]] = list(judgement.records(verdicts))
+    csv_tables.write(folder / "results.csv", list(frame.columns), rows, origins)
+    writing.write(folder / "results.parquet", _parquet(frame, origins))
+
+
+def _parquet(frame: pd.DataFrame, origins: Origins) -> bytes:
+    content = io.BytesIO()
+    pq.write_table(with_origin(pa.Table.from_pandas(frame, preserve_index=False), origins), content)
+    return content.getvalue()
