@@ -14,8 +14,9 @@ from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, NO_ROOM, BadInput, 
 from bodycheck.runner_log import guarded
 from bodycheck.studies.ablation.command import ablate
 from bodycheck.studies.extremes.command import extremes
+from bodycheck.studies.recommend.command import recommend
 from bodycheck.studies.releases.command import bisect, releases
-from bodycheck.studies.tradeoff.command import recommend, tradeoff
+from bodycheck.studies.tradeoff.command import tradeoff
 
 app = App(
     name="bodycheck",

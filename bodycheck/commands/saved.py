@@ -24,10 +24,15 @@ from bodycheck.studies.ablation.rows import Change, ModelRow
 from bodycheck.studies.extremes import page as extremes
 from bodycheck.studies.extremes.rows import Limit, Row
 from bodycheck.studies.orders import Order
+from bodycheck.studies.recommend import page as recommend
+from bodycheck.studies.recommend.rows import Answer, Asked, Probe, Recommendation
 from bodycheck.studies.tradeoff import page as tradeoff
 
 #: The file with the records of a study of extremes.
 EXTREMES = "extremes.jsonl"
+
+#: The file with the records of a search for time steps.
+RECOMMEND = "recommend.jsonl"
 
 #: How to read a column of results by its kind in `bodycheck.columns`.
 PARSERS: dict[str, csv_tables.Parser] = {"string": str, "boolean": csv_tables.truth_value, "integer": int, "number": float}
@@ -54,15 +59,18 @@ def read(folder: Path) -> Results | StudyReport:
     if not folder.is_dir():
         raise BadFolder(f"{folder}: there is no such folder" if not folder.exists() else f"{folder}: is not a folder")
     reading.refuse_links(folder)
-    there = [name for name in (store.RECORDS, EXTREMES) if (folder / name).is_file()]
+    files = (store.RECORDS, EXTREMES, RECOMMEND)
+    there = [name for name in files if (folder / name).is_file()]
     if len(there) != 1:
-        found = " and ".join(there) or f"neither {store.RECORDS} nor {EXTREMES}"
+        found = " and ".join(there) or f"neither {', '.join(files[:-1])} nor {files[-1]}"
         raise BadFolder(
-            f"{folder}: not a folder of results: it contains {found}; bodycheck writes exactly one of the two into each folder"
+            f"{folder}: not a folder of results: it contains {found}; bodycheck writes exactly one of them into each folder"
         )
     with undamaged(folder):
         if there == [EXTREMES]:
             return _extremes(folder)
+        if there == [RECOMMEND]:
+            return _recommend(folder)
         results = store.read(folder)
         return _study(results) or results
 
@@ -130,6 +138,19 @@ def _extremes(folder: Path) -> StudyReport:
     if set(rows) != set(made):
         raise BadFolder(f"{folder}: damaged: extremes.csv does not list the same runs as {EXTREMES}")
     return extremes.present(header, rows, limits)
+
+
+def _recommend(folder: Path) -> StudyReport:
+    contents = journal.read(folder / RECOMMEND)
+    header, asked = _checked(contents.header), records.typed(Asked, contents.header["asked"])
+    if not contents.complete:
+        raise BadFolder(f"{folder}: the study {INTERRUPTED}")
+    parsers = csv_tables.parsers_of(Answer) | {"reached": csv_tables.truth_value}
+    answers = [records.typed(Answer, answer) for answer in _rows(folder / "recommend.csv", parsers)]
+    probes = [records.typed(Probe, probe) for probe in _rows(folder / "steps.csv", csv_tables.parsers_of(Probe))]
+    if {probe.method for probe in probes} - {answer.method for answer in answers}:
+        raise BadFolder(f"{folder}: damaged: recommend.csv does not list the same methods as steps.csv")
+    return recommend.present(header, Recommendation(asked, tuple(answers), tuple(probes)))
 
 
 def _check(results: Results, table: str, told: set[Any], made: set[Any]) -> None:

@@ -116,26 +116,64 @@ def caller(
 
     Failures, limits and parameters are those of `call_all`.
     """
+    with crew(function, 1, limit, memory, group) as call_each:
+        yield lambda argument: call_each([argument])[0]
+
+
+@contextlib.contextmanager
+def crew(
+    function: Callable[[Argument], Result],
+    jobs: int,
+    limit: float,
+    memory: int = MEMORY_LIMIT_BYTES,
+    group: Callable[[Argument], Hashable] = _one_group,
+) -> Iterator[Callable[[Sequence[Argument]], list[Result | Crashed | TimedOut]]]:
+    """Provide a function that calls `function` with each of some arguments and returns the results in their order.
+
+    Each group has one worker process, which is kept between calls and makes the calls of its group in turn. Those of different
+    groups are made at the same time, at most `jobs` of them. Failures, limits and parameters are those of `call_all`.
+    """
     workers: dict[Hashable, _Worker] = {}
 
-    def call(argument: Argument) -> Result | Crashed | TimedOut:
-        own = group(argument)
-        while True:
-            if own not in workers:
-                workers[own] = _start(function, memory)
-                if (ready := _wait(workers[own], limit)).died:
-                    raise RuntimeError(f"no process can be started: {ready.result.reason}")
-            worker = workers[own]
-            worker.call(0, argument, limit)
-            answer = _wait(worker, limit)
-            if not answer.reusable:
-                workers.pop(own).stop()
-            if not answer.died or worker.calls == 1:
-                result: Result | Crashed | TimedOut = answer.result
-                return result
+    def call_each(arguments: Sequence[Argument]) -> list[Result | Crashed | TimedOut]:
+        waiting: dict[Hashable, deque[int]] = {}
+        for place, argument in enumerate(arguments):
+            waiting.setdefault(group(argument), deque()).append(place)
+        results: dict[int, Result | Crashed | TimedOut] = {}
+        busy: dict[Hashable, _Worker] = {}
+
+        def call(own: Hashable, worker: _Worker) -> None:
+            place = waiting[own][0]
+            worker.call(place, arguments[place], limit)
+
+        while waiting:
+            for own in [own for own in waiting if own not in busy][: jobs - len(busy)]:
+                if own in workers:
+                    call(own, workers[own])
+                else:
+                    workers[own] = _start(function, memory)
+                busy[own] = workers[own]
+            wait([worker.channel.socket for worker in busy.values()], _poll_timeout(list(busy.values())))
+            for own, worker in tuple(busy.items()):
+                if (answer := _answer(worker, limit)) is None:
+                    continue
+                if worker.fresh:
+                    if answer.died:
+                        raise RuntimeError(f"no process can be started: {answer.result.reason}")
+                    call(own, worker)
+                    continue
+                del busy[own]
+                if not answer.reusable:
+                    workers.pop(own).stop()
+                # If a process dies after earlier calls, one of these may be the cause: the call is repeated in a new one.
+                if not answer.died or worker.calls == 1:
+                    results[waiting[own].popleft()] = answer.result
+                    if not waiting[own]:
+                        del waiting[own]
+        return [results[place] for place in range(len(arguments))]
 
     try:
-        yield call
+        yield call_each
     finally:
         for worker in workers.values():
             worker.stop()
@@ -215,12 +253,6 @@ def _start(function: Callable[[Any], Any], memory: int) -> _Worker:
     process.start()
     theirs.close()
     return _Worker(process, ours)
-
-
-def _wait(worker: _Worker, limit: float) -> _Answer:
-    while (answer := _answer(worker, limit)) is None:
-        wait([worker.channel.socket], _poll_timeout([worker]))
-    return answer
 
 
 def _poll_timeout(workers: Sequence[_Worker]) -> float:

@@ -1,6 +1,7 @@
 """Studies: each makes many runs to answer one question, and has a folder with its rows, its report and its command.
 
-- `tradeoff`: which methods reach an accuracy at the lowest cost?
+- `tradeoff`: what do errors cost with each method, and at which order do they vanish with the time step?
+- `recommend`: which method reaches an accuracy at the lowest cost, and with which time step?
 - `extremes`: at which extreme values do methods fail, and how?
 - `ablation`: what do model parts cost that a case does not require?
 - `releases`: what changed from one release of an engine to the next?

@@ -18,7 +18,7 @@ from tests.support.commands import Done, bodycheck, call
 from tests.support.processes import calls_here
 
 #: The kinds of folders that are damaged; most are of runs.
-KINDS = ("run", "run", "run", "tradeoff", "extremes", "ablate")
+KINDS = ("run", "run", "run", "tradeoff", "recommend", "extremes", "ablate")
 
 #: What reading a small folder again may take of processor time (s).
 READING_S = 60.0

@@ -14,7 +14,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from bodycheck.commands.saved import EXTREMES
+from bodycheck.commands.saved import EXTREMES, RECOMMEND
 from bodycheck.errors import BadInput
 from bodycheck.judging import result_set
 from bodycheck.reports.lines import assign
@@ -25,7 +25,7 @@ from tests.support.saved_results import REPORT, TABLES, call
 
 Record = dict[str, Any]
 
-KINDS = ("run", "tradeoff", "extremes", "ablate")
+KINDS = ("run", "tradeoff", "recommend", "extremes", "ablate")
 
 
 @pytest.fixture(scope="session")
@@ -174,7 +174,7 @@ def lose_a_column(folder: Path) -> None:
     [
         ("run", lambda folder: shutil.rmtree(folder), "there is no such folder"),
         ("run", lambda folder: (folder / RECORDS).unlink(), "not a folder of results"),
-        ("run", lambda folder: shutil.copy(folder / RECORDS, folder / EXTREMES), "exactly one of the two"),
+        ("run", lambda folder: shutil.copy(folder / RECORDS, folder / EXTREMES), "exactly one of them"),
         ("run", spoil(RECORDS, '"status"', "status"), "not a journal"),
         ("run", spoil(RECORDS, '"format": 1', '"format": 7'), "its format is 7, not 1"),
         ("run", spoil(RECORDS, '"integrator"', '"integrated"'), "'integrator'"),
@@ -200,6 +200,10 @@ def lose_a_column(folder: Path) -> None:
         ("extremes", cut(EXTREMES, -1), "the study was interrupted"),
         ("extremes", cut("extremes.csv", 1), "does not list the same runs"),
         ("extremes", spoil("limits.csv", "spin_times_step", "turn"), "damaged"),
+        ("recommend", cut(RECOMMEND, -1), "the study was interrupted"),
+        ("recommend", spoil(RECOMMEND, "position_error", "place_error"), "damaged"),
+        ("recommend", cut("recommend.csv", 1), "does not list the same methods"),
+        ("recommend", spoil("steps.csv", "timestep", "step"), "damaged"),
     ],
 )
 def test_what_is_no_whole_folder_of_results_is_refused(

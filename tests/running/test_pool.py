@@ -203,3 +203,14 @@ def test_a_process_that_a_call_has_changed_makes_no_other_call() -> None:
 def test_a_process_in_which_a_later_call_leaves_a_thread_makes_no_other_call() -> None:
     found = dict(pool.call_all(changing, ["nothing", "thread in C", "nothing again"], jobs=1, limit=LIMIT))
     assert found["nothing"] == found["thread in C"] != found["nothing again"]
+
+
+def test_a_crew_keeps_a_process_for_each_group_and_repeats_what_an_earlier_call_broke() -> None:
+    with pool.crew(whose_process, jobs=2, limit=LIMIT, group=lambda name: name[0]) as call_each:
+        first = call_each(["a1", "b1", "a2"])
+        second = call_each(["b2", "a3"])
+        assert first[0] == first[2] == second[1] != first[1] == second[0]
+        assert call_each([]) == []
+    with pool.crew(poisoned, jobs=2, limit=LIMIT) as call_each:
+        assert call_each(["poison", "bread"]) == ["poison", "bread"]
+        assert call_each(["water"]) == ["water"]

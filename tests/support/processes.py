@@ -39,9 +39,16 @@ def calls_here() -> Iterator[None]:
     def caller(function: Callable[[Any], Any], *limits: Any, **more_limits: Any) -> Iterator[Callable[[Any], Any]]:
         yield partial(call, function)
 
+    @contextmanager
+    def crew(
+        function: Callable[[Any], Any], *limits: Any, **more_limits: Any
+    ) -> Iterator[Callable[[Sequence[Any]], list[Any]]]:
+        yield lambda arguments: [call(function, argument) for argument in arguments]
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pool, "call_all", call_all)
         patch.setattr(pool, "caller", caller)
+        patch.setattr(pool, "crew", crew)
         yield
 
 

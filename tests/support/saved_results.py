@@ -107,7 +107,7 @@ def run(folder: Path) -> Path:
 
 
 def study(kind: str, folder: Path) -> Path:
-    """The folder of a study: tradeoff, extremes or ablate."""
+    """The folder of a study: tradeoff, recommend, extremes or ablate."""
     case = folder / "spin.case.toml"
     case.write_text(SPIN)
     options: dict[str, tuple[object, ...]] = {
@@ -117,6 +117,7 @@ def study(kind: str, folder: Path) -> Path:
             *METHODS[:4],
             *(w for h in (0.1, 0.05, 0.02, 0.01, 0.005) for w in ("--timestep", h)),
         ),
+        "recommend": ("--engine", "mujoco", *METHODS[:2], "--quantity", "position", "--error", 1e-2),
         "extremes": ("--engine", "exact", "--engine", "exploding"),
         "ablate": ("--engine", "mujoco", "--integrator", "Euler", "--timestep", 0.01),
     }

@@ -25,7 +25,7 @@ from bodycheck.studies.orders import Order
 from bodycheck.studies.releases import answers as release_answers
 from bodycheck.studies.releases.questions import Answer, Question
 from bodycheck.studies.releases.rows import STATUS, UNOBTAINABLE, Change, Found, ReleasesHeader, Row
-from bodycheck.studies.tradeoff.recommendation import COLUMNS
+from bodycheck.studies.tradeoff.front import COLUMNS
 
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance

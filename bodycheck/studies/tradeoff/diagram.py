@@ -9,7 +9,7 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import Quantity, bound
 from bodycheck.reports.series import rounded
 from bodycheck.running.key import RunKey
-from bodycheck.studies.tradeoff.recommendation import Measured
+from bodycheck.studies.tradeoff.front import Measured
 
 #: Significant digits of stored costs, so that different measured costs remain different.
 COST_DIGITS = 6

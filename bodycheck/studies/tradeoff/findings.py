@@ -9,8 +9,8 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import bound, count, listing, milliseconds, number, verb
 from bodycheck.running.key import RunKey
 from bodycheck.studies.orders import Order
+from bodycheck.studies.tradeoff.front import Measured
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements
-from bodycheck.studies.tradeoff.recommendation import Measured
 
 #: An observed order is lower than claimed if even its largest value is lower by more than this.
 ORDER_TOLERANCE = 0.25

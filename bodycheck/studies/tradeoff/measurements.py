@@ -11,7 +11,7 @@ from bodycheck.judging.convergence import UNITS
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound
 from bodycheck.running.key import RunKey
 from bodycheck.studies.orders import Order
-from bodycheck.studies.tradeoff.recommendation import COLUMNS, Measured, measured, pareto
+from bodycheck.studies.tradeoff.front import COLUMNS, Measured, measured, pareto
 
 #: A row of the tradeoff study.
 Row = Mapping[str, Any]

@@ -17,8 +17,8 @@ from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff import findings as tradeoff_summary
 from bodycheck.studies.tradeoff.diagram import diagram
 from bodycheck.studies.tradeoff.findings import falls_short
+from bodycheck.studies.tradeoff.front import Measured
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Row
-from bodycheck.studies.tradeoff.recommendation import Measured
 
 #: Lines by method with any time step, as a curve goes through all time steps.
 Lines = Mapping[RunKey, Line]

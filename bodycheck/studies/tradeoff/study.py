@@ -22,9 +22,9 @@ from bodycheck.running.store import Results
 from bodycheck.studies import cost
 from bodycheck.studies.cost import Cost, Stretch
 from bodycheck.studies.orders import Order
+from bodycheck.studies.tradeoff.front import COLUMNS
 from bodycheck.studies.tradeoff.identification import identify
 from bodycheck.studies.tradeoff.ladder import ladder
-from bodycheck.studies.tradeoff.recommendation import COLUMNS
 
 #: Columns after those of results: the interval of the time per step (s), the evaluations of the accelerations per step, and
 #: the computing time (s) per simulated second.

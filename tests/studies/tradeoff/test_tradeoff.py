@@ -1,4 +1,4 @@
-"""The tradeoff study with the real engines: orders, schemes, floors, costs, and recommendations that keep their promise."""
+"""The tradeoff study with the real engines: orders, schemes, floors, costs and the Pareto front."""
 
 import math
 import time
@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bodycheck import Case, compare, load, simulate, truth
+from bodycheck import Case, load
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import shipped
 from bodycheck.errors import BadInput
@@ -22,8 +22,8 @@ from bodycheck.studies import cost
 from bodycheck.studies.cost import Stretch
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff import study as tradeoff
+from bodycheck.studies.tradeoff.front import measured, pareto
 from bodycheck.studies.tradeoff.ladder import fitted, ladder
-from bodycheck.studies.tradeoff.recommendation import measured, pareto, recommend
 from tests.support import campaigns
 from tests.support.campaigns import adapters
 from tests.support.cases import shortened
@@ -106,13 +106,13 @@ def test_a_soft_contact_has_a_floor_and_rigid_ones_have_an_order(tmp_path: Path)
     assert {order.scheme for order in found} == {""}
 
 
-PROMISES = [("osrf-boxes-complex", "attitude"), ("free-brick", "energy"), ("spinning-brick-corners", "attitude")]
+CASES = [("osrf-boxes-complex", "attitude"), ("free-brick", "energy"), ("spinning-brick-corners", "attitude")]
 
 
 @pytest.fixture(scope="module")
 def priced(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[dict[str, object]]]:
     """Three cases on short ladders, with costs that are measured roughly: nothing that is said of them needs their digits."""
-    cases = [load(name) for name, _ in PROMISES]
+    cases = [load(name) for name, _ in CASES]
     results = run(cases, tmp_path_factory.mktemp("priced"), timesteps=(0.01, 0.005, 0.002))
     verdicts = judgement.judge(results)
     with calls_here(), pytest.MonkeyPatch.context() as patch:
@@ -121,32 +121,8 @@ def priced(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[dict[str,
     return {case.name: [row for row in rows if row["case"] == case.name] for case in cases}
 
 
-@pytest.mark.parametrize(("name", "quantity"), PROMISES)
-@pytest.mark.parametrize("limit", [1e-1, 1e-3, 1e-6])
-def test_a_recommendation_keeps_its_promise(
-    priced: dict[str, list[dict[str, object]]], name: str, quantity: str, limit: float
-) -> None:
-    case, rows = load(name), priced[name]
-    found = recommend(rows, quantity, limit)
-    assert bool(found) == any(method.error <= limit for method in measured(rows, quantity))
-    costs = [recommendation.method.cost for recommendation in found]
-    assert costs == sorted(costs)
-    for recommendation in found:
-        method = recommendation.method
-        again = simulate(case, method.engine, method.integrator, method.timestep)
-        maxima = compare(truth(case), again).maxima()
-        error = maxima["attitude_error"] if quantity == "attitude" else maxima["energy_drift"]
-        assert error <= limit
-        assert error == method.error, "the same run, bit by bit"
-        for neighbour, coarser in ((recommendation.coarser, True), (recommendation.finer, False)):
-            if neighbour is not None:
-                assert (neighbour.engine, neighbour.integrator) == (method.engine, method.integrator)
-                assert (neighbour.timestep > method.timestep) == coarser
-                assert neighbour.error > limit or neighbour.cost >= method.cost
-
-
 def test_the_front_is_what_nothing_beats(priced: dict[str, list[dict[str, object]]]) -> None:
-    for name, quantity in PROMISES:
+    for name, quantity in CASES:
         methods, front = measured(priced[name], quantity), pareto(priced[name], quantity)
         assert front
         for method in methods:

@@ -1,6 +1,5 @@
-"""Find the cheapest methods that keep an error below a limit, from the rows of a tradeoff study; nothing is extrapolated."""
+"""Find the methods that no other one surpasses in both error and cost, from the rows of a tradeoff study."""
 
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -36,43 +35,6 @@ class Measured:
     def method(self) -> RunKey:
         """The key of the engine and the method, over all cases and time steps."""
         return RunKey.of_method(self.engine, self.integrator)
-
-
-@dataclass(frozen=True)
-class Recommendation:
-    """A method that keeps the limit, and its integrator with the next larger and smaller measured time steps."""
-
-    method: Measured
-    coarser: Measured | None
-    finer: Measured | None
-
-
-def recommend(rows: Sequence[Row], quantity: str, limit: float) -> list[Recommendation]:
-    """Return, for each integrator, the cheapest time step that keeps the limit; the cheapest integrator first.
-
-    Parameters
-    ----------
-    rows
-        The rows of one case in a tradeoff study.
-    quantity
-        A key of `COLUMNS`.
-    limit
-        The largest allowed error, in the quantity's unit.
-    """
-    found = []
-    by_integrator: dict[RunKey, list[Measured]] = defaultdict(list)
-    for method in measured(rows, quantity):
-        by_integrator[method.method].append(method)
-    for methods in by_integrator.values():
-        methods.sort(key=lambda method: -method.timestep)
-        keeping = [method for method in methods if method.error <= limit]
-        if keeping:
-            best = min(keeping, key=lambda method: method.cost)
-            place = methods.index(best)
-            coarser = methods[place - 1] if place else None
-            finer = methods[place + 1] if place + 1 < len(methods) else None
-            found.append(Recommendation(best, coarser, finer))
-    return sorted(found, key=lambda recommendation: recommendation.method.cost)
 
 
 def pareto(rows: Sequence[Row], quantity: str) -> list[Measured]:

@@ -1,0 +1,88 @@
+"""The command `bodycheck recommend`.
+
+Its imports are inside the function, so that `--help` answers at once.
+"""
+
+import sys
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Viewed
+from bodycheck.errors import FAILED, OK
+
+
+def recommend(
+    case: str,
+    /,
+    *,
+    error: float,
+    quantity: str = "attitude",
+    engine: Engines = (),
+    integrator: Integrators = (),
+    reuse: Annotated[
+        Path | None,
+        Parameter(help="A folder with results of `tradeoff` or `run`; steps that were measured there are not measured again."),
+    ] = None,
+    out: Out = None,
+    figures: Figures = (),
+    jobs: Jobs = None,
+    json: Json = False,
+    view: Viewed = AS_USUAL,
+    quiet: Quiet = False,
+) -> int:
+    """Find the method that keeps an error at the lowest cost, and the largest time step with which it does.
+
+    The time step of every method is searched: the largest one such that every smaller measured one keeps the error too, within
+    10 %, from a tenth of the duration down to 100,000 steps. All is measured, nothing is extrapolated. The tables are
+    recommend.csv and steps.csv. An interrupted search resumes when it is run again with the same --out.
+
+    Exit codes: 0 a method was found; 1 no method keeps the error, or an engine failed; 2 bad input or usage.
+
+    Parameters
+    ----------
+    case
+        The name of a shipped case, or the path of a case file.
+    error
+        The largest allowed error over the duration of the case, in the unit of the figure: rad for the attitude, m for the
+        position, relative for energy and angular momentum.
+    quantity
+        The figure whose error is limited: attitude, position, energy, angular_momentum, or the name of a figure in the tables
+        of results. Default: attitude.
+    """
+    from dataclasses import asdict
+
+    from bodycheck import reports
+    from bodycheck.console import tables, terminal
+    from bodycheck.console.arguments import check_has_folder, load_case, load_engines, processes
+    from bodycheck.console.output import say_where, tell
+    from bodycheck.files.temporary import temporary_folder
+    from bodycheck.running import campaign, store
+    from bodycheck.studies.recommend import printing, study, wording
+    from bodycheck.studies.recommend.page import present
+
+    check_has_folder(figures, out)
+    tables.check(view, printing.ANSWERS)
+    loaded = load_case(case)
+    engines = load_engines(engine)
+    adapters = engines.adapters
+    planned = study.prepare(loaded, adapters, integrator, quantity, error)
+    known = study.reused(store.read(reuse), planned) if reuse is not None else []
+    head = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, engines.missing)
+    with ExitStack() as stack:
+        folder = out or stack.enter_context(temporary_folder())
+        progress = stack.enter_context(terminal.progress("searching", len(planned.searches), quiet))
+        found = stack.enter_context(study.results(planned, folder, head, processes(jobs), progress, known))
+        if out is not None:
+            study.write(found, out)
+            reports.write_study(present(head, found), out, figures)
+    if json:
+        terminal.print_json([asdict(answer) for answer in found.answers])
+    elif not quiet:
+        printing.print_recommendation(found, view)
+    elif not found.reached:
+        tell(wording.headline(found))
+    say_where(out, quiet)
+    return OK if found.reached and not engines.failed([loaded]) else FAILED

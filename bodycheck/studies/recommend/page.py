@@ -1,0 +1,199 @@
+"""The report of the study: the answer, a chart of the error over the time step, and all that was measured."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+from bodycheck.reports.charts import INK, Spec, log_axis, method_scale, zoomable
+from bodycheck.reports.finding import Finding
+from bodycheck.reports.lines import Line, assign
+from bodycheck.reports.notices import missing_engines
+from bodycheck.reports.quantities import QUANTITIES, count, number
+from bodycheck.reports.series import rounded
+from bodycheck.reports.study import Chart, Part, StudyReport
+from bodycheck.reports.tables import Entry, Table
+from bodycheck.running.header import Header
+from bodycheck.running.key import RunKey
+from bodycheck.studies.recommend import wording
+from bodycheck.studies.recommend.rows import Answer, Probe, Recommendation
+
+#: Lines by method.
+Lines = Mapping[RunKey, Line]
+
+#: Explanations for readers.
+READING = (
+    "The time step of a method is the largest measured one such that it and every smaller measured one keep the limit. The "
+    "search brackets it until the next larger step that breaks the limit is at most 10 % larger. It then measures steps below "
+    "it, down to half of it, as close to each other as the errors there require. Steps have two significant digits. An engine "
+    "is compared with the truth at the ends of its own steps, so that no step has to divide the duration.",
+    "The cost is the computing time of a simulated second: the median of repeated timings, all methods in turn, with the "
+    "shortest and the longest. The margin is the limit divided by the error. In the chart, filled points are the steps of the "
+    "methods that keep the limit, which is the broken line. Runs that failed have no point, and zeros cannot be shown on a log "
+    "scale.",
+)
+
+
+def present(header: Header, found: Recommendation) -> StudyReport:
+    """Return the contents of the report.
+
+    Parameters
+    ----------
+    header
+        Versions, machine and command.
+    found
+        The result of the study.
+    """
+    lines = assign(answer.method for answer in found.answers)
+    drawn = {probe.method for probe in found.probes if _is_drawn(probe)}
+    tables = [("The time step of each method", _answers(found))] if found.answers else []
+    return StudyReport(
+        title="The cheapest method that is accurate enough",
+        headline=wording.headline(found),
+        header=header,
+        notices=tuple(missing_engines(header)),
+        findings=_findings(found),
+        parts=(
+            Part(
+                name=found.asked.case,
+                title=found.asked.case,
+                texts=tuple(filter(None, (wording.effort(found), wording.truth_error(found)))),
+                charts=(_chart(found, lines),) if drawn else (),
+                tables=(*tables, ("All measured time steps", _steps(found))),
+                lines=tuple(line for key, line in lines.items() if key in drawn) if drawn else (),
+            ),
+        ),
+        reading=READING,
+    )
+
+
+def _findings(found: Recommendation) -> tuple[Finding, ...]:
+    sentences = (
+        ("Margin", (wording.margin(found),)),
+        ("Second", (wording.second(found),)),
+        ("Never", wording.never(found)),
+    )
+    return tuple(Finding(subject, text) for subject, texts in sentences for text in texts if text)
+
+
+def _is_drawn(probe: Probe) -> bool:
+    """Return whether a log scale can show the error of a probe."""
+    return probe.error is not None and 0 < probe.error < math.inf
+
+
+def _chart(found: Recommendation, lines: Lines) -> Chart:
+    quantity = QUANTITIES[found.asked.figure]
+    drawn = {probe.method for probe in found.probes if _is_drawn(probe)}
+    measured = [line for key, line in lines.items() if key in drawn]
+    alt = (
+        f"{quantity.title} against the time step on log scales, for {count(len(measured), 'method')}, with the limit of "
+        f"{number(found.asked.error)} {found.asked.unit}".rstrip()
+        + f". {wording.headline(found)}"
+    )
+    zero = [wording.method(own) for own in found.answers if own.error == 0]
+    return Chart(
+        title=f"{quantity.title} over the time step",
+        specification=_specification(found, lines, measured),
+        alt=alt,
+        notes=(f"Errors of zero, which are not drawn, occur with {', '.join(zero)}.",) if zero else (),
+    )
+
+
+def _specification(found: Recommendation, lines: Lines, drawn: Sequence[Line]) -> Spec:
+    """Return a chart with a curve for each method through its measured steps, the limit, and the steps of the answers."""
+    chosen = {(own.method, own.timestep) for own in found.reached}
+    values = [
+        {
+            "method": lines[probe.method].label,
+            "timestep": probe.timestep,
+            "error": rounded([probe.error])[0],
+            "chosen": (probe.method, probe.timestep) in chosen,
+        }
+        for probe in found.probes
+        if probe.error is not None and _is_drawn(probe)
+    ]
+    x = {
+        "field": "timestep",
+        "type": "quantitative",
+        "title": "Time step, s",
+        "scale": {"type": "log", "nice": False, "padding": 12},
+        "axis": log_axis("x") | {"grid": False},
+    }
+    y = {
+        "field": "error",
+        "type": "quantitative",
+        "title": QUANTITIES[found.asked.figure].label,
+        "scale": {"type": "log", "nice": False, "padding": 12},
+        "axis": log_axis("y"),
+    }
+    scales = {channel: method_scale(channel, drawn) for channel in ("strokeDash", "strokeWidth")}
+    tooltip = [{"field": name} for name in ("method", "timestep", "error")]
+    filled = {"condition": {"test": "datum.chosen", "value": 1}, "value": 0}
+    measured: Spec = {
+        "data": {"values": values},
+        "transform": [{"filter": "indexof(hidden, datum.method) < 0"}],
+        "encoding": {"x": x, "y": y, "color": method_scale("color", drawn)},
+        "layer": [
+            {"mark": {"type": "line", "clip": True, "tooltip": None, "aria": False}, "encoding": scales},
+            {
+                "mark": {"type": "point", "clip": True, "filled": True, "size": 60},
+                "encoding": {"fillOpacity": filled, "strokeOpacity": {"value": 1}, "tooltip": tooltip},
+            },
+        ],
+    }
+    rule: Spec = {
+        "data": {"values": [{"error": found.asked.error}]},
+        "mark": {"type": "rule", "color": INK, "strokeDash": [6, 4], "clip": True, "tooltip": None, "aria": False},
+        "encoding": {"y": y},
+    }
+    return zoomable([rule, measured], height=320) | {"params": [{"name": "hidden", "value": []}]}
+
+
+def _answers(found: Recommendation) -> Table:
+    """Return the table of the answers: those that keep the limit, the cheapest first, then the others."""
+    words = ("Engine", "Integrator", "Keeps the limit")
+    label = QUANTITIES[found.asked.figure].label
+    figures = ("Time step, s", label, "Margin", "Computing time, s", "Shortest, s", "Longest, s", "Breaks at, s", "Runs")
+    return Table(
+        columns=words + figures,
+        numeric=(False,) * len(words) + (True,) * len(figures),
+        rows=tuple(
+            (
+                Entry(f"{own.engine} {own.version}".rstrip()),
+                Entry(own.integrator),
+                Entry("yes" if own.reached else "no"),
+                *map(_figure, (own.timestep, own.error, own.margin, own.cost, own.cost_low, own.cost_high, own.broken)),
+                _figure(own.steps),
+            )
+            for own in found.answers
+        ),
+        failed=tuple(not own.reached for own in found.answers),
+        notes=(*dict.fromkeys(_reason(own) for own in found.answers if own.reason),),
+    )
+
+
+def _reason(own: Answer) -> str:
+    return f"{wording.method(own)}: {own.reason}."
+
+
+def _steps(found: Recommendation) -> Table:
+    """Return the table of all measured time steps."""
+    words = ("Engine", "Integrator", "Status")
+    figures = ("Time step, s", QUANTITIES[found.asked.figure].label)
+    return Table(
+        columns=words + figures,
+        numeric=(False,) * len(words) + (True,) * len(figures),
+        rows=tuple(
+            (
+                Entry(f"{probe.engine} {probe.version}".rstrip()),
+                Entry(probe.integrator),
+                Entry(probe.status, None, probe.reason),
+                *map(_figure, (probe.timestep, probe.error)),
+            )
+            for probe in found.probes
+        ),
+        failed=tuple(probe.error is None or probe.error > found.asked.error for probe in found.probes),
+        notes=("Coloured rows do not keep the limit.",),
+    )
+
+
+def _figure(value: float | None) -> Entry:
+    return Entry(number(value, 3), value)

@@ -1,0 +1,32 @@
+"""Print what the study recommends to the terminal."""
+
+from bodycheck.console.options import View
+from bodycheck.console.output import say, tell
+from bodycheck.console.tables import attribute, show
+from bodycheck.studies.recommend import wording
+from bodycheck.studies.recommend.rows import Recommendation
+
+#: The columns of the table of methods that keep the limit.
+ANSWERS = (
+    attribute("engine"),
+    attribute("version", asked=True),
+    attribute("integrator"),
+    attribute("timestep", "step s"),
+    attribute("error"),
+    attribute("margin", goes=3),
+    attribute("cost", "cost s/s"),
+    attribute("cost_low", "least s/s", asked=True),
+    attribute("cost_high", "most s/s", asked=True),
+    attribute("broken", "breaks at s", goes=1),
+    attribute("steps", "runs", "d", goes=2),
+)
+
+
+def print_recommendation(found: Recommendation, view: View) -> None:
+    """Print the answer in one sentence, its margin, the second method and those that never keep the limit, then a table."""
+    for sentence in (wording.headline(found), wording.margin(found), wording.second(found), *wording.never(found)):
+        if sentence:
+            tell(sentence)
+    if found.reached:
+        say("")
+        show(ANSWERS, found.reached, view)

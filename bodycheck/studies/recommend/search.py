@@ -1,0 +1,207 @@
+"""Search the largest time step of a method that keeps a limit: pure functions of the errors that were measured so far.
+
+The answer is the largest measured step such that every smaller measured step keeps the limit too. All steps that the search
+asks for have two significant digits. Where the answer and the smallest step that breaks the limit are neighbours among these
+numbers, the answer is within 10 % of any larger step that would keep it.
+
+Errors need not grow with the step. Below the answer, steps are therefore measured as close to each other as the errors
+there require: between two measured neighbours, powers of the step are assumed up to 1.5 times the largest one that is observed
+there, upwards and downwards.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+#: Errors by time step (s); infinite for a run that failed.
+Errors = Mapping[float, float]
+
+#: Largest ratio of two neighbouring numbers with two significant digits, 11 to 10.
+NEIGHBOURS = 1.1
+
+#: Ratio of the smallest step that breaks the limit to the answer, below which the search goes no nearer.
+NEAR = 1.05
+
+#: Ratio of a step at which the method fails to the next one, and the largest ratio of two steps upwards.
+AFTER_FAILURE, UPWARDS = 4.0, 4.0
+
+#: Smallest of these ratios while no step keeps the limit, so that the search moves on.
+LEAST_DOWNWARDS = 1.5
+
+#: Steps are measured down to the answer divided by this.
+DEPTH = 2.0
+
+#: Ratio of the powers of the step that are assumed between measured neighbours to the largest observed one, and the least such.
+STEEPER, LEAST_STEEPNESS = 1.5, 1.0
+
+#: Order of a method whose engine claims none, and the least and the largest order that is believed when it is observed.
+UNKNOWN_ORDER, LEAST_ORDER, LARGEST_ORDER = 1.0, 0.5, 12.0
+
+#: What the last digit of a product or quotient of steps may be wrong by.
+ROUNDING = 1e-9
+
+#: Largest number of measured steps of one method.
+MOST_STEPS = 60
+
+
+@dataclass(frozen=True)
+class Range:
+    """Where and for what a method is searched.
+
+    Parameters
+    ----------
+    limit
+        The largest allowed error, in the unit of the errors.
+    order
+        The order that the engine claims of the method; None if it claims none.
+    first
+        The time step (s) at which the search begins.
+    smallest, largest
+        The ends of the time steps (s), which have two significant digits.
+    """
+
+    limit: float
+    order: int | None
+    first: float
+    smallest: float
+    largest: float
+
+
+def answer(errors: Errors, limit: float) -> float | None:
+    """Return the largest step such that it and every smaller one keep the limit; None if the smallest one does not."""
+    kept = None
+    for step in sorted(errors):
+        if not errors[step] <= limit:
+            break
+        kept = step
+    return kept
+
+
+def following(errors: Errors, within: Range) -> float | None:
+    """Return the step (s) that is to be measured next; None if the search is done."""
+    if not errors:
+        return within.first
+    if len(errors) >= MOST_STEPS:
+        return None
+    kept = answer(errors, within.limit)
+    if kept is None:
+        return _downwards(errors, within)
+    broken = min((step for step in errors if step > kept), default=None)
+    if broken is None:
+        if kept < within.largest:
+            return _upwards(errors, kept, within)
+    elif (between := _between(errors, kept, broken, within)) is not None:
+        return between
+    return _below(errors, kept, within)
+
+
+def rounded_down(step: float) -> float:
+    """Return the largest number with two significant digits that is no larger than a positive one."""
+    return _number(_place(step))
+
+
+def rounded_up(step: float) -> float:
+    """Return the smallest number with two significant digits that is no smaller than a positive one."""
+    place = _place(step)
+    return _number(place) if _number(place) == step else _number(place + 1)
+
+
+def _number(place: int) -> float:
+    """Return the number with two significant digits at a place in their order; that at 0 is 1."""
+    decade, mantissa = divmod(place, 90)
+    return float(f"{mantissa + 10}e{decade - 1}")
+
+
+def _place(step: float) -> int:
+    """Return the place of the largest number with two significant digits that is no larger than a step."""
+    decade = math.floor(math.log10(step))
+    place = 90 * decade + int(step / 10.0 ** (decade - 1)) - 10
+    # The logarithm and the quotient may be wrong in their last digit.
+    return next(near for near in (place + 1, place, place - 1) if _number(near) <= step)
+
+
+def _downwards(errors: Errors, within: Range) -> float | None:
+    """Return the next step where the smallest measured one does not keep the limit; None if it is the smallest allowed."""
+    least = min(errors)
+    if least <= within.smallest:
+        return None
+    ratio = AFTER_FAILURE
+    if math.isfinite(errors[least]):
+        order = min(_slope(errors, least), _claimed(within))
+        ratio = max(LEAST_DOWNWARDS, NEIGHBOURS * (errors[least] / within.limit) ** (1 / order))
+    return max(within.smallest, rounded_down(least / ratio))
+
+
+def _upwards(errors: Errors, kept: float, within: Range) -> float:
+    """Return the next step where all measured ones keep the limit."""
+    ratio = UPWARDS
+    if errors[kept] > 0:
+        ratio = max(NEIGHBOURS, min(UPWARDS, NEIGHBOURS * (within.limit / errors[kept]) ** (1 / _claimed(within))))
+    return min(within.largest, max(_number(_place(kept) + 1), rounded_down(kept * ratio)))
+
+
+def _between(errors: Errors, kept: float, broken: float, within: Range) -> float | None:
+    """Return a step between the largest that keeps the limit and the smallest that breaks it; None if they are neighbours.
+
+    It is where the error is expected to cross the limit, or halfway if steps near an end have shown that this converges slowly.
+    """
+    low, high = _place(kept), _place(rounded_up(broken))
+    if high - low <= 1 or broken <= kept * NEAR:
+        return None
+    width = math.log(broken / kept)
+    slow = sum(step > kept * math.exp(-width / 4) for step in errors if step < kept) > 1
+    slow |= sum(step < broken * math.exp(width / 4) for step in errors if step > broken) > 1
+    expected = math.sqrt(kept * broken) if slow else _crossing(errors, kept, broken, within)
+    return _number(min(high - 1, max(low + 1, _place(expected))))
+
+
+def _crossing(errors: Errors, kept: float, broken: float, within: Range) -> float:
+    """Return the step at which the error is expected to equal the limit."""
+    below, above, width = errors[kept], errors[broken], math.log(broken / kept)
+    if below <= 0:
+        return math.sqrt(kept * broken)
+    smaller = max((step for step in errors if step < kept and errors[step] > 0), default=None)
+    order = _claimed(within) if smaller is None else max(LEAST_ORDER, _power(errors, smaller, kept))
+    if math.isfinite(above):
+        order = max(order, math.log(above / below) / width)
+    return kept * math.exp(min(width, math.log(within.limit / below) / order))
+
+
+def _below(errors: Errors, kept: float, within: Range) -> float | None:
+    """Return a step below the answer at which the limit might be broken; None if enough of them were measured."""
+    lowest = max(within.smallest, rounded_down(kept / DEPTH))
+    if min(errors) > lowest:
+        return lowest
+    own = [step for step in sorted(errors) if lowest <= step <= kept]
+    steepest = max(LEAST_STEEPNESS, *(abs(_power(errors, *pair)) for pair in pairwise(own)), 0.0)
+    assumed = STEEPER * min(steepest, LARGEST_ORDER)
+    for step, larger in reversed(list(pairwise(own))):
+        places, width = _place(larger) - _place(step), math.log(larger / step)
+        if errors[larger] == 0 or places <= 1 or larger <= step * (NEIGHBOURS + ROUNDING):
+            continue
+        # The error can rise from the smaller step and fall to the larger one; `room` is what it may rise above the latter.
+        room, power = math.log(within.limit / errors[larger]), min(_power(errors, step, larger), assumed)
+        if (assumed - power) * width / 2 > room:
+            apart = max(math.log(NEIGHBOURS), min(width / 2, 2 * room / (assumed - power)))
+            return _number(max(_place(step) + 1, min(_place(larger) - 1, _place(larger * math.exp(-apart)))))
+    return None
+
+
+def _claimed(within: Range) -> float:
+    return float(within.order or UNKNOWN_ORDER)
+
+
+def _slope(errors: Errors, step: float) -> float:
+    """Return the observed order at a step and its neighbour with finite errors; the largest believed one if there is none."""
+    larger = min((other for other in errors if other > step and 0 < errors[other] < math.inf), default=None)
+    if larger is None or not errors[step] > 0:
+        return LARGEST_ORDER
+    return max(LEAST_ORDER, min(LARGEST_ORDER, _power(errors, step, larger)))
+
+
+def _power(errors: Errors, step: float, larger: float) -> float:
+    """Return the power of the step with which the error grows between two steps; 0 if an error is 0."""
+    if errors[step] <= 0 or errors[larger] <= 0:
+        return 0.0
+    return math.log(errors[larger] / errors[step]) / math.log(larger / step)

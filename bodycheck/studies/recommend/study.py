@@ -1,0 +1,300 @@
+"""Search the largest time step of every method that keeps an error on a case, and measure what it costs.
+
+Every run has a worker process of its engine, and is recorded when it ends, so that an interrupted search can be resumed.
+"""
+
+import math
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, fields
+from hashlib import sha256
+from importlib.metadata import version
+from pathlib import Path
+
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Adapter, Method
+from bodycheck.adapters.offers import chosen, integrator_of
+from bodycheck.casefile.case import Case
+from bodycheck.errors import BadInput
+from bodycheck.figures.columns import FIGURES, LIMITED, most_possible
+from bodycheck.files.temporary import temporary_folder
+from bodycheck.judging import judgement
+from bodycheck.reports.quantities import bound
+from bodycheck.running import campaign, csv_tables, engines, journal, plan, pool
+from bodycheck.running.campaign import Advance
+from bodycheck.running.header import Header
+from bodycheck.running.key import RunKey
+from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
+from bodycheck.running.plan import Task
+from bodycheck.running.store import Results
+from bodycheck.studies.recommend import measuring
+from bodycheck.studies.recommend.answers import answer_of, errors_of, priced
+from bodycheck.studies.recommend.rows import Answer, Asked, Probe, Recommendation
+from bodycheck.studies.recommend.search import Range, following, rounded_down, rounded_up
+from bodycheck.suggestion import did_you_mean
+
+#: The file with the records of the study.
+RECORDS = "recommend.jsonl"
+
+#: Short names of figures; the second figure is for scenes with friction or drag, in which the first does not exist.
+SHORT_NAMES = {
+    "attitude": ("attitude_error",),
+    "position": ("position_error",),
+    "energy": ("energy_drift", "energy_error"),
+    "angular_momentum": ("angular_momentum_drift", "angular_momentum_error"),
+}
+
+#: The numbers of steps of a run between which time steps are searched. A run with the most takes seconds in Python.
+LEAST_STEPS, MOST_STEPS = 10, 100_000
+
+#: Rotation of the body (rad) in the step at which a search begins; most methods break near it.
+FIRST_TURN = 1.0
+
+#: Time limit (s) of one run, more than ten times what `MOST_STEPS` steps take in Python.
+TIME_LIMIT_S = 60.0
+
+
+@dataclass(frozen=True)
+class Search:
+    """The search for the time step of a method, whose time step is 0, with the version of its engine."""
+
+    engine: str
+    version: str
+    method: Method
+    within: Range
+
+    @property
+    def key(self) -> RunKey:
+        """The key of the engine and the method, over all cases and time steps."""
+        return RunKey("", self.engine, self.method)
+
+
+@dataclass(frozen=True)
+class Study:
+    """The case, the figure that is limited, the limit in the figure's unit, and a search for each method."""
+
+    case: Case
+    figure: str
+    error: float
+    searches: tuple[Search, ...]
+
+
+def recommend(
+    case: Case,
+    *,
+    error: float,
+    quantity: str = "attitude",
+    adapters: Mapping[str, Adapter] | None = None,
+    integrators: Sequence[str] = (),
+    known: Sequence[Probe] = (),
+    jobs: int = 2,
+) -> Recommendation:
+    """Return the methods that keep an error on a case, each with the largest time step that does, the cheapest first.
+
+    Runs have worker processes, so that a script needs `if __name__ == "__main__":` around the call.
+
+    Parameters
+    ----------
+    case
+        The case.
+    error
+        The largest allowed error, in the unit of the figure.
+    quantity
+        A key of `SHORT_NAMES`, or the name of a figure.
+    adapters
+        The adapters by name; None for all engines that can be used.
+    integrators
+        Spellings of methods; all that the engines offer if it is empty.
+    known
+        Time steps that were measured before, as `reused` returns them.
+    jobs
+        The largest number of engines that run at the same time.
+
+    Raises
+    ------
+    BadInput
+        As `prepare`, and if the truth of the case has an error as large as the one that is asked for.
+    Failed
+        If the case has no truth.
+    """
+    used = engines.load(registry.names())[0] if adapters is None else adapters
+    planned = prepare(case, used, integrators, quantity, error)
+    head = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in used.items()}, {})
+    with temporary_folder() as folder, results(planned, folder, head, jobs, known=known) as found:
+        return found
+
+
+def prepare(case: Case, adapters: Mapping[str, Adapter], integrators: Sequence[str], quantity: str, error: float) -> Study:
+    """Return a search for every method of some engines; parameters are those of `recommend`.
+
+    Raises `BadInput` for an error that cannot be asked for, for a figure that there is not, for a method that no engine has,
+    and if there is nothing to run.
+    """
+    figure = figure_of(case, quantity)
+    if not 0 < error < math.inf:
+        raise BadInput(f"--error {error:g}: must be positive and finite")
+    if error >= (most := most_possible(figure, case.duration)):
+        least = f"{FIGURES[figure].title.lower()} is at most {most:.4g} {FIGURES[figure].unit}".rstrip()
+        raise BadInput(f"--error {error:g}: every method keeps it, because the {least}; allowed: less")
+    plan.check([case], adapters, integrators, ())
+    spin = math.hypot(*case.scene.initial.angular_velocity)
+    largest, smallest = rounded_down(case.duration / LEAST_STEPS), rounded_up(case.duration / MOST_STEPS)
+    first = max(smallest, min(largest, rounded_down(FIRST_TURN / spin))) if spin else largest
+    methods = [
+        (name, adapter, Method.parse(spelling, 0.0))
+        for name, adapter in adapters.items()
+        for spelling in chosen(adapter.engine, case.scene, integrators)
+    ]
+    plan.refuse_nothing(methods, adapters, integrators)
+    searches = []
+    for name, adapter, method in methods:
+        own = integrator_of(adapter.engine, method)
+        within = Range(error, own.order if own is not None else None, first, smallest, largest)
+        searches.append(Search(name, adapter.engine.version, method, within))
+    return Study(case, figure, error, tuple(searches))
+
+
+def figure_of(case: Case, quantity: str) -> str:
+    """Return the name of the figure that a short or whole name means on a case. Raises `BadInput` if there is none."""
+    if quantity in SHORT_NAMES:
+        first, *rest = SHORT_NAMES[quantity]
+        return rest[0] if rest and not case.scene.conserves else first
+    allowed = [name for name in LIMITED if name in FIGURES]
+    if quantity not in allowed:
+        names = [*SHORT_NAMES, *allowed]
+        meant = did_you_mean(quantity, names)
+        raise BadInput(f"--quantity {quantity!r}: there is no such figure; allowed: {', '.join(names)}{meant}")
+    return quantity
+
+
+def reused(found: Results, study: Study) -> list[Probe]:
+    """Return what stored runs say of the methods of a study: those of the same case, engines and version of bodycheck."""
+    versions = {search.key: search.version for search in study.searches}
+    here = found.cases.get(study.case.name)
+    if here is None or here.text != study.case.text:
+        raise BadInput(f"--reuse {found.folder}: has no runs of the case {study.case.name} as its file is now")
+    if found.header["bodycheck"] != (now := version("bodycheck")):
+        raise BadInput(f"--reuse {found.folder}: is of bodycheck {found.header['bodycheck']}, and this is {now}")
+    probes = []
+    for verdict in judgement.judge(found):
+        run = verdict.run
+        own = RunKey("", run.engine, run.method.at(0.0))
+        if run.case != study.case.name or versions.get(own) != run.version:
+            continue
+        figures = verdict.discrepancy.maxima() if verdict.discrepancy is not None else {}
+        if figures or isinstance(verdict.outcome, Diverged | Crashed):
+            told = (run.engine, run.version, run.method.name, run.method.timestep, verdict.outcome.status)
+            probes.append(Probe(*told, *measuring.figures_of(figures, study.figure), verdict.outcome.reason))
+    return probes
+
+
+@contextmanager
+def results(
+    study: Study,
+    folder: Path,
+    head: Header,
+    jobs: int,
+    progress: Advance = lambda done, count=1: None,
+    known: Sequence[Probe] = (),
+) -> Iterator[Recommendation]:
+    """Make the searches of a study, and provide what they find.
+
+    If the folder contains the same study, interrupted, its runs are not repeated. The study counts as interrupted until the
+    context ends.
+
+    Parameters
+    ----------
+    study
+        The study.
+    folder
+        The folder for the records.
+    head
+        The header of the records.
+    jobs
+        The largest number of engines that run at the same time.
+    progress
+        A function that is called with a text after each search.
+    known
+        Time steps that were measured before.
+
+    Raises
+    ------
+    BadInput
+        If the truth of the case has an error as large as the one that is asked for.
+    BadJournal
+        If another process is writing to the folder.
+    Failed
+        If the case has no truth.
+    """
+    case = study.case
+    asked = Asked(case.name, case.duration, study.figure, study.error)
+    with journal.resume(folder / RECORDS, {**head, "asked": asdict(asked), "identity": _identity(study, head, known)}) as log:
+        if log.records:
+            print(f"bodycheck: resuming the interrupted study in {folder}", file=sys.stderr)
+        probes = [*known, *(Probe(**record["probe"]) for record in log.records)]
+        with pool.crew(campaign.perform, jobs, TIME_LIMIT_S, group=campaign.group) as call_each:
+            found = _search(study, probes, log, call_each, progress)
+        answers = priced(
+            case, [answer_of(own.engine, own.version, own.method, found[own.key], study.error) for own in study.searches]
+        )
+        ordered = [probe for own in found.values() for probe in sorted(own, key=lambda probe: -probe.timestep)]
+        yield Recommendation(asked, tuple(answers), tuple(ordered))
+
+
+def write(found: Recommendation, folder: Path) -> None:
+    """Write recommend.csv, the answers, and steps.csv, all measured time steps, into a folder."""
+    csv_tables.write(folder / "recommend.csv", [field.name for field in fields(Answer)], map(asdict, found.answers))
+    csv_tables.write(folder / "steps.csv", [field.name for field in fields(Probe)], map(asdict, found.probes))
+
+
+def _search(
+    study: Study, known: Sequence[Probe], log: journal.Journal, call_each: measuring.CallEach, progress: Advance
+) -> dict[RunKey, list[Probe]]:
+    """Measure steps until every search is done, and return all measured steps of each method.
+
+    In each round, every search that is not done has one run, and one truth serves all of them.
+    """
+    found: dict[RunKey, list[Probe]] = {search.key: [] for search in study.searches}
+    for probe in known:
+        found[probe.method].append(probe)
+    left = list(study.searches)
+    while left := [search for search in left if not _is_done(search, found[search.key], progress)]:
+        tasks = [Task(study.case, search.engine, search.method.at(_next(search, found[search.key]))) for search in left]
+        made = measuring.probes(study.case, tasks, [search.version for search in left], study.figure, call_each)
+        for probe in made:
+            _check_truth(probe, study)
+            log.add({"record": "probe", "probe": asdict(probe)})
+            found[probe.method].append(probe)
+    return found
+
+
+def _is_done(search: Search, probes: Sequence[Probe], progress: Advance) -> bool:
+    """Return whether a search is done, and tell so."""
+    # What is not supported at one step is not at any, and what takes too long takes longer with a smaller one.
+    ended = any(probe.status in (Unsupported.status, TimedOut.status) for probe in probes)
+    unmeasured = any(probe.status == Completed.status and probe.error is None for probe in probes)
+    if not (ended or unmeasured) and following(errors_of(probes), search.within) is not None:
+        return False
+    progress(f"{search.engine} {search.method.name} · {len(probes)} time steps")
+    return True
+
+
+def _next(search: Search, probes: Sequence[Probe]) -> float:
+    step = following(errors_of(probes), search.within)
+    assert step is not None  # the search is not done
+    return step
+
+
+def _check_truth(probe: Probe, study: Study) -> None:
+    if probe.truth_error is not None and probe.truth_error >= study.error:
+        raise BadInput(
+            f"--error {study.error:g}: the truth of {study.case.name} has an error of up to {bound(probe.truth_error)} "
+            f"{FIGURES[study.figure].unit} itself; ask for a larger one"
+        )
+
+
+def _identity(study: Study, head: Header, known: Sequence[Probe]) -> str:
+    """Return a digest of everything that determines the results, regardless of the machine and the command."""
+    versions = [head["bodycheck"], head["packages"], head["engines"]]
+    return sha256(repr((versions, study, tuple(known))).encode("utf-8")).hexdigest()

@@ -1,0 +1,1 @@
+"""Tests of the study of the time step that an accuracy needs."""

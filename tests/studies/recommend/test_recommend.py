@@ -1,0 +1,249 @@
+"""The study with the real engines: an engineer's question is answered with a step that a dense scan confirms."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bodycheck import Case, compare, load, simulate, truth
+from bodycheck.casefile.case import parse
+from bodycheck.errors import BadInput
+from bodycheck.reports import html, markdown
+from bodycheck.running import csv_tables, journal
+from bodycheck.running.outcome import Completed
+from bodycheck.running.plan import plan
+from bodycheck.studies import cost
+from bodycheck.studies.recommend import study, wording
+from bodycheck.studies.recommend.page import present
+from bodycheck.studies.recommend.rows import Answer, Probe, Recommendation
+from bodycheck.studies.recommend.search import answer
+from tests.support import campaigns, pages
+from tests.support.campaigns import adapters, header
+from tests.support.cases import a_case
+from tests.support.commands import bodycheck, call
+from tests.support.processes import calls_here
+
+#: A box that tumbles for a minute, about its middle axis, once in some six seconds.
+TUMBLING = a_case(
+    "tumbling",
+    title="A box that tumbles for a minute",
+    body={"shape": "brick", "semi_axes": [0.05, 0.2, 0.45], "mass": 10.0},
+    initial={"angular_velocity": [0.1, 1.0, 0.1]},
+    run={"duration": 60.0, "samples": 601},
+)
+
+#: The accuracy that is asked for, in rad.
+LIMIT = 1e-4
+
+#: Methods with which it can be had at a cost that a test can afford: one of each engine.
+METHODS = [("mujoco", "RK4"), ("pinocchio", "rk4")]
+
+
+@pytest.fixture(autouse=True)
+def _costs_are_measured_roughly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing that is said here of costs needs their digits."""
+    monkeypatch.setattr(cost, "MIN_TIMING_S", cost.MIN_TIMING_S / 20)
+
+
+def recommended(case: Case, error: float, engines: tuple[str, ...] = ("mujoco", "pinocchio"), **options: Any) -> Recommendation:
+    with calls_here():
+        return study.recommend(case, error=error, adapters=adapters(*engines), **options)
+
+
+@pytest.fixture(scope="module")
+def tumbling() -> Case:
+    return parse(TUMBLING, "tumbling.case.toml")
+
+
+@pytest.fixture(scope="module")
+def found(tumbling: Case) -> Recommendation:
+    return recommended(tumbling, LIMIT, integrators=("RK4", "rk4", "Euler"))
+
+
+def error_of(case: Case, engine: str, integrator: str, timestep: float) -> float:
+    """The attitude error (rad) of one run; infinite if it fails."""
+    run = simulate(case, engine, integrator, timestep)
+    return compare(truth(case), run).maxima()["attitude_error"] if isinstance(run.outcome, Completed) else math.inf
+
+
+def scanned(case: Case, engine: str, integrator: str, steps: np.ndarray) -> float | None:
+    """The largest of some steps (s) such that it and every smaller one keep the limit."""
+    return answer({float(step): error_of(case, engine, integrator, float(step)) for step in steps}, LIMIT)
+
+
+@pytest.mark.parametrize(("engine", "integrator"), METHODS)
+def test_the_step_is_within_a_tenth_of_the_largest(tumbling: Case, found: Recommendation, engine: str, integrator: str) -> None:
+    (own,) = [one for one in found.reached if (one.engine, one.integrator) == (engine, integrator)]
+    assert own.timestep is not None
+    assert own.error == error_of(tumbling, engine, integrator, own.timestep), "the same run, bit by bit"
+    largest = scanned(tumbling, engine, integrator, own.timestep * np.geomspace(0.5, 2, 30))
+    assert largest is not None
+    assert own.timestep >= 0.9 * largest
+    assert own.steps <= 12
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["tumbling", "osrf-boxes-complex", "intermediate-axis-flip"])
+@pytest.mark.parametrize(("engine", "integrator"), METHODS)
+def test_a_dense_scan_confirms_the_step(tumbling: Case, name: str, engine: str, integrator: str) -> None:
+    case = tumbling if name == tumbling.name else replace(load(name), duration=60.0, expectations=())
+    found = recommended(case, LIMIT, (engine,), integrators=(integrator,))
+    assert found.best is not None
+    assert found.best.timestep is not None
+    largest = scanned(case, engine, integrator, np.geomspace(found.best.timestep / 10, 10 * found.best.timestep, 400))
+    assert largest is not None
+    assert 0.9 * largest <= found.best.timestep
+
+
+def test_the_order_of_preference_is_cost(found: Recommendation) -> None:
+    costs = [own.cost for own in found.reached]
+    assert None not in costs
+    assert costs == sorted(costs, key=lambda one: one or 0.0)
+    for own in found.reached:
+        assert own.error is not None
+        assert own.error <= LIMIT
+        assert own.margin == LIMIT / own.error
+        smaller = [probe for probe in found.probes if probe.method == own.method and probe.timestep <= (own.timestep or 0.0)]
+        assert len(smaller) >= 2
+        assert all(probe.error is not None and probe.error <= LIMIT for probe in smaller)
+
+
+def test_what_never_gets_there_is_said(found: Recommendation) -> None:
+    (euler,) = found.unreached
+    assert (euler.engine, euler.integrator) == ("mujoco", "Euler")
+    assert euler.smallest == pytest.approx(60.0 / study.MOST_STEPS)
+    assert euler.margin is not None
+    assert euler.margin < 1
+    (never,) = wording.never(found)
+    assert never.startswith("This never gets there with steps down to 0.0006 s (its least error): mujoco Euler (")
+
+
+def test_the_answer_comes_first_in_one_sentence(found: Recommendation) -> None:
+    best, second = found.reached
+    told = wording.headline(found)
+    assert told.startswith(f"{best.engine} {best.integrator} at {best.timestep:g} s: ")
+    assert " rad over 60 s, " in told
+    assert told.endswith(" s of computing per second.")
+    assert wording.second(found).startswith(f"Second is {second.engine} {second.integrator} at {second.timestep:g} s: ")
+    assert wording.margin(found).startswith("The margin is 1.")
+
+
+def test_the_page_has_what_was_measured(found: Recommendation) -> None:
+    report = present(header("mujoco", "pinocchio"), found)
+    text = html.render_study(report)
+    pages.check(text)
+    assert report.headline == wording.headline(found)
+    (part,) = report.parts
+    (answers, steps) = (table for _, table in part.tables)
+    assert len(answers.rows) == 3
+    assert len(steps.rows) == len(found.probes)
+    assert steps.failed.count(True) == sum(probe.error is None or probe.error > LIMIT for probe in found.probes)
+    (chart,) = part.charts
+    assert sum(bool(point["chosen"]) for point in chart.specification["layer"][1]["data"]["values"]) == 2
+    assert report.headline.rstrip(".") in markdown.render_study(report)
+
+
+def test_what_tradeoff_or_run_measured_is_not_measured_again(tumbling: Case, found: Recommendation, tmp_path: Path) -> None:
+    best = found.best
+    assert best is not None
+    steps = (0.5, best.timestep or 0.0, best.broken or 0.0)
+    made = campaigns.results(plan([tumbling], adapters("mujoco"), ("RK4",), steps), tmp_path)
+    prepared = study.prepare(tumbling, adapters("mujoco"), ("RK4",), "attitude", LIMIT)
+    known = study.reused(made, prepared)
+    assert [probe.timestep for probe in known] == list(steps)
+    head = header("mujoco")
+    with calls_here(), study.results(prepared, tmp_path / "again", head, 1, known=known) as again:
+        assert again.best is not None
+        assert (again.best.timestep, again.best.error) == (best.timestep, best.error)
+    measured = journal.read(tmp_path / "again" / study.RECORDS).records
+    assert not {record["probe"]["timestep"] for record in measured} & set(steps)
+    with pytest.raises(BadInput, match="has no runs of the case tumbling as its file is now"):
+        study.reused(made, replace(prepared, case=parse(TUMBLING.replace("0.45", "0.46"), "")))
+
+
+def test_a_search_that_was_interrupted_resumes(tumbling: Case, found: Recommendation, tmp_path: Path) -> None:
+    prepared = study.prepare(tumbling, adapters("mujoco"), ("RK4",), "attitude", LIMIT)
+
+    class Interrupted(Exception):
+        pass
+
+    with calls_here(), pytest.raises(Interrupted), study.results(prepared, tmp_path, header("mujoco"), 1):
+        raise Interrupted
+    before = journal.read(tmp_path / study.RECORDS)
+    assert not before.complete
+    with calls_here(), study.results(prepared, tmp_path, header("mujoco"), 1) as again:
+        assert again.best is not None
+        assert again.best.timestep == next(own.timestep for own in found.reached if own.engine == "mujoco")
+    after = journal.read(tmp_path / study.RECORDS)
+    assert after.complete
+    assert after.records == before.records, "nothing was measured again"
+
+
+def test_a_scene_that_a_method_solves_exactly_gets_the_largest_step() -> None:
+    found = recommended(load("projectile"), 1e-6, ("mujoco",), quantity="position", integrators=("RK4",))
+    assert found.best is not None
+    assert found.best.timestep == 0.2, "a tenth of the duration"
+    assert found.best.broken is None
+    assert "Larger steps are not tried" in wording.margin(found)
+
+
+def test_figures_are_chosen_by_short_names_and_by_their_own() -> None:
+    flight, football, slide = load("free-brick"), load("football-drag"), load("sliding-brick")
+    assert study.figure_of(flight, "attitude") == "attitude_error"
+    assert study.figure_of(flight, "energy") == "energy_drift"
+    assert study.figure_of(football, "energy") == study.figure_of(slide, "energy") == "energy_error"
+    assert study.figure_of(flight, "velocity_error") == "velocity_error"
+    with pytest.raises(BadInput, match="did you mean 'attitude_error'"):
+        study.figure_of(flight, "atitude_error")
+    with pytest.raises(BadInput, match="allowed: attitude, position"):
+        study.figure_of(flight, "order")
+
+
+def test_a_figure_that_a_scene_does_not_have_is_said() -> None:
+    found = recommended(load("projectile"), 1e-3, ("mujoco",), quantity="stop_time_error", integrators=("RK4",))
+    (own,) = found.answers
+    assert not own.reached
+    assert own.reason == "the figure does not exist in this scene"
+    assert own.steps == 1
+    pages.check(html.render_study(present(header("mujoco"), found)))
+
+
+@pytest.mark.parametrize(
+    ("error", "message"),
+    [(0.0, "must be positive"), (math.nan, "must be positive"), (4.0, "because the attitude error is at most 3.142 rad")],
+)
+def test_an_error_that_cannot_be_asked_for(error: float, message: str) -> None:
+    with pytest.raises(BadInput, match=message):
+        recommended(load("free-brick"), error)
+
+
+def test_no_less_can_be_asked_for_than_the_truth_knows() -> None:
+    with pytest.raises(BadInput, match="the truth of free-brick has an error of up to"):
+        recommended(load("free-brick"), 1e-17, ("mujoco",), integrators=("RK4",))
+
+
+def test_the_command(tumbling: Case, tmp_path: Path) -> None:
+    path, out = tmp_path / "tumbling.case.toml", tmp_path / "out"
+    path.write_text(TUMBLING.replace("60.0", "6.0").replace("601", "61"))
+    command = ("recommend", path, "--engine", "mujoco", "--integrator", "RK4", "--integrator", "Euler", "--error", 1e-4)
+    done = bodycheck(*command, "--json", "--out", out)
+    assert done.returncode == 0
+    first, second = json.loads(done.stdout)
+    assert list(first)[:8] == ["engine", "version", "integrator", "timestep", "error", "cost", "margin", "reached"]
+    assert (first["integrator"], first["reached"]) == ("RK4", True)
+    assert (second["integrator"], second["reached"]) == ("Euler", False)
+    answers = csv_tables.read(out / "recommend.csv", csv_tables.parsers_of(Answer) | {"reached": csv_tables.truth_value})
+    assert answers == [first, second]
+    assert len(csv_tables.read(out / "steps.csv", csv_tables.parsers_of(Probe))) == first["steps"] + second["steps"]
+    report = (out / "report.html").read_text()
+    (out / "report.html").unlink()
+    assert call("report", out) == 0
+    assert (out / "report.html").read_text() == report
+    with calls_here():
+        assert bodycheck(*command[:4], "--integrator", "Euler", "--error", 1e-4).returncode == 1, "no method gets there"
+    refused = bodycheck(*command[:-1], -1)
+    assert (refused.returncode, refused.stderr) == (2, "--error -1: must be positive and finite\n")
