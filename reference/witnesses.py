@@ -54,6 +54,9 @@ DOP853_NAME = "scipy-dop853"
 #: Decimal digits of NumPy's widest type.
 EXTENDED_DIGITS = math.ceil(-math.log10(float(np.finfo(np.longdouble).eps)))
 
+#: Most instants at which DOP853 is a witness, because a step ends at each: they take some two seconds.
+DOP853_INSTANTS = 10_000
+
 #: Number of periods from which a motion is continued from one.
 FEW_PERIODS = 1.2
 
@@ -231,6 +234,10 @@ def in_doubles(name: str, integrate: Callable[[Scene, Array], Trajectory], scene
     """An integration by DOP853 in double precision, from the doubles of the scene. Raises `OutOfReach`."""
     rounding, known = DOP853_ROUNDINGS * EPS, course(start(scene), times, few_periods=math.inf)
     _require(known, rounding)
+    if len(times) > DOP853_INSTANTS:
+        raise OutOfReach(
+            f"DOP853 would take a step at least for each of {len(times)} instants; {DOP853_INSTANTS} are the limit"
+        )
     motion = in_body_frame(scene, integrate(along_principal_axes(scene), times))
     turned = Rotation(motion.quaternion, motion.angular_velocity)
     return _witness(f"{name}, {DOP853_NAME}", turned, known, rounding * known.growth, digits=DOUBLE_DIGITS)

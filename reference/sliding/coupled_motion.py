@@ -18,6 +18,7 @@ import numpy as np
 
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.integration.dop853 import Derivative
+from bodycheck.reference.sliding import budget
 from bodycheck.reference.sliding.footprint import STUCK_SLIP
 from bodycheck.reference.sliding.friction import Law
 from bodycheck.reference.sliding.panels import Panels
@@ -170,7 +171,12 @@ def in_log_time(flat: Flat, start: Array, times: Array, on_step: Callable[[float
     state = np.array([0.0, *start[:3], *(start[3:] * scales.metric / scales.speed), 0.0])
     sizes = np.array([scales.time, scales.length, scales.length, scales.length / flat.gyration, 1.0, 1.0, 1.0, 1.0])
     derivative = _log_time_derivative(flat, scales)
-    steps = integrate_until_rest(derivative, clock, stage, state, times, sizes, LONGEST_LOG_TIME_STEP)
+    _refuse_stiff(flat, start, float(times[-1]) / scales.time if len(times) else 0.0)
+
+    def ahead(y: Array) -> float:
+        return _turning_ahead(flat, velocities(y[None])[0], times[-1] - y[0])
+
+    steps = integrate_until_rest(derivative, clock, stage, state, times, sizes, LONGEST_LOG_TIME_STEP, ahead)
     rows, panels, last = _rows(steps.samples, velocities), _panels(steps, velocities), steps.ends[-1]
     if len(rows) == len(times):
         return Motion(rows, None, panels)
@@ -267,13 +273,32 @@ def in_plain_time(flat: Flat, start: Array, times: Array) -> Motion:
     state = np.array([0.0, *start[:3], *rotate_in_plane(-start[2], *start[3:5]), start[5]])
     length, speed = scales.length, scales.speed
     sizes = np.array([scales.time, length, length, length / flat.gyration, speed, speed, speed / flat.gyration])
-    steps = integrate_until_rest(derivative, clock, stage, state, times, sizes, LONGEST_PLAIN_TIME_STEP)
+
+    def ahead(y: Array) -> float:
+        return _turning_ahead(flat, velocities(y[None])[0], times[-1] - y[0])
+
+    steps = integrate_until_rest(derivative, clock, stage, state, times, sizes, LONGEST_PLAIN_TIME_STEP, ahead)
     rows, panels, last = _rows(steps.samples, velocities), _panels(steps, velocities), steps.ends[-1]
     if len(rows) == len(times):
         return Motion(rows, None, panels)
     f1, f2, torque = flat.law(*last[4:].tolist())
     acceleration = np.array([*rotate_in_plane(float(last[3]), f1 / flat.mass, f2 / flat.mass), torque / moment])
     return Motion(*complete_with_rest(rows, times, last[:4], velocities(last[None])[0], acceleration, scales.metric), panels)
+
+
+def _refuse_stiff(flat: Flat, start: Array, duration: float) -> None:
+    """Refuse a motion from a start (6,) that is too stiff; duration: in units of the time in which a straight slide stops."""
+    lasting = -math.log(max(1 - duration, LOG_TIME_STOP_FRACTION))
+    v1, v2 = rotate_in_plane(-float(start[2]), float(start[3]), float(start[4]))
+    budget.refuse_stiff(flat.law, flat.mass, flat.gyration, flat.deceleration, v1, v2, lasting)
+
+
+def _turning_ahead(flat: Flat, velocity: Array, duration: float) -> float:
+    """An estimate of the angle (rad) through which a body turns in a duration (s); velocity: (3,) rates of x, y and psi."""
+    vx, vy, spin = velocity.tolist()
+    return budget.turning_ahead(
+        flat.law, flat.mass, flat.gyration, flat.deceleration, math.hypot(vx, vy), spin, float(duration)
+    )
 
 
 def _stage(fraction: float, stop_fraction: float) -> Stage:

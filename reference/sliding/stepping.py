@@ -9,15 +9,13 @@ import numpy as np
 
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.integration.dop853 import Derivative, advance, dop853
+from bodycheck.reference.sliding import budget
 from bodycheck.reference.sliding.panels import NODES
 from bodycheck.reference.trajectory import Array
 
 #: Relative difference of two instants that counts as rounding.
 TIME_ROUNDING = 4 * float(np.finfo(float).eps)
 
-
-#: Most steps until the rest: those of ordinary slides are hundreds, and so many take some ten seconds.
-MAX_SLIDE_STEPS = 10_000
 
 #: Number of steps in a panel near the end of a motion. There the error of a panel's rule, relative to the speed, may be large.
 STEPS_NEAR_REST = 4
@@ -58,8 +56,9 @@ def integrate_until_rest(
     times: Array,
     scale: Array,
     longest_step: float,
+    ahead: Callable[[Array], float],
 ) -> Steps:
-    """Solve y' = derivative(s, y), whose first unknown is the time t, until the body rests or all times are passed.
+    """Solve y' = derivative(s, y), whose first unknowns are t, x, y and psi, until the body rests or all times are passed.
 
     Parameters
     ----------
@@ -77,6 +76,9 @@ def integrate_until_rest(
         (m,) typical sizes of the components of the state.
     longest_step
         Longest step in s.
+    ahead
+        Maps a state to an estimate of the angle (rad) through which the body turns from there until it rests or all times are
+        passed.
 
     Returns
     -------
@@ -86,15 +88,17 @@ def integrate_until_rest(
     Raises
     ------
     OutOfReach
-        If the integration fails or takes too many steps.
+        If the integration fails, or would take too many steps; see `budget`.
     """
     solver = dop853(derivative, 0.0, state, np.inf, scale, max_step=longest_step)
     done = int(np.searchsorted(times, 0.0, side="right"))
     chosen, taken = [np.repeat(state[None], done, axis=0)], 0
     ends, nodes, panel, now = [state], [], [], stage(state)
     while now is not Stage.AT_REST and done < len(times):
-        if taken == MAX_SLIDE_STEPS:
-            raise OutOfReach(f"the slide takes more than {MAX_SLIDE_STEPS} integration steps")
+        if taken == budget.PROBED_STEPS:
+            budget.refuse_long(taken, abs(float(state[3] - ends[0][3])), ahead(state))
+        if taken >= budget.PATIENCE * budget.MAX_SLIDE_STEPS:
+            raise OutOfReach(f"the slide takes more than {taken} integration steps; {budget.MAX_SLIDE_STEPS} are the limit")
         taken = advance(solver, taken, float(state[0]), float(times[-1]))
         before, state = state, solver.y
         dense = solver.dense_output()

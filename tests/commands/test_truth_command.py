@@ -73,7 +73,7 @@ def test_a_limit_is_positive(limit: str) -> None:
 
 
 def test_what_cannot_be_followed_is_one_message(calls_here: None, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("bodycheck.reference.sliding.stepping.MAX_SLIDE_STEPS", 10)
+    monkeypatch.setattr("bodycheck.reference.sliding.budget.MAX_SLIDE_STEPS", 10)
     done = bodycheck("truth", "curling-brick")
     told = "curling-brick: the reference cannot follow this motion: the slide "
     assert (done.returncode, done.stdout, done.stderr[: len(told)]) == (1, "", told)

@@ -104,3 +104,10 @@ def test_the_bound_of_a_witness_covers_its_error(seed: int) -> None:
         assert exact.angular_velocity is not None
         apart = np.sqrt(((found.angular_velocity - exact.angular_velocity) ** 2).sum(axis=1))
         assert (apart <= found.angular_velocity_error + exact.angular_velocity_error).all()
+
+
+def test_many_instants_are_left_to_the_second_closed_form_where_each_costs_a_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, times = load("free-brick").scene, np.linspace(0.0, 0.1, 11)
+    monkeypatch.setattr("bodycheck.reference.witnesses.DOP853_INSTANTS", 10)
+    assert [witness.name for witness in witnesses(scene, times, dop853())] == ["second closed form, numpy", "parabola, numpy"]
+    assert len(witnesses(scene, times[1:], dop853())) > 2

@@ -13,7 +13,7 @@ from bodycheck.reference.integration import dop853 as integration
 from bodycheck.reference.kinematics import geodesic_angle, quaternion_from_euler
 from bodycheck.reference.planar import planar_state
 from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Scene, Sphere, State
-from bodycheck.reference.sliding import coupled_motion, stepping
+from bodycheck.reference.sliding import coupled_motion
 from bodycheck.reference.sliding.coupled_motion import Flat, Motion, in_log_time, in_plain_time
 from bodycheck.reference.sliding.footprint import Disk, Footprint, Points, nearness, rectangle
 from bodycheck.reference.sliding.friction import friction, uniform_friction
@@ -276,13 +276,6 @@ def test_a_body_that_would_tip_is_refused_with_the_instant() -> None:
     late = lying(Brick((0.05, 0.4, 0.04)), (2.0, 0.0), 4.0, Plane(0.8, "area", "balanced"), yaw=math.pi / 2)
     with pytest.raises(WouldTip, match=r"at t = 0\.19[0-9]+ s .*would tip"):
         slide(late, TIMES)
-
-
-def test_a_slide_of_too_many_steps_is_out_of_reach(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A body of a tiny moment under strong friction took minutes."""
-    monkeypatch.setattr(stepping, "MAX_SLIDE_STEPS", 10)
-    with pytest.raises(OutOfReach, match="the slide takes more than 10 integration steps"):
-        slide(lying(BRICK, (1.0, 0.5), 3.0, Plane(0.5)), TIMES)
 
 
 def test_a_corner_that_comes_to_rest_first_is_refused_by_name() -> None:
