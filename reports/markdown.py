@@ -82,7 +82,7 @@ def details(summary: str, *blocks: str) -> str:
 
 def table_with_notes(table: Table) -> str:
     """Return a table with its notes."""
-    rows = [[entry.text for entry in row] for row in table.rows]
+    rows = [[entry.text for entry in row] for row in (*table.rows, *((table.footer,) if table.footer else ()))]
     numeric_from = table.numeric.index(True) if True in table.numeric else None
     return "\n\n".join([grid(table.columns, rows, numeric_from), *table.notes])
 

@@ -35,6 +35,11 @@ class Quantity:
         return bool(FIGURES[self.name].bounded_by)
 
     @property
+    def bound_name(self) -> str:
+        """Return the name of the column with the truth's own error in this quantity; empty if there is none."""
+        return FIGURES[self.name].bounded_by
+
+    @property
     def label(self) -> str:
         """Return the title with the unit, for an axis or the head of a table."""
         return f"{self.title}, {self.unit or 'relative'}"

@@ -14,7 +14,7 @@ class Entry:
     value
         The number by which the column is sorted: the measured one, or its bound.
     meaning
-        Explanation of a bound; empty otherwise.
+        Explanation that appears at the pointer; empty if there is none.
     """
 
     text: str
@@ -38,6 +38,8 @@ class Table:
         Whether each row is marked as failed.
     notes
         Sentences below the table.
+    footer
+        The cells of a row that stays below all others; empty if there is none.
     """
 
     columns: tuple[str, ...]
@@ -45,3 +47,4 @@ class Table:
     rows: tuple[tuple[Entry, ...], ...]
     failed: tuple[bool, ...]
     notes: tuple[str, ...]
+    footer: tuple[Entry, ...] = ()

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from bodycheck.casefile.expectation import Expectation
+from bodycheck.casefile.expectation import Expectation, Limit
 from bodycheck.figures.columns import FIGURES, LIMIT, MARGIN
 from bodycheck.judging.discrepancy import Summary
 
@@ -42,6 +42,11 @@ class Margin:
         It is at least 1 where a figure is no larger than allowed, and at most 1 where it must not be smaller and is not.
         """
         return self.limit / self.measured if self.measured and math.isfinite(self.measured) else None
+
+    @property
+    def range(self) -> Limit:
+        """The range that is expected."""
+        return Limit(self.name, self.at_least, self.at_most)
 
     @property
     def room(self) -> float:

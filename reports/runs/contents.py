@@ -1,5 +1,6 @@
 """The contents of the report of runs, before they are laid out; every writer uses the same."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from bodycheck.judging.judgement import Verdict
+from bodycheck.judging.margins import Margin
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reference.truth import Truth
 from bodycheck.reports.finding import Finding
@@ -30,6 +32,11 @@ MOST_NUMBERS = 300_000
 
 #: Most points of one curve.
 MOST_POINTS = 256
+
+#: Note below tables with margins.
+MARGINS = (
+    "The margin is the limit divided by the measured value, for the figure that is nearest to its limit; below 1 it is broken."
+)
 
 #: Note below tables in which an error or a drift is within the truth's own error.
 WITHIN_TRUTH = "≤ marks an error within the truth's own error, which is the number shown."
@@ -180,16 +187,33 @@ def _table(verdicts: Sequence[Verdict]) -> Table:
     rows = [verdict.row() for verdict in verdicts]
     quantities = [QUANTITIES[name] for name in TABLED if any(name in row for row in rows)]
     reasons = any(row["reason"] for row in rows)
+    expected = any(verdict.margins for verdict in verdicts)
     words = ("Engine", "Integrator", *_labelled(verdicts, "Set"), "Time step", "Status", "Expectation")
     figures = (*(quantity.label for quantity in quantities), "Time per step, µs")
     bounded = any(quantity.within_truth(row) is not None for quantity in quantities for row in rows)
+    notes = (*((WITHIN_TRUTH,) if bounded else ()), *((MARGINS,) if expected else ()))
     return Table(
-        columns=words + figures + (("Reason",) if reasons else ()),
-        numeric=(False,) * len(words) + (True,) * len(figures) + (False,) * reasons,
-        rows=tuple(_entries(verdict, row, quantities, reasons) for verdict, row in zip(verdicts, rows, strict=True)),
+        columns=words + ("Margin",) * expected + figures + ("Reason",) * reasons,
+        numeric=(False,) * len(words) + (True,) * (expected + len(figures)) + (False,) * reasons,
+        rows=tuple(_entries(verdict, row, quantities, expected, reasons) for verdict, row in zip(verdicts, rows, strict=True)),
         failed=tuple(verdict.passed is False for verdict in verdicts),
-        notes=(WITHIN_TRUTH,) if bounded else (),
+        notes=notes,
+        footer=_own_errors(rows, quantities, len(words) + expected, 1 + reasons),
     )
+
+
+def _own_errors(
+    rows: Sequence[Mapping[str, Any]], quantities: Sequence[Quantity], before: int, after: int
+) -> tuple[Entry, ...]:
+    """Return the row with the truth's own errors, none if none is known. before, after: the columns beside the quantities."""
+    owns = [[row[quantity.bound_name] for row in rows if row.get(quantity.bound_name) is not None] for quantity in quantities]
+    if not any(owns):
+        return ()
+    figures = [
+        Entry(f"≤ {bound(max(own), 2)}", max(own), f"bound of the truth's own {quantity.title.lower()}") if own else Entry("")
+        for quantity, own in zip(quantities, owns, strict=True)
+    ]
+    return (Entry("Truth's own error"), *(Entry("") for _ in range(before - 1)), *figures, *(Entry("") for _ in range(after)))
 
 
 def _labelled(verdicts: Sequence[Verdict], text: str) -> tuple[str, ...]:
@@ -197,7 +221,9 @@ def _labelled(verdicts: Sequence[Verdict], text: str) -> tuple[str, ...]:
     return (text,) if any(verdict.label for verdict in verdicts) else ()
 
 
-def _entries(verdict: Verdict, row: Mapping[str, Any], quantities: Sequence[Quantity], reasons: bool) -> tuple[Entry, ...]:
+def _entries(
+    verdict: Verdict, row: Mapping[str, Any], quantities: Sequence[Quantity], expected: bool, reasons: bool
+) -> tuple[Entry, ...]:
     words = (
         Entry(f"{row['engine']} {row['version']}".rstrip()),
         Entry(row["integrator"]),
@@ -209,7 +235,19 @@ def _entries(verdict: Verdict, row: Mapping[str, Any], quantities: Sequence[Quan
     figures = tuple(_figure(row, quantity) for quantity in quantities)
     time_per_step = row.get("time_per_step")
     cost = Entry("–") if time_per_step is None else Entry(number(1e6 * time_per_step, 3), 1e6 * time_per_step)
-    return (*words, *figures, cost, *((Entry(row["reason"]),) if reasons else ()))
+    margin = (_margin(verdict.margins),) if expected else ()
+    return (*words, *margin, *figures, cost, *((Entry(row["reason"]),) if reasons else ()))
+
+
+def _margin(margins: Sequence[Margin]) -> Entry:
+    """Return the narrowest margin of a run; at the pointer appear all of them, with the limits."""
+    if not margins:
+        return Entry("–")
+    narrowest = min(margins, key=lambda margin: margin.room)
+    told = "; ".join(f"{margin.name} {margin.range.text}, measured {number(margin.measured)}" for margin in margins)
+    if not math.isfinite(narrowest.room):
+        return Entry("∞", None, told)
+    return Entry(number(narrowest.room, 3), narrowest.room, told)
 
 
 def _figure(row: Mapping[str, Any], quantity: Quantity) -> Entry:

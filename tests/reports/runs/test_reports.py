@@ -119,7 +119,7 @@ def test_every_figure_within_the_truths_own_error_is_called_so(results: Results,
     for section in contents.sections:
         assert section.table is not None
         marked = [entry for entries in section.table.rows for entry in entries if entry.text.startswith("≤")]
-        assert section.table.notes == ((WITHIN_TRUTH,) if marked else ())
+        assert (WITHIN_TRUTH in section.table.notes) == bool(marked)
         assert all("within the truth's own error (" in entry.meaning for entry in marked)
         seen += [entry.text for entry in marked]
     assert sorted(seen) == sorted(expected)
@@ -396,3 +396,26 @@ def test_a_legend_only_where_asked(contents: Contents) -> None:
 def test_completed_runs_only_have_curves(contents: Contents, verdicts: list[Verdict]) -> None:
     completed = sum(isinstance(verdict.outcome, Completed) for verdict in verdicts)
     assert sum(len(section.curves.datasets["series"]) for section in contents.sections) == completed
+
+
+def test_tables_have_the_margin_to_the_limits_and_the_truths_own_errors(contents: Contents, verdicts: list[Verdict]) -> None:
+    for section in contents.sections:
+        own = [verdict for verdict in verdicts if verdict.run.case == section.name]
+        assert section.table is not None
+        columns = section.table.columns
+        assert len(section.table.footer) == len(columns)
+        attitude = section.table.footer[columns.index("Attitude error, rad")].value
+        assert attitude == max(verdict.row()["truth_error"] for verdict in own)
+        rooms = [min((margin.room for margin in verdict.margins), default=None) for verdict in own]
+        assert ("Margin" in columns) == any(room is not None for room in rooms)
+        if "Margin" in columns:
+            cells = [row[columns.index("Margin")] for row in section.table.rows]
+            assert [cell.value for cell in cells] == rooms
+            broken = next(cell for verdict, cell in zip(own, cells, strict=True) if verdict.passed is False)
+            assert broken.value is not None
+            assert broken.value < 1
+            assert "attitude_error at most " in broken.meaning
+    assert any(section.table is not None and "Margin" in section.table.columns for section in contents.sections)
+    text = markdown_report.render(contents)
+    assert text.count("| Truth's own error |") == len(contents.sections)
+    assert html_report.render(contents).count("<tfoot>") == len(contents.sections)
