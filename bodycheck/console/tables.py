@@ -118,13 +118,14 @@ class Layout:
 
 def check(view: View, *tables: Sequence[Column[Any]]) -> None:
     """Raise `BadInput` if a view names a column that none of some tables has. This is checked before a long run."""
-    known = list(dict.fromkeys(column.name for table in tables for column in table))
+    columns = {column.name: column for table in tables for column in table}
+    usual = ", ".join(name for name, column in columns.items() if not column.asked)
+    others = " and the other columns of results.csv" if any(column.asked for column in columns.values()) else ""
     for option, names in (("--columns", view.names), ("--sort", (view.sort,) if view.sort else ())):
         for name in names:
-            if name not in known:
-                raise BadInput(
-                    f"{option}: there is no column {name!r}; there are: {', '.join(known)}{did_you_mean(name, known)}"
-                )
+            if name not in columns:
+                there = f"there are: {usual}{others}{did_you_mean(name, columns)}"
+                raise BadInput(f"{option}: there is no column {name!r}; {there}")
 
 
 def show(columns: Sequence[Column[Row]], rows: Iterable[Row], view: View = AS_USUAL) -> None:
