@@ -1,33 +1,38 @@
-"""The name of an engine as users write it, as one value with one spelling.
+"""The name of an engine as it is asked for: `NAME`, or `NAME@VERSION` for one release of it.
 
-The spelling is `ENGINE` or `ENGINE@VERSION`, for example `mujoco` or `mujoco@3.17.0`. Only this module parses it.
+The name stands in case files, on the command line and in the column `engine` of every table. Only this module parses it.
 """
 
 from dataclasses import dataclass
 
+from packaging.version import InvalidVersion, Version
+
 from bodycheck.adapters.method import checked_name
+from bodycheck.errors import BadInput
 
 
 @dataclass(frozen=True)
 class EngineName:
-    """The engine that is meant, and which version of it.
+    """The name of an engine's adapter, and the version that is meant; None for the version that is installed.
 
-    Attributes
-    ----------
-    adapter
-        The name of its adapter.
-    version
-        The version that is meant; empty for the one that is installed here.
+    The version is spelled as PEP 440 normalises it.
     """
 
     adapter: str
-    version: str = ""
+    version: str | None = None
 
     @classmethod
-    def parse(cls, spelling: str) -> "EngineName":
-        """Return the engine with this spelling. Raises `BadInput` for text that cannot be the name of an engine."""
-        adapter, _, version = checked_name(spelling, "engine").partition("@")
-        return cls(adapter, version)
+    def parse(cls, text: str) -> "EngineName":
+        """Return the name of an engine from its spelling. Raises `BadInput` for text that is none."""
+        adapter, at, version = checked_name(text, "engine").partition("@")
+        if not at:
+            return cls(adapter)
+        try:
+            return cls(checked_name(adapter, "engine"), str(Version(version)))
+        except InvalidVersion as error:
+            raise BadInput(
+                f"{text!r} names no engine: {version!r} is not a version; allowed: NAME or NAME@VERSION, such as mujoco@3.2.0"
+            ) from error
 
     def __str__(self) -> str:
-        return f"{self.adapter}@{self.version}" if self.version else self.adapter
+        return self.adapter if self.version is None else f"{self.adapter}@{self.version}"

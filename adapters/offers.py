@@ -86,11 +86,9 @@ def check(engine: Engine, method: Method) -> None:
 
 
 def _check_value(engine: Engine, option: Option, written: str, value: str) -> None:
-    try:
-        option.read(value)
-    except ValueError as error:
+    if not option.accepts(value):
         meant = did_you_mean(value, option.allowed.replace(" or ", ", ").split(", "))
-        raise BadInput(f"{engine.name} {written}: read {value!r}; allowed: {option.allowed}{meant}") from error
+        raise BadInput(f"{engine.name} {written}: read {value!r}; allowed: {option.allowed}{meant}")
 
 
 def not_offered(engine: Engine, scene: Scene, method: Method) -> str | None:

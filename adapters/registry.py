@@ -3,17 +3,24 @@
 The adapter of a folder is its module `engine`; an entry point names an adapter's module, or an object in one. Nothing is
 imported before an engine is asked for by name.
 
-The name of the package that installs an engine must be known even if the engine is not installed. A folder defines it as
-`DISTRIBUTION` in its `__init__.py`, which imports nothing of the engine. Another package defines it by an entry point in the
-group `bodycheck.distributions`, with underscores in place of hyphens: `myengine = "my_engine"`.
+What an engine is installed from must be known even if the engine is not installed. A folder defines it as `INSTALLATION` in its
+`__init__.py`, which imports nothing of the engine. Another package names the package that installs the engine by an entry point
+in the group `bodycheck.distributions`, with underscores in place of hyphens: `myengine = "my_engine"`, or
+`myengine = "my_engine [extra]"`.
 """
 
 import importlib
 import pkgutil
-from importlib.metadata import entry_points
+from importlib.metadata import PackageNotFoundError, entry_points, version
+from importlib.util import find_spec
+from pathlib import Path
+
+from packaging.version import InvalidVersion, Version
 
 import bodycheck.adapters
 from bodycheck.adapters.contract import Adapter
+from bodycheck.adapters.engine_name import EngineName
+from bodycheck.adapters.installation import Installation
 from bodycheck.adapters.method import is_name
 from bodycheck.adapters.record import fault_of
 
@@ -40,27 +47,62 @@ def names() -> tuple[str, ...]:
     return tuple(own + [p.name for p in entry_points(group=ENGINE_GROUP) if p.name not in own and is_name(p.name)])
 
 
-def distribution(name: str) -> str:
-    """Return the name of the package that installs an engine, as pip spells it.
+def installation(name: str) -> Installation:
+    """Return what an engine is installed from.
 
     Raises `EngineMissing` for an unknown engine, and for one whose adapter does not name its package.
     """
     _check_known(name)
     if name in _own():
-        return str(importlib.import_module(f"bodycheck.adapters.{name}").DISTRIBUTION)
+        found: Installation = importlib.import_module(f"bodycheck.adapters.{name}").INSTALLATION
+        return found
     for point in entry_points(group=DISTRIBUTION_GROUP, name=name):
-        return point.value.replace("_", "-")
+        return Installation(point.value.partition(" ")[0].replace("_", "-"), tuple(point.extras))
     raise EngineMissing(
         f"{name} does not say what it is installed from: it has no entry point in the group {DISTRIBUTION_GROUP!r}"
     )
 
 
+def known_installation(name: str) -> Installation | None:
+    """Return what an engine is installed from; None if it does not say so. Raises `EngineMissing` for an unknown engine."""
+    _check_known(name)
+    try:
+        return installation(name)
+    except EngineMissing:
+        return None
+
+
+def sources(name: str) -> list[Path]:
+    """Return the source files of an engine's adapter, without importing it. Raises `EngineMissing` for an unknown engine."""
+    _check_known(name)
+    if name in _own():
+        return sorted(Path(bodycheck.adapters.__path__[0]).resolve().rglob("*.py"))
+    modules = {point.module.partition(".")[0] for point in entry_points(group=ENGINE_GROUP, name=name)}
+    return [file for module in sorted(modules) for file in _files_of(module)]
+
+
+def installed(name: str) -> str | None:
+    """Return the version of the package that installs an engine, spelled as PEP 440 normalises it; None if it is not here.
+
+    Raises `EngineMissing` as `installation` does.
+    """
+    try:
+        return str(Version(version(installation(name).distribution)))
+    except (PackageNotFoundError, InvalidVersion):
+        return None
+
+
 def load(name: str) -> Adapter:
     """Import an engine and return its adapter, whose record is complete.
 
-    Raises `EngineMissing` if the engine is not installed or has no adapter, and `EngineBroken` if it fails.
+    Raises `EngineMissing` if the engine is not installed, if another version is installed than the name says, or if it has no
+    adapter, and `EngineBroken` if it fails.
     """
+    asked = EngineName.parse(name)
+    name = asked.adapter
     _check_known(name)
+    if asked.version is not None and (there := installed(name)) != asked.version:
+        raise EngineMissing(f"{asked} is not installed: there is {there or 'none'}")
     try:
         points = entry_points(group=ENGINE_GROUP, name=name)
         adapter = next(iter(points)).load() if points else importlib.import_module(f"bodycheck.adapters.{name}.engine")
@@ -103,3 +145,12 @@ def _own() -> list[str]:
 def _check_known(name: str) -> None:
     if name not in names():
         raise EngineMissing(f"there is no engine {name!r}; there are: {', '.join(names())}")
+
+
+def _files_of(module: str) -> list[Path]:
+    """Return the source files of a top-level module or package, without importing it."""
+    spec = find_spec(module)
+    if spec is None or spec.origin is None:
+        return []
+    files = [file for folder in spec.submodule_search_locations or () for file in sorted(Path(folder).rglob("*.py"))]
+    return files or [Path(spec.origin)]

@@ -154,9 +154,10 @@ class CaseItem(pytest.Item):
         self.case, self.engine, self.method, self.line, self.lines = case, engine, method, line, lines
 
     def runtest(self) -> None:
-        from bodycheck.adapters import offers, registry
+        from bodycheck.adapters import offers
+        from bodycheck.running import engines
 
-        offers.check(registry.load(self.engine).engine, self.method)
+        offers.check(engines.record(self.engine), self.method)
         verdict = _verdict(self.case, self.engine, self.method, _perform(self.config))
         figures = [(name, value) for name, value in verdict.row().items() if name not in ("passed", "reason")]
         known = [(KNOWN_PROPERTY, judged.text) for judged in verdict.judged if judged.expectation.known and judged.held]
@@ -219,17 +220,17 @@ def _breach_lines(judged: "Judged", place: str) -> Iterator[str]:
 
 def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") -> "Verdict":
     """Make a run, its truth and, if an order is expected, runs with smaller time steps; return the verdict on the run."""
-    from bodycheck.adapters import registry
     from bodycheck.casefile.expectation import REFINEMENTS
     from bodycheck.judging.judgement import verdict
     from bodycheck.reference.truth import NoTruth
+    from bodycheck.running import engines
     from bodycheck.running.campaign import truth_tasks
     from bodycheck.running.outcome import Run
     from bodycheck.running.plan import Task
 
     def run(method: "Method") -> Run:
         made = perform(Task(case, engine, method))
-        return made if isinstance(made, Run) else Run(case.name, engine, registry.load(engine).engine.version, method, made)
+        return made if isinstance(made, Run) else Run(case.name, engine, engines.record(engine).version, method, made)
 
     # All tests of a case ask for the same truths, which are computed once.
     timesteps = [expectation.method.timestep for expectation in case.expectations]
@@ -248,11 +249,13 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
 def _perform(config: pytest.Config) -> "Perform":
     """Return the function that makes runs and truths in the processes of the session."""
     if PERFORM_KEY not in config.stash:
-        from bodycheck.running import campaign, pool
+        from bodycheck.running import campaign, engines, pool
 
         stack = ExitStack()
         config.add_cleanup(stack.close)
-        call = stack.enter_context(pool.caller(campaign.perform, campaign.TIME_LIMIT_S, group=campaign.group))
+        call = stack.enter_context(
+            pool.caller(campaign.perform, campaign.TIME_LIMIT_S, group=campaign.group, home=engines.home)
+        )
         kept: Perform = lru_cache(MAX_CACHED_RESULTS)(call)
         config.stash[PERFORM_KEY] = kept
     return config.stash[PERFORM_KEY]

@@ -4,5 +4,7 @@ The module `engine` is the adapter. `models` builds the models of a scene, `cont
 `stepping` advances a compiled model.
 """
 
-#: The package that installs the engine.
-DISTRIBUTION = "mujoco"
+from bodycheck.adapters.installation import Installation
+
+#: What the engine is installed from.
+INSTALLATION = Installation("mujoco")

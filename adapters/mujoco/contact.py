@@ -19,11 +19,10 @@ The coefficient of sliding friction is that of the scene. Torsion (0.005 m) and 
 them, keep MuJoCo's defaults.
 """
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from bodycheck.adapters.contract import Kind, Option, SceneUnsupported, choice
+from bodycheck.adapters.contract import Kind, Option, Range, SceneUnsupported, choice
 from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.planar import describe_shape, planar_state, resting_height
 from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
@@ -147,62 +146,31 @@ def numbers_written(*values: float) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
-def whole(accepted: Callable[[int], bool]) -> Callable[[str], int]:
-    """Return a parser for an option that is a whole number; the parser raises `ValueError` if `accepted` is false."""
-
-    def reader(text: str) -> int:
-        if not accepted(number := int(text)):
-            raise ValueError(text)
-        return number
-
-    return reader
-
-
-def numbers(accepted: Callable[[tuple[float, ...]], bool]) -> Callable[[str], tuple[float, ...]]:
-    """Return a parser for an option of one or more numbers; the parser raises `ValueError` if `accepted` is false."""
-
-    def reader(text: str) -> tuple[float, ...]:
-        values = tuple(map(float, text.split()))
-        if not all(map(math.isfinite, values)) or not accepted(values):
-            raise ValueError(text)
-        return values
-
-    return reader
-
-
-def is_solref(values: tuple[float, ...]) -> bool:
-    """Return whether MuJoCo uses these values unchanged; it replaces a pair of mixed signs by its default."""
-    return len(values) == 2 and (min(values) > 0 or max(values) <= 0)
-
-
-def is_solimp(values: tuple[float, ...]) -> bool:
-    """Return whether MuJoCo uses these values of solimp unchanged."""
-    if len(values) not in (3, 5):
-        return False
-    least, most, width, midpoint, power = (*values, 0.5, 2.0)[:5]
-    return 0 <= least <= 1 and 0 <= most <= 1 and width >= 0 and 0 <= midpoint <= 1 and power >= 1
-
-
 #: Contact options have an effect only in scenes with a plane.
 ON_PLANE: frozenset[Kind] = frozenset({"plane"})
 
-#: The contact options, which every integrator has on a plane.
+POSITIVE, NOT_POSITIVE, NOT_NEGATIVE = Range(0, above=True), Range(most=0), Range(0)
+FRACTION, AT_LEAST_ONE = Range(0, 1), Range(1)
+
+#: The contact options, which every integrator has on a plane. MuJoCo replaces a solref of mixed signs by its default.
 OPTIONS: dict[str, Option] = {
     "cone": choice("elliptic", "pyramidal", kinds=ON_PLANE),
-    "impratio": Option("a positive number", numbers(lambda values: len(values) == 1 and values[0] > 0), ON_PLANE),
+    "impratio": Option("a positive number", numbers=((POSITIVE,),), kinds=ON_PLANE),
     "condim": choice("1", "3", "4", "6", kinds=ON_PLANE),
     "solref": Option(
         "two numbers, both positive (time constant, damping ratio) or both not (-stiffness -damping)",
-        numbers(is_solref),
-        ON_PLANE,
+        numbers=((POSITIVE, POSITIVE), (NOT_POSITIVE, NOT_POSITIVE)),
+        kinds=ON_PLANE,
     ),
     "solimp": Option(
         "three or five numbers: two impedances from 0 to 1, a width (m) >= 0, a midpoint from 0 to 1, a power >= 1",
-        numbers(is_solimp),
-        ON_PLANE,
+        numbers=((FRACTION, FRACTION, NOT_NEGATIVE), (FRACTION, FRACTION, NOT_NEGATIVE, FRACTION, AT_LEAST_ONE)),
+        kinds=ON_PLANE,
     ),
-    "noslip": Option("a whole number >= 0", whole(lambda number: number >= 0), ON_PLANE),
+    "noslip": Option("a whole number >= 0", numbers=((Range(0, whole=True),),), kinds=ON_PLANE),
     "pads": Option(
-        f"a whole number from 1 to {MAX_PADS_PER_SIDE}", whole(lambda number: 1 <= number <= MAX_PADS_PER_SIDE), ON_PLANE
+        f"a whole number from 1 to {MAX_PADS_PER_SIDE}",
+        numbers=((Range(1, MAX_PADS_PER_SIDE, whole=True),),),
+        kinds=ON_PLANE,
     ),
 }

@@ -22,7 +22,7 @@ import mujoco
 import numpy as np
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, Model, SceneUnsupported, Strides, choice
-from bodycheck.adapters.mujoco import DISTRIBUTION, contact
+from bodycheck.adapters.mujoco import INSTALLATION, contact
 from bodycheck.adapters.mujoco import models as scene_models
 from bodycheck.adapters.mujoco.stepping import Stepper, quiet, refuse_warnings
 from bodycheck.reference.requirements import requirements
@@ -77,7 +77,7 @@ def integrators() -> tuple[Integrator, ...]:
 
 engine = Engine(
     name="mujoco",
-    distribution=DISTRIBUTION,
+    distribution=INSTALLATION.distribution,
     version=str(mujoco.__version__),
     integrators=integrators(),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),

@@ -4,5 +4,7 @@ The module `engine` is the adapter. `models` lists the models of a scene, `joint
 contains the integration schemes, and `contact` steps a body with Pinocchio's rigid contact.
 """
 
-#: The package that installs the engine.
-DISTRIBUTION = "pin"
+from bodycheck.adapters.installation import Installation
+
+#: What the engine is installed from.
+INSTALLATION = Installation("pin")

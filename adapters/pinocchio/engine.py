@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, Model, SceneUnsupported, choice
-from bodycheck.adapters.pinocchio import DISTRIBUTION, contact
+from bodycheck.adapters.pinocchio import INSTALLATION, contact
 from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
@@ -60,7 +60,7 @@ def integrators() -> tuple[Integrator, ...]:
 
 engine = Engine(
     name="pinocchio",
-    distribution=DISTRIBUTION,
+    distribution=INSTALLATION.distribution,
     version=str(pin.__version__),
     integrators=integrators(),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),

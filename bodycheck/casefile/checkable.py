@@ -11,10 +11,10 @@ from typing import Any
 
 from bodycheck.adapters import registry
 from bodycheck.adapters.engine_name import EngineName
-from bodycheck.adapters.method import is_name
 from bodycheck.casefile.expectation import ORDER, unit
 from bodycheck.casefile.raw_values import mapping, number
 from bodycheck.casefile.toml_positions import Path
+from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED, most_possible
 from bodycheck.suggestion import did_you_mean
 
@@ -38,10 +38,12 @@ def uncheckable(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
 
 def _unknown(engine: Any) -> str | None:
     """Return what is allowed for an engine that has no adapter; None if it has one, and for what the grammar reports."""
-    if not isinstance(engine, str) or not is_name(engine):
+    try:
+        adapter = EngineName.parse(engine).adapter if isinstance(engine, str) else None
+    except BadInput:
         return None
     known = _known_engines(tuple(sys.path))
-    if EngineName.parse(engine).adapter in known:
+    if adapter is None or adapter in known:
         return None
     return f"there is no such engine; allowed: {', '.join(known)}{did_you_mean(engine, known)}"
 

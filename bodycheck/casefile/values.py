@@ -4,7 +4,8 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-from bodycheck.adapters.method import Method, checked_name
+from bodycheck.adapters.engine_name import EngineName as NameOfEngine
+from bodycheck.adapters.method import Method
 from bodycheck.errors import BadInput
 
 #: Limits of the numbers, texts and arrays of a case file.
@@ -45,7 +46,7 @@ def _spelling(value: str) -> str:
 
 def _engine(value: str) -> str:
     try:
-        return checked_name(value, "engine")
+        return str(NameOfEngine.parse(value))
     except BadInput as error:
         raise ValueError(str(error)) from error
 

@@ -6,7 +6,8 @@ from cyclopts import App, CycloptsError, Parameter
 
 from bodycheck.commands.authoring import expect, new, schema, validate
 from bodycheck.commands.diff import diff
-from bodycheck.commands.listing import cases, engines
+from bodycheck.commands.engines import engines
+from bodycheck.commands.listing import cases
 from bodycheck.commands.report import report
 from bodycheck.commands.run import run
 from bodycheck.commands.truth import truth

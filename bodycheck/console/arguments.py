@@ -12,7 +12,7 @@ from bodycheck.files import writing
 from bodycheck.suggestion import did_you_mean
 
 if TYPE_CHECKING:
-    from bodycheck.adapters.contract import Adapter
+    from bodycheck.adapters.contract import Engine
     from bodycheck.casefile.case import Case
 
 
@@ -65,8 +65,8 @@ class Engines:
 
     Attributes
     ----------
-    adapters
-        The adapters by the engine's name.
+    records
+        The records of the engines by name.
     missing
         Why the other engines cannot be used, by their names.
     broken
@@ -75,10 +75,15 @@ class Engines:
         Whether the user named the engines.
     """
 
-    adapters: "dict[str, Adapter]"
+    records: "dict[str, Engine]"
     missing: dict[str, str]
     broken: frozenset[str]
     named: bool
+
+    @property
+    def versions(self) -> dict[str, str]:
+        """The versions of the engines by name."""
+        return {name: record.version for name, record in self.records.items()}
 
     def failed(self, cases: "Iterable[Case]" = ()) -> bool:
         """Return whether an engine fails that the user named, or of which cases expect something if the user named none."""
@@ -86,7 +91,7 @@ class Engines:
 
 
 def load_engines(names: tuple[str, ...]) -> Engines:
-    """Load the named engines; all engines if none is named. Each is asked in a worker process first.
+    """Return the named engines, each `NAME` or `NAME@VERSION`; all engines if none is named. None is imported here.
 
     Raises `BadInput` if a named engine is unknown or not installed, or if no engine can be used, and `Failed` if all named
     engines fail.
@@ -97,15 +102,15 @@ def load_engines(names: tuple[str, ...]) -> Engines:
     wanted = tuple(dict.fromkeys(names or registry.names()))
     for name in wanted:
         check_engine(name)
-    adapters, faults = engines.load(wanted)
+    records, faults = engines.describe(wanted)
     for fault in faults.values():
         if names and not fault.broken:
             raise BadInput(fault.reason)
         print(f"bodycheck: {fault.reason}; continuing without it", file=sys.stderr)
-    if not adapters:
+    if not records:
         raise Failed("no engine can be used") if names else BadInput("no engine can be used")
     return Engines(
-        adapters=adapters,
+        records=records,
         missing={name: fault.reason for name, fault in faults.items()},
         broken=frozenset(name for name, fault in faults.items() if fault.broken),
         named=bool(names),
@@ -113,11 +118,13 @@ def load_engines(names: tuple[str, ...]) -> Engines:
 
 
 def check_engine(name: str) -> None:
-    """Raise `BadInput` for an engine without an adapter. The engine itself need not be installed."""
+    """Raise `BadInput` for the name of an engine, with or without a version, that has no adapter. It need not be installed."""
     from bodycheck.adapters import registry
+    from bodycheck.adapters.engine_name import EngineName
 
-    if name not in (known := registry.names()):
-        raise BadInput(f"there is no engine {name!r}; there are: {', '.join(known)}{did_you_mean(name, known)}")
+    adapter, known = EngineName.parse(name).adapter, registry.names()
+    if adapter not in known:
+        raise BadInput(f"there is no engine {adapter!r}; there are: {', '.join(known)}{did_you_mean(adapter, known)}")
 
 
 def files_of(cases: "list[Case]", names: tuple[str, ...]) -> dict[str, Path]:

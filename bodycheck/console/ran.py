@@ -6,7 +6,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from bodycheck.adapters.contract import Adapter
+from bodycheck.adapters.contract import Engine
 from bodycheck.casefile.case import Case
 from bodycheck.console.arguments import load_cases, load_engines, processes
 from bodycheck.console.progress import progress as shown
@@ -49,15 +49,15 @@ class Ran:
     ----------
     results, cases
         The results, and the cases that were run.
-    adapters
-        The adapters of the engines by name.
+    engines
+        The records of the engines by name.
     engine_failed
         Whether an engine fails to load that the user named, or of which a case expects something.
     """
 
     results: Results
     cases: list[Case]
-    adapters: dict[str, Adapter]
+    engines: dict[str, Engine]
     engine_failed: bool
 
 
@@ -70,7 +70,7 @@ def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False)
     selection
         The selected cases, engines, integrators and time steps.
     plan
-        Returns the tasks for cases, adapters, integrators and time steps.
+        Returns the tasks for cases, engines, integrators and time steps.
     out
         The folder for the results. If it is None, they are in a temporary folder that the end of the context deletes.
     quiet
@@ -85,12 +85,11 @@ def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False)
     """
     cases = load_cases(selection.cases)
     engines = load_engines(selection.engines)
-    adapters = engines.adapters
-    tasks = plan(cases, adapters, selection.integrators, selection.timesteps)
-    header = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, engines.missing)
+    tasks = plan(cases, engines.records, selection.integrators, selection.timesteps)
+    header = campaign.header(sys.argv, engines.versions, engines.missing)
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
         with shown("running", campaign.size(tasks), quiet) as progress:
             done = campaign.results(tasks, folder, header, processes(selection.jobs), progress=progress)
             results = stack.enter_context(done)
-        yield Ran(results, cases, adapters, engines.failed(cases))
+        yield Ran(results, cases, engines.records, engines.failed(cases))

@@ -24,10 +24,10 @@ CASES: tuple[Column[Any], ...] = (
     Column("tags", "tags", lambda case: ", ".join(case.tags), goes=1, wraps=True),
 )
 
-#: The columns of `bodycheck engines`, whose rows are three texts.
+#: The columns of `bodycheck engines`, whose rows are four texts.
 ENGINES = tuple(
     Column(name, name, itemgetter(place), wraps=name == "integrators")
-    for place, name in enumerate(("engine", "version", "integrators"))
+    for place, name in enumerate(("engine", "version", "installed", "integrators"))
 )
 
 #: The columns of `bodycheck expect`.

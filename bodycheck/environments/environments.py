@@ -16,28 +16,21 @@ import sys
 import sysconfig
 import tempfile
 from collections.abc import Sequence
-from contextlib import closing
 from dataclasses import dataclass
-from functools import cache
 from hashlib import sha256
 from importlib import metadata
 from pathlib import Path
 from subprocess import CompletedProcess
-from typing import TYPE_CHECKING
 
 from filelock import BaseFileLock, FileLock
 from packaging.version import InvalidVersion, Version
 from platformdirs import user_cache_path
 
 from bodycheck.adapters import registry
+from bodycheck.adapters.installation import Installation
 from bodycheck.environments import installation, making, privacy
 from bodycheck.environments.installation import InstallationFailed, NotOnOffer
 from bodycheck.environments.making import Release
-from bodycheck.running import pool
-from bodycheck.running.outcome import Crashed, TimedOut
-
-if TYPE_CHECKING:  # the processes that question releases need not import what a campaign does
-    from bodycheck.running.campaign import Advance
 
 CACHE_VARIABLE = "BODYCHECK_CACHE"
 
@@ -46,9 +39,6 @@ MARKER = "bodycheck.json"
 
 #: Follows the name of an environment in the name of a folder in which one is being made.
 UNFINISHED = ".unfinished-"
-
-#: Memory that an installation may use: more than any machine has, as installers need no limit.
-INSTALLATION_MEMORY_BYTES = 1 << 40
 
 
 class Unobtainable(Exception):
@@ -80,10 +70,18 @@ def releases(engine: str) -> tuple[str, ...]:
     Raises `Unobtainable` if they cannot be listed.
     """
     try:
-        listed = [Version(text) for text in installation.versions(_distribution(engine))]
+        listed = [Version(text) for text in installation.versions(_installation(engine).distribution)]
     except InstallationFailed as error:
         raise Unobtainable(f"the releases of {engine} cannot be listed: {error}") from error
     return tuple(str(version) for version in sorted(listed) if not version.is_prerelease)
+
+
+def newest(engine: str) -> str:
+    """Return the newest release of an engine that the package sources have for this Python. Raises `Unobtainable`."""
+    there = releases(engine)
+    if not there:
+        raise Unobtainable(f"there is no release of {engine} for this Python")
+    return there[-1]
 
 
 def obtain(engine: str, version: str) -> Environment:
@@ -98,46 +96,13 @@ def obtain(engine: str, version: str) -> Environment:
     return Environment(engine, release.version, installation.interpreter(folder))
 
 
-def obtain_all(engine: str, versions: Sequence[str], jobs: int, progress: "Advance") -> dict[str, Environment | Unobtainable]:
-    """Obtain the environments of several releases at once.
-
-    Parameters
-    ----------
-    engine
-        The name of the engine.
-    versions
-        The releases; repeated ones count once.
-    jobs
-        The number of processes.
-    progress
-        Called when a release is done.
-
-    Returns
-    -------
-    dict
-        For each version its environment, or the error that says why there is none.
-    """
-    tasks = [(engine, version) for version in dict.fromkeys(versions)]
-    limit = len(making.ATTEMPTS) * installation.CALL_LIMIT_S
-    found: dict[str, Environment | Unobtainable] = {}
-    with closing(pool.call_all(_try_to_obtain, tasks, jobs, limit, INSTALLATION_MEMORY_BYTES)) as answers:
-        for (_, version), result in answers:
-            match result:
-                case Crashed() | TimedOut():
-                    found[version] = Unobtainable(f"{engine} {version}: {result.reason}")
-                case _:
-                    found[version] = result
-            progress(f"{engine} {version}")
-    return {version: found[version] for _, version in tasks}
-
-
 def cached(engine: str) -> tuple[str, ...]:
     """Return the versions of an engine that have an environment, ascending. Raises `Unobtainable` for an unknown engine.
 
     Folders whose names are not those of versions are not ours and are left out.
     """
-    _distribution(engine)
-    there = [marker.parent.parent.name for marker in (_home() / engine).glob(f"*/{_fit()}/{MARKER}")]
+    source = _installation(engine)
+    there = [marker.parent.parent.name for marker in (_home() / source.distribution).glob(f"*/{_fit(source)}/{MARKER}")]
     return tuple(map(str, sorted(version for name in there if str(version := _version(name)) == name and version)))
 
 
@@ -148,6 +113,43 @@ def kept(engine: str) -> dict[str, Environment]:
     """
     folders = {version: _folder(_release(engine, version)) for version in cached(engine)}
     return {version: Environment(engine, version, installation.interpreter(folder)) for version, folder in folders.items()}
+
+
+def find(engine: str, version: str | None = None) -> Environment | None:
+    """Return the environment of a release, or of the newest one that has an environment; None if there is none.
+
+    Raises `Unobtainable` for an unknown engine, and if another user can change the environment.
+    """
+    there = kept(engine)
+    environment = there.get(version) if version is not None else next(reversed(there.values()), None)
+    if environment is not None:
+        try:
+            _check_private(environment.python.parent)
+        except OSError:
+            return None
+    return environment
+
+
+def variables(environment: Environment) -> tuple[tuple[str, str], ...]:
+    """Return the environment variables that processes in an environment need besides those of this process."""
+    source = _installation(environment.engine)
+    return (*making.path_variables(), *source.variables_in(str(environment.python.parents[1])))
+
+
+def package_folders(environment: Environment) -> list[Path]:
+    """Return the folders in which an environment has packages of its own."""
+    return [
+        path for pattern in ("lib/*/site-packages", "Lib/site-packages") for path in environment.python.parents[1].glob(pattern)
+    ]
+
+
+def lock(environment: Environment) -> dict[str, str]:
+    """Return the packages of an environment, each `NAME==VERSION`, with the SHA-256 of its list of files and hashes."""
+    records = sorted(record for folder in package_folders(environment) for record in folder.glob("*.dist-info/RECORD"))
+    return {
+        "==".join(record.parent.name.removesuffix(".dist-info").rsplit("-", 1)): sha256(record.read_bytes()).hexdigest()
+        for record in records
+    }
 
 
 def size(environment: Environment) -> int:
@@ -175,7 +177,7 @@ def remove(engine: str, versions: Sequence[str]) -> tuple[str, ...]:
 def run(
     environment: Environment, module: str, arguments: Sequence[str], stdin: str | None, timeout: float
 ) -> CompletedProcess[str]:
-    """Run `python -m module` in an environment with `pool.MEMORY_LIMIT_BYTES` of memory. It ends when this process does.
+    """Run `python -m module` in an environment, with limited memory, until this process ends at the latest.
 
     Parameters
     ----------
@@ -208,13 +210,6 @@ def cache_folder() -> Path:
     """Return the folder in which bodycheck keeps what it can make again."""
     chosen = os.environ.get(CACHE_VARIABLE)
     return Path(chosen).absolute() if chosen else user_cache_path("bodycheck")
-
-
-def _try_to_obtain(task: tuple[str, str]) -> Environment | Unobtainable:
-    try:
-        return obtain(*task)
-    except Unobtainable as error:
-        return error
 
 
 def _make(folder: Path, release: Release) -> None:
@@ -255,19 +250,19 @@ def _finish(made: Path, folder: Path, release: Release) -> None:
     made.rename(folder)
 
 
-def _distribution(engine: str) -> str:
-    """Return the name of an engine's package in indexes. Raises `Unobtainable` for an unknown engine."""
+def _installation(engine: str) -> Installation:
+    """Return what an engine is installed from. Raises `Unobtainable` for an unknown engine."""
     try:
-        return registry.distribution(engine)
+        return registry.installation(engine)
     except registry.EngineMissing as error:
         raise Unobtainable(str(error)) from error
 
 
 def _release(engine: str, version: str) -> Release:
     """Return a release. Raises `Unobtainable` for what is not a version by PEP 440, as the version becomes a folder's name."""
-    distribution = _distribution(engine)
+    source = _installation(engine)
     try:
-        return Release(engine, distribution, str(Version(version)))
+        return Release(engine, source, str(Version(version)))
     except InvalidVersion as error:
         raise Unobtainable(f"{version!r} is not a version of {engine}; a version looks like 3.1.6 (PEP 440)") from error
 
@@ -295,14 +290,13 @@ def _home() -> Path:
 
 def _folder(release: Release) -> Path:
     """Return the folder of the environment of a release, whether it is there or not."""
-    return _home() / release.engine / release.version / _fit()
+    return _home() / release.installation.distribution / release.version / _fit(release.installation)
 
 
-@cache
-def _fit() -> str:
-    """Return a name for the running interpreter and those of its packages that an environment must fit."""
+def _fit(source: Installation) -> str:
+    """Return a name for what is installed with an engine, the running interpreter, and its packages that both must fit."""
     versions = [f"{package} {metadata.version(package)}" for package in ("numpy", *making.NUMPY_DEPENDENTS)]
-    fits = repr((sys.prefix, making.site_folders(), versions))
+    fits = repr((sys.prefix, making.site_folders(), versions, source.extras, source.others))
     abi = sysconfig.get_config_var("SOABI") or f"{sys.implementation.cache_tag}-{sysconfig.get_platform()}"
     return f"{abi}-{sha256(fits.encode()).hexdigest()[:12]}"
 

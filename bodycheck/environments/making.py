@@ -24,9 +24,9 @@ from subprocess import CompletedProcess
 from packaging.requirements import Requirement
 from packaging.version import InvalidVersion, Version
 
+from bodycheck.adapters.installation import Installation
 from bodycheck.environments import installation, subprocesses
 from bodycheck.environments.installation import InstallationFailed
-from bodycheck.running import pool
 
 #: The environment variable that names the folders, other than site-packages, from which the running interpreter imports.
 PATH_VARIABLE = "BODYCHECK_PATH"
@@ -39,7 +39,7 @@ NUMPY_DEPENDENTS = {"scipy": "scipy.integrate", "pandas": "pandas", "pyarrow": "
 UPLOAD_DELAY = timedelta(days=14)
 
 #: Longest time in s that one inspection of an environment may take.
-INSPECTION_LIMIT_S = 120.0
+INSPECTION_LIMIT_S = 900.0
 
 #: The .pth file that adds the packages of the running interpreter, and what their own .pth files add. Python reads such files
 #: in the order of their names; with a tilde this one is read last, so that all folders of the environment come before.
@@ -111,15 +111,15 @@ class Release:
     Attributes
     ----------
     engine
-        The name of the engine in bodycheck.
-    distribution
-        The name of its package in package indexes.
+        The name of the engine in bodycheck, without a version.
+    installation
+        What it is installed from.
     version
         The version, as PEP 440 normalises it.
     """
 
     engine: str
-    distribution: str
+    installation: Installation
     version: str
 
 
@@ -147,13 +147,13 @@ def make(folder: Path, release: Release, attempt: Attempt) -> bool:
     """
     latest_upload = None
     if attempt.as_of_release:
-        if (uploaded := installation.release_day(release.distribution, release.version)) is None:
+        if (uploaded := installation.release_day(release.installation.distribution, release.version)) is None:
             raise InstallationFailed("the package sources do not tell when it was released")
         latest_upload = uploaded + UPLOAD_DELAY
     numpy_here = metadata.version("numpy")
     installation.make(folder)
     constraints = [f"numpy<={numpy_here}", *attempt.constraints]
-    installation.install(folder, [f"{release.distribution}=={release.version}"], constraints, latest_upload)
+    installation.install(folder, release.installation.requirements(release.version), constraints, latest_upload)
     python = installation.interpreter(folder)
     packages = Path(output(python, "import sysconfig; print(sysconfig.get_path('purelib'))"))
     lines = PATH_FILE_LINES.format(folders=site_folders(), variable=PATH_VARIABLE)
@@ -169,7 +169,7 @@ def make(folder: Path, release: Release, attempt: Attempt) -> bool:
 def is_intact(folder: Path, release: Release) -> bool:
     """Return whether the interpreter of an environment runs and all files have the size that they were installed with."""
     try:
-        version = output(installation.interpreter(folder), VERSION_OF_INTACT_PACKAGE, release.distribution)
+        version = output(installation.interpreter(folder), VERSION_OF_INTACT_PACKAGE, release.installation.distribution)
         return Version(version) == Version(release.version)
     except (InstallationFailed, InvalidVersion):
         return False
@@ -195,7 +195,7 @@ def output(python: Path, code: str, *arguments: str) -> str:
 
 
 def run(python: Path, arguments: Sequence[str], stdin: str | None, timeout: float) -> CompletedProcess[str]:
-    """Run the interpreter of an environment, with at most `pool.MEMORY_LIMIT_BYTES` of memory, until it ends.
+    """Run the interpreter of an environment, with at most `subprocesses.MEMORY_LIMIT_BYTES` of memory, until it ends.
 
     Parameters
     ----------
@@ -216,14 +216,19 @@ def run(python: Path, arguments: Sequence[str], stdin: str | None, timeout: floa
         There is no such interpreter.
     """
     variables = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME")}
-    variables[PATH_VARIABLE] = os.pathsep.join(_other_folders())
+    variables |= dict(path_variables())
     # With -P nothing is imported from the working directory.
-    return subprocesses.run([str(python), "-P", *arguments], variables, stdin, timeout, pool.MEMORY_LIMIT_BYTES)
+    return subprocesses.run([str(python), "-P", *arguments], variables, stdin, timeout, subprocesses.MEMORY_LIMIT_BYTES)
 
 
 def site_folders() -> list[str]:
     """Return the folders in which the running interpreter has its packages."""
     return [*site.getsitepackages(), *([site.getusersitepackages()] if site.ENABLE_USER_SITE else [])]
+
+
+def path_variables() -> tuple[tuple[str, str], ...]:
+    """Return the environment variable that lets an environment import from where the running interpreter does."""
+    return ((PATH_VARIABLE, os.pathsep.join(_other_folders())),)
 
 
 def _other_folders() -> list[str]:

@@ -12,10 +12,14 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from subprocess import DEVNULL, PIPE, CompletedProcess, Popen
 
-from bodycheck.running.limits import PR_SET_PDEATHSIG
-
 if sys.platform != "win32":
     import resource
+
+#: From linux/prctl.h.
+PR_SET_PDEATHSIG = 1
+
+#: Private memory that a program may use, unless it is given another limit.
+MEMORY_LIMIT_BYTES = 4 << 30
 
 
 def run(

@@ -18,7 +18,7 @@ from typing import cast
 import tomlkit
 from tomlkit.items import Item
 
-from bodycheck.adapters.contract import Adapter
+from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case, parse, shipped
 from bodycheck.casefile.expectation import unit
@@ -149,7 +149,7 @@ def places(files: Sequence[str], cases: Sequence[Case]) -> dict[str, Path]:
 
 
 def plan(
-    cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
+    cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Task, ...]:
     """What is measured: the runs of `running.plan.plan`, without the finer steps that only serve to see an order.
 

@@ -10,6 +10,7 @@ from bodycheck.judging import rounding
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import campaign, pool
+from bodycheck.running.engines import home
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.plan import Task
@@ -35,7 +36,9 @@ def measured(
     ]
     answers: dict[RunKey, list[Run]] = defaultdict(list)
     found = {}
-    with closing(pool.call_all(campaign.perform_run, tasks, jobs, campaign.TIME_LIMIT_S, group=campaign.group)) as calls:
+    with closing(
+        pool.call_all(campaign.perform_run, tasks, jobs, campaign.TIME_LIMIT_S, group=campaign.group, home=home)
+    ) as calls:
         for task, answer in calls:
             progress(f"{task.case.name} · {task.engine} {task.method}, nudged")
             key = task.key

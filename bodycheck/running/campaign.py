@@ -11,11 +11,12 @@ from pathlib import Path
 from typing import Protocol
 
 from bodycheck.casefile.case import Case
+from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running import pool, store, truths
+from bodycheck.running import engines, pool, store, truths
 from bodycheck.running.header import Header
 from bodycheck.running.machine import fingerprint
 from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
@@ -83,7 +84,7 @@ def results(
     head: Header,
     jobs: int = 1,
     limit: float = TIME_LIMIT_S,
-    memory: int = pool.MEMORY_LIMIT_BYTES,
+    memory: int = MEMORY_LIMIT_BYTES,
     progress: Advance = _no_progress,
 ) -> Iterator[Results]:
     """Make all runs and the truths they need, write each as it finishes, and provide the results.
@@ -123,7 +124,7 @@ def results(
         if there := units - sum(_missing(writer, argument) for argument in left):
             print(f"bodycheck: resuming the interrupted run in {folder}: {there} of {units} are done", file=sys.stderr)
             progress("", there)
-        with closing(pool.call_all(perform, left, jobs, limit, memory, group)) as answers:
+        with closing(pool.call_all(perform, left, jobs, limit, memory, group, engines.home)) as answers:
             for argument, result in answers:
                 for done in _add(writer, argument, result, places, head["engines"]):
                     progress(done)

@@ -1,21 +1,38 @@
-"""Ask engines in a worker process whether they can be used, before this process imports them.
+"""Where engines are installed and what they are, without importing one into this process.
 
-An engine may end its process, hang or crash when it is imported, or when it forms the record of its version and integrators.
-What fails so in the worker is not imported here.
+An engine may end its process, hang or crash when it is imported, or change what others compute with. It is therefore
+imported in worker processes alone, which live where it is installed: beside bodycheck, or in an environment of its own. What an
+engine is, its record, is asked there once and kept in the cache folder, until the engine, its adapter or its environment
+changes.
 """
 
+import contextlib
+import json
+import os
 import sys
 from collections.abc import Sequence
 from contextlib import closing
 from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
+from importlib.metadata import version
+from pathlib import Path
+
+from pydantic import TypeAdapter, ValidationError
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Adapter
+from bodycheck.adapters.contract import Engine
+from bodycheck.adapters.engine_name import EngineName
+from bodycheck.environments import environments, privacy
+from bodycheck.environments.environments import Environment, Unobtainable
+from bodycheck.errors import BadInput
+from bodycheck.files import writing
 from bodycheck.running import pool
+from bodycheck.running.interpreter import HERE, Interpreter
 from bodycheck.running.outcome import Crashed, TimedOut
 
 #: Time limit for the import and the record of one engine. Some compile code when they are imported.
-TIME_LIMIT_S = 60.0
+TIME_LIMIT_S = 120.0
 
 
 @dataclass(frozen=True)
@@ -34,46 +51,149 @@ class Fault:
     broken: bool
 
 
-#: What was asked before, by the engine and the path on which it was searched: an engine is asked once by each process.
-_known: dict[tuple[str, tuple[str, ...]], Fault | None] = {}
+#: What was asked before, by the name of the engine and what its record depends on.
+_known: dict[tuple[str, str], Engine | Fault] = {}
+
+
+def describe(names: Sequence[str]) -> tuple[dict[str, Engine], dict[str, Fault]]:
+    """Return the records of the engines that can be used, and why the others cannot be used, by name as asked for.
+
+    Engines whose records are not known are asked in worker processes, where one that crashes or hangs harms no other.
+    """
+    found: dict[str, Engine | Fault] = {}
+    asked: dict[str, str] = {}
+    for name in dict.fromkeys(names):
+        try:
+            asked[name] = _depends(name, _place(name))
+        except (registry.EngineMissing, Unobtainable) as error:
+            found[name] = Fault(str(error), broken=False)
+    for name, key in asked.items():
+        if (known := _known.get((name, key)) or _kept(name, key)) is not None:
+            found[name] = _known[name, key] = known
+    left = [name for name in asked if name not in found]
+    with closing(pool.call_all(_ask, left, os.cpu_count() or 1, TIME_LIMIT_S, group=str, home=home)) as answers:
+        for name, answer in answers:
+            match answer:
+                case Crashed() | TimedOut():
+                    found[name] = Fault(f"{name} fails when it is imported: {answer.reason}", broken=True)
+                case Fault():
+                    found[name] = answer
+                case _:
+                    found[name] = _records().validate_json(answer)
+                    _keep(name, asked[name], answer)
+            _known[name, asked[name]] = found[name]
+    in_order = {name: found[name] for name in dict.fromkeys(names)}
+    return (
+        {name: record for name, record in in_order.items() if isinstance(record, Engine)},
+        {name: fault for name, fault in in_order.items() if isinstance(fault, Fault)},
+    )
 
 
 def faults(names: Sequence[str]) -> dict[str, Fault]:
-    """Return why some of the engines cannot be used; the others can be imported here.
+    """Return why some of the engines cannot be used, by name as asked for."""
+    return describe(names)[1]
 
-    One worker process asks all engines in turn. An engine that crashes or hangs ends the process, and the others are asked in
-    another one.
+
+def record(name: str) -> Engine:
+    """Return the record of an engine. Raises `EngineMissing` if it cannot be used."""
+    records, missing = describe([name])
+    if name in missing:
+        raise registry.EngineMissing(missing[name].reason)
+    return records[name]
+
+
+def home(name: str | None) -> pool.Home:
+    """Return where the processes of an engine live, which import it before their first call; None stands for the truths.
+
+    Raises `EngineMissing` and `Unobtainable` if the engine is not installed.
     """
-    path = tuple(sys.path)
-    asked = [name for name in dict.fromkeys(names) if (name, path) not in _known]
-    with closing(pool.call_all(_ask, asked, jobs=1, limit=TIME_LIMIT_S)) as answers:
-        for name, answer in answers:
-            if isinstance(answer, Crashed | TimedOut):
-                answer = Fault(f"{name} fails when it is imported: {answer.reason}", broken=True)
-            _known[name, path] = answer
-    return {name: fault for name in names if (fault := _known[name, path]) is not None}
+    if name is None:
+        return pool.Home()
+    environment = _place(name)
+    source = registry.known_installation(EngineName.parse(name).adapter)
+    if environment is None:
+        variables = source.variables_in(None) if source is not None else ()
+        return pool.Home(Interpreter(HERE.python, variables, apart=False), _import, TIME_LIMIT_S)
+    return pool.Home(Interpreter(environment.python, environments.variables(environment)), _import, TIME_LIMIT_S)
 
 
-def load(names: Sequence[str]) -> tuple[dict[str, Adapter], dict[str, Fault]]:
-    """Import the engines that can be used; return their adapters, and why the others cannot be used, by name."""
-    found = faults(names)
-    adapters: dict[str, Adapter] = {}
-    for name in names:
-        if name not in found:
-            try:
-                adapters[name] = registry.load(name)
-            except registry.EngineMissing as error:
-                found[name] = _fault(error)
-    return adapters, found
+def place(name: str) -> str:
+    """Return in words where an engine is installed, such as "here". Raises `EngineMissing` and `Unobtainable`."""
+    environment = _place(name)
+    return "here" if environment is None else "own environment"
 
 
-def _ask(name: str) -> Fault | None:
+def _place(name: str) -> Environment | None:
+    """Return the environment in which an engine is installed; None if it is installed beside bodycheck.
+
+    Raises `EngineMissing` for an unknown engine and one that is nowhere installed, and `Unobtainable` for an environment that
+    another user can change.
+    """
     try:
+        asked = EngineName.parse(name)
+    except BadInput as error:
+        raise registry.EngineMissing(str(error)) from error
+    source = registry.known_installation(asked.adapter)
+    if source is None:
+        return None  # an engine that does not say what it is installed from is installed beside bodycheck or nowhere
+    here = registry.installed(asked.adapter)
+    if here is not None and asked.version in (None, here):
+        return None
+    if (found := environments.find(asked.adapter, asked.version)) is not None:
+        return found
+    wanted = f" --version {asked.version}" if asked.version else ""
+    raise registry.EngineMissing(
+        f"{asked} is not installed: there is no package {source.distribution}{f' {asked.version}' if asked.version else ''}; "
+        f"install it by: bodycheck engines add {asked.adapter}{wanted}"
+    )
+
+
+def _import(name: str) -> None:
+    """Import an engine. If that raises an exception, each call raises it again."""
+    with contextlib.suppress(registry.EngineMissing):
         registry.load(name)
+
+
+def _ask(name: str) -> str | Fault:
+    """Return the record of an engine as JSON, so that nothing of the engine is imported where it is read."""
+    try:
+        return _records().dump_json(registry.load(name).engine).decode("utf-8")
     except registry.EngineMissing as error:
-        return _fault(error)
-    return None
+        return Fault(str(error), isinstance(error, registry.EngineBroken))
 
 
-def _fault(error: registry.EngineMissing) -> Fault:
-    return Fault(str(error), isinstance(error, registry.EngineBroken))
+@cache
+def _records() -> TypeAdapter[Engine]:
+    return TypeAdapter(Engine)
+
+
+def _depends(name: str, environment: Environment | None) -> str:
+    """Return a digest of everything that the record of an engine depends on, apart from what its own code reads."""
+    folders = map(Path, sys.path) if environment is None else environments.package_folders(environment)
+    files = [*registry.sources(EngineName.parse(name).adapter), *(folder for folder in folders if folder.is_dir())]
+    decides = (version("bodycheck"), sys.version, environment, sorted((str(file), file.stat().st_mtime_ns) for file in files))
+    return sha256(repr(decides).encode()).hexdigest()
+
+
+def _file(name: str) -> Path:
+    return environments.cache_folder() / "records" / f"{sha256(name.encode()).hexdigest()[:16]}.json"
+
+
+def _kept(name: str, key: str) -> Engine | None:
+    """Return the record that is kept; None if there is none, if it is outdated, or if another user may have written it."""
+    path = _file(name)
+    try:
+        if privacy.open_to_others(path) is not None:
+            return None
+        kept = json.loads(path.read_text("utf-8"))
+        return _records().validate_json(kept["record"]) if kept["key"] == key else None
+    except (OSError, ValueError, KeyError, TypeError, ValidationError):
+        return None
+
+
+def _keep(name: str, key: str, record: str) -> None:
+    """Keep the record of an engine, if the cache folder can be written to."""
+    path = _file(name)
+    with contextlib.suppress(OSError, writing.NotWritten):
+        privacy.make(path.parent)
+        writing.write(path, json.dumps({"key": key, "record": record}).encode("utf-8"))

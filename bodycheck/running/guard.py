@@ -6,15 +6,12 @@ the exit code or the signal of the worker. On other systems there is no guard, a
 """
 
 import contextlib
-import multiprocessing
 import os
-import pickle
 import signal
-import socket
+import subprocess
 import sys
 import time
 import warnings
-from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from bodycheck.running import limits
@@ -35,33 +32,28 @@ INTERVAL_S = 0.002
 WAKING = {signal.SIGCHLD, signal.SIGTERM} if GUARDED else set()
 
 
-def work(content: bytes, theirs: socket.socket) -> None:
-    """Become the guard of a worker process that calls a function.
+def guarded(parent: int, descriptor: int | str) -> None:
+    """Return in a worker process, whose guard is the process that this one was.
 
-    content: the pickled function and its further arguments, which are imported in the worker alone. theirs: the worker's end of
-    the channel, the first argument.
+    parent: the identifier of the process that started this one. descriptor: that of the worker's end of the channel.
     """
-    if GUARDED and (parent := multiprocessing.parent_process()) is not None:
-        limits.end_with(parent.pid, signal.SIGTERM)
-    limits.lead_group()
     if GUARDED:
-        _fork(theirs)
-    function, arguments = pickle.loads(content)
-    function(theirs, *arguments)
+        limits.end_with(parent, signal.SIGTERM)
+        _fork(int(descriptor))
 
 
-def stop(process: BaseProcess, patience: float) -> None:
+def stop(process: "subprocess.Popen[bytes]", patience: float) -> None:
     """Kill a worker process and what it has started; a guard that does not end within its patience (s) is killed."""
-    if process.pid is not None:
-        if GUARDED:
-            process.terminate()
-            process.join(patience)
-        limits.kill_group(process.pid)
+    if GUARDED:
+        process.terminate()
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(patience)
+    limits.kill_group(process.pid)
     process.kill()
-    process.join()
+    process.wait()
 
 
-def _fork(theirs: socket.socket) -> None:
+def _fork(descriptor: int) -> None:
     """Return in a new process, the worker. This one is its guard and ends here."""
     limits.adopt_descendants()
     signal.pthread_sigmask(signal.SIG_BLOCK, WAKING)
@@ -71,7 +63,7 @@ def _fork(theirs: socket.socket) -> None:
         warnings.simplefilter("ignore", DeprecationWarning)
         worker = os.fork()
     if worker:
-        theirs.close()
+        os.close(descriptor)
         try:
             _end_as(_ending(worker))
         finally:

@@ -9,14 +9,15 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
-from multiprocessing import resource_tracker
 from pathlib import Path
+
+from bodycheck.environments.subprocesses import PR_SET_PDEATHSIG
 
 if sys.platform != "win32":
     import resource
 
 #: From linux/prctl.h.
-PR_SET_PDEATHSIG, PR_SET_CHILD_SUBREAPER = 1, 36
+PR_SET_CHILD_SUBREAPER = 36
 
 _allowance_bytes: int | None = None
 _initial_bytes = 0
@@ -64,7 +65,7 @@ def shortage() -> str:
     )
 
 
-def end_with(parent: int | None, number: signal.Signals) -> None:
+def end_with(parent: int, number: signal.Signals) -> None:
     """Let the operating system send this process a signal when the thread of its parent that started it ends for any reason."""
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, number)
@@ -78,26 +79,11 @@ def adopt_descendants() -> None:
         ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
 
 
-def lead_group() -> None:
-    """Make this process the leader of a group of its own, to which the processes belong that it starts."""
-    if sys.platform != "win32":
-        os.setsid()
-
-
 def kill_group(leader: int) -> None:
     """Kill the processes of a leader's group that are left, after or before the end of the leader."""
     if sys.platform != "win32":
         with contextlib.suppress(ProcessLookupError, PermissionError):
             os.killpg(leader, signal.SIGKILL)
-
-
-def give_up_resource_tracker() -> None:
-    """Close the descriptor of the parent's resource tracker; a process that needs a tracker starts one of its own."""
-    tracker = resource_tracker._resource_tracker
-    inherited = getattr(tracker, "_fd", None)
-    if inherited is not None:
-        vars(tracker)["_fd"] = None
-        os.close(inherited)
 
 
 def _memory_in_use() -> int:

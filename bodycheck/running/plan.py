@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from bodycheck.adapters import offers
-from bodycheck.adapters.contract import Adapter, Engine, Method
+from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.expectation import REFINEMENTS
@@ -29,12 +29,12 @@ class Task:
         return RunKey(self.case.name, self.engine, self.method)
 
 
-#: A function that returns the tasks for cases, adapters by name, spellings of methods, and time steps (s).
-Plan = Callable[[Sequence[Case], Mapping[str, Adapter], Sequence[str], Sequence[float]], tuple[Task, ...]]
+#: A function that returns the tasks for cases, engines by name, spellings of methods, and time steps (s).
+Plan = Callable[[Sequence[Case], Mapping[str, Engine], Sequence[str], Sequence[float]], tuple[Task, ...]]
 
 
 def plan(
-    cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
+    cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Task, ...]:
     """Return one task for every case, engine, method and time step.
 
@@ -43,7 +43,7 @@ def plan(
     cases
         The cases.
     engines
-        Adapters by the engine's name.
+        The records of the engines by name.
     integrators
         Spellings of methods; all that each engine offers if it is empty.
     timesteps
@@ -57,18 +57,16 @@ def plan(
     """
     check(cases, engines, integrators, timesteps or (DEFAULT_TIMESTEP,))
     tasks = tuple(
-        Task(case, engine, method)
+        Task(case, name, method)
         for case in cases
-        for engine, adapter in engines.items()
-        for method in dict.fromkeys(_methods(case, engine, adapter.engine, integrators, timesteps))
+        for name, engine in engines.items()
+        for method in dict.fromkeys(_methods(case, name, engine, integrators, timesteps))
     )
     refuse_nothing(tasks, engines, integrators)
     return tasks
 
 
-def check(
-    cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
-) -> None:
+def check(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]) -> None:
     """Raise `BadInput` for a method that no engine has, and for a time step that is not possible.
 
     Parameters
@@ -76,14 +74,14 @@ def check(
     cases
         The cases.
     engines
-        Adapters by the engine's name.
+        The records of the engines by name.
     integrators
         Spellings of methods.
     timesteps
         Time steps (s).
     """
     for spelling in integrators:
-        check_method(spelling, [adapter.engine for adapter in engines.values()])
+        check_method(spelling, list(engines.values()))
     for case, timestep in product(cases, timesteps):
         if not 0 < timestep <= case.duration <= timestep * MAX_STEPS:
             least = case.duration / MAX_STEPS
@@ -106,7 +104,7 @@ def check_method(spelling: str, engines: Sequence[Engine]) -> None:
     raise BadInput(f"no engine has an integrator {method.integrator!r}; there are: {known}{meant}")
 
 
-def refuse_nothing(tasks: Sequence[object], engines: Mapping[str, Adapter], integrators: Sequence[str]) -> None:
+def refuse_nothing(tasks: Sequence[object], engines: Mapping[str, Engine], integrators: Sequence[str]) -> None:
     """Raise `BadInput` if there are no tasks."""
     if not tasks:
         raise BadInput(f"nothing to run: no case has a scene for which {', '.join(engines)} offer {', '.join(integrators)}")

@@ -13,6 +13,7 @@ from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.trajectory import Array
 from bodycheck.running import pool
+from bodycheck.running.engines import home
 
 #: Time step and number of steps of a check.
 TIMESTEP_S = 1e-3
@@ -116,7 +117,7 @@ def check(engine: str) -> list[str]:
 
 def check_all(engines: Sequence[str]) -> dict[str, list[str]]:
     """Return the faults of the adapters of engines by name, each found in a worker process. Raises nothing of an engine."""
-    with closing(pool.call_all(check, engines, jobs=1, limit=TIME_LIMIT_S, group=str)) as answers:
+    with closing(pool.call_all(check, engines, jobs=1, limit=TIME_LIMIT_S, group=str, home=home)) as answers:
         found = {name: answer if isinstance(answer, list) else [f"{name}: {answer.reason}"] for name, answer in answers}
     return {name: found[name] for name in engines}
 

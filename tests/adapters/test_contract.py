@@ -60,7 +60,7 @@ def scene_of(kind: str) -> Scene:
 def test_the_record_of_an_engine_says_what_it_must(name: str) -> None:
     engine = installed(name).engine
     assert engine.name == name
-    assert engine.distribution == registry.distribution(name)
+    assert engine.distribution == registry.installation(name).distribution
     assert engine.version
     assert engine.integrators
     assert engine.batch >= 1
@@ -77,7 +77,7 @@ def test_the_record_of_an_engine_says_what_it_must(name: str) -> None:
 def test_what_an_engine_is_installed_from_is_known_without_it(name: str) -> None:
     code = (
         "import sys\nfrom bodycheck.adapters import registry\n"
-        f"print(registry.distribution({name!r}), *{{module.partition('.')[0] for module in sys.modules}})"
+        f"print(registry.installation({name!r}).distribution, *{{module.partition('.')[0] for module in sys.modules}})"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     distribution, *modules = done.stdout.split()

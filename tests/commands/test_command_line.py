@@ -169,7 +169,7 @@ def test_truth_prints_the_bounds_of_every_figure(calls_here: None) -> None:
 def test_lists() -> None:
     assert {case["name"] for case in json.loads(bodycheck("cases", "--json").stdout)} == set(shipped())
     assert "free-brick" in bodycheck("cases").stdout
-    engines = {engine["name"]: engine for engine in json.loads(bodycheck("engines", "--check", "--json").stdout)}
+    engines = {engine["name"]: engine for engine in json.loads(bodycheck("engines", "check", "--json").stdout)}
     assert engines["mujoco"]["faults"] == engines["pinocchio"]["faults"] == []
     assert "RK4" in engines["mujoco"]["integrators"]
 

@@ -18,6 +18,7 @@ import bodycheck
 from bodycheck.adapters import registry
 from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment, Unobtainable
+from bodycheck.running.obtaining import obtain_all
 from tests.support import MINIATURES, wheels
 
 #: Seconds for what takes one, on machines that are busy with other things.
@@ -187,7 +188,7 @@ def test_a_wrong_engine_is_for_a_study_to_tell(wheel: Callable[..., Path]) -> No
 
 def test_many_are_obtained_at_once_each_with_its_own_answer(environment: Environment) -> None:
     told = []
-    found = environments.obtain_all("toy", ["9.9", "1.0", "x", "1.0"], 2, lambda done, count=1: told.append(done))
+    found = obtain_all("toy", ["9.9", "1.0", "x", "1.0"], 2, lambda done, count=1: told.append(done))
     assert list(found) == ["9.9", "1.0", "x"]
     assert found["1.0"] == environment
     assert str(found["9.9"]) == "toy 9.9 is not available here: the index has no wheel of this version"
@@ -345,4 +346,4 @@ def test_what_is_run_is_told_and_limited(environment: Environment, place: Path) 
 
 
 def test_the_engines_here_say_what_they_are_installed_from() -> None:
-    assert (registry.distribution("mujoco"), registry.distribution("pinocchio")) == ("mujoco", "pin")
+    assert (registry.installation("mujoco").distribution, registry.installation("pinocchio").distribution) == ("mujoco", "pin")

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from bodycheck.adapters.installation import Installation
 from bodycheck.environments import environments, installation, privacy
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.environments.making import Release
@@ -17,7 +18,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="folders have no
 #: A user that is neither the administrator nor the one who runs the tests.
 STRANGER = 54321
 
-RELEASE = Release("mujoco", "mujoco", "1.0")
+RELEASE = Release("mujoco", Installation("mujoco"), "1.0")
 
 
 def of_a_stranger(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

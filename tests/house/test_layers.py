@@ -15,9 +15,9 @@ from tests.support import ROOT
 FLOORS = (
     {"reference", "errors", "runner_log", "suggestion"},
     {"adapters", "figures", "files"},
-    {"casefile"},
+    {"casefile", "environments"},
     {"running"},
-    {"judging", "environments"},
+    {"judging"},
     {"reports", "console"},
     {"studies"},
     {"commands", "pytest_plugin"},

@@ -27,7 +27,7 @@ from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.plan import plan
 from tests.support import campaigns
-from tests.support.campaigns import adapters
+from tests.support.campaigns import records
 from tests.support.commands import Done, bodycheck
 from tests.support.processes import calls_here
 from tests.support.truths import truth_for_runs
@@ -42,7 +42,7 @@ U = 2.0**-53
 
 def saved(path: Path, cases: list[Case], engines: tuple[str, ...] = ("mujoco",), integrators: tuple[str, ...] = ()) -> Path:
     with calls_here():
-        results = campaigns.results(plan(cases, adapters(*engines), integrators, (STEP,)), path.with_suffix(""))
+        results = campaigns.results(plan(cases, records(*engines), integrators, (STEP,)), path.with_suffix(""))
         baseline.save(path, results, judgement.judge(results), jobs=1)
     return path
 

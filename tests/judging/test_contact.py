@@ -22,7 +22,7 @@ from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.running.plan import plan
 from tests.support import campaigns
-from tests.support.campaigns import adapters
+from tests.support.campaigns import records
 from tests.support.cases import shortened
 
 BRICK = Body(1.0, (0.01, 0.01, 0.02), Brick((0.1, 0.2, 0.05)))
@@ -122,7 +122,7 @@ def test_pinocchio_converges_to_the_straight_slide_with_order_1(integrator: str)
 
 def attributed(tmp_path: Path, name: str, integrators: tuple[str, ...]) -> dict[tuple[str, str], Attribution]:
     """The parts at the smaller of two steps, by integrator and quantity."""
-    tasks = plan([load(name)], adapters("mujoco", "pinocchio"), integrators, (1e-3, 5e-4))
+    tasks = plan([load(name)], records("mujoco", "pinocchio"), integrators, (1e-3, 5e-4))
     results = campaigns.results(tasks, tmp_path)
     found = attribute(results, judgement.judge(results))
     return {(part.integrator, part.quantity): part for part in found if part.timestep == 5e-4}
@@ -185,7 +185,7 @@ def test_a_brick_at_rest_stays_at_rest() -> None:
 
 def test_the_stop_is_stored_and_its_columns_follow(tmp_path: Path) -> None:
     case = shortened(load("curling-brick"), 0.8, 81)
-    tasks = plan([case, load("projectile")], adapters("mujoco", "pinocchio"), ("Euler", "law-force", "rk4"), (0.01,))
+    tasks = plan([case, load("projectile")], records("mujoco", "pinocchio"), ("Euler", "law-force", "rk4"), (0.01,))
     results = campaigns.results(tasks, tmp_path)
     stored, exact = results.truth(case.name, 0.01), truth(case)
     assert stored.stop == exact.stop

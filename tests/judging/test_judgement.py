@@ -15,7 +15,7 @@ from bodycheck.reference.scene import Plane
 from bodycheck.reference.truth import NoTruth
 from bodycheck.running.plan import plan
 from tests.support import campaigns
-from tests.support.campaigns import adapters
+from tests.support.campaigns import records
 from tests.support.cases import shortened
 
 
@@ -47,7 +47,7 @@ def test_expectations_are_judged_by_the_largest_value() -> None:
 def test_an_order_is_expected_of_a_step_its_half_and_its_quarter(tmp_path: Path, expected: float, passed: bool) -> None:
     expectation = f'[[expect]]\nengine = "mujoco"\nintegrator = "RK4"\ntimestep = 0.02\norder = {expected}\n'
     case = parse(load("osrf-boxes-complex").text.partition("[[expect]]")[0] + expectation, "ordered")
-    verdicts = judgement.judge(campaigns.results(plan([case], adapters("mujoco"), (), ()), tmp_path))
+    verdicts = judgement.judge(campaigns.results(plan([case], records("mujoco"), (), ()), tmp_path))
     asked = {verdict.run.method.timestep: verdict for verdict in verdicts if verdict.run.method.name == "RK4"}
     assert asked.keys() == {0.002, 0.02, 0.01, 0.005}
     assert {step: verdict.passed for step, verdict in asked.items()} == {0.002: None, 0.02: passed, 0.01: None, 0.005: None}

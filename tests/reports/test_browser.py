@@ -60,7 +60,7 @@ CONTRASTS = """() => {
 @pytest.fixture(scope="session")
 def sets(tmp_path_factory: pytest.TempPathFactory) -> list[ResultSet]:
     """A flip with a broken expectation and a run that crashed, a flight, and a slide at two time steps, by both engines."""
-    engines = campaigns.adapters("mujoco", "pinocchio")
+    engines = campaigns.records("mujoco", "pinocchio")
     flip = parse(two_seconds(FLIP).text + BROKEN, FLIP)
     slide = replace(load(SLIDE), expectations=())
     tasks = plan.plan((flip,), engines, ("Euler", "RK4", "implicit", "discrete", "semi-implicit-euler", "rk4", "rk4-naive"), ())

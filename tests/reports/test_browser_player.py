@@ -39,7 +39,7 @@ ROUNDING = 0.06
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
     """Three bodies that tumble for four seconds, one that slides for less than one, and one that slides far."""
-    engines = campaigns.adapters("mujoco", "pinocchio")
+    engines = campaigns.records("mujoco", "pinocchio")
     cases = [shortened(load(name), END, 401) for name in FLYING] + [shortened(load(SLIDE), 0.8, 401)]
     slide = load(SLIDE).text.partition("[[expect]]")[0]
     fast = re.sub(r"velocity = .*", "velocity = [12.0, 3.0, 0.0]", slide, count=1).replace(SLIDE, FAR)

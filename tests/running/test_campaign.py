@@ -11,7 +11,7 @@ from bodycheck.judging import judgement
 from bodycheck.running.plan import plan
 from bodycheck.running.store import Results
 from tests.support import campaigns
-from tests.support.campaigns import TIMINGS, adapters, run_all
+from tests.support.campaigns import TIMINGS, records, run_all
 from tests.support.cases import STEADY_SPIN, shortened
 from tests.support.processes import stopped_when_last
 
@@ -47,7 +47,7 @@ def table_of(results: Results) -> pd.DataFrame:
 
 def study(engines: tuple[str, ...], folder: Path) -> pd.DataFrame:
     """The table of a study in two processes whose tasks were shuffled, so that all share processes with all."""
-    everything = plan([STEADY_SPIN], adapters(*engines), (), STEPS)
+    everything = plan([STEADY_SPIN], records(*engines), (), STEPS)
     tasks = [task for task in everything if task.engine in INNOCENT or task.method.timestep == STEPS[0]]
     random.Random(1).shuffle(tasks)
     # Only the call that hangs meets its limit; where no call hangs, no call is left for which the clock may go on.

@@ -1,5 +1,7 @@
 """Engines that fail when they are imported or asked what they are: each is missing with the reason, and harms nothing."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -38,6 +40,7 @@ def planted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The failing engines, between two that work."""
     failing = {name: code for name, (code, _) in FAILING.items()}
     plant(tmp_path / "planted", {"first": "", **failing, "last": ""})
+    monkeypatch.setenv("BODYCHECK_CACHE", str(tmp_path / "cache"))
     monkeypatch.syspath_prepend(tmp_path / "planted")
 
 
@@ -68,15 +71,44 @@ def test_commands_go_on_without_a_failing_engine_unless_it_was_named(planted: No
     assert not unnamed.failed([load("free-brick")])
 
 
-def test_an_engine_that_hangs_at_import_is_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_engine_that_hangs_at_import_is_stopped(planted: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """The limit itself is the pool's, whose tests hang for it."""
 
-    def call_all(function: object, names: list[str], jobs: int, limit: float) -> object:
+    def call_all(function: object, names: list[str], jobs: int, limit: float, **homes: object) -> object:
         yield from ((name, TimedOut(limit)) for name in names)
 
     monkeypatch.setattr(pool, "call_all", call_all)
-    fault = engines.faults(["hanging-at-import"])["hanging-at-import"]
-    assert fault == engines.Fault("hanging-at-import fails when it is imported: stopped after 60 s", broken=True)
+    fault = engines.faults(["first"])["first"]
+    assert fault == engines.Fault("first fails when it is imported: stopped after 120 s", broken=True)
+
+
+def test_a_record_is_asked_once_until_the_engine_changes(
+    planted: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    first, missing = engines.describe(["first", "last"])
+    assert not missing
+    assert first["first"].integrators == (Integrator("step"),)
+    monkeypatch.setattr(engines, "_known", {})  # as in another process
+    with monkeypatch.context() as patch:
+        patch.setattr(pool, "call_all", lambda function, names, *limits, **homes: asked.extend(names) or (_ for _ in ()))
+        asked: list[str] = []
+        assert engines.describe(["first", "last"])[0] == first
+        assert not asked
+    module = tmp_path / "planted" / "planted_0.py"
+    module.write_text(module.read_text("utf-8").replace('"1.0"', '"2.0"'), "utf-8")
+    assert engines.describe(["first", "last"])[0]["first"].version == "2.0"
+
+
+def test_no_engine_is_imported_by_a_command_that_runs_it() -> None:
+    code = (
+        "import sys\nfrom bodycheck.commands.command_line import app\n"
+        "app(['run', 'free-brick', '--engine', 'mujoco', '--integrator', 'Euler', '--timestep', '0.1'],"
+        " exit_on_error=False, result_action='return_value')\n"
+        "app(['engines'], exit_on_error=False, result_action='return_value')\n"
+        "print({'mujoco', 'pinocchio'} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "set()"
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,6 @@ import random
 import subprocess
 import sys
 import time
-import types
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 import pytest
 
 from bodycheck.running import channel, pool
+from bodycheck.running.interpreter import Interpreter
 from bodycheck.running.outcome import Crashed, TimedOut
 from tests.support import ROOT
 from tests.support.calls import (
@@ -28,6 +28,8 @@ from tests.support.calls import (
     misbehaving,
     pids_in,
     poisoned,
+    prepared_for,
+    preparing,
     whose_process,
     without_looking,
 )
@@ -126,12 +128,30 @@ def test_a_process_is_kept_between_calls_and_replaced_when_it_dies() -> None:
         assert call("hang") == TimedOut(1.0)
 
 
-def test_where_no_process_can_be_started_it_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    nowhere = types.ModuleType("only_in_this_process")
-    exec("def call(argument): return argument", nowhere.__dict__)
-    monkeypatch.setitem(sys.modules, nowhere.__name__, nowhere)
-    with pytest.raises(RuntimeError, match="no process can be started: its process exited with code 1"):
-        list(pool.call_all(nowhere.call, [1], jobs=1, limit=LIMIT))
+def test_calls_without_a_process_say_why_and_harm_no_others(tmp_path: Path) -> None:
+    nowhere = pool.Home(Interpreter(tmp_path / "python"))
+    homes = {"n": nowhere, "h": pool.Home()}
+    calls = ["n1", "h1", "n2", "h2"]
+    found = dict(pool.call_all(whose_process, calls, 1, LIMIT, group=lambda name: name[0], home=lambda group: homes[group]))
+    assert {type(found[name]) for name in ("h1", "h2")} == {int}
+    assert found["n1"] == found["n2"]
+    assert found["n1"].reason.startswith("its process cannot be started: [Errno 2] No such file")
+    with pool.caller(whose_process, limit=LIMIT, home=lambda group: nowhere) as call:
+        assert call("n1") == found["n1"]
+
+
+def test_a_process_is_prepared_for_its_group_once_and_keeps_what_that_changes() -> None:
+    def home(group: str) -> pool.Home:
+        return pool.Home(prepare=preparing, limit=LIMIT)
+
+    calls = [f"{group} {place}" for place in range(3) for group in ("one", "other", "dies", "raises")]
+    found = dict(pool.call_all(prepared_for, calls, 2, LIMIT, group=lambda name: name.split()[0], home=home))
+    for group in ("one", "other"):
+        ((prepared, times, _),) = {found[f"{group} {place}"] for place in range(3)}  # the last is the process
+        assert (prepared, times) == (group, 1)
+    for place in range(3):
+        assert found[f"dies {place}"] == Crashed("its process exited with code 9")
+        assert found[f"raises {place}"] == Crashed("ValueError: raises")
 
 
 @pytest.mark.parametrize(

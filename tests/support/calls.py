@@ -30,6 +30,25 @@ _next_call = threading.Event()
 _poisoned = False
 
 
+#: The groups for which this process was prepared.
+_prepared: list[str] = []
+
+
+def preparing(group: str) -> None:
+    """Prepare the process for a group, which changes its environment."""
+    _prepared.append(group)
+    os.environ["PREPARED"] = group
+    if group == "dies":
+        os._exit(9)
+    if group == "raises":
+        raise ValueError(group)
+
+
+def prepared_for(argument: str) -> tuple[str, int, int]:
+    """For which group the process was prepared, how often, and which process it is."""
+    return _prepared[0], len(_prepared), os.getpid()
+
+
 def poisoned(argument: str) -> str:
     """Poison leaves a thread behind that ends the process while it makes the next call."""
     global _poisoned

@@ -7,7 +7,7 @@ from typing import Any
 
 from bodycheck import Case
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Adapter
+from bodycheck.adapters.contract import Engine
 from bodycheck.running import campaign, store
 from bodycheck.running.plan import Task, plan
 from bodycheck.running.store import Results
@@ -17,9 +17,9 @@ from tests.support.processes import calls_here
 TIMINGS = ["wall_time", "time_per_step", "realtime_factor"]
 
 
-def adapters(*engines: str) -> dict[str, Adapter]:
-    """The adapters of some engines by name."""
-    return {name: registry.load(name) for name in engines}
+def records(*engines: str) -> dict[str, Engine]:
+    """The records of some engines by name."""
+    return {name: registry.load(name).engine for name in engines}
 
 
 #: What a header says of the command that made the results.
@@ -28,7 +28,7 @@ COMMAND = ("bodycheck", "run")
 
 def header(*engines: str, command: Sequence[str] = COMMAND) -> dict[str, Any]:
     """The header of results of some engines, of which none is missing."""
-    return campaign.header(command, {name: adapter.engine.version for name, adapter in adapters(*engines).items()}, {})
+    return campaign.header(command, {name: record.version for name, record in records(*engines).items()}, {})
 
 
 def results(tasks: Sequence[Task], folder: Path, jobs: int = 0, command: Sequence[str] = COMMAND, **options: Any) -> Results:
@@ -44,4 +44,4 @@ def results(tasks: Sequence[Task], folder: Path, jobs: int = 0, command: Sequenc
 
 def run_all(case: Case, engines: Sequence[str], folder: Path, timestep: float = 0.1, **options: Any) -> Results:
     """A case through all methods of some engines with one time step (s); options: those of `results`."""
-    return results(plan([case], adapters(*engines), (), (timestep,)), folder, **options)
+    return results(plan([case], records(*engines), (), (timestep,)), folder, **options)

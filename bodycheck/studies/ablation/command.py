@@ -56,7 +56,7 @@ def ablate(
     tables.check(view, printing.MODELS)
     with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out, quiet) as made:
         results = made.results
-        rows = study.evaluate(results, made.adapters, integrator, timestep)
+        rows = study.evaluate(results, made.engines, integrator, timestep)
         if out is not None:
             study.write(rows, out, [origin.stored(results.header)])
             reports.write_study(present(results.header, results.cases, rows), out, figures)

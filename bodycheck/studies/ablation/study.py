@@ -1,12 +1,14 @@
 """Compare the models of a case, from the smallest to the largest: their cost and their motion relative to the smallest."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from bodycheck.adapters.contract import Adapter, Method, Model, Models
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Engine, Method, Model, Models
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import offered
 from bodycheck.casefile.case import Case
@@ -18,9 +20,10 @@ from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import distance
 from bodycheck.running import campaign, csv_tables, pool
+from bodycheck.running.engines import home
 from bodycheck.running.key import RunKey
 from bodycheck.running.origin import Origins
-from bodycheck.running.outcome import Completed
+from bodycheck.running.outcome import Completed, Crashed, TimedOut
 from bodycheck.running.plan import Task, check
 from bodycheck.running.store import Results
 from bodycheck.studies import cost
@@ -40,9 +43,12 @@ FIRST_ORDER_FACTOR = 2.0
 #: Times per step (s), and times relative to the first model.
 Timed = tuple[list[Cost], list[Cost]]
 
+#: Models by the spelling of a method and by their names.
+ModelsByMethod = dict[str, dict[str, Model]]
+
 
 def plan(
-    cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
+    cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Task, ...]:
     """Return a task for every case, engine, integrator, model and time step, and for half of each time step.
 
@@ -51,7 +57,7 @@ def plan(
     cases
         The cases.
     engines
-        The adapters by name.
+        The records of the engines by name.
     integrators
         Spellings of methods; if it is empty, the first of each engine that has models.
     timesteps
@@ -64,11 +70,12 @@ def plan(
     """
     steps = [part for timestep in timesteps or (DEFAULT_TIMESTEP,) for part in (timestep, timestep / 2)]
     check(cases, engines, integrators, steps)
+    offered_models = models_of(cases, engines, integrators)
     tasks = dict.fromkeys(
         Task(case, engine, Method.parse(model.method, step))
         for case in cases
-        for engine, adapter in engines.items()
-        for integrator, models in with_models(adapter, case, integrators).items()
+        for engine in engines
+        for models in offered_models[case.name, engine].values()
         for step in steps
         for model in models.values()
     )
@@ -77,21 +84,40 @@ def plan(
     return tuple(tasks)
 
 
-def with_models(adapter: Adapter, case: Case, integrators: Sequence[str]) -> dict[str, Mapping[str, Model]]:
-    """Return the models of a case's scene for the selected methods that have models, by the spelling of the method.
+def models_of(
+    cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str]
+) -> dict[tuple[str, str], ModelsByMethod]:
+    """Return the models of each case's scene for the selected methods that have models, by the names of case and engine.
 
-    `integrators` are the spellings of the selected methods. If it is empty, the engine's first method with models is used.
+    The engines are asked in processes of their own. If `integrators`, the spellings of the selected methods, is empty, each
+    engine's first method with models is used.
     """
+    asked = [(case, engine, tuple(integrators)) for case in cases for engine in engines]
+    found: dict[tuple[str, str], ModelsByMethod] = {}
+    calls = pool.call_all(with_models, asked, 1, campaign.TIME_LIMIT_S, group=lambda one: one[1], home=home)
+    with closing(calls) as answers:
+        for (case, engine, _), answer in answers:
+            if isinstance(answer, Crashed | TimedOut):
+                raise BadInput(f"{engine} does not say which models it has of {case.name}: {answer.reason}")
+            found[case.name, engine] = answer
+    return found
+
+
+def with_models(asked: tuple[Case, str, tuple[str, ...]]) -> ModelsByMethod:
+    """Return the models of a case's scene in an engine for the selected methods, by the spelling of the method."""
+    case, engine, integrators = asked
+    adapter = registry.load(engine)
     if not isinstance(adapter, Models):
         return {}
-    asked = {Method.parse(spelling, 0.0).name for spelling in integrators}
-    found = {name: adapter.models(case.scene, name) for name in offered(adapter.engine, case.scene)}
-    growing = {name: models for name, models in found.items() if models and (not asked or name in asked)}
-    return growing if asked else dict(list(growing.items())[:1])
+    names = offered(registry.load(engine).engine, case.scene)
+    wanted = {Method.parse(spelling, 0.0).name for spelling in integrators}
+    found = {name: dict(adapter.models(case.scene, name)) for name in names}
+    growing = {name: models for name, models in found.items() if models and (not wanted or name in wanted)}
+    return growing if wanted else dict(list(growing.items())[:1])
 
 
 def evaluate(
-    results: Results, engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
+    results: Results, engines: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> list[ModelRow]:
     """Measure costs, and return one row per model for every case, engine, integrator and time step.
 
@@ -102,15 +128,17 @@ def evaluate(
     results
         The results of the tasks of `plan`.
     engines
-        The adapters by name.
+        The records of the engines by name.
     integrators, timesteps
         The integrators and time steps (s) for which `plan` was called.
     """
     verdicts = {verdict.run.key: verdict for verdict in judgement.judge(results)}
+    cases = list(results.cases.values())
+    offered_models = models_of(cases, engines, integrators)
     rows = []
-    for case in results.cases.values():
-        for engine, adapter in engines.items():
-            for integrator, models in with_models(adapter, case, integrators).items():
+    for case in cases:
+        for engine in engines:
+            for integrator, models in offered_models[case.name, engine].items():
                 for timestep in dict.fromkeys(timesteps or (DEFAULT_TIMESTEP,)):
                     group = RunKey(case.name, engine, Method.parse(integrator, timestep))
                     rows += rows_of(case, group, models, verdicts)
@@ -168,7 +196,8 @@ def measured(case: Case, completed: Mapping[str, Verdict]) -> tuple[dict[str, tu
     ]
     if not stretches:
         return {}, ""
-    ((_, answer),) = pool.call_all(time_in_turn, [stretches], jobs=1, limit=campaign.TIME_LIMIT_S)
+    calls = pool.call_all(time_in_turn, [stretches], 1, campaign.TIME_LIMIT_S, group=lambda those: those[0].engine, home=home)
+    ((_, answer),) = calls
     if not isinstance(answer, tuple):
         return {}, f"its cost could not be measured: {answer.reason}"
     return dict(zip(completed, zip(*answer, strict=True), strict=True)), ""

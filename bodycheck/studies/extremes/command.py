@@ -41,9 +41,8 @@ def extremes(
     tables.check(view, printing.RUNS, printing.LIMITS)
     loaded = [case for case in load_cases(cases) if cases or case.extremes]
     engines = load_engines(engine)
-    adapters = engines.adapters
-    planned = study.prepare(loaded, adapters, integrator)
-    head = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, engines.missing)
+    planned = study.prepare(loaded, engines.records, integrator)
+    head = campaign.header(sys.argv, engines.versions, engines.missing)
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
         progress = stack.enter_context(terminal.progress("pushing", planned.size, quiet))

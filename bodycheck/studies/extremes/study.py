@@ -4,7 +4,7 @@ Every run has its own process and is recorded when it ends, so that an interrupt
 """
 
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass, fields, replace
 from hashlib import sha256
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from bodycheck.adapters.contract import Adapter, Method
+from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import chosen
 from bodycheck.casefile.case import Case
@@ -24,6 +24,7 @@ from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import NoTruth, Truth, distance, truth
 from bodycheck.running import csv_tables, journal, plan, pool
+from bodycheck.running.engines import home
 from bodycheck.running.header import Header
 from bodycheck.running.key import RunKey
 from bodycheck.running.origin import Origins
@@ -50,6 +51,9 @@ RECORDS = "extremes.jsonl"
 TrialKey = tuple[RunKey, str, float]
 
 #: Identifies a search: the case and method, with any time step, and the spin (rad/s).
+#: A function that returns the truth of a scene at times (s), or why there is none.
+TruthOf = Callable[[tuple[Scene, Array]], Truth | NoTruth | Crashed | TimedOut]
+
 SearchKey = tuple[RunKey, float]
 
 
@@ -100,7 +104,7 @@ class Study:
         return len(self.trials) + len(self.searches)
 
 
-def prepare(cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str]) -> Study:
+def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str]) -> Study:
     """Return the trials at every point of the cases' axes, and the searches for stability limits at every spin of an axis.
 
     Parameters
@@ -108,7 +112,7 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: 
     cases
         The cases.
     engines
-        The adapters by name.
+        The records of the engines by name.
     integrators
         Spellings of methods; all that the engines offer if it is empty.
 
@@ -121,19 +125,19 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: 
         raise BadInput(f"{', '.join(axisless)}: has no axes; a case defines them in its table [extremes]")
     plan.check(cases, engines, integrators, (DEFAULT_TIMESTEP,))
     trials = tuple(
-        Trial(point, engine, Method.parse(integrator, point.timestep))
+        Trial(point, name, Method.parse(integrator, point.timestep))
         for case in cases
         for point in points(case)
-        for engine, adapter in engines.items()
-        for integrator in chosen(adapter.engine, point.case.scene, integrators)
+        for name, engine in engines.items()
+        for integrator in chosen(engine, point.case.scene, integrators)
     )
     searches = tuple(
-        Search(case, engine, Method.parse(integrator, 0.0), spin)
+        Search(case, name, Method.parse(integrator, 0.0), spin)
         for case in cases
         if case.scene.plane is None
         for spin in dict(case.extremes).get("spin", ())
-        for engine, adapter in engines.items()
-        for integrator in chosen(adapter.engine, case.scene, integrators)
+        for name, engine in engines.items()
+        for integrator in chosen(engine, case.scene, integrators)
     )
     plan.refuse_nothing(trials, engines, integrators)
     return Study(trials, searches)
@@ -205,9 +209,10 @@ def _rows(
     if rows:
         progress("", len(rows))
     left = [trial for trial in study.trials if trial.key not in rows]
-    with closing(pool.call_all(_try, left, jobs, limit, group=lambda trial: trial.engine)) as answers:
-        for trial, answer in answers:
-            row = _row(trial, versions[trial.engine], answer)
+    calls = pool.call_all(_try, left, jobs, limit, group=lambda trial: trial.engine, home=home)
+    with closing(calls) as answers, pool.caller(_follow, limit) as truth_of:
+        for trial, outcome in answers:
+            row = _row(trial, versions[trial.engine], outcome, truth_of)
             log.add({"record": "run", "row": asdict(row)})
             rows[trial.key] = row
             progress(f"{row.case} · {row.engine} {row.integrator} · {row.axis} {row.value:.10g}")
@@ -225,7 +230,7 @@ def _limits(
             probes[RunKey(case, engine, Method.parse(integrator, 0.0)), spin][record["product"]] = record["stable"]
     brackets = {search: bracket(probes[search.key]) for search in study.searches}
     while left := [Probe(search, product) for search, known in brackets.items() for product in known.following]:
-        with closing(pool.call_all(_probe, left, jobs, limit, group=lambda probe: probe.search.engine)) as answers:
+        with closing(pool.call_all(_probe, left, jobs, limit, group=lambda probe: probe.search.engine, home=home)) as answers:
             for probe, answer in answers:
                 # A run that crashes its process or exceeds the time limit counts as unstable.
                 held = probes[probe.search.key][probe.product] = answer is True
@@ -239,12 +244,12 @@ def _limits(
     return [_limit(search, versions[search.engine], known.stable, known.unstable) for search, known in brackets.items()]
 
 
-def _try(trial: Trial) -> tuple[Outcome, Truth | NoTruth]:
-    point = trial.point
-    outcome = run(point.case, trial.engine, trial.method).outcome
-    if not isinstance(outcome, Completed):
-        return outcome, NoTruth("the run did not end")
-    return outcome, follow(point.case.scene, outcome.trajectory.t)
+def _try(trial: Trial) -> Outcome:
+    return run(trial.point.case, trial.engine, trial.method).outcome
+
+
+def _follow(asked: tuple[Scene, Array]) -> Truth | NoTruth:
+    return follow(*asked)
 
 
 def _probe(probe: Probe) -> bool:
@@ -254,15 +259,19 @@ def _probe(probe: Probe) -> bool:
     return stable(case.scene, outcome)
 
 
-def _row(trial: Trial, version: str, answer: tuple[Outcome, Truth | NoTruth] | Crashed | TimedOut) -> Row:
+def _row(trial: Trial, version: str, outcome: Outcome, truth_of: TruthOf) -> Row:
     point = trial.point
     scene = point.case.scene
-    if isinstance(answer, Crashed | TimedOut):
-        found = Diagnosis(answer.status, NOTHING, answer.reason)
+    truth: Truth | NoTruth | Crashed | TimedOut = NoTruth("the run did not end")
+    if isinstance(outcome, Completed):
+        truth = truth_of((scene, outcome.trajectory.t))
+    if isinstance(outcome, Crashed | TimedOut):
+        found = Diagnosis(outcome.status, NOTHING, outcome.reason)
     else:
-        found = diagnose(scene, *answer)
+        known = NoTruth(f"the reference: {truth.reason}") if isinstance(truth, Crashed | TimedOut) else truth
+        found = diagnose(scene, outcome, known)
         if point.axis == "steps":
-            found = replace(found, detail="; ".join([found.detail, *_drifts(scene, answer[0])]))
+            found = replace(found, detail="; ".join([found.detail, *_drifts(scene, outcome)]))
     method = (trial.engine, version, trial.method.name, point.timestep)
     return Row(point.case.name, *method, point.axis, point.value, found.status, found.engine_said, found.detail)
 

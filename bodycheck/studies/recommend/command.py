@@ -67,10 +67,9 @@ def recommend(
     tables.check(view, printing.ANSWERS)
     loaded = load_case(case)
     engines = load_engines(engine)
-    adapters = engines.adapters
-    planned = study.prepare(loaded, adapters, integrator, quantity, error)
+    planned = study.prepare(loaded, engines.records, integrator, quantity, error)
     known = study.reused(store.read(reuse), planned) if reuse is not None else []
-    head = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in adapters.items()}, engines.missing)
+    head = campaign.header(sys.argv, engines.versions, engines.missing)
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
         progress = stack.enter_context(terminal.progress("searching", len(planned.searches), quiet))

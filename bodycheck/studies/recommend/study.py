@@ -13,7 +13,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Adapter, Method
+from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.offers import chosen, integrator_of
 from bodycheck.casefile.case import Case
 from bodycheck.errors import BadInput
@@ -85,7 +85,7 @@ def recommend(
     *,
     error: float,
     quantity: str = "attitude",
-    adapters: Mapping[str, Adapter] | None = None,
+    records: Mapping[str, Engine] | None = None,
     integrators: Sequence[str] = (),
     known: Sequence[Probe] = (),
     jobs: int = 2,
@@ -102,8 +102,8 @@ def recommend(
         The largest allowed error, in the unit of the figure.
     quantity
         A key of `SHORT_NAMES`, or the name of a figure.
-    adapters
-        The adapters by name; None for all engines that can be used.
+    records
+        The records of the engines by name; None for all engines that can be used.
     integrators
         Spellings of methods; all that the engines offer if it is empty.
     known
@@ -118,14 +118,14 @@ def recommend(
     Failed
         If the case has no truth.
     """
-    used = engines.load(registry.names())[0] if adapters is None else adapters
+    used = engines.describe(registry.names())[0] if records is None else records
     planned = prepare(case, used, integrators, quantity, error)
-    head = campaign.header(sys.argv, {name: adapter.engine.version for name, adapter in used.items()}, {})
+    head = campaign.header(sys.argv, {name: record.version for name, record in used.items()}, {})
     with temporary_folder() as folder, results(planned, folder, head, jobs, known=known) as found:
         return found
 
 
-def prepare(case: Case, adapters: Mapping[str, Adapter], integrators: Sequence[str], quantity: str, error: float) -> Study:
+def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str], quantity: str, error: float) -> Study:
     """Return a search for every method of some engines; parameters are those of `recommend`.
 
     Raises `BadInput` for an error that cannot be asked for, for a figure that there is not, for a method that no engine has,
@@ -137,21 +137,21 @@ def prepare(case: Case, adapters: Mapping[str, Adapter], integrators: Sequence[s
     if error >= (most := most_possible(figure, case.duration)):
         least = f"{FIGURES[figure].title.lower()} is at most {most:.4g} {FIGURES[figure].unit}".rstrip()
         raise BadInput(f"--error {error:g}: every method keeps it, because the {least}; allowed: less")
-    plan.check([case], adapters, integrators, ())
+    plan.check([case], records, integrators, ())
     spin = math.hypot(*case.scene.initial.angular_velocity)
     largest, smallest = rounded_down(case.duration / LEAST_STEPS), rounded_up(case.duration / MOST_STEPS)
     first = max(smallest, min(largest, rounded_down(FIRST_TURN / spin))) if spin else largest
     methods = [
-        (name, adapter, Method.parse(spelling, 0.0))
-        for name, adapter in adapters.items()
-        for spelling in chosen(adapter.engine, case.scene, integrators)
+        (name, record, Method.parse(spelling, 0.0))
+        for name, record in records.items()
+        for spelling in chosen(record, case.scene, integrators)
     ]
-    plan.refuse_nothing(methods, adapters, integrators)
+    plan.refuse_nothing(methods, records, integrators)
     searches = []
-    for name, adapter, method in methods:
-        own = integrator_of(adapter.engine, method)
+    for name, record, method in methods:
+        own = integrator_of(record, method)
         within = Range(error, own.order if own is not None else None, first, smallest, largest)
-        searches.append(Search(name, adapter.engine.version, method, within))
+        searches.append(Search(name, record.version, method, within))
     return Study(case, figure, error, tuple(searches))
 
 
@@ -233,7 +233,7 @@ def results(
         if log.records:
             print(f"bodycheck: resuming the interrupted study in {folder}", file=sys.stderr)
         probes = [*known, *(Probe(**record["probe"]) for record in log.records)]
-        with pool.crew(campaign.perform, jobs, TIME_LIMIT_S, group=campaign.group) as call_each:
+        with pool.crew(campaign.perform, jobs, TIME_LIMIT_S, group=campaign.group, home=engines.home) as call_each:
             found = _search(study, probes, log, call_each, progress)
         answers = priced(
             case, [answer_of(own.engine, own.version, own.method, found[own.key], study.error) for own in study.searches]

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cache
 from hashlib import sha256
-from importlib.metadata import PackageNotFoundError, entry_points, version
-from importlib.util import find_spec
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -125,19 +124,8 @@ def _digest(engine: str) -> str:
     found = {
         path.resolve() for package in SOURCE_PACKAGES for folder in package.__path__ for path in Path(folder).rglob("*.py")
     }
-    files = sorted(found)
-    for point in entry_points(group=registry.ENGINE_GROUP, name=engine):
-        files += _sources(point.module.partition(".")[0])
+    files = sorted(found) + registry.sources(engine)
     return sha256(b"".join(sha256(path.read_bytes()).digest() for path in files)).hexdigest()
-
-
-def _sources(module: str) -> list[Path]:
-    """Return the source files of a top-level module or package, without importing it."""
-    spec = find_spec(module)
-    if spec is None or spec.origin is None:
-        return []
-    folders = [path for folder in spec.submodule_search_locations or () for path in sorted(Path(folder).rglob("*.py"))]
-    return folders or [Path(spec.origin)]
 
 
 def _version(package: str) -> str:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from bodycheck.adapters import offers, registry
-from bodycheck.adapters.contract import Adapter, Engine, Method
+from bodycheck.adapters.contract import Engine, Method
 from bodycheck.casefile import case
 from bodycheck.casefile.case import Case
 from bodycheck.errors import BadInput
@@ -35,22 +35,22 @@ def main() -> None:
 
 def _answer(engine: str, question: Question, jobs: int) -> Answer:
     try:
-        adapter = registry.load(engine)
+        record = registry.load(engine).engine
         loaded = case.parse_stored(question.text, question.name)
-        offered = offers.offered(adapter.engine, loaded.scene)
-        lacking = _lacking(adapter.engine, question.integrators)
+        offered = offers.offered(record, loaded.scene)
+        lacking = _lacking(record, question.integrators)
     except Exception as error:  # any exception of an engine becomes the answer
         failed = crash(error)
         return Answer(status=failed.status, failure=failed.reason)
-    tasks = _tasks(question, loaded, engine, adapter, lacking)
+    tasks = _tasks(question, loaded, engine, record, lacking)
     if not tasks:
         return Answer(offered, lacking)
-    head = campaign.header(sys.argv, {engine: adapter.engine.version}, {})
+    head = campaign.header(sys.argv, {engine: record.version}, {})
     with temporary_folder() as folder, campaign.results(tasks, folder, head, jobs) as results:
         verdicts = judgement.judge(results)
         if question.kind == "figures":
             return Answer(offered, lacking, rows=tuple(map(_plain, baseline.rows(results, verdicts, jobs))))
-        return Answer(offered, lacking, orders=tuple(tradeoff.orders(results, verdicts, {engine: adapter})))
+        return Answer(offered, lacking, orders=tuple(tradeoff.orders(results, verdicts, {engine: record})))
 
 
 def _lacking(engine: Engine, integrators: Sequence[str]) -> dict[str, str]:
@@ -64,13 +64,13 @@ def _lacking(engine: Engine, integrators: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def _tasks(question: Question, loaded: Case, engine: str, adapter: Adapter, lacking: Mapping[str, str]) -> Sequence[Task]:
+def _tasks(question: Question, loaded: Case, engine: str, record: Engine, lacking: Mapping[str, str]) -> Sequence[Task]:
     """Return the tasks of a question that the release can run."""
-    there = offers.chosen(adapter.engine, loaded.scene, [name for name in question.integrators if name not in lacking])
+    there = offers.chosen(record, loaded.scene, [name for name in question.integrators if name not in lacking])
     if question.integrators and (not there or len(lacking) == len(question.integrators)):
         return ()
     make = plan if question.kind == "figures" else tradeoff.plan
-    return make([loaded], {engine: adapter}, there if question.integrators else (), question.timesteps)
+    return make([loaded], {engine: record}, there if question.integrators else (), question.timesteps)
 
 
 def _plain(row: dict[str, Any]) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.errors import BadInput
 from bodycheck.judging import baseline
-from bodycheck.running import campaign, plan
+from bodycheck.running import campaign, obtaining, plan
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Unsupported
 from bodycheck.studies.orders import Order
@@ -179,7 +179,7 @@ def _obtained(engine: str, versions: Sequence[str], questions: Sequence[Question
         if version not in there or not release_answers.known([(there[version], question) for question in questions])
     ]
     with bar("obtaining", len(left)) as progress:
-        made = environments.obtain_all(engine, left, jobs, progress)
+        made = obtaining.obtain_all(engine, left, jobs, progress)
     return {version: made.get(version) or there[version] for version in versions}
 
 

@@ -52,11 +52,11 @@ def tradeoff(
     check_has_folder(figures, out)
     tables.check(view, printing.RUNS, printing.METHODS)
     with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out, quiet) as made:
-        results, adapters = made.results, made.adapters
+        results, engines = made.results, made.engines
         verdicts = judgement.judge(results)
         with terminal.progress("measuring", 2 * len(results.cases), quiet) as progress:
-            rows = study.price(results, verdicts, adapters, progress)
-            orders = study.orders(results, verdicts, adapters, progress)
+            rows = study.price(results, verdicts, engines, progress)
+            orders = study.orders(results, verdicts, engines, progress)
         if out is not None:
             study.write(rows, orders, out, [origin.stored(results.header)])
             reports.write_study(present(results.header, rows, orders), out, figures)

@@ -6,7 +6,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
-from bodycheck.adapters.contract import Adapter, Integrator, Method
+from bodycheck.adapters.contract import Engine, Integrator, Method
 from bodycheck.adapters.offers import chosen, integrator_of
 from bodycheck.casefile.case import Case
 from bodycheck.judging import judgement
@@ -14,9 +14,10 @@ from bodycheck.judging.convergence import observe_convergence
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.truth import Truth
 from bodycheck.running import campaign, csv_tables, pool
+from bodycheck.running.engines import home
 from bodycheck.running.key import RunKey
 from bodycheck.running.origin import Origins
-from bodycheck.running.outcome import Completed
+from bodycheck.running.outcome import Completed, Crashed, TimedOut
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.running.store import Results
 from bodycheck.studies import cost
@@ -32,7 +33,7 @@ COST_COLUMNS = ("time_per_step_low", "time_per_step_high", "evaluations", "cost"
 
 
 def plan(
-    cases: Sequence[Case], engines: Mapping[str, Adapter], integrators: Sequence[str], timesteps: Sequence[float]
+    cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Task, ...]:
     """Return a task for every case, engine, integrator and time step.
 
@@ -41,7 +42,7 @@ def plan(
     cases
         The cases.
     engines
-        The adapters by name.
+        The records of the engines by name.
     integrators
         Spellings of methods; all that the engines offer if it is empty.
     timesteps
@@ -54,10 +55,10 @@ def plan(
     """
     check(cases, engines, integrators, timesteps)
     tasks = tuple(
-        Task(case, engine, Method.parse(integrator, timestep))
+        Task(case, name, Method.parse(integrator, timestep))
         for case in cases
-        for engine, adapter in engines.items()
-        for integrator in chosen(adapter.engine, case.scene, integrators)
+        for name, engine in engines.items()
+        for integrator in chosen(engine, case.scene, integrators)
         for timestep in sorted(set(timesteps), reverse=True) or ladder(case)
     )
     refuse_nothing(tasks, engines, integrators)
@@ -67,13 +68,13 @@ def plan(
 def price(
     results: Results,
     verdicts: Sequence[Verdict],
-    engines: Mapping[str, Adapter],
+    engines: Mapping[str, Engine],
     progress: Callable[[str], None] = lambda done: None,
 ) -> list[dict[str, Any]]:
     """Measure the costs of runs, and return one row per run with the columns of results and `COST_COLUMNS`.
 
-    Costs are measured with nothing else running, for all runs of a case in turn. A run that did not complete has no costs. If
-    the measurement of a case fails, its rows have no costs but a reason. Missing values are None.
+    Costs are measured with nothing else running, for the runs of a case and an engine in turn, in a process of the engine.
+    A run that did not complete has none. If a measurement fails, its rows have no costs but a reason. Missing values are None.
 
     Parameters
     ----------
@@ -82,27 +83,37 @@ def price(
     verdicts
         The verdicts on the runs.
     engines
-        The adapters by name.
+        The records of the engines by name.
     progress
         A function that is called with a text after each case.
     """
     costs: dict[Task, Cost] = {}
-    untimed: dict[str, str] = {}
+    untimed: dict[tuple[str, str], str] = {}
     for name, own in _by_case(verdicts).items():
         tasks = {_task(results.cases[name], verdict): verdict for verdict in own if verdict.discrepancy is not None}
-        stretches = tuple(_stretch(task, verdict) for task, verdict in tasks.items())
-        ((_, measured),) = pool.call_all(time_in_turn, [stretches], jobs=1, limit=campaign.TIME_LIMIT_S)
-        if isinstance(measured, list):
-            costs |= dict(zip(tasks, measured, strict=True))
-        else:
-            untimed[name] = f"its cost could not be measured: {measured.reason}"
+        for engine in engines:
+            timed = [task for task in tasks if task.engine == engine]
+            measured = _timed([_stretch(task, tasks[task]) for task in timed])
+            if isinstance(measured, list):
+                costs |= dict(zip(timed, measured, strict=True))
+            else:
+                untimed[name, engine] = f"its cost could not be measured: {measured.reason}"
         progress(f"{name} · costs")
     rows = judgement.records(verdicts)
     for row, verdict in zip(rows, verdicts, strict=True):
         found = costs.get(_task(results.cases[verdict.run.case], verdict))
         row |= _costs(row, found, _claims(engines, verdict.run.key).evaluations)
-        row["reason"] = row["reason"] or untimed.get(row["case"], "")
+        row["reason"] = row["reason"] or untimed.get((row["case"], row["engine"]), "")
     return rows
+
+
+def _timed(stretches: Sequence[Stretch]) -> list[Cost] | Crashed | TimedOut:
+    """Measure the runs of one engine in turn, in a process of that engine."""
+    if not stretches:
+        return []
+    calls = pool.call_all(time_in_turn, [stretches], 1, campaign.TIME_LIMIT_S, group=lambda those: those[0].engine, home=home)
+    ((_, measured),) = calls
+    return measured
 
 
 def time_in_turn(stretches: Sequence[Stretch]) -> list[Cost]:
@@ -125,9 +136,9 @@ def _stretch(task: Task, verdict: Verdict) -> Stretch:
     return Stretch(task.case.scene, task.engine, task.method, verdict.outcome.steps)
 
 
-def _claims(engines: Mapping[str, Adapter], key: RunKey) -> Integrator:
+def _claims(engines: Mapping[str, Engine], key: RunKey) -> Integrator:
     """Return the integrator of a run, with the order and the evaluations that its engine claims."""
-    own = integrator_of(engines[key.engine].engine, key.method)
+    own = integrator_of(engines[key.engine], key.method)
     assert own is not None  # it was run
     return own
 
@@ -158,7 +169,7 @@ def _by_case(verdicts: Iterable[Verdict]) -> dict[str, list[Verdict]]:
 def orders(
     results: Results,
     verdicts: Iterable[Verdict],
-    engines: Mapping[str, Adapter],
+    engines: Mapping[str, Engine],
     progress: Callable[[str], None] = lambda done: None,
 ) -> list[Order]:
     """Return the orders of every method in every quantity, with the schemes that the runs with the largest steps agree with.
@@ -170,7 +181,7 @@ def orders(
     verdicts
         The verdicts on the runs.
     engines
-        The adapters by name.
+        The records of the engines by name.
     progress
         A function that is called with a text after each case.
     """

@@ -40,7 +40,7 @@ from tests.support.report_cases import BROKEN, FLIGHT, FLIP, two_seconds
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two cases through both engines: a flip that Euler's method gets wrong, and a flight in which nothing turns."""
     place = tmp_path_factory.mktemp("results")
-    engines = campaigns.adapters("mujoco", "pinocchio")
+    engines = campaigns.records("mujoco", "pinocchio")
     flip = two_seconds(FLIP)
     cases = (parse(flip.text + BROKEN, FLIP), two_seconds(FLIGHT))
     tasks = plan.plan(cases, engines, ("Euler", "RK4", "semi-implicit-euler", "body-twist-euler", "rk4"), ())

@@ -10,7 +10,8 @@ import pandas as pd
 import pytest
 
 from bodycheck import load
-from bodycheck.adapters.contract import Method
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Method, Models
 from bodycheck.errors import BadInput
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.trajectory import Trajectory
@@ -19,12 +20,12 @@ from bodycheck.studies import cost
 from bodycheck.studies.ablation import page as report
 from bodycheck.studies.ablation import study as ablation
 from bodycheck.studies.ablation.rows import Change, ModelRow
-from tests.support.campaigns import adapters
+from tests.support.campaigns import records
 from tests.support.cases import shortened
 from tests.support.commands import call
 from tests.support.processes import calls_here
 
-ADAPTERS = adapters("mujoco", "pinocchio")
+RECORDS = records("mujoco", "pinocchio")
 
 
 @pytest.fixture(scope="module")
@@ -45,9 +46,11 @@ def test_every_model_has_its_row(folder: Path) -> None:
     table = pd.read_csv(folder / "ablation.csv")
     assert tuple(table.columns[: len(ablation.COLUMNS)]) == ablation.COLUMNS
     for case in ("free-brick", "sliding-brick"):
-        for engine, adapter in ADAPTERS.items():
+        for engine in RECORDS:
             own = table[(table.case == case) & (table.engine == engine)]
             (integrator,) = set(own.integrator)
+            adapter = registry.load(engine)
+            assert isinstance(adapter, Models)
             assert list(own.model) == list(adapter.models(load(case).scene, integrator))
             assert set(own.status) == {"ok"}
             assert set(own.timestep) == {0.002}
@@ -106,7 +109,7 @@ def test_rows_can_be_read_by_a_program(calls_here: None, capsys: pytest.CaptureF
 
 
 def test_without_integrators_the_first_with_models_is_compared() -> None:
-    tasks = ablation.plan([load("sliding-brick"), load("free-brick")], ADAPTERS, (), ())
+    tasks = ablation.plan([load("sliding-brick"), load("free-brick")], RECORDS, (), ())
     methods = {(task.case.name, task.engine, task.method.name.partition(":")[0]) for task in tasks}
     assert methods == {
         ("sliding-brick", "mujoco", "Euler"),
@@ -116,7 +119,7 @@ def test_without_integrators_the_first_with_models_is_compared() -> None:
         ("free-brick", "pinocchio", "semi-implicit-euler"),
     }
     assert {task.method.timestep for task in tasks} == {0.002, 0.001}
-    asked = ablation.plan([load("free-brick")], ADAPTERS, ("RK4", "rk4"), (0.004, 0.002))
+    asked = ablation.plan([load("free-brick")], RECORDS, ("RK4", "rk4"), (0.004, 0.002))
     assert {task.method.name.partition(":")[0] for task in asked} == {"RK4", "rk4"}
     assert len(asked) == len(set(asked)) == 3 * 2 * 3
 
@@ -127,7 +130,7 @@ def test_without_integrators_the_first_with_models_is_compared() -> None:
 )
 def test_bad_usage_is_refused(integrators: tuple[str, ...], timesteps: tuple[float, ...], words: str) -> None:
     with pytest.raises(BadInput, match=words):
-        ablation.plan([load("sliding-brick")], ADAPTERS, integrators, timesteps)
+        ablation.plan([load("sliding-brick")], RECORDS, integrators, timesteps)
 
 
 def test_costs_are_compared_round_by_round(monkeypatch: pytest.MonkeyPatch) -> None:

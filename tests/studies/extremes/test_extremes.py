@@ -31,7 +31,7 @@ from bodycheck.studies.extremes.page import present
 from bodycheck.studies.extremes.points import points
 from bodycheck.studies.extremes.rows import STATUSES, Limit, Row
 from bodycheck.studies.extremes.study import follow
-from tests.support.campaigns import adapters, header
+from tests.support.campaigns import header, records
 from tests.support.cases import STEADY_SPIN, a_case
 from tests.support.commands import Done, as_process, bodycheck
 from tests.support.processes import calls_here, stopped_when_last
@@ -55,7 +55,7 @@ def study(
     cases: list[Case], engines: tuple[str, ...], folder: Path, integrators: tuple[str, ...] = (), jobs: int = 0, **options: Any
 ) -> tuple[list[Row], list[Limit]]:
     """What a study finds. jobs: worker processes, which engines need that die or hang; options: those of `extremes.results`."""
-    prepared = extremes.prepare(cases, adapters(*engines), integrators)
+    prepared = extremes.prepare(cases, records(*engines), integrators)
     options = {"progress": lambda done, count=1: None} | options
     with (
         nullcontext() if jobs else calls_here(),

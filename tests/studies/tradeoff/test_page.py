@@ -50,7 +50,7 @@ class Study:
 @pytest.fixture(scope="session")
 def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     """A flip, a flight in which nothing turns, and a slide, of a second or less, through both engines at five time steps."""
-    engines = campaigns.adapters("mujoco", "pinocchio")
+    engines = campaigns.records("mujoco", "pinocchio")
     flip, flight = (shortened(load(name), 1.0, 51) for name in (FLIP, FLIGHT))
     slide = replace(load(SLIDE), expectations=())
     methods = {

@@ -25,11 +25,11 @@ from bodycheck.studies.tradeoff import study as tradeoff
 from bodycheck.studies.tradeoff.front import measured, pareto
 from bodycheck.studies.tradeoff.ladder import fitted, ladder
 from tests.support import campaigns
-from tests.support.campaigns import adapters
+from tests.support.campaigns import records
 from tests.support.cases import shortened
 from tests.support.processes import calls_here
 
-ENGINES = adapters("mujoco", "pinocchio")
+ENGINES = records("mujoco", "pinocchio")
 EULERS = [("mujoco", "Euler"), ("mujoco", "implicit"), ("mujoco", "implicitfast"), ("pinocchio", "semi-implicit-euler")]
 
 

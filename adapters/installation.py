@@ -1,0 +1,43 @@
+"""What an engine is installed from, and what its processes need."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+#: What stands in the value of an environment variable for the folder of the engine's environment.
+ENVIRONMENT = "{environment}"
+
+
+@dataclass(frozen=True)
+class Installation:
+    """What an engine is installed from, and what its processes need.
+
+    Parameters
+    ----------
+    distribution
+        The package that installs the engine, as pip names it. The version of the engine is that of this package.
+    extras
+        The extras of the package that are needed.
+    others
+        Further requirements, as pip spells them.
+    variables
+        Environment variables of the engine's processes. `ENVIRONMENT` in a value stands for the folder of the environment in
+        which the engine is installed apart; such a variable is not set where the engine is installed beside bodycheck.
+    """
+
+    distribution: str
+    extras: tuple[str, ...] = ()
+    others: tuple[str, ...] = ()
+    variables: Mapping[str, str] = field(default_factory=dict)
+
+    def requirements(self, version: str) -> tuple[str, ...]:
+        """Return the requirements, as pip spells them, of a version of the engine."""
+        extras = f"[{','.join(self.extras)}]" if self.extras else ""
+        return (f"{self.distribution}{extras}=={version}", *self.others)
+
+    def variables_in(self, folder: str | None) -> tuple[tuple[str, str], ...]:
+        """Return the environment variables of processes in an environment; None stands for none."""
+        return tuple(
+            (name, value.replace(ENVIRONMENT, folder or ""))
+            for name, value in self.variables.items()
+            if folder is not None or ENVIRONMENT not in value
+        )
