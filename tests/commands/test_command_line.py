@@ -87,7 +87,10 @@ def test_a_broken_case_among_good_ones_exits_2_before_simulating(short: Path, tm
 
 
 @pytest.mark.parametrize(("package", "engine"), [("mujoco", "mujoco"), ("pinocchio", "pinocchio")])
-def test_with_one_engine_absent_the_other_runs(short: Path, tmp_path: Path, package: str, engine: str) -> None:
+def test_with_one_engine_absent_the_other_runs(
+    short: Path, tmp_path: Path, package: str, engine: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("BODYCHECK_CACHE", str(tmp_path / "cache"))  # which knows no engine
     absent = f"import sys; sys.modules[{package!r}] = None"
     here = "from tests.support.processes import calls_here; calls = calls_here(); calls.__enter__()"  # no worker processes
     done = bodycheck_process("run", short, "--out", tmp_path / "out", prelude=f"{absent}; {here}", folder=ROOT)
@@ -96,7 +99,7 @@ def test_with_one_engine_absent_the_other_runs(short: Path, tmp_path: Path, pack
     results = pd.read_csv(tmp_path / "out" / "results.csv")
     assert set(results.engine) == {"mujoco", "pinocchio"} - {engine}
     assert f"{engine} is not installed" in (tmp_path / "out" / "report.md").read_text()
-    asked_for = bodycheck_process("run", short, "--engine", engine, prelude=absent)
+    asked_for = bodycheck_process("run", short, "--engine", engine, prelude=f"{absent}; {here}", folder=ROOT)
     assert asked_for.returncode == 2
     assert f"{engine} is not installed" in asked_for.stderr
 
@@ -169,8 +172,10 @@ def test_truth_prints_the_bounds_of_every_figure(calls_here: None) -> None:
 def test_lists() -> None:
     assert {case["name"] for case in json.loads(bodycheck("cases", "--json").stdout)} == set(shipped())
     assert "free-brick" in bodycheck("cases").stdout
-    engines = {engine["name"]: engine for engine in json.loads(bodycheck("engines", "check", "--json").stdout)}
-    assert engines["mujoco"]["faults"] == engines["pinocchio"]["faults"] == []
+    checked = {engine["name"]: engine for engine in json.loads(bodycheck("engines", "check", "mujoco", "--json").stdout)}
+    assert checked == {"mujoco": {"name": "mujoco", "faults": []}}
+    engines = {engine["name"]: engine for engine in json.loads(bodycheck("engines", "--json").stdout)}
+    assert {engines["mujoco"]["place"], engines["pinocchio"]["place"]} == {"here"}
     assert "RK4" in engines["mujoco"]["integrators"]
 
 

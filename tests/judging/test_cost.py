@@ -32,9 +32,9 @@ SLIDING = "spinning-brick"
 def written(folder: Path, *names: str, expectation: str = "") -> Results:
     """Results of MuJoCo's methods on shipped cases, cut short, with an expectation."""
     cases = [parse(shortened(load(name), 1.0, 11).text.partition("[[expect]]")[0] + expectation, name) for name in names]
-    adapters = {"mujoco": registry.load("mujoco")}
-    head = campaign.header(["test"], {"mujoco": adapters["mujoco"].engine.version}, {})
-    tasks = plan(cases, adapters, ("RK4", "Euler"), () if expectation else (0.02,))
+    records = {"mujoco": registry.load("mujoco").engine}
+    head = campaign.header(["test"], {"mujoco": records["mujoco"].version}, {})
+    tasks = plan(cases, records, ("RK4", "Euler"), () if expectation else (0.02,))
     with calls_here(), campaign.results(tasks, folder, head):
         pass
     return store.read(folder)

@@ -181,12 +181,12 @@ from bodycheck import load
 from bodycheck.adapters import registry
 from bodycheck.running.plan import plan
 names = sys.argv[2:]
-adapters = {name: registry.load(name) for name in names}
+records = {name: registry.load(name).engine for name in names}
 steps = (0.1, 0.05, 0.04, 0.02)
-tasks = plan([load("osrf-boxes-simple")], adapters, (), steps)
+tasks = plan([load("osrf-boxes-simple")], records, (), steps)
 tasks = [task for task in tasks if task.engine != "segfaulting" or task.method.timestep == steps[0]]
 random.Random(1).shuffle(tasks)
-head = campaign.header([], {name: adapter.engine.version for name, adapter in adapters.items()}, {})
+head = campaign.header([], {name: record.version for name, record in records.items()}, {})
 with campaign.results(tasks, Path(sys.argv[1]), head, jobs=2):
     pass
 """

@@ -91,7 +91,7 @@ def test_the_name_of_a_method_leads_nowhere_out_of_the_folder(miniatures: Path, 
     case = replace(
         STEADY_SPIN, expectations=(Expectation("exact", Method.parse(name, 0.1), (Limit("position_error", None, 1.0),)),)
     )
-    tasks = plan([case], {"exact": registry.load("exact")}, (), ())
+    tasks = plan([case], {"exact": registry.load("exact").engine}, (), ())
     results = campaigns.results(tasks, tmp_path / "deep" / "out")
     assert {run.method.name: run.outcome.status for run in results.runs()}[name] == "ok"
     files = [path for path in tmp_path.rglob("*") if path.is_file()]

@@ -54,9 +54,10 @@ def calls_here() -> Iterator[None]:
 
 @dataclass
 class Countdown:
-    """A clock for `bodycheck.running.pool` that stands still until so many calls are done, and then goes by hours.
+    """A clock for `bodycheck.running.pool` that stands still until so many calls are done.
 
-    With it a call that hangs is stopped as soon as it is the last, and no other one is, however slow the machine.
+    With it a call that hangs is stopped when it is the last, and no other one is, however slow the machine. The pool asks for
+    the time a few times a second: a limit of seconds is over in seconds, and that of the preparation of a process in a minute.
     """
 
     left: int
@@ -67,8 +68,8 @@ class Countdown:
         self.left -= count
 
     def monotonic(self) -> float:
-        """The time (s): an hour later each time that it is asked for when only one call is left."""
-        self.now += 3600.0 if self.left <= 0 else 0.0
+        """The time (s): half a second later each time that it is asked for when only one call is left."""
+        self.now += 0.5 if self.left <= 0 else 0.0
         return self.now
 
 

@@ -28,7 +28,7 @@ from bodycheck.running.engines import home
 from bodycheck.running.header import Header
 from bodycheck.running.key import RunKey
 from bodycheck.running.origin import Origins
-from bodycheck.running.outcome import Completed, Crashed, Outcome, TimedOut
+from bodycheck.running.outcome import Completed, Crashed, Outcome, Run, TimedOut
 from bodycheck.running.simulation import run
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, states
 from bodycheck.studies.extremes.growth import growth
@@ -211,8 +211,8 @@ def _rows(
     left = [trial for trial in study.trials if trial.key not in rows]
     calls = pool.call_all(_try, left, jobs, limit, group=lambda trial: trial.engine, home=home)
     with closing(calls) as answers, pool.caller(_follow, limit) as truth_of:
-        for trial, outcome in answers:
-            row = _row(trial, versions[trial.engine], outcome, truth_of)
+        for trial, answer in answers:
+            row = _row(trial, versions[trial.engine], answer, truth_of)
             log.add({"record": "run", "row": asdict(row)})
             rows[trial.key] = row
             progress(f"{row.case} · {row.engine} {row.integrator} · {row.axis} {row.value:.10g}")
@@ -244,8 +244,8 @@ def _limits(
     return [_limit(search, versions[search.engine], known.stable, known.unstable) for search, known in brackets.items()]
 
 
-def _try(trial: Trial) -> Outcome:
-    return run(trial.point.case, trial.engine, trial.method).outcome
+def _try(trial: Trial) -> Run:
+    return run(trial.point.case, trial.engine, trial.method)
 
 
 def _follow(asked: tuple[Scene, Array]) -> Truth | NoTruth:
@@ -259,21 +259,25 @@ def _probe(probe: Probe) -> bool:
     return stable(case.scene, outcome)
 
 
-def _row(trial: Trial, version: str, outcome: Outcome, truth_of: TruthOf) -> Row:
+def _row(trial: Trial, version: str, answer: Run | Crashed | TimedOut, truth_of: TruthOf) -> Row:
     point = trial.point
     scene = point.case.scene
-    truth: Truth | NoTruth | Crashed | TimedOut = NoTruth("the run did not end")
-    if isinstance(outcome, Completed):
-        truth = truth_of((scene, outcome.trajectory.t))
-    if isinstance(outcome, Crashed | TimedOut):
-        found = Diagnosis(outcome.status, NOTHING, outcome.reason)
-    else:
-        known = NoTruth(f"the reference: {truth.reason}") if isinstance(truth, Crashed | TimedOut) else truth
-        found = diagnose(scene, outcome, known)
+    if isinstance(answer, Run):
+        found = diagnose(scene, answer.outcome, _truth_of(scene, answer.outcome, truth_of))
         if point.axis == "steps":
-            found = replace(found, detail="; ".join([found.detail, *_drifts(scene, outcome)]))
+            found = replace(found, detail="; ".join([found.detail, *_drifts(scene, answer.outcome)]))
+    else:
+        found = Diagnosis(answer.status, NOTHING, answer.reason)
     method = (trial.engine, version, trial.method.name, point.timestep)
     return Row(point.case.name, *method, point.axis, point.value, found.status, found.engine_said, found.detail)
+
+
+def _truth_of(scene: Scene, outcome: Outcome, truth_of: TruthOf) -> Truth | NoTruth:
+    """Return the truth of a scene at the instants of a run, or why there is none."""
+    if not isinstance(outcome, Completed):
+        return NoTruth("the run did not end")
+    truth = truth_of((scene, outcome.trajectory.t))
+    return NoTruth(f"the reference: {truth.reason}") if isinstance(truth, Crashed | TimedOut) else truth
 
 
 def _drifts(scene: Scene, outcome: Outcome) -> list[str]:

@@ -243,11 +243,11 @@ def test_json_has_rows_and_limits(calls_here: None, tmp_path: Path) -> None:
 
 
 def test_a_case_without_axes_is_bad_input() -> None:
-    adapters = {"mujoco": registry.load("mujoco")}
+    records = {"mujoco": registry.load("mujoco").engine}
     with pytest.raises(BadInput, match="projectile: has no axes"):
-        extremes.prepare([load("projectile")], adapters, ())
+        extremes.prepare([load("projectile")], records, ())
     with pytest.raises(BadInput, match="no engine has an integrator 'rk5'"):
-        extremes.prepare([SPIN], adapters, ("rk5",))
+        extremes.prepare([SPIN], records, ("rk5",))
 
 
 def test_the_report_begins_with_what_engines_take_for_healthy() -> None:

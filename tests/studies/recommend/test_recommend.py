@@ -22,7 +22,7 @@ from bodycheck.studies.recommend.page import present
 from bodycheck.studies.recommend.rows import Answer, Probe, Recommendation
 from bodycheck.studies.recommend.search import answer
 from tests.support import campaigns, pages
-from tests.support.campaigns import adapters, header
+from tests.support.campaigns import records, header
 from tests.support.cases import a_case
 from tests.support.commands import bodycheck, call
 from tests.support.processes import calls_here
@@ -51,7 +51,7 @@ def _costs_are_measured_roughly(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def recommended(case: Case, error: float, engines: tuple[str, ...] = ("mujoco", "pinocchio"), **options: Any) -> Recommendation:
     with calls_here():
-        return study.recommend(case, error=error, adapters=adapters(*engines), **options)
+        return study.recommend(case, error=error, records=records(*engines), **options)
 
 
 @pytest.fixture(scope="module")
@@ -151,8 +151,8 @@ def test_what_tradeoff_or_run_measured_is_not_measured_again(tumbling: Case, fou
     best = found.best
     assert best is not None
     steps = (0.5, best.timestep or 0.0, best.broken or 0.0)
-    made = campaigns.results(plan([tumbling], adapters("mujoco"), ("RK4",), steps), tmp_path)
-    prepared = study.prepare(tumbling, adapters("mujoco"), ("RK4",), "attitude", LIMIT)
+    made = campaigns.results(plan([tumbling], records("mujoco"), ("RK4",), steps), tmp_path)
+    prepared = study.prepare(tumbling, records("mujoco"), ("RK4",), "attitude", LIMIT)
     known = study.reused(made, prepared)
     assert [probe.timestep for probe in known] == list(steps)
     head = header("mujoco")
@@ -166,7 +166,7 @@ def test_what_tradeoff_or_run_measured_is_not_measured_again(tumbling: Case, fou
 
 
 def test_a_search_that_was_interrupted_resumes(tumbling: Case, found: Recommendation, tmp_path: Path) -> None:
-    prepared = study.prepare(tumbling, adapters("mujoco"), ("RK4",), "attitude", LIMIT)
+    prepared = study.prepare(tumbling, records("mujoco"), ("RK4",), "attitude", LIMIT)
 
     class Interrupted(Exception):
         pass
