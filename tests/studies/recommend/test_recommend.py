@@ -22,7 +22,7 @@ from bodycheck.studies.recommend.page import present
 from bodycheck.studies.recommend.rows import Answer, Probe, Recommendation
 from bodycheck.studies.recommend.search import answer
 from tests.support import campaigns, pages
-from tests.support.campaigns import records, header
+from tests.support.campaigns import header, records
 from tests.support.cases import a_case
 from tests.support.commands import bodycheck, call
 from tests.support.processes import calls_here
