@@ -4,6 +4,11 @@ Results show the text of these exceptions in their column `reason`, so each text
 raise `ValueError`.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
 
 class NotModelled(Exception):
     """The reference has no model of something that the scene contains; the text names it."""
@@ -19,3 +24,16 @@ class NotFlat(Exception):
 
 class WouldTip(Exception):
     """A balanced pressure would have to be negative somewhere, so the body tips instead of sliding; the text says where."""
+
+
+@contextmanager
+def within_range(what: str) -> Iterator[None]:
+    """Raise `OutOfReach` where a computation leaves the range of floating-point numbers, instead of a warning.
+
+    what: what is computed, for the text. A computation that goes on with infinite numbers must say so by `numpy.errstate`.
+    """
+    try:
+        with np.errstate(over="raise", divide="raise", invalid="raise"):
+            yield
+    except (FloatingPointError, OverflowError) as error:
+        raise OutOfReach(f"{what} exceeds the range of floating-point numbers: {error}") from error

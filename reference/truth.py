@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bodycheck.reference.bounds import Bounds
-from bodycheck.reference.errors import NotFlat, NotModelled, WouldTip
+from bodycheck.reference.errors import NotFlat, NotModelled, WouldTip, within_range
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.drag.translation import translation
 from bodycheck.reference.planar import Stop, planar_state
@@ -167,9 +167,15 @@ def computed(scene: Scene, times: Array, solver: Backend | None = None, *, vouch
     """The truth of a scene with what its bounds come from; arguments and exceptions are those of `truth`."""
     if (missing := missing_model(scene)) is not None:
         raise NotModelled(missing)
-    if scene.plane is not None:
+    with within_range("the motion"):
+        if scene.plane is None:
+            return _flown(scene, times, solver, vouched)
         slid = on_plane(scene, times)
         return Computed(slid, slid.bounds, ())
+
+
+def _flown(scene: Scene, times: Array, solver: Backend | None, vouched: bool) -> Computed:
+    """The truth of a body in free flight."""
     flown = closed_form.flight(scene, times)
     found = tuple(witnesses(scene, times, solver or backend())) if vouched else ()
     bounds = flown.bounds

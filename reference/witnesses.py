@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bodycheck.reference.bounds import EPS
-from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.errors import OutOfReach, within_range
 from bodycheck.reference.exact.start import Start, start
 from bodycheck.reference.flight.amplification import amplification
 from bodycheck.reference.flight.torque_free import half_period, polhode_of
@@ -185,7 +185,7 @@ def witnesses(scene: Scene, times: Array, solver: Backend) -> list[Witness]:
         return [unmoved(scene, times, turns=False)]
     ways, found = (solver.euler_lagrange, solver.quasi_coordinates), []
     for way in ways:
-        with contextlib.suppress(OutOfReach):
+        with contextlib.suppress(OutOfReach), within_range("the integration"):
             found.append(way(scene, times))
     if len(found) < len(ways) or min(float(np.max(each.error, initial=0.0)) for each in found) > ACCURATE:
         found.append(closed_form.witness(scene, times))

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.reference.definition import EulerAngles, EulerRates, valid
-from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.errors import OutOfReach, within_range
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sliding.panels import PANEL_NODES, PARTIAL_WEIGHTS, Panels
 from bodycheck.reference.sliding.quadrature import Flat, accelerations, flat
@@ -94,14 +94,14 @@ def deviation(scene: Scene, panels: Panels) -> Deviation:
         If the errors, or what they are computed from, exceed the range of doubles.
     """
     try:
-        with np.errstate(over="raise", invalid="raise", divide="raise"):
+        with within_range("the error of the slide"):
             return _deviation(scene, panels)
-    except (ArithmeticError, np.linalg.LinAlgError) as error:
+    except np.linalg.LinAlgError as error:
         raise OutOfReach(f"the error of the slide cannot be estimated: {error}") from error
 
 
 def _deviation(scene: Scene, panels: Panels) -> Deviation:
-    """The same, which raises `ArithmeticError` and `LinAlgError`."""
+    """The same; raises `LinAlgError` where a change of the errors cannot be undone."""
     body = flat(scene)
     # Angles times the radius of gyration are lengths.
     units = np.array([1.0, 1.0, body.gyration, 1.0, 1.0, body.gyration])

@@ -64,7 +64,14 @@ SPINNING_ROD = {
     "run": {"duration": 1e50, "samples": 3},
 }
 
-SCENES = [NEARLY_UNSTABLE, HEAVY_DRAG, SPINNING_SPECK, SPINNING_NEEDLE, SPINNING_BEAM, SPINNING_ROD]
+#: A spin whose acceleration has a square beyond the range of doubles, which only a witness forms.
+FASTEST_SPIN = {
+    "body": {"shape": "cylinder", "mass": 1.9e-19, "radius": 1e-50, "half_length": 1e-99},
+    "initial": {"euler_zxz": [-1.406911816596725e58, 1e-75, 6.4e-90], "euler_rates": [0.0, 0.0, 1e100]},
+    "run": {"duration": 7.5e-99, "samples": 2},
+}
+
+SCENES = [NEARLY_UNSTABLE, HEAVY_DRAG, SPINNING_SPECK, SPINNING_NEEDLE, SPINNING_BEAM, SPINNING_ROD, FASTEST_SPIN]
 
 
 @pytest.mark.parametrize("scene", SCENES)
