@@ -286,7 +286,7 @@ def _rows(chance: Chance, table: pa.Table) -> pa.Table:
             table.slice(0, 1),
             table.slice(count // 2),
             pa.concat_tables([table, table]),
-            table.take(list(range(count))[::-1]),
+            table.take(pa.array(range(count)[::-1], pa.int64())),
         ]
     )
 
