@@ -22,10 +22,11 @@ types: $(VENV)/.installed-for-development
 tests: $(VENV)/.installed-for-development
 	$(BIN)/pytest -n auto --dist loadfile
 
-# Numbers of attacks and their first seed, such as FILES=1000, are in CONTRIBUTING.md.
+# Numbers of attacks and their first seed, such as FILES=1000, are in CONTRIBUTING.md. A process that is done takes over
+# tests of another, as some take much longer than most.
 export FILES RUNS FOLDERS KILLS SEED
 slow: $(VENV)/.installed-for-development
-	$(BIN)/pytest -n auto -m slow
+	$(BIN)/pytest -n auto --dist worksteal -m slow
 
 benchmarks: $(VENV)/.installed-for-development
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done

@@ -1,6 +1,7 @@
 """Campaigns with miniature engines that fail on purpose: each failure is told of, and none harms another run."""
 
 import random
+import time
 from pathlib import Path
 
 import pandas as pd
@@ -8,6 +9,7 @@ import pytest
 
 from bodycheck import load
 from bodycheck.judging import judgement
+from bodycheck.running import journal, store
 from bodycheck.running.plan import plan
 from bodycheck.running.store import Results
 from tests.support import campaigns
@@ -73,6 +75,32 @@ def test_engines_that_fail_take_nothing_with_them(miniatures: Path, tmp_path: Pa
         assert (row.status, row.reason[: len(reason)], row.passed) == (status, reason, False)
         # A run that is not ok has empty errors, never numbers.
         assert row[list(judgement.COLUMNS[8:])].isna().all()
+
+
+@pytest.mark.slow
+def test_a_campaign_with_engines_that_fail_takes_no_longer_than_the_limits_of_its_calls(
+    miniatures: Path, tmp_path: Path
+) -> None:
+    """By the clock of the machine, in one process at a time, and what MuJoCo computes is the same in every bit as alone.
+
+    Each run and each truth may take its limit, and nothing else waits. The sum of the limits has room for the starts of
+    processes, which are not limited: on an idle machine all calls but the one that hangs take a second or less, and one that
+    a busy machine stops at its limit is in the sum as well.
+    """
+    limit, methods = 5.0, ("mujoco", *GUILTY)
+    tasks = plan([STEADY_SPIN], adapters(*methods), (), (STEPS[0],))
+    start = time.monotonic()
+    results = campaigns.results(tasks, tmp_path / "all", jobs=1, limit=limit, memory=MEMORY)
+    taken = time.monotonic() - start
+    alone = campaigns.results([task for task in tasks if task.engine == "mujoco"], tmp_path / "alone", jobs=1)
+    table, undisturbed = (table_of(each).drop(columns=TIMINGS) for each in (results, alone))
+    mujoco = table[table.engine == "mujoco"].reset_index(drop=True)
+    pd.testing.assert_frame_equal(mujoco, undisturbed, check_exact=True)
+    records = journal.read(tmp_path / "all" / store.RECORDS).records
+    stopped = [record for record in records if record.get("status") == "timeout"]
+    print(f"{taken:.1f} s for {len(records)} calls, {len(stopped)} of which were stopped after {limit:g} s")
+    assert "hanging" in {record["engine"] for record in stopped}
+    assert limit * len(stopped) <= taken <= limit * len(records)
 
 
 def test_engines_whose_error_is_known_are_measured(miniatures: Path, calls_here: None, tmp_path: Path) -> None:
