@@ -16,7 +16,7 @@ MAX_NAME_LENGTH = 100
 MAX_TEXT_LENGTH = 1000
 MAX_TAGS = 50
 MAX_EXPECTATIONS = 1000
-#: Instants of the truth, of all time steps that the expectations of a file need: the truth takes some 20 us for each.
+#: Instants of the truth, of all time steps that the expectations of a file need: the truth takes 20 to 100 us for each.
 MAX_INSTANTS = 50 * MAX_SAMPLES
 MAX_VALUES = 50
 MAX_POINTS = 500

@@ -19,7 +19,7 @@ from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reference.truth import truth as truth_of_scene
 from bodycheck.running.simulation import sampling_steps
 
-#: Most instants at which a truth is computed at once, which takes some 5 s and 0.5 GiB.
+#: Most instants at which a truth is computed at once, which takes some 5 s in flight, 30 s in a slide, and 0.5 GiB.
 MAX_INSTANTS = 300_000
 
 #: Number of durations of a case after which a body that still slides counts as not stopping.
