@@ -222,9 +222,8 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
     """Make a run, its truth and, if an order is expected, runs with smaller time steps; return the verdict on the run."""
     from bodycheck.casefile.expectation import REFINEMENTS
     from bodycheck.judging.judgement import verdict
-    from bodycheck.reference.truth import NoTruth
     from bodycheck.running import engines
-    from bodycheck.running.campaign import truth_tasks
+    from bodycheck.running.campaign import no_truth, truth_tasks
     from bodycheck.running.outcome import Run
     from bodycheck.running.plan import Task
 
@@ -235,7 +234,7 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
     # All tests of a case ask for the same truths, which are computed once.
     timesteps = [expectation.method.timestep for expectation in case.expectations]
     truths = perform(next(task for task in truth_tasks(case, timesteps) if method.timestep in task.timesteps))
-    truth = truths[method.timestep] if isinstance(truths, dict) else NoTruth(f"the reference: {truths.reason}")
+    truth = truths[method.timestep] if isinstance(truths, dict) else no_truth(truths)
     concerned = [e for e in case.expectations if e.concerns(engine, method)]
     finer = REFINEMENTS if any(expectation.needs_order for expectation in concerned) else ()
     return verdict(

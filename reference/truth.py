@@ -108,9 +108,15 @@ class NoTruth:
     ----------
     reason
         Why there is none.
+    limit
+        The time limit (s) at which its computation was stopped; None if it was not stopped.
+    crashed
+        Whether its computation failed.
     """
 
     reason: str
+    limit: float | None = None
+    crashed: bool = False
 
 
 def missing_model(scene: Scene) -> str | None:

@@ -19,7 +19,7 @@ from bodycheck.judging.margins import Margin, margins
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed, Outcome, Run, Unsupported
+from bodycheck.running.outcome import Completed, Crashed, Outcome, Run, TimedOut, Unsupported
 from bodycheck.running.store import Results
 
 #: The columns of every table of results. The columns of `FURTHER` that any run has follow, then those of the case, and then
@@ -173,7 +173,7 @@ def judge(results: Results, today: date | None = None) -> list[Verdict]:
 
 
 def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] = (), today: date | None = None) -> Verdict:
-    """Return the verdict on one run; a completed run without a truth counts as unsupported.
+    """Return the verdict on one run; a completed run without a truth ends as the computation of the truth did.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
     outcome: Outcome = run.outcome
     discrepancy = None
     if isinstance(outcome, Completed) and isinstance(truth, NoTruth):
-        outcome = Unsupported(truth.reason)
+        outcome = _without_truth(truth)
     elif isinstance(outcome, Completed) and isinstance(truth, Truth):
         discrepancy = compare(truth, run).summary()
     expectations = _concerning(case, run)
@@ -214,6 +214,13 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
     reasons = [one.text for one in judged if one.text] or [outcome.reason]
     known = any(expectation.known for expectation in expectations)
     return Verdict(run, outcome, discrepancy, all(one.held for one in judged), "; ".join(reasons), known, judged, **told)
+
+
+def _without_truth(missing: NoTruth) -> Outcome:
+    """Return how a run ends whose truth is missing: unsupported, unless the computation of the truth was stopped or failed."""
+    if missing.limit is not None:
+        return TimedOut(missing.limit, missing.reason)
+    return Crashed(missing.reason) if missing.crashed else Unsupported(missing.reason)
 
 
 def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:

@@ -161,8 +161,14 @@ def _add(
                 if isinstance(result, dict):
                     writer.add_truth(case, timestep, result[timestep])
                 else:
-                    writer.add_missing_truth(case, timestep, f"the reference: {result.reason}")
+                    writer.add_missing_truth(case, timestep, no_truth(result))
                 yield f"{case.name} · truth {timestep:g} s"
+
+
+def no_truth(result: NoTruth | Crashed | TimedOut) -> NoTruth:
+    """Return why there is no truth, from what became of its computation: what was stopped or failed is not unsupported."""
+    limit = result.limit if isinstance(result, TimedOut | NoTruth) else None
+    return NoTruth(f"the reference: {result.reason}", limit, crashed=isinstance(result, Crashed))
 
 
 def _identity(tasks: Sequence[Task], head: Header, limit: float, memory: int) -> str:

@@ -89,15 +89,16 @@ class Crashed:
 
 @dataclass(frozen=True)
 class TimedOut:
-    """The run was stopped after its time limit (s)."""
+    """The run, or the computation of its truth, was stopped after its time limit (s); the reason says so if none is given."""
 
     limit: float
+    reason: str = ""
     status: ClassVar[str] = "timeout"
     failed: ClassVar[bool] = True
-    reason: str = field(init=False, default="")
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "reason", f"stopped after {self.limit:g} s")
+        if not self.reason:
+            object.__setattr__(self, "reason", f"stopped after {self.limit:g} s")
 
 
 Outcome = Completed | Unsupported | Diverged | Crashed | TimedOut

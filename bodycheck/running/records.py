@@ -111,6 +111,8 @@ class NoTruthRecord:
     case: Name
     timestep: Timestep
     reason: str
+    limit: Duration | None = None
+    crashed: bool = False
 
 
 @dataclass(frozen=True)

@@ -83,9 +83,9 @@ class Writer:
             record["stop"] = asdict(truth.stop)
         self.journal.add({"record": "truth", **record})
 
-    def add_missing_truth(self, case: Case, timestep: float, reason: str) -> None:
+    def add_missing_truth(self, case: Case, timestep: float, missing: NoTruth) -> None:
         """Record why there is no truth for the runs of a case with a time step (s)."""
-        self.journal.add({"record": "truth", "case": case.name, "timestep": timestep, "reason": reason})
+        self.journal.add({"record": "truth", "case": case.name, "timestep": timestep, **asdict(missing)})
 
     def add_run(self, run: Run, place: int) -> None:
         """Write a run. `place` is its position in the plan, which determines the order of all tables."""
@@ -179,7 +179,8 @@ class Results:
         if record is None:
             return NoTruth("the reference was interrupted")
         if "reason" in record:
-            return NoTruth(record["reason"])
+            # Earlier versions recorded the reason alone.
+            return NoTruth(record["reason"], record.get("limit"), record.get("crashed", False))
         trajectory, bounds = trajectory_files.read_truth(self.folder / _path_of(record))
         return Truth(
             self.cases[case].scene,

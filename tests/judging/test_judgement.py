@@ -13,6 +13,8 @@ from bodycheck.casefile.expectation import Expectation, Limit
 from bodycheck.judging import judgement
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truth import NoTruth
+from bodycheck.running import campaign, store
+from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.running.plan import plan
 from tests.support import campaigns
 from tests.support.campaigns import records
@@ -62,6 +64,28 @@ def test_an_expectation_of_a_run_that_is_not_ok_fails() -> None:
     run = simulate(unmodelled, "mujoco", "RK4", 0.1)
     verdict = judgement.verdict(unmodelled, NoTruth("the reference does not model contact"), run)
     assert (verdict.passed, verdict.outcome.status) == (False, "unsupported")
+
+
+@pytest.mark.parametrize(
+    ("became", "status", "reason"),
+    [
+        (TimedOut(4.0), "timeout", "the reference: stopped after 4 s"),
+        (Crashed("its process died"), "crashed", "the reference: its process died"),
+        (NoTruth("out of reach"), "unsupported", "the reference: out of reach"),
+    ],
+)
+def test_a_truth_that_was_stopped_or_failed_is_not_unsupported(
+    tmp_path: Path, became: NoTruth | Crashed | TimedOut, status: str, reason: str
+) -> None:
+    """A busy machine must not turn a red build into one that checks nothing."""
+    case = parse(shortened(load("free-brick"), 1.0, 11).text.partition("[[expect]]")[0], "brick")
+    head = campaigns.header("mujoco")
+    with store.Writer(tmp_path, head, "", (case,)) as writer:
+        writer.add_run(simulate(case, "mujoco", "RK4", 0.1), 0)
+        writer.add_missing_truth(case, 0.1, campaign.no_truth(became))
+    (verdict,) = judgement.judge(store.read(tmp_path))
+    failed = None if status == "unsupported" else False
+    assert (verdict.outcome.status, verdict.reason, verdict.passed) == (status, reason, failed)
 
 
 def test_a_run_without_a_truth_is_unsupported() -> None:
