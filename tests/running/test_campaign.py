@@ -88,7 +88,7 @@ def test_a_campaign_with_engines_that_fail_takes_no_longer_than_the_limits_of_it
     a busy machine stops at its limit is in the sum as well.
     """
     limit, methods = 5.0, ("mujoco", *GUILTY)
-    tasks = plan([STEADY_SPIN], adapters(*methods), (), (STEPS[0],))
+    tasks = plan([STEADY_SPIN], campaigns.records(*methods), (), (STEPS[0],))
     start = time.monotonic()
     results = campaigns.results(tasks, tmp_path / "all", jobs=1, limit=limit, memory=MEMORY)
     taken = time.monotonic() - start
