@@ -51,13 +51,13 @@ RUN_COLUMNS = (
 
 COST_COLUMNS = (
     Column("steps", "integer", "Steps", "number of steps", counts="steps"),
-    Column("wall_time", "number", "Wall time", "time that the steps took", "s"),
-    Column("time_per_step", "number", "Time per step", "time that a step took", "s"),
+    Column("wall_time", "number", "Wall time", "time that the steps took, measured once; `tradeoff` measures costs", "s"),
+    Column("time_per_step", "number", "Time per step", "time that a step took, measured once; `tradeoff` measures costs", "s"),
     Column(
         "realtime_factor",
         "number",
         "Real-time factor",
-        "simulated time divided by the time of the computation",
+        "simulated time divided by the time of the computation, measured once; `tradeoff` measures costs",
         counts="times real time",
     ),
 )

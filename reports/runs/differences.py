@@ -9,7 +9,6 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from statistics import median
 from typing import Any
 
 from bodycheck.casefile.identity import differences
@@ -23,7 +22,6 @@ from bodycheck.reports.quantities import QUANTITIES, count, listing, millisecond
 from bodycheck.reports.runs.comparison import Comparison, Shown
 from bodycheck.running.header import Header
 from bodycheck.running.key import RunKey
-from bodycheck.running.machine import SPEED_TOLERANCE
 
 #: Most runs whose change gets a sentence of its own.
 MOST_CHANGES = 5
@@ -202,7 +200,6 @@ def _findings(pair: Pair) -> Iterator[Finding]:
         statuses = f"from {one.outcome.status} to {other.outcome.status}{why}"
         yield Finding("Status", "In ", case.name, f", the status of {method_text(one.run.key)} changed {statuses}.")
     yield from _only_in_one(pair)
-    yield from _cost_changes(pair)
 
 
 def _versions(pair: Pair) -> str:
@@ -253,30 +250,6 @@ def _only_in_one(pair: Pair) -> Iterator[Finding]:
             amount = sum(amounts.values())
             text = f"{count(amount, 'run')} {verb(amount, 'is', 'are')} only in {side.label}: {methods}."
             yield Finding("In one only", text)
-
-
-def _cost_changes(pair: Pair) -> Iterator[Finding]:
-    """Yield a finding about methods whose steps became slower or faster, if the machine is the same."""
-    if pair.base.results.header["machine"] != pair.other.results.header["machine"]:
-        yield Finding("Cost", "The sets were made on different machines, so the cost of steps is not compared.")
-        return
-    factors: dict[str, list[float]] = defaultdict(list)
-    for _, one, other in pair.common:
-        times = [verdict.row().get("time_per_step") for verdict in (one, other)]
-        if times[0] and times[1]:
-            factors[f"{one.run.engine} {one.run.method.name}"].append(times[1] / times[0])
-    beyond = {name: median(own) for name, own in factors.items() if not 1 / SPEED_TOLERANCE <= median(own) <= SPEED_TOLERANCE}
-    if beyond:
-        texts = [
-            f"{number(factor, 2)} times as long with {name} ({count(len(factors[name]), 'run')})"
-            for name, factor in beyond.items()
-        ]
-        yield Finding("Cost", f"A step takes {listing(texts)}. These are medians of runs that were timed once on one machine.")
-    elif factors:
-        yield Finding(
-            "Cost",
-            f"By medians on one machine, no method became slower or faster by more than a factor of {SPEED_TOLERANCE:g}.",
-        )
 
 
 def _notices(pair: Pair) -> Iterator[str]:

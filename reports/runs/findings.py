@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
-from statistics import median
 
 from bodycheck.judging.attribution import Attribution
 from bodycheck.judging.discrepancy import Summary
@@ -182,15 +181,10 @@ def _closest(runs: Sequence[Measured], everywhere: str) -> Finding | None:
     attitude = f"at most {bound(turn)} rad"
     if all(run.within_truth("attitude_error") for run in named):
         attitude = f"within the truth's own error ({bound(turn)} rad)"
-    shown = tied if len(tied) <= MOST_NAMES + 1 else tied[:MOST_NAMES]
-    costs = [f"{number(_cost(own), 2)} µs" for own in shown]
-    cost = f"{costs[0]} (median over the cases)"
-    if len(costs) > 1:
-        cost = f"{listing(costs)}, respectively (medians over the cases)"
     return Finding(
         "Closest",
         f"The attitude error {everywhere} is smallest with {_names([own[0] for own in tied])}: {attitude}, "
-        f"with position errors of at most {bound(shift)} m. A step takes {cost}.",
+        f"with position errors of at most {bound(shift)} m.",
     )
 
 
@@ -258,11 +252,6 @@ def _by_line(runs: Sequence[Measured]) -> dict[Line, list[Measured]]:
     for run in runs:
         groups.setdefault(run.line, []).append(run)
     return groups
-
-
-def _cost(runs: Sequence[Measured]) -> float:
-    """Return the median time of a step (µs)."""
-    return 1e6 * float(median(run.verdict.row()["time_per_step"] for run in runs))
 
 
 def _share(value: float, digits: int = 3) -> str:

@@ -269,7 +269,6 @@ def test_results_that_are_the_same_agree_to_the_last_bit(copy: Callable[..., Pat
     assert f"{len(completed)} agree in every number to the last bit, 0 agree within" in document["findings"][1]["text"]
     assert f"and 0 differ. {runs - len(completed)} ended with the same status" in document["findings"][1]["text"]
     assert not any(finding(document, subject) for subject in ("Changed", "Status", "In one only"))
-    assert "no method became slower or faster by more than a factor of 1.25" in finding(document, "Cost")
     assert "mujoco Euler 10 ms (before)" in text
 
 
@@ -303,7 +302,7 @@ def test_a_run_that_ends_otherwise_or_is_in_one_set_only_is_told_of(copy: Callab
     assert finding(document, "In one only") == "2 runs are only in before: mujoco RK4 (2)."
 
 
-def test_versions_and_machines_are_told_and_times_of_two_machines_are_not_compared(copy: Callable[..., Path]) -> None:
+def test_versions_and_machines_are_told(copy: Callable[..., Path]) -> None:
     def elsewhere(record: Record) -> Record:
         if record["record"] == "header":
             versions = record["engines"] | {"mujoco": "0.0.1"}
@@ -315,17 +314,16 @@ def test_versions_and_machines_are_told_and_times_of_two_machines_are_not_compar
     was = json.loads((before / RECORDS).read_text().splitlines()[0])
     assert f"mujoco 0.0.1 instead of {was['engines']['mujoco']}" in document["findings"][0]["text"]
     assert f"processor abacus instead of {was['machine']['processor']}" in document["findings"][0]["text"]
-    assert finding(document, "Cost") == "The sets were made on different machines, so the cost of steps is not compared."
     assert f"mujoco {was['engines']['mujoco']} (before), 0.0.1 (after)" in text
 
 
-def test_times_of_one_machine_are_compared(copy: Callable[..., Path]) -> None:
+def test_no_finding_is_made_of_times_that_were_measured_once_beside_other_runs(copy: Callable[..., Path]) -> None:
     def slower(record: Record) -> Record:
         return record | {"wall_time": 3 * record["wall_time"]} if is_run(record, engine="mujoco", integrator="RK4") else record
 
     _, document = compared(copy("run", "before"), copy("run", "after", slower))
-    assert "A step takes 3 times as long with mujoco RK4 (4 runs)" in finding(document, "Cost")
-    assert "Euler" not in finding(document, "Cost")
+    assert finding(document, "Cost") == ""
+    assert not any("slower" in found["text"] or "A step takes" in found["text"] for found in document["findings"])
 
 
 def test_another_case_of_the_same_name_is_not_compared(copy: Callable[..., Path]) -> None:
