@@ -8,6 +8,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -76,7 +77,12 @@ def test_a_call_that_goes_wrong_says_how(monkeypatch: pytest.MonkeyPatch, functi
     result.reason.encode("utf-8")
 
 
-def test_a_call_that_holds_the_interpreter_is_stopped(tmp_path: Path) -> None:
+def test_a_call_that_holds_the_interpreter_is_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def monotonic() -> float:
+        """An hour later once the call has begun, so that it is not stopped before, however slow the machine."""
+        return 3600.0 if (tmp_path / "pids").exists() and (tmp_path / "pids").read_text() else 0.0
+
+    monkeypatch.setattr(pool, "time", SimpleNamespace(monotonic=monotonic, sleep=time.sleep))
     ((_, result),) = pool.call_all(holding_the_interpreter, [str(tmp_path / "pids")], jobs=1, limit=1.0)
     assert result == TimedOut(1.0)
     (worker,) = pids_in(tmp_path / "pids", 1)
