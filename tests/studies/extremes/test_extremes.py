@@ -222,7 +222,7 @@ def test_the_command_writes_what_it_promises_and_findings_are_no_failures(whole:
     out = case.parent / "out"
     assert done.returncode == 0, done.stderr
     names = {"extremes.csv", "limits.csv", "report.html", "report.md", "extremes.jsonl"}
-    assert {path.name for path in out.iterdir()} == names
+    assert {path.name for path in out.iterdir()} == names | {"extremes.csv-metadata.json", "limits.csv-metadata.json"}
     rows, limits = pd.read_csv(out / "extremes.csv"), pd.read_csv(out / "limits.csv")
     columns = "case, engine, version, integrator, timestep, axis, value, status, engine_said, detail"
     assert list(rows.columns) == columns.split(", ")
