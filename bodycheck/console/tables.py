@@ -120,7 +120,7 @@ def check(view: View, *tables: Sequence[Column[Any]]) -> None:
     """Raise `BadInput` if a view names a column that none of some tables has. This is checked before a long run."""
     columns = {column.name: column for table in tables for column in table}
     usual = ", ".join(name for name, column in columns.items() if not column.asked)
-    others = " and the other columns of results.csv" if any(column.asked for column in columns.values()) else ""
+    others = " and the columns of the CSV file" if any(column.asked for column in columns.values()) else ""
     for option, names in (("--columns", view.names), ("--sort", (view.sort,) if view.sort else ())):
         for name in names:
             if name not in columns:

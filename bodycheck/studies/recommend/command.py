@@ -59,7 +59,7 @@ def recommend(
     from bodycheck.console.arguments import check_has_folder, load_case, load_engines, processes
     from bodycheck.console.output import say_where, tell
     from bodycheck.files.temporary import temporary_folder
-    from bodycheck.running import campaign, store
+    from bodycheck.running import campaign, origin, store
     from bodycheck.studies.recommend import printing, study, wording
     from bodycheck.studies.recommend.page import present
 
@@ -75,7 +75,7 @@ def recommend(
         progress = stack.enter_context(terminal.progress("searching", len(planned.searches), quiet))
         found = stack.enter_context(study.results(planned, folder, head, processes(jobs), progress, known))
         if out is not None:
-            study.write(found, out)
+            study.write(found, out, [origin.origin(head, {loaded.name: loaded.text})])
             reports.write_study(present(head, found), out, figures)
     if json:
         terminal.print_json([asdict(answer) for answer in found.answers])

@@ -25,6 +25,7 @@ from bodycheck.running import campaign, csv_tables, engines, journal, plan, pool
 from bodycheck.running.campaign import Advance
 from bodycheck.running.header import Header
 from bodycheck.running.key import RunKey
+from bodycheck.running.origin import Origins
 from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
 from bodycheck.running.plan import Task
 from bodycheck.running.store import Results
@@ -242,10 +243,10 @@ def results(
         yield Recommendation(asked, tuple(answers), tuple(ordered))
 
 
-def write(found: Recommendation, folder: Path) -> None:
-    """Write recommend.csv, the answers, and steps.csv, all measured time steps, into a folder."""
-    csv_tables.write(folder / "recommend.csv", [field.name for field in fields(Answer)], map(asdict, found.answers))
-    csv_tables.write(folder / "steps.csv", [field.name for field in fields(Probe)], map(asdict, found.probes))
+def write(found: Recommendation, folder: Path, origins: Origins) -> None:
+    """Write recommend.csv, the answers, and steps.csv, all measured time steps, into a folder, with where they come from."""
+    csv_tables.write(folder / "recommend.csv", [field.name for field in fields(Answer)], map(asdict, found.answers), origins)
+    csv_tables.write(folder / "steps.csv", [field.name for field in fields(Probe)], map(asdict, found.probes), origins)
 
 
 def _search(

@@ -238,7 +238,10 @@ def test_a_miniature_engine_through_its_releases(
     assert [(one["version"], one["status"]) for one in told["rows"]] == [("1.0", "ok"), ("3.0", UNOBTAINABLE)]
     assert not told["changes"]
     names = {"releases.csv", "changes.csv", "releases.jsonl", "report.html", "report.md"}
-    assert {path.name for path in (tmp_path / "out").iterdir()} == names | {"releases.csv-metadata.json", "changes.csv-metadata.json"}
+    assert {path.name for path in (tmp_path / "out").iterdir()} == names | {
+        "releases.csv-metadata.json",
+        "changes.csv-metadata.json",
+    }
     assert "3.0 was not measured" in (tmp_path / "out" / "report.md").read_text()
 
     assert call("releases", "toy", "--remove") == 0
