@@ -23,6 +23,7 @@ from bodycheck.adapters.engine_name import EngineName
 from bodycheck.adapters.installation import Installation
 from bodycheck.adapters.method import is_name
 from bodycheck.adapters.record import fault_of
+from bodycheck.suggestion import did_you_mean
 
 #: The group of entry points that name adapters in other packages.
 ENGINE_GROUP = "bodycheck.engines"
@@ -144,7 +145,8 @@ def _own() -> list[str]:
 
 def _check_known(name: str) -> None:
     if name not in names():
-        raise EngineMissing(f"there is no engine {name!r}; there are: {', '.join(names())}")
+        known = names()
+        raise EngineMissing(f"there is no engine {name!r}; there are: {', '.join(known)}{did_you_mean(name, known)}")
 
 
 def _files_of(module: str) -> list[Path]:

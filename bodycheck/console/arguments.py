@@ -14,6 +14,7 @@ from bodycheck.suggestion import did_you_mean
 if TYPE_CHECKING:
     from bodycheck.adapters.contract import Engine
     from bodycheck.casefile.case import Case
+    from bodycheck.running.unchecked import Absence
 
 
 def case_names(cases: tuple[str, ...]) -> tuple[str, ...]:
@@ -84,6 +85,14 @@ class Engines:
     def versions(self) -> dict[str, str]:
         """The versions of the engines by name."""
         return {name: record.version for name, record in self.records.items()}
+
+    def absence(self, name: str) -> "Absence | None":
+        """Return why an engine cannot be used; None if it can, or if the user named others."""
+        from bodycheck.running.unchecked import Absence
+
+        if name in self.records or (self.named and name not in self.missing):
+            return None
+        return Absence(self.missing.get(name, f"{name} is not installed"), name in self.broken)
 
     def failed(self, cases: "Iterable[Case]" = ()) -> bool:
         """Return whether an engine fails that the user named, or of which cases expect something if the user named none."""
