@@ -231,6 +231,8 @@ class CaseItem(pytest.Item):
 
     def _explained(self, verdict: "Verdict") -> str:
         """Return the message of a failed test: what was expected and measured, where, and how to see all figures."""
+        from bodycheck.judging.advice import steps
+
         run, shown = verdict.run, _user_path(self.path, self.config)
         broken = [judged for judged in verdict.judged if not judged.held]
         method = f"integrator {run.method.name}, time step {run.method.timestep:g} s"
@@ -242,7 +244,12 @@ class CaseItem(pytest.Item):
             f"{self.case.name}, simulated by {run.engine} {run.version} ({method}) and compared with mechanics:",
         ]
         for judged in broken:
-            lines += ["", *_breach_lines(judged, f"{shown}:{self.lines[self.case.expectations.index(judged.expectation)]}")]
+            place = f"{shown}:{self.lines[self.case.expectations.index(judged.expectation)]}"
+            lines += ["", *_breach_lines(judged, place)]
+            if judged.expectation.version:
+                lines.append(f"    versions  {judged.expectation.version} when it was written, {run.version} now")
+            for step in steps(verdict, judged, shown, place):
+                lines += [f"    {step.why}:", f"        {step.what}"]
         lines += ["", f"All figures and curves: {shlex.join(command)} --timestep {run.method.timestep!r} --out results"]
         return _printable("\n".join(lines))
 

@@ -103,7 +103,8 @@ def write_junit(sets: "Sequence[ResultSet]", path: Path) -> None:
 
     verdicts = [verdict for one in sets for verdict in one.verdicts]
     unchecked = [lost for one in sets for lost in one.results.unchecked]
-    writing.write_named(path, junit.render(verdicts, comparison.header(sets), unchecked).encode("utf-8", "replace"))
+    files = {name: file for one in sets for name, file in one.results.files.items()}
+    writing.write_named(path, junit.render(verdicts, comparison.header(sets), unchecked, files).encode("utf-8", "replace"))
 
 
 def write_study(report: "StudyReport", folder: Path, formats: "Sequence[Format]" = ()) -> tuple[Path, ...]:

@@ -208,7 +208,7 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
     order = _order(truth, (run, *finer)) if any(expectation.needs_order for expectation in expectations) else None
     bounds = {} if isinstance(truth, NoTruth) else {name: float(b.max()) for name, b in truth_bounds(truth).items()}
     judged = tuple(
-        settle(expectation, broken(expectation, outcome, discrepancy, order, bounds), today or datetime.now(UTC).date())
+        settle(expectation, broken(expectation, outcome, discrepancy, order, bounds), today or datetime.now(UTC).date(), run)
         for expectation in expectations
     )
     reasons = [one.text for one in judged if one.text] or [outcome.reason]
@@ -290,9 +290,10 @@ def _breach(limit: Limit, measured: Mapping[str, float], discrepancy: Summary, b
     return Breach(name, f"{measured[name]:.4g}{unit(name)}", limit.text, tuple(notes))
 
 
-def settle(expectation: Expectation, breaches: tuple[Breach, ...], today: date) -> Judged:
-    """Decide whether an expectation with the given breaches counts as held on a date."""
-    text = "; ".join(breach.text for breach in breaches)
+def settle(expectation: Expectation, breaches: tuple[Breach, ...], today: date, run: Run) -> Judged:
+    """Decide whether an expectation with the given breaches in a run counts as held on a date."""
+    then = f"it was written with {run.engine} {expectation.version}, this is {run.version}" if expectation.version else ""
+    text = "; ".join((*(breach.text for breach in breaches), *([then] if breaches and then else [])))
     if not expectation.known:
         return Judged(expectation, breaches, not breaches, text)
     if not breaches:

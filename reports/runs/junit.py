@@ -6,6 +6,7 @@ from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
+from bodycheck.judging import advice
 from bodycheck.judging.judgement import Verdict
 from bodycheck.running.header import Header
 from bodycheck.running.unchecked import Unchecked
@@ -13,15 +14,21 @@ from bodycheck.running.unchecked import Unchecked
 #: Characters that an XML 1.0 document must not contain, and control characters that it should not contain.
 NOT_XML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
+#: The files of cases that all are shipped.
+NO_FILES: Mapping[str, str] = {}
+
 #: Columns that are not among the properties of a test, because they appear elsewhere in it.
 NOT_PROPERTIES = {"case", "passed", "reason"}
 
 
-def render(verdicts: Sequence[Verdict], header: Header, unchecked: Sequence[Unchecked] = ()) -> str:
+def render(
+    verdicts: Sequence[Verdict], header: Header, unchecked: Sequence[Unchecked] = (), files: Mapping[str, str] = NO_FILES
+) -> str:
     """Return the XML document, with a test for each run that has expectations or that failed, and for what was not checked.
 
     A known discrepancy that is tolerated is a passed test with its message in the output. An expectation that no run could
     check has failed, or is skipped if that is tolerated. A case of which nothing was checked is a skipped test that says so.
+    files: the paths of the cases that are not shipped, by name.
     """
     asked = [verdict for verdict in verdicts if verdict.passed is not None]
     rows = [verdict.row() for verdict in asked]
@@ -44,7 +51,8 @@ def render(verdicts: Sequence[Verdict], header: Header, unchecked: Sequence[Unch
         test = _sub(suite, "testcase", classname=row["case"], name=method, time=_seconds([row]))
         _properties(test, {name: value for name, value in row.items() if name not in NOT_PROPERTIES})
         if not verdict.passed:
-            _sub(test, "failure", type=row["status"], message=verdict.reason).text = _clean(verdict.reason)
+            text = "\n".join((verdict.reason, *advice.lines(verdict, files.get(row["case"], row["case"]))))
+            _sub(test, "failure", type=row["status"], message=verdict.reason).text = _clean(text)
         elif verdict.reason:
             _sub(test, "system-out").text = _clean(verdict.reason)
     for one in unchecked:
