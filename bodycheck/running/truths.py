@@ -18,7 +18,6 @@ from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reference.truth import truth as truth_of_scene
-from bodycheck.running.simulation import sampling_steps
 
 #: Most instants at which a truth is computed at once, which takes some 5 s in flight, 30 s in a slide, and 0.5 GiB.
 MAX_INSTANTS = 300_000
@@ -54,6 +53,8 @@ def of_runs(case: Case, timesteps: Iterable[float]) -> dict[float, Truth]:
     It is made at all instants that engines with these time steps reach, and each truth is a part of it. Raises as `truth`
     does.
     """
+    from bodycheck.running.simulation import sampling_steps  # reports of stored results need no simulation
+
     instants = {step: sampling_steps(case.instants, step).astype(np.float64) * step for step in timesteps}
     whole = truth(case, np.unique(np.concatenate(list(instants.values()))))
     return {step: whole.at(times) for step, times in instants.items()}
