@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from hashlib import sha256
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Protocol
 
@@ -27,6 +28,9 @@ from bodycheck.running.unchecked import Unchecked
 
 #: Time limit of one run or one truth.
 TIME_LIMIT_S = 300.0
+
+#: The packages that the numbers of results depend on; those that are installed are in their header.
+PACKAGES = ("numpy", "scipy", "heyoka", "pyarrow")
 
 
 class Advance(Protocol):
@@ -61,13 +65,12 @@ class StopTask:
 
 def header(command: Sequence[str], engines: Mapping[str, str], missing: Mapping[str, str]) -> Header:
     """What a results folder says of itself: versions, machine, command; engines that could not be used, and why."""
-    packages = ("numpy", "scipy", "pandas", "pyarrow")
     return {
         "bodycheck": version("bodycheck"),
         "command": list(command),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": fingerprint(),
-        "packages": {package: version(package) for package in packages},
+        "packages": {name: version(name) for name in PACKAGES if find_spec(name)},
         "engines": dict(engines),
         "missing": dict(missing),
     }
