@@ -11,9 +11,9 @@ import pyarrow as pa
 
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
+from bodycheck.errors import BadInput
 from bodycheck.figures.columns import ALWAYS_TABLED, CASE_COLUMNS, FURTHER, LIMIT_COLUMNS, truth_bounds
 from bodycheck.figures.columns import COLUMNS as ALL_COLUMNS
-from bodycheck.errors import BadInput
 from bodycheck.judging.convergence import attitude_order
 from bodycheck.judging.discrepancy import Summary, compare
 from bodycheck.judging.margins import Margin, margins
@@ -247,7 +247,8 @@ def table(verdicts: Iterable[Verdict]) -> "pd.DataFrame":
     except ModuleNotFoundError as error:
         raise BadInput("a data frame needs pandas: pip install 'bodycheck[frames]'") from error
     nullable = {pa.float64(): pd.Float64Dtype(), pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
-    return arrow(verdicts).to_pandas(types_mapper=nullable.get)
+    frame: pd.DataFrame = arrow(verdicts).to_pandas(types_mapper=nullable.get)
+    return frame
 
 
 def arrow(verdicts: Iterable[Verdict]) -> pa.Table:
