@@ -8,7 +8,7 @@ INSTALL := $(BIN)/uv pip install --quiet --python $(BIN)/python --constraint con
 
 # The lowest versions of all direct dependencies are tried in an environment of their own, with the tests that use them most.
 LOWEST := .venv-lowest
-LOWEST_TESTS := tests/adapters/test_adapters.py tests/casefile/test_case.py tests/commands/test_command_line.py \
+LOWEST_TESTS := tests/adapters/test_contract.py tests/casefile/test_case.py tests/commands/test_command_line.py \
 	tests/commands/test_pytest_plugin.py tests/running/test_store.py tests/reports/test_plot_files.py
 
 .PHONY: run test lint types tests lowest slow benchmarks screenshots clean
