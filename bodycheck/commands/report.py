@@ -34,7 +34,6 @@ def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit
     """
     from bodycheck import reports
     from bodycheck.commands import saved
-    from bodycheck.console import unchecked
     from bodycheck.judging import result_set
     from bodycheck.reports.study import StudyReport
     from bodycheck.studies.releases import rows as release_rows
@@ -67,9 +66,7 @@ def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit
             file=sys.stderr,
         )
         return BAD_INPUT
-    for judged in sets:
-        unchecked.show(judged.results.unchecked, sys.stderr)
-    return FAILED if any(judged.failed for judged in sets) else OK
+    return FAILED if any(verdict.passed is False for one in sets for verdict in one.verdicts) else OK
 
 
 def _report_releases(folders: tuple[Path, ...], into: Path, figures: Figures, junit: Path | None) -> int:

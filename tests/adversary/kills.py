@@ -26,6 +26,7 @@ COMMANDS: dict[str, tuple[tuple[object, ...], tuple[str, ...]]] = {
         ("--engine", "exact", "--engine", "drifting", *(word for h in (0.1, 0.05, 0.02) for word in ("--timestep", h))),
         ("tradeoff.csv", "orders.csv"),
     ),
+    "recommend": (("--engine", "exact", "--engine", "drifting", "--quantity", "position", "--error", 1e-2), ("steps.csv",)),
     "extremes": (("--engine", "exact", "--engine", "raising"), ("extremes.csv", "limits.csv")),
     "releases": (("--integrator", "closed-form", "--timestep", 0.002), ("releases.csv", "changes.csv")),
 }

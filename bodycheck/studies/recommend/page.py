@@ -26,7 +26,7 @@ READING = (
     "it, down to half of it, as close to each other as the errors there require. Steps have two significant digits. An engine "
     "is compared with the truth at the ends of its own steps, so that no step has to divide the duration.",
     "The cost is the computing time of a simulated second: the median of repeated timings, all methods in turn, with the "
-    "shortest and the longest. The margin is the limit divided by the error. In the chart, filled points are the steps of the "
+    "shortest and the longest. The margin is the limit divided by the error. In the chart, large points are the steps of the "
     "methods that keep the limit, which is the broken line. Runs that failed have no point, and zeros cannot be shown on a log "
     "scale.",
 )
@@ -126,7 +126,7 @@ def _specification(found: Recommendation, lines: Lines, drawn: Sequence[Line]) -
     }
     scales = {channel: method_scale(channel, drawn) for channel in ("strokeDash", "strokeWidth")}
     tooltip = [{"field": name} for name in ("method", "timestep", "error")]
-    filled = {"condition": {"test": "datum.chosen", "value": 1}, "value": 0}
+    size = {"condition": {"test": "datum.chosen", "value": 110}, "value": 22}
     measured: Spec = {
         "data": {"values": values},
         "transform": [{"filter": "indexof(hidden, datum.method) < 0"}],
@@ -134,8 +134,8 @@ def _specification(found: Recommendation, lines: Lines, drawn: Sequence[Line]) -
         "layer": [
             {"mark": {"type": "line", "clip": True, "tooltip": None, "aria": False}, "encoding": scales},
             {
-                "mark": {"type": "point", "clip": True, "filled": True, "size": 60},
-                "encoding": {"fillOpacity": filled, "strokeOpacity": {"value": 1}, "tooltip": tooltip},
+                "mark": {"type": "point", "clip": True, "filled": True, "opacity": 1},
+                "encoding": {"size": size, "tooltip": tooltip},
             },
         ],
     }

@@ -184,7 +184,7 @@ def _below(errors: Errors, kept: float, within: Range) -> float | None:
         room, power = math.log(within.limit / errors[larger]), min(_power(errors, step, larger), assumed)
         if (assumed - power) * width / 2 > room:
             apart = max(math.log(NEIGHBOURS), min(width / 2, 2 * room / (assumed - power)))
-            return _number(max(_place(step) + 1, min(_place(larger) - 1, _place(larger * math.exp(-apart)))))
+            return max(_number(_place(step) + 1), min(_number(_place(larger) - 1), rounded_up(larger * math.exp(-apart))))
     return None
 
 

@@ -53,11 +53,13 @@ def never(found: Recommendation) -> tuple[str, ...]:
     failed = [own for own in found.unreached if own.error is None]
     sentences = []
     if tried:
-        names = listing([f"{method(own)} ({error(found, own.error)})" for own in tried])
         smallest = max(own.smallest for own in tried if own.smallest is not None)
-        these, their = ("This", "its") if len(tried) == 1 else ("These", "their")
-        gets = verb(len(tried), "gets", "get")
-        sentences.append(f"{these} never {gets} there with steps down to {number(smallest)} s ({their} least error): {names}.")
+        by_error: dict[str, list[str]] = {}
+        for own in tried:
+            by_error.setdefault(error(found, own.error), []).append(method(own))
+        groups = "; ".join(f"{listing(names)} ({least} at best)" for least, names in by_error.items())
+        these = verb(len(tried), "This one never gets", "These never get")
+        sentences.append(f"{these} there with steps down to {number(smallest)} s: {groups}.")
     reasons: dict[str, list[str]] = {}
     for own in failed:
         reasons.setdefault(own.reason, []).append(method(own))
