@@ -11,7 +11,7 @@ in the group `bodycheck.distributions`, with underscores in place of hyphens: `m
 
 import importlib
 import pkgutil
-from importlib.metadata import PackageNotFoundError, entry_points, version
+from importlib.metadata import PackageNotFoundError, entry_points, metadata, version
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from bodycheck.adapters.engine_name import EngineName
 from bodycheck.adapters.installation import Installation
 from bodycheck.adapters.method import is_name
 from bodycheck.adapters.record import fault_of
+from bodycheck.suggestion import did_you_mean
 
 #: The group of entry points that name adapters in other packages.
 ENGINE_GROUP = "bodycheck.engines"
@@ -107,7 +108,8 @@ def load(name: str) -> Adapter:
         points = entry_points(group=ENGINE_GROUP, name=name)
         adapter = next(iter(points)).load() if points else importlib.import_module(f"bodycheck.adapters.{name}.engine")
     except ModuleNotFoundError as error:
-        raise EngineMissing(f"{name} is not installed: there is no Python package {error.name!r}") from error
+        missing = f"{name} is not installed: there is no Python package {error.name!r}"
+        raise EngineMissing(missing + _extra(name)) from error
     except ImportError as error:
         raise EngineBroken(f"{name} cannot be imported: {error}") from error
     except (Exception, SystemExit) as error:  # an engine may raise anything
@@ -124,6 +126,12 @@ def load(name: str) -> Adapter:
     if fault is not None:
         raise EngineBroken(f"{name} does not say what it is: {fault}")
     return adapter
+
+
+def _extra(name: str) -> str:
+    """Return the end of a sentence that says how an engine is installed, if it is one of the extras of bodycheck."""
+    extras = metadata("bodycheck").get_all("Provides-Extra") or ()
+    return f"; pip install 'bodycheck[{name}]' installs it" if name in extras and name in _own() else ""
 
 
 def _told(error: BaseException) -> str:
@@ -144,7 +152,8 @@ def _own() -> list[str]:
 
 def _check_known(name: str) -> None:
     if name not in names():
-        raise EngineMissing(f"there is no engine {name!r}; there are: {', '.join(names())}")
+        known = names()
+        raise EngineMissing(f"there is no engine {name!r}; there are: {', '.join(known)}{did_you_mean(name, known)}")
 
 
 def _files_of(module: str) -> list[Path]:

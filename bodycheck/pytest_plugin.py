@@ -10,7 +10,7 @@ continues; only its first test waits for the imports.
 import keyword
 import os
 import shlex
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import lru_cache
@@ -32,9 +32,16 @@ if TYPE_CHECKING:
     Perform = Callable[[Task | TruthTask], Any]
 
 OPTION = "--bodycheck-engine"
+ALLOW_OPTION = "--bodycheck-allow-missing"
 MARKER = "bodycheck"
-#: Name of the user property of a test that describes a known discrepancy.
+#: Names of the user properties of a test that describe a known discrepancy, and why nothing was checked.
 KNOWN_PROPERTY = "known"
+UNCHECKED_PROPERTY = "not checked"
+#: Sections of the summary of a session, by the name of the property and the outcome of the tests that they list.
+SUMMARIES = {
+    (KNOWN_PROPERTY, "passed"): "known discrepancies according to the case files",
+    (UNCHECKED_PROPERTY, "skipped"): "expectations that were not checked",
+}
 
 #: Number of runs and truths that are cached, so that the items of a case share them.
 MAX_CACHED_RESULTS = 32
@@ -42,9 +49,18 @@ MAX_CACHED_RESULTS = 32
 OWN_MARKERS = pytest.StashKey[set[str]]()
 FOREIGN_MARKERS = pytest.StashKey[set[str]]()
 PERFORM_KEY = pytest.StashKey["Perform"]()
+#: The case files without expectations that were collected in this process, or in the worker processes of xdist.
+BARE_FILES = pytest.StashKey[dict[str, None]]()
+#: The key under which a worker process of xdist hands them over.
+BARE_OUTPUT = "bodycheck_bare_files"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.getgroup("bodycheck").addoption(
+        ALLOW_OPTION,
+        action="store_true",
+        help="Skip the tests in case files whose engines are not installed. By default they fail.",
+    )
     parser.getgroup("bodycheck").addoption(
         OPTION,
         action="append",
@@ -58,6 +74,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     # This hook runs before plug-ins register their markers, so all markers are those of the user.
     config.stash[OWN_MARKERS] = _markers(config)
+    config.stash[BARE_FILES] = {}
     config.addinivalue_line("markers", f"{MARKER}: a test in a case file of bodycheck")
     if engines := config.getoption(OPTION):
         from bodycheck.running.engines import faults
@@ -92,25 +109,52 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def pytest_runtest_setup(item: pytest.Item) -> None:
     # The marker is added before pytest evaluates markers, so that skipped tests are reported with their line in the file.
     if isinstance(item, CaseItem):
+        from bodycheck.casefile.case import is_shipped
         from bodycheck.running.engines import faults
+        from bodycheck.running.unchecked import SHIPPED
 
         for fault in faults([item.engine]).values():
             if fault.broken:  # something is expected of the engine
                 pytest.fail(fault.reason, pytrace=False)
-            item.add_marker(pytest.mark.skip(reason=fault.reason))
+            allowed = ALLOW_OPTION if item.config.getoption(ALLOW_OPTION) else SHIPPED if is_shipped(item.path) else ""
+            if allowed:
+                item.user_properties.append((UNCHECKED_PROPERTY, f"{fault.reason} ({allowed})"))
+                item.add_marker(pytest.mark.skip(reason=f"not checked ({allowed}): {fault.reason}"))
+            item.missing = fault.reason
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    if (output := getattr(session.config, "workeroutput", None)) is not None:  # this is a worker process of xdist
+        bare: dict[str, None] = session.config.stash[BARE_FILES]
+        output[BARE_OUTPUT] = list(bare)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node: Any) -> None:
+    files: list[str] = getattr(node, "workeroutput", {}).get(BARE_OUTPUT, [])
+    bare: dict[str, None] = node.config.stash[BARE_FILES]
+    bare.update(dict.fromkeys(files))
 
 
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    told = [
-        (report.nodeid, text)
-        for report in terminalreporter.getreports("passed")
-        for name, text in report.user_properties
-        if name == KNOWN_PROPERTY and is_case_file(report.nodeid.partition("::")[0])
-    ]
-    if told:
-        terminalreporter.section("known discrepancies according to the case files")
-        for nodeid, text in told:
-            terminalreporter.line(f"{nodeid}: {text}")
+    for (name, outcome), title in SUMMARIES.items():
+        told = [
+            f"{report.nodeid}: {text}"
+            for report in terminalreporter.getreports(outcome)
+            for property, text in report.user_properties
+            if property == name and is_case_file(report.nodeid.partition("::")[0])
+        ]
+        _tell(terminalreporter, title, told)
+    bare: dict[str, None] = terminalreporter.config.stash[BARE_FILES]
+    _tell(terminalreporter, "case files collected without expectations", bare)
+
+
+def _tell(terminalreporter: Any, title: str, lines: Collection[str]) -> None:
+    """Add a section to the summary of a session, unless it has no lines."""
+    if lines:
+        terminalreporter.section(title)
+        for line in lines:
+            terminalreporter.line(line)
 
 
 class CaseFile(pytest.File):
@@ -126,6 +170,8 @@ class CaseFile(pytest.File):
         except CaseFaults as error:
             faults = _printable("\n".join(str(replace(fault, file=shown)) for fault in error.faults))
             raise self.CollectError(faults) from error
+        if not case.expectations:
+            self.config.stash[BARE_FILES][self.nodeid] = None
         places = positions(case.text, [("expect", index) for index in range(len(case.expectations))])
         lines = [places["expect", index].line for index in range(len(case.expectations))]
         marks = [tag for tag in case.tags if _may_be_marker(tag, self.config.stash[FOREIGN_MARKERS])]
@@ -147,13 +193,17 @@ class CaseItem(pytest.Item):
     """A test of what a case expects of one engine and method.
 
     `line` is the line of the first such expectation in the file, and `lines` are the lines of all expectations of the case.
+    `missing` is why the engine is not there; it is empty if it is, and before the test is set up.
     """
 
     def __init__(self, *, case: "Case", engine: str, method: "Method", line: int, lines: list[int], **more: Any) -> None:
         super().__init__(**more)
         self.case, self.engine, self.method, self.line, self.lines = case, engine, method, line, lines
+        self.missing = ""
 
     def runtest(self) -> None:
+        if self.missing:
+            pytest.fail(f"not checked: {self.missing}; install it, or accept this with {ALLOW_OPTION}", pytrace=False)
         from bodycheck.adapters import offers
         from bodycheck.running import engines
 
@@ -181,6 +231,8 @@ class CaseItem(pytest.Item):
 
     def _explained(self, verdict: "Verdict") -> str:
         """Return the message of a failed test: what was expected and measured, where, and how to see all figures."""
+        from bodycheck.judging.advice import steps
+
         run, shown = verdict.run, _user_path(self.path, self.config)
         broken = [judged for judged in verdict.judged if not judged.held]
         method = f"integrator {run.method.name}, time step {run.method.timestep:g} s"
@@ -192,7 +244,12 @@ class CaseItem(pytest.Item):
             f"{self.case.name}, simulated by {run.engine} {run.version} ({method}) and compared with mechanics:",
         ]
         for judged in broken:
-            lines += ["", *_breach_lines(judged, f"{shown}:{self.lines[self.case.expectations.index(judged.expectation)]}")]
+            place = f"{shown}:{self.lines[self.case.expectations.index(judged.expectation)]}"
+            lines += ["", *_breach_lines(judged, place)]
+            if judged.expectation.version:
+                lines.append(f"    versions  {judged.expectation.version} when it was written, {run.version} now")
+            for step in steps(verdict, judged, shown, place):
+                lines += [f"    {step.why}:", f"        {step.what}"]
         lines += ["", f"All figures and curves: {shlex.join(command)} --timestep {run.method.timestep!r} --out results"]
         return _printable("\n".join(lines))
 

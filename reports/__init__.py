@@ -89,7 +89,10 @@ def annotate_github(found: "ResultSet", files: Mapping[str, Path], environment: 
     from bodycheck.reports.runs.contents import gather
 
     if github.is_running(environment):
-        for line in github.annotations(found.verdicts, found.results.cases, files, environment):
+        cases = found.results.cases
+        for line in github.annotations(found.verdicts, cases, files, environment):
+            print_command(line)
+        for line in github.unchecked_annotations(found.results.unchecked, cases, files, environment):
             print_command(line)
         github.add_summary(environment, markdown_report.render(gather([found])))
 
@@ -99,7 +102,9 @@ def write_junit(sets: "Sequence[ResultSet]", path: Path) -> None:
     from bodycheck.reports.runs import comparison, junit
 
     verdicts = [verdict for one in sets for verdict in one.verdicts]
-    writing.write_named(path, junit.render(verdicts, comparison.header(sets)).encode("utf-8", "replace"))
+    unchecked = [lost for one in sets for lost in one.results.unchecked]
+    files = {name: file for one in sets for name, file in one.results.files.items()}
+    writing.write_named(path, junit.render(verdicts, comparison.header(sets), unchecked, files).encode("utf-8", "replace"))
 
 
 def write_study(report: "StudyReport", folder: Path, formats: "Sequence[Format]" = ()) -> tuple[Path, ...]:

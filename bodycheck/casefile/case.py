@@ -111,6 +111,13 @@ def shipped() -> tuple[str, ...]:
     return tuple(sorted(entry.name.removesuffix(SUFFIX) for entry in entries if entry.name.endswith(SUFFIX)))
 
 
+def is_shipped(case: str | FilePath) -> bool:
+    """Return whether this is the name of a shipped case, or the path of its file."""
+    path = FilePath(case)
+    inside = path.name.endswith(SUFFIX) and path.resolve().parent == FilePath(str(resources.files("bodycheck.cases"))).resolve()
+    return str(case) in shipped() or (inside and path.name.removesuffix(SUFFIX) in shipped())
+
+
 def load(case: str | FilePath) -> Case:
     """Load a case, given the name of a shipped case or the path of a case file.
 
@@ -120,6 +127,13 @@ def load(case: str | FilePath) -> Case:
         file = resources.files("bodycheck.cases") / (case + SUFFIX)
         return parse(file.read_text("utf-8"), str(file))
     return parse(_read(FilePath(case)), str(case))
+
+
+def check_case(case: object) -> None:
+    """Raise `TypeError` for anything that is not a case, for example the name of one."""
+    if not isinstance(case, Case):
+        meant = f"; did you mean bodycheck.load({case!r})?" if isinstance(case, str | FilePath) else ""
+        raise TypeError(f"read {_quote(case)} as the case; allowed: what bodycheck.load returns{meant}")
 
 
 def parse(text: str, file: str) -> Case:

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from typing import Any
 
-from bodycheck.adapters import registry
 from bodycheck.adapters.engine_name import EngineName
 from bodycheck.casefile.expectation import ORDER, unit
 from bodycheck.casefile.raw_values import mapping, number
@@ -51,6 +50,8 @@ def _unknown(engine: Any) -> str | None:
 @cache
 def _known_engines(path: tuple[str, ...]) -> tuple[str, ...]:
     """Return the names of all engines that have an adapter on a path of modules, which is searched once by each process."""
+    from bodycheck.adapters import registry  # stored cases are read without it: their engines need not be known
+
     return registry.names()
 
 

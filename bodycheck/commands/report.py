@@ -34,6 +34,7 @@ def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit
     """
     from bodycheck import reports
     from bodycheck.commands import saved
+    from bodycheck.console import unchecked
     from bodycheck.judging import result_set
     from bodycheck.reports.study import StudyReport
     from bodycheck.studies.releases import rows as release_rows
@@ -66,7 +67,9 @@ def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit
             file=sys.stderr,
         )
         return BAD_INPUT
-    return FAILED if any(verdict.passed is False for one in sets for verdict in one.verdicts) else OK
+    for judged in sets:
+        unchecked.show(judged.results.unchecked, sys.stderr)
+    return FAILED if any(judged.failed for judged in sets) else OK
 
 
 def _report_releases(folders: tuple[Path, ...], into: Path, figures: Figures, junit: Path | None) -> int:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from bodycheck.console import arguments
 from bodycheck.console.options import (
     AS_USUAL,
+    AllowMissing,
     CaseName,
     Engines,
     Figures,
@@ -39,6 +40,7 @@ def run(
     save: Path | None = None,
     junit: JUnit = None,
     jobs: Jobs = None,
+    allow_missing: AllowMissing = False,
     json: Json = False,
     table: bool = False,
     view: Viewed = AS_USUAL,
@@ -52,7 +54,9 @@ def run(
     summary of the step.
 
     Exit codes: 0 all expectations hold; 1 an expectation failed, or an engine
-    that was named or of which something is expected; 2 bad input or usage.
+    that was named or of which something is expected; 2 bad input or usage. An
+    expectation of an engine that is not installed counts as failed, except in a
+    shipped case, or with --allow-missing.
 
     Parameters
     ----------
@@ -65,7 +69,7 @@ def run(
     """
     from bodycheck import reports
     from bodycheck.commands.report import write
-    from bodycheck.console import output, results, tables, terminal
+    from bodycheck.console import output, results, tables, terminal, unchecked
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging import baseline, judgement, result_set
     from bodycheck.running.plan import plan
@@ -75,7 +79,7 @@ def run(
     arguments.check_has_folder(figures, out)
     tables.check(view, results.RUNS)
     names = arguments.case_names(cases)
-    with ran(Selection(names, engine, integrator, timestep, jobs), plan, out, quiet) as made:
+    with ran(Selection(names, engine, integrator, timestep, jobs, allow_missing), plan, out, quiet) as made:
         found = result_set.judged(made.results)
         verdicts = found.verdicts
         write([found], out, figures, junit)
@@ -91,8 +95,10 @@ def run(
             if table or view != AS_USUAL or not sys.stdout.isatty():
                 results.print_runs(verdicts, view)
             _print_summary(found, out)
+    if json or quiet:
+        unchecked.show(made.results.unchecked, sys.stderr)
     output.say_where(out, quiet)
-    return FAILED if made.engine_failed or any(verdict.passed is False for verdict in verdicts) else OK
+    return FAILED if made.engine_failed or found.failed else OK
 
 
 def _print_summary(found: "ResultSet", out: Path | None) -> None:

@@ -14,6 +14,7 @@ from bodycheck.suggestion import did_you_mean
 if TYPE_CHECKING:
     from bodycheck.adapters.contract import Engine
     from bodycheck.casefile.case import Case
+    from bodycheck.running.unchecked import Absence
 
 
 def case_names(cases: tuple[str, ...]) -> tuple[str, ...]:
@@ -84,6 +85,19 @@ class Engines:
     def versions(self) -> dict[str, str]:
         """The versions of the engines by name."""
         return {name: record.version for name, record in self.records.items()}
+
+    def absence(self, name: str) -> "Absence | None":
+        """Return why an engine cannot be used; None if it can, or if the user named others."""
+        from bodycheck.running import engines
+        from bodycheck.running.unchecked import Absence
+
+        if name in self.records or (self.named and name not in self.missing):
+            return None
+        if name in self.missing:
+            return Absence(self.missing[name], name in self.broken)
+        # It is a version in an environment of its own, which is not run unless it is named.
+        fault = engines.faults([name]).get(name)
+        return Absence(f"{name} is run only with --engine {name}") if fault is None else Absence(fault.reason, fault.broken)
 
     def failed(self, cases: "Iterable[Case]" = ()) -> bool:
         """Return whether an engine fails that the user named, or of which cases expect something if the user named none."""

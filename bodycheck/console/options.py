@@ -33,6 +33,11 @@ Figures = Annotated[
 
 JUnit = Annotated[Path | None, Parameter(help="A file (.xml) for the expectations as test results that CI systems can read.")]
 
+AllowMissing = Annotated[
+    bool,
+    Parameter(negative="", help="Do not count expectations of engines that are not installed as failed. Summaries say so."),
+]
+
 Json = Annotated[bool, Parameter(help="Print JSON instead of tables.")]
 
 Quiet = Annotated[bool, Parameter(help="Print only what failed, and errors: no progress, no tables, no summary.")]

@@ -1,19 +1,20 @@
 """Run cases for a command: load cases and engines, plan and make the runs, and keep the results while the command uses them."""
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from bodycheck.adapters.contract import Engine
-from bodycheck.casefile.case import Case
-from bodycheck.console.arguments import load_cases, load_engines, processes
+from bodycheck.casefile.case import Case, is_shipped
+from bodycheck.console.arguments import case_names, files_of, load_cases, load_engines, processes
 from bodycheck.console.progress import progress as shown
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.running import campaign
 from bodycheck.running.plan import Plan
 from bodycheck.running.store import Results
+from bodycheck.running.unchecked import ALLOWED, SHIPPED, unchecked
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,8 @@ class Selection:
         Time steps (s).
     jobs
         The number of processes; None for the number of processors.
+    allow_missing
+        Whether expectations of engines that are not installed do not count as failed.
     """
 
     cases: tuple[str, ...]
@@ -39,6 +42,7 @@ class Selection:
     integrators: tuple[str, ...] = ()
     timesteps: tuple[float, ...] = ()
     jobs: int | None = None
+    allow_missing: bool = False
 
 
 @dataclass(frozen=True)
@@ -83,13 +87,31 @@ def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False)
     Failed
         If all engines that the user named fail when they are loaded.
     """
-    cases = load_cases(selection.cases)
+    names = case_names(selection.cases)
+    cases = load_cases(names)
     engines = load_engines(selection.engines)
     tasks = plan(cases, engines.records, selection.integrators, selection.timesteps)
     header = campaign.header(sys.argv, engines.versions, engines.missing)
+    files = files_of(cases, names)
+    tolerated = _tolerated(selection.allow_missing, files)
+    lost = tuple(unchecked(cases, engines.absence, tolerated, selection.integrators, selection.timesteps))
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
         with shown("running", campaign.size(tasks), quiet) as progress:
-            done = campaign.results(tasks, folder, header, processes(selection.jobs), progress=progress)
+            jobs = processes(selection.jobs)
+            done = campaign.results(tasks, folder, header, jobs, progress=progress, unchecked=lost, files=files)
             results = stack.enter_context(done)
         yield Ran(results, cases, engines.records, engines.failed(cases))
+
+
+def _tolerated(allow_missing: bool, files: Mapping[str, Path]) -> Callable[[Case], str]:
+    """Return a function to why a missing engine is tolerated in a case; its text is empty if it is not.
+
+    files: of the cases that were not given by the names of shipped ones, by the name of the case.
+    """
+
+    def tolerated(case: Case) -> str:
+        shipped = case.name not in files or is_shipped(files[case.name])
+        return ALLOWED if allow_missing else SHIPPED if shipped else ""
+
+    return tolerated

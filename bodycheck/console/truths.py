@@ -1,6 +1,7 @@
 """Print a truth and its certificate to stdout."""
 
 from dataclasses import dataclass
+from importlib.util import find_spec
 from operator import itemgetter
 
 import numpy as np
@@ -75,6 +76,8 @@ def print_truth(truth: Truth, most_rows: int, view: View) -> None:
     tell(f"model {truth.model} ({truth.reason}), backend {truth.backend}{left_out}")
     if truth.witnesses:
         tell(f"compared with {'; '.join(truth.witnesses)}")
+    if any("dop853" in witness for witness in truth.witnesses) and find_spec("heyoka") is None:
+        tell("SciPy integrated in double precision, as heyoka is not installed: pip install 'bodycheck[multiprecision]'")
 
 
 def _other_bounds(truth: Truth) -> str:

@@ -5,7 +5,7 @@ running interpreter follow, added by a .pth file that Python reads when it start
 
 - A package that was compiled against NumPy 1 may fail with NumPy 2 although its metadata allow it.
 - A dependency may have newer releases by now with which the engine's release cannot be imported.
-- With an old NumPy, the SciPy, pandas and PyArrow of the running interpreter may fail to import. The environment then gets the
+- With an old NumPy, the SciPy and PyArrow of the running interpreter may fail to import. The environment then gets the
   oldest releases of them that bodycheck supports, which are from the time of NumPy 1.
 """
 
@@ -33,7 +33,7 @@ PATH_VARIABLE = "BODYCHECK_PATH"
 
 #: Dependencies of bodycheck that are compiled against NumPy, each with a module whose import shows whether it works with the
 #: NumPy that is installed.
-NUMPY_DEPENDENTS = {"scipy": "scipy.integrate", "pandas": "pandas", "pyarrow": "pyarrow.parquet"}
+NUMPY_DEPENDENTS = {"scipy": "scipy.integrate", "pyarrow": "pyarrow.parquet"}
 
 #: With `Attempt.as_of_release`, packages uploaded up to this long after the release are used: wheels often come later.
 UPLOAD_DELAY = timedelta(days=14)
@@ -239,7 +239,7 @@ def _other_folders() -> list[str]:
 
 
 def _oldest(package: str) -> str:
-    """Return the requirement for the oldest releases of a package that bodycheck supports, as `pandas==2.2.*`."""
+    """Return the requirement for the oldest releases of a package that bodycheck supports, as `scipy==1.14.*`."""
     needs = (need for need in map(Requirement, metadata.requires("bodycheck") or ()) if need.name == package)
     (least,) = (spec.version for need in needs for spec in need.specifier if spec.operator == ">=")
     return f"{package}=={least}.*"

@@ -22,10 +22,14 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
     Raises
     ------
     ValueError
-        If the run has no trajectory.
+        If the run has no trajectory, or is of another scene than the truth.
     bodycheck.reference.errors.OutOfReach
         If the truth cannot be computed at the instants of the run.
     """
+    if run.scene is not None and run.scene != truth.scene:
+        raise ValueError(
+            f"the truth is of another scene than the run, which is of the case {run.case!r}; allowed: that of its case"
+        )
     if isinstance(run.outcome, Completed):
         truth = truth.at(run.outcome.trajectory.t)
     return discrepancy.compare(truth, run)

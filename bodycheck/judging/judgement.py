@@ -5,12 +5,13 @@ from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
+import pyarrow as pa
 
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
+from bodycheck.errors import BadInput
 from bodycheck.figures.columns import ALWAYS_TABLED, CASE_COLUMNS, FURTHER, LIMIT_COLUMNS, truth_bounds
 from bodycheck.figures.columns import COLUMNS as ALL_COLUMNS
 from bodycheck.judging.convergence import attitude_order
@@ -21,6 +22,9 @@ from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Outcome, Run, TimedOut, Unsupported
 from bodycheck.running.store import Results
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: The columns of every table of results. The columns of `FURTHER` that any run has follow, then those of the case, and then
 #: those of the limits and margins that any run has.
@@ -208,7 +212,7 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
     order = _order(truth, (run, *finer)) if any(expectation.needs_order for expectation in expectations) else None
     bounds = {} if isinstance(truth, NoTruth) else {name: float(b.max()) for name, b in truth_bounds(truth).items()}
     judged = tuple(
-        settle(expectation, broken(expectation, outcome, discrepancy, order, bounds), today or datetime.now(UTC).date())
+        settle(expectation, broken(expectation, outcome, discrepancy, order, bounds), today or datetime.now(UTC).date(), run)
         for expectation in expectations
     )
     reasons = [one.text for one in judged if one.text] or [outcome.reason]
@@ -233,14 +237,32 @@ def records(verdicts: Iterable[Verdict]) -> list[dict[str, Any]]:
     return [dict.fromkeys((*labels, *COLUMNS, *more)) | row for row in rows]
 
 
-def table(verdicts: Iterable[Verdict]) -> pd.DataFrame:
-    """Return a table with one row per run, in the columns and order of `records`."""
+def table(verdicts: Iterable[Verdict]) -> "pd.DataFrame":
+    """Return a table with one row per run, in the columns and order of `records`.
+
+    Raises `BadInput` if pandas is not installed.
+    """
+    try:
+        import pandas as pd  # nothing else needs it, and it is large
+    except ModuleNotFoundError as error:
+        raise BadInput("a data frame needs pandas: pip install 'bodycheck[frames]'") from error
+    nullable = {pa.float64(): pd.Float64Dtype(), pa.int64(): pd.Int64Dtype(), pa.bool_(): pd.BooleanDtype()}
+    frame: pd.DataFrame = arrow(verdicts).to_pandas(types_mapper=nullable.get)
+    return frame
+
+
+def arrow(verdicts: Iterable[Verdict]) -> pa.Table:
+    """Return the rows of `records` as a table of PyArrow, whose columns have the same types whatever values they have."""
     rows = records(verdicts)
     columns = list(rows[0]) if rows else list(COLUMNS)
-    frame = pd.DataFrame(rows, columns=columns)
-    kinds = {"boolean": "boolean", "integer": "Int64", "number": "Float64"}
-    types = {name: kinds.get(ALL_COLUMNS[name].kind) for name in columns if name != "timestep"}
-    return frame.astype({name: type for name, type in types.items() if type is not None})
+    types = {"boolean": pa.bool_(), "integer": pa.int64(), "number": pa.float64()}
+    schema = pa.schema([(name, types.get(ALL_COLUMNS[name].kind, pa.string())) for name in columns])
+    return pa.Table.from_pylist([{name: _value(row.get(name)) for name in columns} for row in rows], schema)
+
+
+def _value(value: Any) -> Any:
+    """Return a value for a table, in which NaN is a missing value."""
+    return None if isinstance(value, float) and math.isnan(value) else value
 
 
 def broken(
@@ -290,9 +312,10 @@ def _breach(limit: Limit, measured: Mapping[str, float], discrepancy: Summary, b
     return Breach(name, f"{measured[name]:.4g}{unit(name)}", limit.text, tuple(notes))
 
 
-def settle(expectation: Expectation, breaches: tuple[Breach, ...], today: date) -> Judged:
-    """Decide whether an expectation with the given breaches counts as held on a date."""
-    text = "; ".join(breach.text for breach in breaches)
+def settle(expectation: Expectation, breaches: tuple[Breach, ...], today: date, run: Run) -> Judged:
+    """Decide whether an expectation with the given breaches in a run counts as held on a date."""
+    then = f"it was written with {run.engine} {expectation.version}, this is {run.version}" if expectation.version else ""
+    text = "; ".join((*(breach.text for breach in breaches), *([then] if breaches and then else [])))
     if not expectation.known:
         return Judged(expectation, breaches, not breaches, text)
     if not breaches:

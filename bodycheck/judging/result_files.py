@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
@@ -33,13 +32,13 @@ def write(verdicts: Sequence[Verdict], folder: Path, origins: Origins) -> None:
     NotWritten
         A file cannot be written.
     """
-    frame = judgement.table(verdicts)
+    table = judgement.arrow(verdicts)
     rows: list[Mapping[str, Any]] = list(judgement.records(verdicts))
-    csv_tables.write(folder / "results.csv", list(frame.columns), rows, origins)
-    writing.write(folder / "results.parquet", _parquet(frame, origins))
+    csv_tables.write(folder / "results.csv", table.column_names, rows, origins)
+    writing.write(folder / "results.parquet", _parquet(table, origins))
 
 
-def _parquet(frame: pd.DataFrame, origins: Origins) -> bytes:
+def _parquet(table: pa.Table, origins: Origins) -> bytes:
     content = io.BytesIO()
-    pq.write_table(with_origin(pa.Table.from_pandas(frame, preserve_index=False), origins), content)
+    pq.write_table(with_origin(table, origins), content)
     return content.getvalue()

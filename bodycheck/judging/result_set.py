@@ -37,6 +37,12 @@ class ResultSet:
     parts: Sequence[Attribution] = ()
     label: str = ""
 
+    @property
+    def failed(self) -> bool:
+        """Whether a run failed, or an expectation that could not be checked counts as failed."""
+        unchecked = any(one.failed for one in self.results.unchecked)
+        return unchecked or any(verdict.passed is False for verdict in self.verdicts)
+
     @cached_property
     def verdicts_by_case(self) -> Mapping[str, Sequence[Verdict]]:
         """The verdicts on the runs of each case, by its name."""

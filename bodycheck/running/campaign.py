@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from hashlib import sha256
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Protocol
 
@@ -23,9 +24,13 @@ from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
 from bodycheck.running.plan import Task
 from bodycheck.running.simulation import run
 from bodycheck.running.store import Results, Writer
+from bodycheck.running.unchecked import Unchecked
 
 #: Time limit of one run or one truth.
 TIME_LIMIT_S = 300.0
+
+#: The packages that the numbers of results depend on; those that are installed are in their header.
+PACKAGES = ("numpy", "scipy", "heyoka", "pyarrow")
 
 
 class Advance(Protocol):
@@ -60,13 +65,12 @@ class StopTask:
 
 def header(command: Sequence[str], engines: Mapping[str, str], missing: Mapping[str, str]) -> Header:
     """What a results folder says of itself: versions, machine, command; engines that could not be used, and why."""
-    packages = ("numpy", "scipy", "pandas", "pyarrow")
     return {
         "bodycheck": version("bodycheck"),
         "command": list(command),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": fingerprint(),
-        "packages": {package: version(package) for package in packages},
+        "packages": {name: version(name) for name in PACKAGES if find_spec(name)},
         "engines": dict(engines),
         "missing": dict(missing),
     }
@@ -86,6 +90,8 @@ def results(
     limit: float = TIME_LIMIT_S,
     memory: int = MEMORY_LIMIT_BYTES,
     progress: Advance = _no_progress,
+    unchecked: Sequence[Unchecked] = (),
+    files: Mapping[str, Path] = store.NO_FILES,
 ) -> Iterator[Results]:
     """Make all runs and the truths they need, write each as it finishes, and provide the results.
 
@@ -106,6 +112,10 @@ def results(
         The time limit (s) and the memory limit (bytes) of one run or truth.
     progress
         A function that is called after each unit of work.
+    unchecked
+        The expectations of the cases that no run can check.
+    files
+        The files of the cases that are not shipped, by the name of the case.
 
     Raises
     ------
@@ -117,7 +127,7 @@ def results(
     cases = tuple({task.case.name: task.case for task in tasks}.values())
     places = {task: place for place, task in enumerate(tasks)}
     identity = _identity(tasks, head, limit, memory)
-    with Writer(folder, head, identity, cases) as writer:
+    with Writer(folder, head, identity, cases, unchecked, files) as writer:
         everything: list[TruthTask | Task] = [*_truth_tasks(tasks), *tasks]
         left = [argument for argument in everything if _missing(writer, argument)]
         units = size(tasks)

@@ -1,6 +1,6 @@
 """The header of results: the versions, the machine and the command that they were made with."""
 
-from typing import Annotated, TypedDict, get_type_hints
+from typing import Annotated, NotRequired, TypedDict, get_type_hints
 
 
 class Header(TypedDict):
@@ -16,16 +16,35 @@ class Header(TypedDict):
 
 
 class StoredCase(TypedDict):
-    """A case in the header of a results folder: its name, and the text of its file when it was run."""
+    """A case in the header of a results folder: its name, and the text of its file when it was run.
+
+    file: the path that was given; empty for a shipped case. Results of earlier versions have none.
+    """
 
     name: str
     text: str
+    file: NotRequired[str]
+
+
+class StoredUnchecked(TypedDict):
+    """An expectation that no run could check; see `bodycheck.running.unchecked`."""
+
+    case: str
+    engine: str
+    integrator: str
+    timestep: float
+    reason: str
+    tolerated: str
 
 
 class StoredHeader(Header):
-    """The header of a results folder, with the cases that were run."""
+    """The header of a results folder, with the cases that were run, and what could not be checked.
+
+    Results of earlier versions lack the latter.
+    """
 
     cases: list[StoredCase]
+    unchecked: NotRequired[list[StoredUnchecked]]
 
 
 #: The entries of a header, with a description of each.

@@ -12,6 +12,7 @@ process. The lock file of a process that was killed is left, locks nothing, and 
 import json
 import os
 import re
+from collections.abc import Collection
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -101,7 +102,7 @@ def begin(path: Path, header: Record) -> Journal:
     return _opened(path, _lock(path), header, ())
 
 
-def resume(path: Path, header: Record) -> Journal:
+def resume(path: Path, header: Record, renewed: Collection[str] = ()) -> Journal:
     """Resume the interrupted journal of the same work, or begin a new one if there is none.
 
     Parameters
@@ -110,6 +111,8 @@ def resume(path: Path, header: Record) -> Journal:
         The file.
     header
         What the work is. Work is the same if the `identity` in the headers is equal.
+    renewed
+        The entries of the header that resumed work takes from this header, and not from the one that is there.
 
     Raises
     ------
@@ -125,7 +128,8 @@ def resume(path: Path, header: Record) -> Journal:
         return _opened(path, lock, header, ())
     if contents.complete or contents.header.get("identity") != header["identity"]:
         return _opened(path, lock, header, ())
-    return _opened(path, lock, contents.header, contents.records)
+    kept = contents.header | {name: header[name] for name in renewed}
+    return _opened(path, lock, kept, contents.records)
 
 
 def read(path: Path) -> Contents:

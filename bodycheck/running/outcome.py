@@ -5,7 +5,7 @@ from typing import ClassVar, Literal, Protocol
 
 from bodycheck.adapters.contract import Method
 from bodycheck.figures.definition import Load
-from bodycheck.reference.scene import Plane
+from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.running.key import RunKey
 from bodycheck.running.limits import shortage
@@ -123,6 +123,8 @@ class Run:
     contact_law
         The friction that the engine's contacts would produce on the scene's plane if they were rigid; None without a plane,
         and if the reference has no such law.
+    scene
+        The scene that was run; None where it is not known, as of a run whose process died.
     """
 
     case: str
@@ -131,6 +133,7 @@ class Run:
     method: Method
     outcome: Outcome
     contact_law: Plane | None = None
+    scene: Scene | None = field(default=None, repr=False)
 
     @property
     def key(self) -> RunKey:

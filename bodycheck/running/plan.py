@@ -83,12 +83,17 @@ def check(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Seq
     for spelling in integrators:
         check_method(spelling, list(engines.values()))
     for case, timestep in product(cases, timesteps):
-        if not 0 < timestep <= case.duration <= timestep * MAX_STEPS:
-            least = case.duration / MAX_STEPS
-            raise BadInput(
-                f"{case.name}: time step {timestep:g} s: must be positive, at most its duration, {case.duration:g} s, and at "
-                f"least {least:g} s, which results in {MAX_STEPS:.0e} steps"
-            )
+        check_timestep(case, timestep)
+
+
+def check_timestep(case: Case, timestep: float) -> None:
+    """Raise `BadInput` for a time step (s) that is not possible in a case."""
+    if not 0 < timestep <= case.duration <= timestep * MAX_STEPS:
+        least = case.duration / MAX_STEPS
+        raise BadInput(
+            f"{case.name}: time step {timestep:g} s: must be positive, at most its duration, {case.duration:g} s, and at "
+            f"least {least:g} s, which results in {MAX_STEPS:.0e} steps"
+        )
 
 
 def check_method(spelling: str, engines: Sequence[Engine]) -> None:

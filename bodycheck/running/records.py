@@ -1,7 +1,7 @@
 """What the records of saved results must hold. They are checked when they are read, since a folder may come from anyone."""
 
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Annotated, Any, Literal, TypeVar, cast
 
@@ -55,13 +55,27 @@ class CaseRecord:
 
     name: Name
     text: str
+    file: Printable = ""
+
+
+@dataclass(frozen=True)
+class UncheckedRecord:
+    """An expectation in the header that no run could check."""
+
+    case: Name
+    engine: EngineName
+    integrator: Spelling
+    timestep: Timestep
+    reason: str
+    tolerated: Printable
 
 
 @dataclass(frozen=True)
 class CasesRecord:
-    """The cases in the header."""
+    """The cases in the header, and their expectations that no run could check."""
 
     cases: list[CaseRecord]
+    unchecked: list[UncheckedRecord] = field(default_factory=list)
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from bodycheck.adapters.contract import (
     Strides,
 )
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.case import Case, check_case
 from bodycheck.figures.definition import Load
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.inertia import angular_momentum
@@ -28,6 +28,7 @@ from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import missing_model
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Outcome, Run, Unsupported, crash
+from bodycheck.running.plan import check_timestep
 from bodycheck.running.process_state import TO_NEAREST, rounding
 
 #: Largest number of steps for which the load of a contact is measured, which takes about ten times as long as stepping.
@@ -62,10 +63,14 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT
     EngineMissing
         If the engine is not installed or has no adapter.
     BadInput
-        If the engine has no such integrator, option or value.
+        If the engine has no such integrator, option or value, or the time step is not possible.
+    TypeError
+        If the case is not a `Case`.
     """
+    check_case(case)
     method = Method.parse(integrator, timestep)
     offers.check(registry.load(engine).engine, method)
+    check_timestep(case, timestep)
     return run(case, engine, method)
 
 
@@ -85,7 +90,7 @@ def run(case: Case, engine: str, method: Method) -> Run:
         outcome = crash(error)
     if rounding() != TO_NEAREST:  # the instants of the states are already others
         outcome = Crashed("it changed how its process rounds floating-point numbers")
-    return Run(case.name, engine, adapter.engine.version, method, outcome, law)
+    return Run(case.name, engine, adapter.engine.version, method, outcome, law, case.scene)
 
 
 def _outcome(adapter: Adapter, engine: str, case: Case, method: Method) -> Outcome:

@@ -9,7 +9,7 @@ import contextlib
 import os
 from bisect import bisect_left
 from collections import defaultdict
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -28,11 +28,14 @@ from bodycheck.running.header import Header, StoredHeader
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Run, TimedOut, Unsupported
 from bodycheck.running.trajectory_files import TRAJECTORIES, StoredTrajectory, run_path, truth_path
+from bodycheck.running.unchecked import Unchecked
 
 #: Version of the format of results folders.
 FORMAT = 1
 #: The file with the records.
 RECORDS = "run.jsonl"
+#: The files of cases that all are shipped.
+NO_FILES: Mapping[str, Path] = {}
 
 
 class Writer:
@@ -42,11 +45,22 @@ class Writer:
     results are replaced.
     """
 
-    def __init__(self, folder: Path, header: Header, identity: str, cases: tuple[Case, ...]) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        header: Header,
+        identity: str,
+        cases: tuple[Case, ...],
+        unchecked: Sequence[Unchecked] = (),
+        files: Mapping[str, Path] = NO_FILES,
+    ) -> None:
         _refuse_other_things(folder)
-        texts = [{"name": case.name, "text": case.text} for case in cases]
+        texts = [{"name": case.name, "text": case.text, "file": _shown(files.get(case.name))} for case in cases]
+        contents = {"cases": texts, "unchecked": [asdict(one) for one in unchecked]}
         self.folder = folder
-        self.journal = journal.resume(folder / RECORDS, {"format": FORMAT, **header, "identity": identity, "cases": texts})
+        self.journal = journal.resume(
+            folder / RECORDS, {"format": FORMAT, **header, "identity": identity, **contents}, renewed=("unchecked",)
+        )
         there = self.journal.records
         self.stops = {_law_of(record) for record in there if record["record"] == "stop"}
         self.done = {_path_of(record) for record in there if record["record"] != "stop" and _is_stored(folder, record)}
@@ -159,6 +173,16 @@ class Results:
                 raise BadFolder(f"{self.folder}: damaged: the case {name} is called {case.name} in its own text")
         return found
 
+    @cached_property
+    def files(self) -> dict[str, str]:
+        """The paths from which cases were read, as they were given, by the name of the case; shipped cases have none."""
+        return {entry["name"]: file for entry in self.header["cases"] if (file := entry.get("file", ""))}
+
+    @cached_property
+    def unchecked(self) -> tuple[Unchecked, ...]:
+        """The expectations that no run could check, because their engines cannot be used."""
+        return tuple(Unchecked(**entry) for entry in self.header.get("unchecked", ()))
+
     def runs(self) -> Sequence[Run]:
         """Return all runs in the order of the plan; their trajectories are read from disk each time that they are needed."""
         return self._runs
@@ -222,7 +246,8 @@ class Results:
     def _run_of(self, record: dict[str, Any]) -> Run:
         key = RunKey.of_row(record)
         law = record["contact_law"]
-        run = Run(key.case, key.engine, record["version"], key.method, Unsupported(""), Plane(**law) if law else None)
+        scene = self.cases[key.case].scene
+        run = Run(key.case, key.engine, record["version"], key.method, Unsupported(""), Plane(**law) if law else None, scene)
         match record["status"]:
             case Completed.status:
                 states = StoredTrajectory(self.folder / _path_of(record))
@@ -285,6 +310,11 @@ def _is_stored(folder: Path, record: dict[str, Any]) -> bool:
     if "reason" in record or record.get("status", Completed.status) != Completed.status:
         return True
     return trajectory_files.is_readable(folder / _path_of(record))
+
+
+def _shown(file: Path | None) -> str:
+    """Return a path as text; empty if there is none, or if it cannot be printed."""
+    return str(file) if file is not None and str(file).isprintable() else ""
 
 
 def _refuse_other_things(folder: Path) -> None:

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.case import Case, check_case
+from bodycheck.errors import BadInput
 from bodycheck.figures.columns import bounds_of
 from bodycheck.reference import certificate
 from bodycheck.reference.certificate import Certificate
@@ -17,7 +18,6 @@ from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reference.truth import truth as truth_of_scene
-from bodycheck.running.simulation import sampling_steps
 
 #: Most instants at which a truth is computed at once, which takes some 5 s in flight, 30 s in a slide, and 0.5 GiB.
 MAX_INSTANTS = 300_000
@@ -30,8 +30,10 @@ def truth(case: Case, times: ArrayLike | None = None) -> Truth:
     """Return the reference trajectory of a case with its error bound, at the case's instants or at ascending times (n,) >= 0 s.
 
     Raises `bodycheck.reference.errors.NotModelled` for a scene that the reference does not model, and
-    `bodycheck.reference.errors.OutOfReach` for a motion that it cannot follow.
+    `bodycheck.reference.errors.OutOfReach` for a motion that it cannot follow; `BadInput` for other times, and `TypeError` for
+    anything that is not a `Case`.
     """
+    check_case(case)
     return truth_of_scene(case.scene, _instants(case, times))
 
 
@@ -51,6 +53,8 @@ def of_runs(case: Case, timesteps: Iterable[float]) -> dict[float, Truth]:
     It is made at all instants that engines with these time steps reach, and each truth is a part of it. Raises as `truth`
     does.
     """
+    from bodycheck.running.simulation import sampling_steps  # reports of stored results need no simulation
+
     instants = {step: sampling_steps(case.instants, step).astype(np.float64) * step for step in timesteps}
     whole = truth(case, np.unique(np.concatenate(list(instants.values()))))
     return {step: whole.at(times) for step, times in instants.items()}
@@ -93,7 +97,17 @@ def stop_under(case: Case, law: Plane) -> Stop | None:
 
 
 def _instants(case: Case, times: ArrayLike | None) -> Array:
-    return case.instants if times is None else np.asarray(times, dtype=float)
+    """Return the instants (n,) of a case, or other times (s). Raises `BadInput`."""
+    if times is None:
+        return case.instants
+    instants = np.asarray(times, dtype=float)
+    if instants.ndim != 1 or len(instants) == 0:
+        raise BadInput(f"instants of the shape {instants.shape}: must be a list of at least one")
+    if not (np.isfinite(instants) & (instants >= 0)).all():
+        raise BadInput("instants must be finite and at least 0 s")
+    if (np.diff(instants) < 0).any():
+        raise BadInput("instants must be in ascending order")
+    return instants
 
 
 def as_json(case: Case, truth: Truth) -> dict[str, Any]:

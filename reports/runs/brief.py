@@ -58,7 +58,7 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
     differences = compare(sets, shown) if others else None
     return Brief(
         headline=differences.headline if differences else headline(first.results, verdicts),
-        tally=tally(verdicts),
+        tally=tally(verdicts, [lost for one in sets for lost in one.results.unchecked]),
         notices=(*(differences.notices if differences else ()), *(text for one in sets for text in notices(one))),
         limits=tuple(text for one in sets for text in limits(one)),
         unsupported=unsupported(verdicts),

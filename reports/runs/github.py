@@ -4,9 +4,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Literal
 
+from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.toml_positions import positions
 from bodycheck.judging.judgement import Verdict
+from bodycheck.running.unchecked import Unchecked
 
 #: Most bytes of the summary of one step.
 LARGEST_SUMMARY = 1 << 20
@@ -46,6 +48,21 @@ def annotations(
                 path = ("expect", case.expectations.index(judged.expectation))
                 line = positions(case.text, [path])[path].line
                 yield annotation("notice" if judged.held else "error", judged.text, title, file, line)
+
+
+def unchecked_annotations(
+    unchecked: Iterable[Unchecked], cases: Mapping[str, Case], files: Mapping[str, Path], environment: Mapping[str, str]
+) -> Iterator[str]:
+    """Yield an annotation for each expectation that could not be checked; the arguments are those of `annotations`."""
+    root = Path(environment.get("GITHUB_WORKSPACE", "."))
+    for one in unchecked:
+        case = cases[one.case]
+        method = Method.parse(one.integrator, one.timestep)
+        title = f"{one.engine} {one.integrator}, {one.timestep:g} s, on {case.name}"
+        place = next(place for place, expected in enumerate(case.expectations) if expected.concerns(one.engine, method))
+        line = positions(case.text, [("expect", place)])["expect", place].line
+        file = _seen_from(root, files[case.name]) if case.name in files else None
+        yield annotation("error" if one.failed else "notice", one.text, title, file, line)
 
 
 def annotation(

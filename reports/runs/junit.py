@@ -1,30 +1,47 @@
 """Verdicts as JUnit XML, the format in which CI systems read test results."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
+from bodycheck.judging import advice
 from bodycheck.judging.judgement import Verdict
 from bodycheck.running.header import Header
+from bodycheck.running.unchecked import Unchecked
 
 #: Characters that an XML 1.0 document must not contain, and control characters that it should not contain.
 NOT_XML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+#: The files of cases that all are shipped.
+NO_FILES: Mapping[str, str] = {}
 
 #: Columns that are not among the properties of a test, because they appear elsewhere in it.
 NOT_PROPERTIES = {"case", "passed", "reason"}
 
 
-def render(verdicts: Iterable[Verdict], header: Header) -> str:
-    """Return the XML document, with a test for each run that has expectations or that failed.
+def render(
+    verdicts: Sequence[Verdict], header: Header, unchecked: Sequence[Unchecked] = (), files: Mapping[str, str] = NO_FILES
+) -> str:
+    """Return the XML document, with a test for each run that has expectations or that failed, and for what was not checked.
 
-    A known discrepancy that is tolerated is a passed test with its message in the output.
+    A known discrepancy that is tolerated is a passed test with its message in the output. An expectation that no run could
+    check has failed, or is skipped if that is tolerated. A case of which nothing was checked is a skipped test that says so.
+    files: the paths of the cases that are not shipped, by name.
     """
     asked = [verdict for verdict in verdicts if verdict.passed is not None]
     rows = [verdict.row() for verdict in asked]
-    failures = sum(not verdict.passed for verdict in asked)
-    counts = {"tests": len(asked), "failures": failures, "errors": 0, "skipped": 0, "time": _seconds(rows)}
+    told = {*(verdict.run.case for verdict in asked), *(one.case for one in unchecked)}
+    untested = [name for name in dict.fromkeys(verdict.run.case for verdict in verdicts) if name not in told]
+    lost = sum(one.failed for one in unchecked)
+    counts = {
+        "tests": len(asked) + len(unchecked) + len(untested),
+        "failures": sum(not verdict.passed for verdict in asked) + lost,
+        "errors": 0,
+        "skipped": len(unchecked) - lost + len(untested),
+        "time": _seconds(rows),
+    }
     root = _element("testsuites", name="bodycheck", **counts)
     suite = _sub(root, "testsuite", name="bodycheck", timestamp=header["started"], **counts)
     versions = {"bodycheck": header["bodycheck"], **header["engines"]}
@@ -34,9 +51,19 @@ def render(verdicts: Iterable[Verdict], header: Header) -> str:
         test = _sub(suite, "testcase", classname=row["case"], name=method, time=_seconds([row]))
         _properties(test, {name: value for name, value in row.items() if name not in NOT_PROPERTIES})
         if not verdict.passed:
-            _sub(test, "failure", type=row["status"], message=verdict.reason).text = _clean(verdict.reason)
+            text = "\n".join((verdict.reason, *advice.lines(verdict, files.get(row["case"], row["case"]))))
+            _sub(test, "failure", type=row["status"], message=verdict.reason).text = _clean(text)
         elif verdict.reason:
             _sub(test, "system-out").text = _clean(verdict.reason)
+    for one in unchecked:
+        test = _sub(suite, "testcase", classname=one.case, name=f"{one.engine} {one.integrator} {one.timestep!r} s")
+        if one.failed:
+            _sub(test, "failure", type="missing", message=one.text).text = _clean(one.text)
+        else:
+            _sub(test, "skipped", message=one.text)
+    for name in untested:
+        test = _sub(suite, "testcase", classname=name, name="expectations")
+        _sub(test, "skipped", message="none of its runs has expectations: nothing was checked")
     ElementTree.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 

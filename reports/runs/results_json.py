@@ -6,6 +6,7 @@ Its `runs` are what `bodycheck run --json` prints.
 import json
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any, get_args
 
 from bodycheck.figures.columns import CASE_COLUMNS, COLUMNS, FIGURES, FURTHER, LIMIT_COLUMNS
@@ -52,6 +53,7 @@ def _set(one: ResultSet) -> dict[str, Any]:
         "label": one.label,
         "complete": one.results.complete,
         "header": {name: value for name, value in header.items() if name in DESCRIPTIONS},
+        "unchecked": [asdict(lost) for lost in one.results.unchecked],
         "cases": [{"name": case.name, "title": case.title, "source": case.source, "tags": list(case.tags)} for case in cases],
     }
 
@@ -78,11 +80,21 @@ def schema() -> str:
         "source": text | {"description": "Source of the case."},
         "tags": _list(text) | {"description": "Tags of the case."},
     }
+    unchecked = {
+        "case": text | {"description": "Name of the case."},
+        "engine": text | {"description": "Name of the engine."},
+        "integrator": text | {"description": "Name of the integrator, with its options after a colon."},
+        "timestep": {"type": "number", "description": "Time step. Unit: s."},
+        "reason": text | {"description": "Why the engine cannot be used."},
+        "tolerated": text | {"description": "Why it does not count as failed; empty if it does."},
+    }
     complete = {"type": "boolean", "description": "Whether the command came to its end; false if it was interrupted."}
     one = {
         "label": text | {"description": "Label in the column `set` of the runs of this set; empty if there is only one set."},
         "complete": complete,
         "header": _object(header, "Versions, machine and command."),
+        "unchecked": _list(_object(unchecked, "Something expected of a method whose engine cannot be used."))
+        | {"description": "The expectations that no run could check."},
         "cases": _list(_object(case, "A case that was run.")) | {"description": "The cases that were run."},
     }
     whole: dict[str, Schema] = {

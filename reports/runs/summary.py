@@ -13,6 +13,7 @@ from bodycheck.reports.quantities import count, verb
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Unsupported
 from bodycheck.running.store import Results
+from bodycheck.running.unchecked import Unchecked, sentences
 
 
 def headline(results: Results, verdicts: Sequence[Verdict]) -> str:
@@ -32,17 +33,29 @@ def headline(results: Results, verdicts: Sequence[Verdict]) -> str:
         text = f"None of {count(runs, 'run')} failed: {held} met all expectations{known}"
     else:
         text = f"None of {count(runs, 'run')} failed; no expectations were set"
+    text += _unchecked(results.unchecked)
     return text if results.complete else f"Interrupted. {text}"
 
 
-def tally(verdicts: Sequence[Verdict]) -> tuple[tuple[str, int], ...]:
+def _unchecked(unchecked: Sequence[Unchecked]) -> str:
+    """Return the end of a headline with the number of expectations that were not checked; empty if there are none."""
+    failed, tolerated = (sum(one.failed is counts for one in unchecked) for counts in (True, False))
+    told = f"; {count(failed, 'expectation')} could not be checked, which counts as failed" if failed else ""
+    return told + (f"; {count(tolerated, 'expectation')} {verb(tolerated, 'was', 'were')} not checked" if tolerated else "")
+
+
+def tally(verdicts: Sequence[Verdict], unchecked: Sequence[Unchecked] = ()) -> tuple[tuple[str, int], ...]:
     """Return how many runs ended in each way. Rare ways are left out if there are none; the usual ones are always given."""
     statuses = Counter(verdict.outcome.status for verdict in verdicts)
     passed = Counter(verdict.passed for verdict in verdicts)
     completed, refused = statuses.pop(Completed.status, 0), statuses.pop(Unsupported.status, 0)
     asked = [("runs", len(verdicts)), ("completed", completed), ("passed", passed[True]), ("failed", passed[False])]
     unasked = sum(verdict.passed is None and not _unsupported(verdict) for verdict in verdicts)
-    more = [("known discrepancies", sum(map(_tolerated, verdicts))), ("without expectations", unasked)]
+    more = [
+        ("known discrepancies", sum(map(_tolerated, verdicts))),
+        ("without expectations", unasked),
+        ("expectations not checked", len(unchecked)),
+    ]
     return (*asked, *statuses.items(), ("unsupported", refused), *((name, amount) for name, amount in more if amount))
 
 
@@ -61,6 +74,7 @@ def limits(one: ResultSet) -> tuple[str, ...]:
             "Runs that had not finished by then are missing from this report."
         )
     texts += missing_engines(one.results.header)
+    texts += sentences(one.results.unchecked)
     return tuple(_labelled(one, text) for text in texts)
 
 

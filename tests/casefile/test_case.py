@@ -318,6 +318,11 @@ def test_a_motion_whose_numbers_would_overflow_is_refused(mass: str, size: str, 
             "smallest moment of inertia, inverted, is 1.5e+160",
         ),
         (
+            "initial",
+            {"mass = 2": "mass = 1e100", "[0.1, 0.3, 0.2]": "[1e100, 0.9e100, 0.8e100]", "[0.0, 0.1, 10.0]": "[0.1, 0.0, 1e10]"},
+            "kinetic energy is 3.02e+319 J",
+        ),
+        (
             "run.duration",
             {"10.0\nsamples": "1e90\nsamples", "timestep = 0.002": "timestep = 1e85"},
             "distance from the origin at the end is",

@@ -10,6 +10,7 @@ from xml.etree import ElementTree
 import pytest
 
 from bodycheck.figures import columns
+from tests.support.planted_engines import UNINSTALLED, plant
 
 SPIN = """\
 format = 1
@@ -130,6 +131,30 @@ def test_an_engine_that_nobody_knows_is_a_fault_of_the_file(repository: pytest.P
     result.assert_outcomes(errors=1)
     fault = "spin.case.toml:16:1: expect[[]1[]].engine: read 'exactly'; there is no such engine; allowed: *"
     result.stdout.fnmatch_lines([fault + "did you mean 'exact'?"])
+
+
+def test_an_engine_that_is_not_installed_fails_unless_that_is_allowed(repository: pytest.Pytester) -> None:
+    plant(repository.path / "planted", {"uninstalled": UNINSTALLED})
+    repository.syspathinsert(repository.path / "planted")
+    limit = "position_error = 1e-9"
+    write(repository, SPIN + expect(limit) + expect(limit, engine="uninstalled", integrator="step"))
+    result = repository.runpytest()
+    result.assert_outcomes(passed=1, failed=1)
+    reason = "uninstalled is not installed: there is no Python package 'no_such_engine'"
+    result.stdout.fnmatch_lines([f"not checked: {reason}; install it, or accept this with --bodycheck-allow-missing"])
+    allowed = repository.runpytest("--bodycheck-allow-missing")
+    allowed.assert_outcomes(passed=1, skipped=1)
+    allowed.stdout.fnmatch_lines(
+        ["*expectations that were not checked*", f"spin.case.toml::uninstalled-*: {reason} (--bodycheck-allow-missing)"]
+    )
+
+
+@pytest.mark.parametrize("options", [(), ("-n", "1")])
+def test_a_case_without_expectations_is_told(repository: pytest.Pytester, options: tuple[str, ...]) -> None:
+    write(repository, SPIN)
+    result = repository.runpytest_subprocess("-q", *options)
+    assert result.ret == pytest.ExitCode.NO_TESTS_COLLECTED
+    result.stdout.fnmatch_lines(["*case files collected without expectations*", "spin.case.toml"])
 
 
 def test_a_known_discrepancy_passes_until_its_day_and_is_told(calls_here: None, repository: pytest.Pytester) -> None:

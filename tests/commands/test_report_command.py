@@ -116,6 +116,7 @@ def test_no_engine_is_needed_and_nothing_is_simulated(saved: Path, tmp_path: Pat
     assert done.returncode == 0, done.stderr
     assert set(eval(done.stdout)) == {
         "bodycheck.adapters.contract",
+        "bodycheck.adapters.engine_name",
         "bodycheck.adapters.method",
         *(n for n in banned if "adapters" in n),
     }

@@ -43,3 +43,14 @@ def test_drifts_of_what_is_zero_are_relative_to_the_kinetic_energy(height: float
     assert maxima["energy_drift"] == pytest.approx(abs(50 - 10 * fallen) / 50, rel=1e-12, abs=0)
     assert maxima["angular_momentum_drift"] == 0
     assert not any(math.isnan(value) for value in maxima.values())
+
+
+def test_a_truth_of_another_case_is_refused() -> None:
+    brick, other = shortened(load("free-brick"), 0.1, 3), shortened(load("intermediate-axis-flip"), 0.1, 3)
+    run = simulate(brick, "mujoco", "Euler", 0.01)
+    with pytest.raises(ValueError, match="another scene than the run, which is of the case 'free-brick'"):
+        compare(truth(other), run)
+    nudged = replace(brick, scene=replace(brick.scene, gravity=9.8))
+    with pytest.raises(ValueError, match="another scene than the run"):
+        compare(truth(nudged), run)
+    assert compare(truth(replace(brick, samples=11)), run).maxima()["attitude_error"] < 0.1

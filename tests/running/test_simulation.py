@@ -1,5 +1,7 @@
 """One run in this process: what is bad input, and that nothing which an engine raises leaves it."""
 
+import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,6 +17,7 @@ from bodycheck.adapters.contract import Engine, Integrator, Method
 from bodycheck.errors import BadInput
 from bodycheck.reference.scene import Plane, Scene, State
 from bodycheck.running.outcome import Completed, Crashed, Diverged
+from bodycheck.running.plan import plan
 from bodycheck.running.smoke import check
 from tests.support.cases import STEADY_SPIN, shortened
 
@@ -218,3 +221,35 @@ def test_bodies_at_rest_and_spheres_that_spin_are_not_frozen(engine: str) -> Non
     for scene in (Scene(sphere, State()), Scene(sphere, State(angular_velocity=(0.0, 0.0, 5.0))), BRICK):
         for integrator in offers.offered(registry.load(engine).engine, scene):
             assert simulate(replace(STEADY_SPIN, scene=scene), engine, integrator, 0.1).outcome.status == "ok"
+
+
+@pytest.mark.parametrize(
+    ("timestep", "words"),
+    [(0.0, "time step 0 s: must be positive"), (-1.0, "time step -1 s"), (math.nan, "time step nan s"), (7.0, "at most its")],
+)
+def test_a_time_step_that_is_not_possible_is_refused_as_on_the_command_line(timestep: float, words: str) -> None:
+    with pytest.raises(BadInput, match=words) as raised:
+        simulate(STEADY_SPIN, "mujoco", "Euler", timestep)
+    with pytest.raises(BadInput, match=re.escape(str(raised.value))):
+        plan([STEADY_SPIN], {"mujoco": registry.load("mujoco")}, ["Euler"], [timestep])
+
+
+@pytest.mark.parametrize(
+    ("times", "words"),
+    [
+        ([0.0, -1.0], "instants must be finite and at least 0 s"),
+        ([0.0, math.inf], "instants must be finite and at least 0 s"),
+        ([1.0, 0.5], "instants must be in ascending order"),
+        ([], "must be a list of at least one"),
+        (0.5, "must be a list of at least one"),
+    ],
+)
+def test_instants_that_are_none_are_refused(times: Any, words: str) -> None:
+    with pytest.raises(BadInput, match=words):
+        truth(STEADY_SPIN, times)
+
+
+def test_a_name_is_no_case() -> None:
+    for call in (lambda: truth("free-brick"), lambda: simulate("free-brick", "mujoco", "Euler")):  # type: ignore[arg-type]
+        with pytest.raises(TypeError, match=re.escape("did you mean bodycheck.load('free-brick')?")):
+            call()

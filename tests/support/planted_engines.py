@@ -16,6 +16,10 @@ def prepare(scenes, method):
 """
 
 
+#: What the module of an engine does that has an adapter and is not installed.
+UNINSTALLED = "import no_such_engine"
+
+
 def plant(folder: Path, engines: Mapping[str, str]) -> None:
     """Write engines into a folder for the path: by their names, what their modules do besides being adapters."""
     info = folder / "planted-1.0.dist-info"

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
 
 #: The packages that compute truths and errors.
-PACKAGES = ("numpy", "scipy", "heyoka", "pandas")
+PACKAGES = ("numpy", "scipy", "heyoka")
 
 #: Packages whose source determines an answer. In a checkout, the last two are linked folders, into which `rglob` does not go.
 SOURCE_PACKAGES = (bodycheck, adapters, reference)

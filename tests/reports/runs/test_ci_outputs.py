@@ -81,7 +81,13 @@ def test_a_test_for_each_run_of_which_something_was_expected() -> None:
     assert [child.tag for child in held] == ["properties"]
     failure = broken.find("failure")
     assert failure is not None
-    assert failure.get("message") == failure.text == verdicts[1].reason
+    assert failure.get("message") == verdicts[1].reason
+    reason, *advice = (failure.text or "").splitlines()
+    assert reason == verdicts[1].reason
+    assert advice[1] == (
+        "if what is measured now is right: "
+        "bodycheck expect spin --engine mujoco --integrator RK4 --timestep 0.01 --figure position_error"
+    )
     assert "position_error is " in verdicts[1].reason
     assert [child.tag for child in known] == ["properties", "system-out"]
     assert (known.findtext("system-out") or "").startswith("known until 2027-01-01 (https://example.org/7): attitude_error is")

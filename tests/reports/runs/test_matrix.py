@@ -159,7 +159,7 @@ def test_a_known_discrepancy_is_not_said_to_hold() -> None:
     held = Judged(expectation, (), True, "")
     verdicts = [ended(ran(FLIP), True, judged=(held,)), ended(ran(FLIGHT), True, "known until then", judged=(known,))]
     assert [expectation_status(verdict) for verdict in verdicts] == ["held", "known"]
-    complete: Any = SimpleNamespace(complete=True)
+    complete: Any = SimpleNamespace(complete=True, unchecked=())
     told = "None of 2 runs failed: 1 met all expectations and 1 has a known discrepancy"
     assert headline(complete, verdicts) == told
     assert dict(tally(verdicts))["known discrepancies"] == 1
