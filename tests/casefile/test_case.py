@@ -319,7 +319,11 @@ def test_a_motion_whose_numbers_would_overflow_is_refused(mass: str, size: str, 
         ),
         (
             "initial",
-            {"mass = 2": "mass = 1e100", "[0.1, 0.3, 0.2]": "[1e100, 0.9e100, 0.8e100]", "[0.0, 0.1, 10.0]": "[0.1, 0.0, 1e10]"},
+            {
+                "mass = 2": "mass = 1e100",
+                "[0.1, 0.3, 0.2]": "[1e100, 0.9e100, 0.8e100]",
+                "[0.0, 0.1, 10.0]": "[0.1, 0.0, 1e10]",
+            },
             "kinetic energy is 3.02e+319 J",
         ),
         (
