@@ -7,6 +7,8 @@
 """
 
 import importlib
+import os
+import sys
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -32,6 +34,30 @@ HOMES = {
     "Truth": "reference.truth",
     "truth": "running.truths",
 }
+
+
+def _refuse_to_shadow() -> None:
+    """Raise `ImportError` if Python found a clone only because it was started in it, and another bodycheck is installed.
+
+    The versions of results would be those of the one, and the numbers those of the other.
+    """
+    clone = os.path.dirname(os.path.dirname(os.path.realpath(__file__)))
+    meant = map(os.path.realpath, filter(None, os.environ.get("PYTHONPATH", "").split(os.pathsep)))
+    try:
+        started = os.path.realpath(os.getcwd())
+    except OSError:  # the working directory is gone
+        return
+    if sys.flags.safe_path or clone != started or clone in meant:
+        return
+    others = {os.path.realpath(folder) for folder in sys.path if os.path.isfile(os.path.join(folder, "bodycheck/__init__.py"))}
+    if others - {clone}:
+        raise ImportError(
+            f"bodycheck is installed in {min(others - {clone})}, but Python was started in the clone {clone}, "
+            "which comes first; start it in another folder or with -P, or install the clone (pip install -e .)"
+        )
+
+
+_refuse_to_shadow()
 
 
 def __getattr__(name: str) -> Any:

@@ -107,3 +107,13 @@ def test_jedi_finds_the_source_of_an_install(python: Path, script: Path) -> None
         assert (found.name, found.type) == (name, "class")
         assert found.module_path is not None
         assert found.module_path.read_text() == (ROOT / "bodycheck" / module).read_text()
+
+
+def test_a_clone_does_not_stand_in_for_what_is_installed(python: Path, request: pytest.FixtureRequest) -> None:
+    """Python that is started in a clone finds it first: an error, unless the clone is what is installed, or with -P."""
+    editable = request.node.callspec.params["python"] == "editable"
+    done = subprocess.run([python, "-c", "import bodycheck"], capture_output=True, text=True, cwd=ROOT, env=outside())
+    assert (done.returncode == 0) is editable
+    assert "bodycheck is installed in " in done.stderr.splitlines()[-1] if done.stderr else True
+    safe = subprocess.run([python, "-P", "-c", "import bodycheck"], capture_output=True, cwd=ROOT, env=outside())
+    assert safe.returncode == 0
