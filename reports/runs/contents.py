@@ -24,6 +24,7 @@ from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback, playback
 from bodycheck.reports.runs.scenes import Fact, describe
 from bodycheck.reports.runs.summary import expectation_status, failure_status
 from bodycheck.reports.tables import Entry, Table
+from bodycheck.reports.time_limit import TookTooLong, limited
 from bodycheck.running.header import Header
 from bodycheck.running.key import RunKey
 
@@ -32,6 +33,9 @@ MOST_NUMBERS = 300_000
 
 #: Most points of one curve.
 MOST_POINTS = 256
+
+#: Processor time (s) that the curves and the animation of one case may take. Those of a thousand runs take some twenty.
+DRAWING_LIMIT_S = 120.0
 
 #: Note below tables with margins.
 MARGINS = (
@@ -159,24 +163,44 @@ def _failure(verdict: Verdict, lines: Mapping[RunKey, Line]) -> Failure:
 
 
 def _section(shown: Shown, lines: Mapping[RunKey, Line], points: int, room: int) -> Section:
-    case, verdicts, labels = shown.case, shown.verdicts, [one.label for one in shown.sets]
+    case, verdicts = shown.case, shown.verdicts
     timesteps = dict.fromkeys(verdict.run.method.timestep for verdict in verdicts)
     truths = {(one.label, timestep): one.results.truth(case.name, timestep) for one in shown.sets for timestep in timesteps}
     known = {key: truth for key, truth in truths.items() if isinstance(truth, Truth)}
     parts = {one.label: one.parts_by_case.get(case.name, ()) for one in shown.sets}
-    drawn = sorted((v for v in verdicts if v.discrepancy is not None), key=lambda verdict: labels.index(verdict.label))
+    facts = describe(case, list(truths.values()))
+    try:
+        with limited(DRAWING_LIMIT_S):
+            drawn, played = _drawn(shown, known, lines, points, room)
+    except TookTooLong as error:
+        drawn, played = curves.draw({}, {}, points), None
+        facts += (Fact("Left out", f"curves and animation, because drawing them took {error} of processor time"),)
     return Section(
         name=shown.name,
         title=shown.title,
         source=case.source,
         tags=case.tags,
-        facts=describe(case, list(truths.values())),
+        facts=facts,
         table=_table(verdicts) if verdicts else None,
         origins=origins(parts),
-        curves=curves.draw({lines[verdict.key.over_cases].label: verdict for verdict in drawn}, known, points),
-        playback=playback(
-            case.scene,
-            {lines[verdict.key.over_cases]: verdict for verdict in verdicts},
+        curves=drawn,
+        playback=played,
+    )
+
+
+def _drawn(
+    shown: Shown, known: Mapping[tuple[str, float], Truth], lines: Mapping[RunKey, Line], points: int, room: int
+) -> tuple[Curves, Playback | None]:
+    """Return the curves and the animation of a case. known: its truths by the label of their set and the time step."""
+    labels = [one.label for one in shown.sets]
+    completed = sorted(
+        (v for v in shown.verdicts if v.discrepancy is not None), key=lambda verdict: labels.index(verdict.label)
+    )
+    return (
+        curves.draw({lines[verdict.key.over_cases].label: verdict for verdict in completed}, known, points),
+        playback(
+            shown.case.scene,
+            {lines[verdict.key.over_cases]: verdict for verdict in shown.verdicts},
             {timestep: truth for (_, timestep), truth in known.items()},
             room,
         ),

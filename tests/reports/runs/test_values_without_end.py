@@ -11,6 +11,7 @@ import pytest
 
 from bodycheck.reference.trajectory import Array
 from bodycheck.reports import series
+from bodycheck.reports.runs import contents
 from tests.support import saved_results
 from tests.support.saved_results import REPORT, call
 
@@ -50,6 +51,26 @@ def test_what_follows_a_curve_ends_and_keeps_what_is_finite(value: float, at: An
     if finite.any():
         assert finite[kept].all(), "a sample that is no number is a corner"
         assert {kept[0], kept[-1]} == {int(np.flatnonzero(finite)[0]), int(np.flatnonzero(finite)[-1])}
+
+
+def test_what_takes_too_long_is_left_out_and_the_page_says_so(
+    saved: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The drawing of one case would go on for ever; the other case of the same results is drawn."""
+    folder = tmp_path / "run"
+    shutil.copytree(saved / "run", folder)
+    plain, hung = contents.playback, []
+
+    def playing(scene: Any, *arguments: Any) -> Any:
+        hung.append(scene)
+        while len(hung) == 1:
+            pass
+        return plain(scene, *arguments)
+
+    monkeypatch.setattr(contents, "playback", playing)
+    monkeypatch.setattr(contents, "DRAWING_LIMIT_S", 0.5)
+    assert call("report", folder) in (0, 1)
+    assert (folder / "report.md").read_text().count("because drawing them took more than 0.5 s") == 1
 
 
 @pytest.mark.parametrize("value", [np.nan, 1e300])
