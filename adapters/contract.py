@@ -1,9 +1,10 @@
 """The contract between bodycheck and the adapter of an engine: a module, or any object, with the attributes of `Adapter`.
 
-An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Two protocols are optional: an
-adapter that can model a scene in several ways also implements `Models`, and one that knows the friction law and the load of
-its contacts also implements `Contact`. `bodycheck.adapters.offers` handles for all adapters misspelled methods, scenes that
-an engine cannot model, and several scenes for an engine that steps one scene at a time.
+An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Three protocols are optional: an
+adapter that can model a scene in several ways also implements `Models`, one that knows the friction law and the load of its
+contacts `Contact`, and one that can write a run as a script for the engine alone `Scripts`. `bodycheck.adapters.offers` handles
+for all adapters misspelled methods, scenes that an engine cannot model, and several scenes for an engine that steps one scene
+at a time.
 
 Scenes and states follow the conventions of `bodycheck.reference.scene`. An adapter converts them to and from the conventions
 of its engine. It imports its engine and this package, but nothing of cases, truth or reports.
@@ -241,6 +242,34 @@ class Contact(Protocol):
         """Return the normal force (n,), in N, between body and plane in each of n steps; None if the engine cannot report it.
 
         Raises `SceneUnsupported` and `EngineDiverged`.
+        """
+        ...
+
+
+@runtime_checkable
+class Scripts(Protocol):
+    """An adapter that can write what a run does as a script for its engine alone."""
+
+    def script(self, scene: Scene, method: Method, duration: float, samples: int) -> str:
+        """Return a Python script that takes the steps of a run and prints its states as CSV to standard output.
+
+        The script imports the engine and NumPy, but nothing of bodycheck. The columns are `bodycheck.adapters.scripts.COLUMNS`,
+        and the states those of `Simulation.advance` to the last bit, at the ends of the steps that are nearest to evenly
+        spaced instants.
+
+        Parameters
+        ----------
+        scene, method
+            The scene and the method, which the caller has checked as for `Adapter.prepare`.
+        duration
+            The duration (s), which is the last instant.
+        samples
+            The number of instants, from 0 on.
+
+        Raises
+        ------
+        SceneUnsupported
+            If the engine cannot model the scene, or there is no such script of the method.
         """
         ...
 

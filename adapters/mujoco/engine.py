@@ -22,7 +22,7 @@ import mujoco
 import numpy as np
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, Model, SceneUnsupported, Strides, choice
-from bodycheck.adapters.mujoco import INSTALLATION, contact
+from bodycheck.adapters.mujoco import INSTALLATION, contact, exporting
 from bodycheck.adapters.mujoco import models as scene_models
 from bodycheck.adapters.mujoco.stepping import Stepper, quiet, refuse_warnings
 from bodycheck.reference.requirements import requirements
@@ -137,6 +137,28 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Stepper:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
     model = model_of(scene, method)
+    xml, joints = description(scene, method, model)
+    compiled = compiled_model(xml)
+    data = mujoco.MjData(compiled)
+    data.qpos[:], data.qvel[:] = joints.qpos, joints.qvel
+    force = None
+    if scene.plane is not None and model not in scene_models.MODELS_WITH_CONTACT:
+        force = scene_models.friction_force(scene, scene.plane, method.timestep, data)
+    elif scene.drag and method.option("drag") != "fluid" and model != "rotation":
+        force = scene_models.drag_force(scene.drag, data)
+    return Stepper(compiled, data, joints, force)
+
+
+def script(scene: Scene, method: Method, duration: float, samples: int) -> str:
+    """Return a script for MuJoCo alone, as `Scripts.script` does."""
+    model = model_of(scene, method)
+    xml, joints = description(scene, method, model)
+    compiled_model(xml)  # what MuJoCo refuses is no script
+    return exporting.script(scene, method, xml, joints, model, duration, samples)
+
+
+def description(scene: Scene, method: Method, model: str) -> tuple[str, scene_models.Joints]:
+    """Return the XML of a model of a scene, and the joints in it. Raises `SceneUnsupported`."""
     check_supported(scene, method, model)
     braked = scene.plane is not None and model not in scene_models.MODELS_WITH_CONTACT
     parts = None
@@ -144,14 +166,13 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Stepper:
         # For stability, MuJoCo keeps the time constant of a contact above two steps; `discrete` does not need this.
         shortest = 0.0 if method.integrator == "discrete" else 2 * method.timestep
         parts = contact.parts(scene, scene.plane, dict(method.options), shortest)
-    fluid = method.option("drag") == "fluid"
     joints = scene_models.joints(scene, model)
     xml = XML.format(
         timestep=method.timestep,
         integrator=method.integrator,
         # With friction as an external force, the model contains neither the weight nor the force that bears it.
         gravity=0.0 if braked else -scene.gravity,
-        density=fluid_density(scene) if fluid else 0.0,
+        density=fluid_density(scene) if method.option("drag") == "fluid" else 0.0,
         origin=contact.numbers_written(*joints.origin),
         joints=joints.xml,
         mass=scene.body.mass,
@@ -159,15 +180,7 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Stepper:
         moments=contact.numbers_written(*scene.body.moments),
         parts=scene_models.parts(scene, model, parts),
     )
-    compiled = compiled_model(xml)
-    data = mujoco.MjData(compiled)
-    data.qpos[:], data.qvel[:] = joints.qpos, joints.qvel
-    force = None
-    if scene.plane is not None and braked:
-        force = scene_models.friction_force(scene, scene.plane, method.timestep, data)
-    elif scene.drag and not fluid and model != "rotation":
-        force = scene_models.drag_force(scene.drag, data)
-    return Stepper(compiled, data, joints, force)
+    return xml, joints
 
 
 @lru_cache(maxsize=8)

@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, Model, SceneUnsupported, choice
-from bodycheck.adapters.pinocchio import INSTALLATION, contact
+from bodycheck.adapters.pinocchio import INSTALLATION, contact, exporting
 from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
@@ -151,6 +151,15 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Loop[tuple[Array, Array]
             step, joints, scene.body.shape, 0.0 if touches else scene_models.FAR_PLANE_DEPTH_M
         )
     return loop(scene_models.with_all_terms(step, joints) if model == "everything" else step, joints)
+
+
+def script(scene: Scene, method: Method, duration: float, samples: int) -> str:
+    """Return a script for Pinocchio alone, as `Scripts.script` does. There is none of a body on a plane."""
+    check_supported(scene, method)
+    if scene.plane is not None:
+        raise SceneUnsupported(f"a script of {method.name!r}: this adapter writes scripts of flights alone")
+    model = model_of(scene, method)
+    return exporting.script(scene, method, scene_models.JOINTS[model](scene, scene.gravity), model, duration, samples)
 
 
 def loop(step: Step, joints: Joints) -> Loop[tuple[Array, Array]]:

@@ -7,6 +7,7 @@ from cyclopts import App, CycloptsError, Parameter
 from bodycheck.commands.authoring import expect, new, schema, validate
 from bodycheck.commands.diff import diff
 from bodycheck.commands.engines import engines
+from bodycheck.commands.export import export
 from bodycheck.commands.listing import cases
 from bodycheck.commands.report import report
 from bodycheck.commands.run import run
@@ -31,7 +32,7 @@ app = App(
 #: All commands, in the order of their registration.
 COMMANDS = (
     *(run, tradeoff, recommend, extremes, ablate, releases, bisect, report, diff),
-    *(truth, cases, engines, validate, new, schema, expect),
+    *(truth, export, cases, engines, validate, new, schema, expect),
 )
 
 for command in COMMANDS:

@@ -1,0 +1,77 @@
+"""Write what a run does as a script for MuJoCo alone."""
+
+from bodycheck.adapters import scripts
+from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.adapters.mujoco import models as scene_models
+from bodycheck.adapters.mujoco.models import Joints
+from bodycheck.reference.scene import Scene
+
+SCRIPT = '''\
+{future}
+import mujoco
+import numpy as np
+
+{sampling}
+XML = """
+{xml}
+"""
+
+model = mujoco.MjModel.from_xml_string(XML)
+data = mujoco.MjData(model)
+data.qpos[:] = {qpos}
+data.qvel[:] = {qvel}
+{force}
+{loop}'''
+
+#: The force of drag, which MuJoCo evaluates together with its own passive forces.
+DRAG = """
+import math
+
+
+{source}
+
+mujoco.set_mjcb_passive(drag_force({drag!r}, data))
+"""
+
+
+def script(scene: Scene, method: Method, xml: str, joints: Joints, model: str, duration: float, samples: int) -> str:
+    """Return a script that takes the steps of a run, as `bodycheck.adapters.contract.Scripts` says.
+
+    Parameters
+    ----------
+    scene, method
+        The scene and the method.
+    xml
+        MuJoCo's model of the scene.
+    joints
+        The joints of that model.
+    model
+        The name of the model.
+    duration, samples
+        The duration (s) and the number of samples.
+
+    Raises
+    ------
+    SceneUnsupported
+        For a model with friction as an external force.
+    """
+    if scene.plane is not None and model not in scene_models.MODELS_WITH_CONTACT:
+        raise SceneUnsupported(f"a script of the model {model!r}: its friction is a force of bodycheck, not of MuJoCo")
+    fluid, initial = method.option("drag") == "fluid", scene.initial
+    dragged = scene.drag and not fluid and model != "rotation"
+    state = {
+        "translation": f"[*data.qpos, *{scripts.written(initial.quaternion)}, *data.qvel, 0.0, 0.0, 0.0]",
+        "rotation": f"[*{scripts.written(initial.position)}, *data.qpos, 0.0, 0.0, 0.0, *data.qvel]",
+    }.get(model, "[*data.qpos, *data.qvel]")
+    advance = "if step > done:\n    mujoco.mj_step(model, data, step - done)"
+    force = DRAG.format(source=scripts.source(scene_models.drag_force), drag=scene.drag) if dragged else ""
+    end = "\nmujoco.set_mjcb_passive(None)\n" if dragged else ""
+    return SCRIPT.format(
+        future=scripts.FUTURE,
+        sampling=scripts.sampling(method.timestep, duration, samples),
+        xml="\n".join(line for line in xml.splitlines() if line.strip()),
+        qpos=scripts.written(joints.qpos),
+        qvel=scripts.written(joints.qvel),
+        force=force,
+        loop=scripts.loop(advance, state) + end,
+    )

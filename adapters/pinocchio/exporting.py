@@ -1,0 +1,93 @@
+"""Write what a run in flight does as a script for Pinocchio alone."""
+
+from bodycheck.adapters import scripts
+from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.adapters.pinocchio.joints import Joints
+from bodycheck.adapters.pinocchio.schemes import SCHEMES
+from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.requirements import requirements
+from bodycheck.reference.scene import Scene
+
+SCRIPT = """\
+{future}
+import numpy as np
+import pinocchio as pin
+
+{sampling}
+model = pin.Model()
+model.gravity.linear[:] = 0.0, 0.0, {gravity!r}
+joint = 0
+{joints}
+inertia = pin.Inertia({mass!r}, np.array({lever}), np.array({tensor}).reshape(3, 3))
+model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
+data = model.createData()
+q = np.array({q})
+v = np.array({v})
+
+
+def acceleration(q, v):
+    force = np.zeros(model.nv)
+{drag}    return np.asarray(pin.aba(model, data, q, v, force))
+
+
+{source}
+
+{loop}"""
+
+JOINT = "joint = model.addJoint(joint, pin.{kind}(), pin.SE3.Identity(), {name!r})"
+
+#: Drag at the centre of mass, which acts on the linear velocity alone.
+DRAG = "    force[:3] = {drag!r} * np.linalg.norm(v[:3]) * v[:3]\n"
+
+#: The state of a body from q and v, by the name of the model. Pinocchio's quaternions are x y z w.
+STATES = {
+    "translation": "[*q, *{attitude}, *v, 0.0, 0.0, 0.0]",
+    "rotation": "[*{position}, q[3], *q[:3], 0.0, 0.0, 0.0, *v]",
+    "translation-and-rotation": "[*q[:3], q[6], *q[3:6], *v]",
+    "six-coordinates": "[*q[:3], q[6], *q[3:6], *rotate(q[[6, 3, 4, 5]], v[:3]), *v[3:]]",
+}
+
+
+def script(scene: Scene, method: Method, joints: Joints, model: str, duration: float, samples: int) -> str:
+    """Return a script that takes the steps of a run in flight, as `bodycheck.adapters.contract.Scripts` says.
+
+    Parameters
+    ----------
+    scene, method
+        The scene, which has no plane, and the method.
+    joints
+        The body on its joints.
+    model
+        The name of the model.
+    duration, samples
+        The duration (s) and the number of samples.
+
+    Raises
+    ------
+    SceneUnsupported
+        For a model with more than the joints of the body.
+    """
+    if model not in STATES:
+        raise SceneUnsupported(f"a script of the model {model!r}; scripts have the smaller ones: {', '.join(STATES)}")
+    built, initial = joints.model, scene.initial
+    (scheme, _), inertia = SCHEMES[method.integrator], built.inertias[joints.joint]
+    kinds = [(built.joints[number].shortname(), built.names[number]) for number in range(1, built.njoints)]
+    step = f"for _ in range(step - done):\n    q, v = {scheme.__name__}(model, acceleration, q, v, TIMESTEP)"
+    needed = (scheme, rotate) if model == "six-coordinates" else (scheme,)
+    return SCRIPT.format(
+        future=scripts.FUTURE,
+        sampling=scripts.sampling(method.timestep, duration, samples),
+        gravity=float(built.gravity.linear[2]),
+        joints="\n".join(JOINT.format(kind=kind, name=name) for kind, name in kinds),
+        mass=float(inertia.mass),
+        lever=scripts.written(inertia.lever),
+        tensor=scripts.written(inertia.inertia.ravel()),
+        q=scripts.written(joints.q),
+        v=scripts.written(joints.v),
+        drag=DRAG.format(drag=-scene.drag) if requirements(scene).drag else "",
+        source=scripts.source(*needed),
+        loop=scripts.loop(
+            step,
+            STATES[model].format(attitude=scripts.written(initial.quaternion), position=scripts.written(initial.position)),
+        ),
+    )

@@ -1,0 +1,114 @@
+"""Write what a run does as a script for its engine alone, so that it can be shown to people who do not have bodycheck."""
+
+from contextlib import closing
+from dataclasses import dataclass
+from importlib.metadata import version
+
+from bodycheck.adapters import offers, registry
+from bodycheck.adapters.contract import Method, SceneUnsupported, Scripts
+from bodycheck.adapters.method import DEFAULT_TIMESTEP
+from bodycheck.casefile.case import Case
+from bodycheck.errors import Failed
+from bodycheck.running import engines, pool
+from bodycheck.running.outcome import Crashed, TimedOut
+from bodycheck.running.plan import check_timestep
+
+#: Time limit (s) for a script, which takes as long as building the model.
+TIME_LIMIT_S = 120.0
+
+#: The first lines of a script. The title of the case is left out: it is a stranger's text.
+HEADER = """\
+# What bodycheck {bodycheck} runs as the case {case} in {engine} {version}
+# with the method {method} and a time step of {timestep!r} s.
+# This script needs the engine and NumPy alone. It prints the states as CSV.
+"""
+
+
+@dataclass(frozen=True)
+class Question:
+    """The run of which a script is asked for: a case, the name of an engine as the user gave it, and a method."""
+
+    case: Case
+    engine: str
+    method: Method
+
+
+@dataclass(frozen=True)
+class NoScript:
+    """There is no script; the reason is a sentence."""
+
+    reason: str
+
+
+def script(case: Case, engine: str, integrator: str | None, timestep: float = DEFAULT_TIMESTEP) -> str:
+    """Return a Python script that makes the same steps as a run of a case, and needs the engine and NumPy alone.
+
+    The engine is asked in a worker process.
+
+    Parameters
+    ----------
+    case
+        The case.
+    engine
+        The name of an engine that can be used.
+    integrator
+        The spelling of a method; None for the first one that the engine offers for the scene.
+    timestep
+        The time step (s).
+
+    Raises
+    ------
+    BadInput
+        If the engine has no such method, or the time step is not possible.
+    Failed
+        If the engine cannot model the scene, or there is no such script.
+    EngineMissing
+        If the engine cannot be used.
+    """
+    record = engines.record(engine)
+    if integrator is None:
+        names = offers.offered(record, case.scene)
+        if not names:
+            raise Failed(f"{case.name}: {engine} has no integrator for this scene")
+        integrator = names[0]
+    method = Method.parse(integrator, timestep)
+    offers.check(record, method)
+    check_timestep(case, timestep)
+    question = Question(case, engine, method)
+    with closing(pool.call_all(written, [question], 1, TIME_LIMIT_S, group=_engine_of, home=engines.home)) as answers:
+        ((_, answer),) = answers
+    match answer:
+        case str():
+            return answer
+        case NoScript(reason):
+            raise Failed(f"{case.name}: {reason}")
+        case Crashed() | TimedOut():
+            raise Failed(f"{case.name}: {engine} fails when a script is asked for: {answer.reason}")
+
+
+def written(question: Question) -> str | NoScript:
+    """Return the script of a run, or why there is none. The engine is imported here."""
+    adapter, case, method = registry.load(question.engine), question.case, question.method
+    named = f"{question.engine} {adapter.engine.version}"
+    lacking = offers.not_offered(adapter.engine, case.scene, method) or offers.not_modelled(adapter.engine, case.scene)
+    if lacking is not None:
+        return NoScript(f"{named} {lacking}")
+    if not isinstance(adapter, Scripts):
+        return NoScript(f"{named}: its adapter cannot write scripts")
+    try:
+        program = adapter.script(case.scene, method, case.duration, case.samples)
+    except SceneUnsupported as error:
+        return NoScript(str(error))
+    header = HEADER.format(
+        bodycheck=version("bodycheck"),
+        case=case.name,
+        engine=adapter.engine.name,
+        version=adapter.engine.version,
+        method=method.name,
+        timestep=method.timestep,
+    )
+    return header + program
+
+
+def _engine_of(question: Question) -> str:
+    return question.engine
