@@ -22,15 +22,22 @@ def identity(case: Case) -> str:
     return sha256(json.dumps(physics(case), sort_keys=True).encode()).hexdigest()
 
 
-def differences(one: Case, other: Case) -> list[tuple[str, Any, Any]]:
-    """Return the dotted keys that affect the motion and differ between two cases, with both values; None for a missing key."""
-    here, there = dict(_leaves(physics(one))), dict(_leaves(physics(other)))
-    return [(key, here.get(key), there.get(key)) for key in {**here, **there} if here.get(key) != there.get(key)]
+def keys(case: Case) -> dict[str, str]:
+    """Return the dotted keys of a case that affect the motion, with their values as JSON."""
+    return dict(_leaves(physics(case)))
 
 
-def _leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+def changed_keys(base: Mapping[str, str], now: Mapping[str, str]) -> list[tuple[str, str | None, str | None]]:
+    """Return the keys that differ between two cases, as `keys` returns them, with both values; None for a missing key."""
+    return [(key, base.get(key), now.get(key)) for key in {**base, **now} if base.get(key) != now.get(key)]
+
+
+def _leaves(table: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
     for name, value in table.items():
         if isinstance(value, dict):
             yield from _leaves(value, f"{prefix}{name}.")
+        elif isinstance(value, list) and value and all(isinstance(one, dict) for one in value):
+            for place, one in enumerate(value, start=1):
+                yield from _leaves(one, f"{prefix}{name}[{place}].")
         else:
-            yield prefix + name, value
+            yield prefix + name, json.dumps(value)

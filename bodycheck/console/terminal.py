@@ -91,16 +91,14 @@ def print_changes(changes: Sequence[Change], view: View = AS_USUAL) -> None:
     show(WRITTEN, changes, view)
 
 
-def print_difference(found: "Difference", view: View = AS_USUAL) -> None:
-    """Print one line per change, the changes of the time per step, and a summary of the changes in one sentence."""
+def print_difference(found: "Difference", summary: Sequence[str], view: View = AS_USUAL) -> None:
+    """Print one line per change, what could not be compared, and a summary, which is given in sentences."""
     if found.changes:
         show(DIFFERENCES, found.changes, view)
-    for pace in found.paces:
-        tell(pace.text)
     if found.redefined:
         tell(f"not compared, since their definition has changed (save a new baseline): {', '.join(found.redefined)}")
-    if found.changes:
-        tell(found.text)
+    for text in summary:
+        tell(text)
 
 
 def _number(value: float | str | None) -> float | None:

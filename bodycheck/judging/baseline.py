@@ -2,12 +2,10 @@
 
 import json
 import math
-from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
-from statistics import median
 from typing import Any, Literal, get_args
 
 import pyarrow as pa
@@ -15,18 +13,17 @@ import pyarrow.parquet as pq
 
 from bodycheck.adapters.method import Method, current
 from bodycheck.casefile.expectation import unit
-from bodycheck.casefile.identity import identity
+from bodycheck.casefile.identity import changed_keys, identity, keys
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES as ALL_FIGURES
 from bodycheck.figures.columns import distance_from_ideal
 from bodycheck.files import writing
 from bodycheck.judging import baseline_checks, judgement, nudged_runs, rounding
 from bodycheck.judging.judgement import Verdict
-from bodycheck.judging.nudged_runs import ALLOWANCE, FASTEST, SLOWEST
+from bodycheck.judging.nudged_runs import ALLOWANCE
 from bodycheck.running import records
 from bodycheck.running.header import DESCRIPTIONS
 from bodycheck.running.key import RunKey
-from bodycheck.running.machine import SPEED_TOLERANCE
 from bodycheck.running.outcome import Completed, Unsupported
 from bodycheck.running.store import Results
 
@@ -40,6 +37,9 @@ HEADER = tuple(name for name in DESCRIPTIONS if name not in ("command", "missing
 
 #: The compared figures.
 FIGURES = tuple(name for name, figure in ALL_FIGURES.items() if not figure.of_truth)
+
+#: The most changed keys of a case that a message names, and the longest text of a value in it.
+MOST_KEYS, LONGEST_VALUE = 4, 60
 
 #: Factor between two figures below which their difference is given in relative terms.
 NEARLY_EQUAL_FACTOR = 1.01
@@ -64,12 +64,16 @@ class Baseline:
         The rows by the keys of their runs.
     revisions
         The revisions of the figures whose definition has ever changed; a figure that is missing has revision 1.
+    keys
+        The keys of each case that affect the motion, with their values as text, by the name of the case. Files of earlier
+        versions have none.
     """
 
     header: Mapping[str, Any]
     cases: Mapping[str, str]
     rows: Mapping[RunKey, Row]
     revisions: Mapping[str, int] = field(default_factory=dict)
+    keys: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -108,9 +112,21 @@ class Change:
     @property
     def factor(self) -> float:
         """The ratio of the larger error to the smaller one; infinite if there are no two errors or one is zero."""
+        return self._ratio(0.0)
+
+    @property
+    def severity(self) -> tuple[int, float]:
+        """What orders changes: runs come before statuses, these before figures, and figures by their factors.
+
+        An error counts as no smaller than its allowance, so that a change from nearly nothing to little is not the largest.
+        """
+        kind = ("status", "run").index(self.what) + 1 if self.allowance is None else 0
+        return kind, self._ratio(self.allowance or 0.0)
+
+    def _ratio(self, floor: float) -> float:
         if not (isinstance(self.base, float) and isinstance(self.now, float)):
             return math.inf
-        least, most = sorted((distance_from_ideal(self.what, self.base), distance_from_ideal(self.what, self.now)))
+        least, most = sorted(max(distance_from_ideal(self.what, value), floor) for value in (self.base, self.now))
         return most / least if least > 0 else math.inf
 
     @property
@@ -142,23 +158,6 @@ class Change:
 
 
 @dataclass(frozen=True)
-class Pace:
-    """A change of the time per step of a method on one machine. `factor` is the median ratio of new to old over `runs` runs."""
-
-    engine: str
-    integrator: str
-    factor: float
-    runs: int
-
-    @property
-    def text(self) -> str:
-        """As one sentence."""
-        times = f"{self.factor:.2g} times as long" if self.factor > 1 else f"{1 / self.factor:.2g} times less"
-        runs = "1 run" if self.runs == 1 else f"{self.runs} runs"
-        return f"{self.engine} {self.integrator}: a step takes {times} (median of {runs}, same machine)"
-
-
-@dataclass(frozen=True)
 class Difference:
     """The differences between two baselines, the worst first.
 
@@ -166,18 +165,21 @@ class Difference:
     ----------
     changes
         The changes of runs.
-    paces
-        The changes of the time per step.
     versions
         The programs whose version changed, with the old and the new version.
     redefined
         The names of the figures that both have and that are not compared, because their definition changed in between.
+    runs
+        The number of runs that both have.
+    compared
+        The names of the figures that were compared in any run.
     """
 
     changes: tuple[Change, ...]
-    paces: tuple[Pace, ...]
     versions: tuple[tuple[str, str, str], ...]
-    redefined: tuple[str, ...] = ()
+    redefined: tuple[str, ...]
+    runs: int
+    compared: tuple[str, ...]
 
     @property
     def worse(self) -> tuple[Change, ...]:
@@ -186,12 +188,15 @@ class Difference:
 
     @property
     def text(self) -> str:
-        """A summary of the changes, of which there must be at least one, in one sentence."""
+        """What has changed in one sentence, with the worst change; or that nothing has."""
+        versions = "".join(f"; {name} {base} → {now}" for name, base, now in self.versions)
+        if not self.changes:
+            runs = "1 run" if self.runs == 1 else f"{self.runs} runs"
+            return f"no change in {runs} beyond rounding and the truth's own error{versions}"
         counts = {
             direction: len({change.key for change in self.changes if change.direction == direction}) for direction in DIRECTIONS
         }
         tally = ", ".join(f"{count} {direction}" for direction, count in counts.items() if count)
-        versions = "".join(f"; {name} {base} → {now}" for name, base, now in self.versions)
         return f"runs: {tally}; {self.changes[0].text}{versions}"
 
 
@@ -235,6 +240,7 @@ def save(
         "header": {name: value for name, value in results.header.items() if name in HEADER},
         "cases": {name: identity(case) for name, case in results.cases.items()},
         "revisions": {name: figure.revision for name, figure in ALL_FIGURES.items() if figure.revision > 1},
+        "keys": {name: keys(case) for name, case in results.cases.items()},
     }
     content = pa.BufferOutputStream()
     pq.write_table(table.replace_schema_metadata({METADATA: json.dumps(told)}), content, compression="zstd")
@@ -251,7 +257,7 @@ def read(path: Path) -> Baseline:
             raise ValueError(f"its format is {told['format']}, not {FORMAT}")
         metadata = records.typed(baseline_checks.Metadata, told)
         rows = {RunKey.of_row(row): _present(row) for row in (baseline_checks.check(row, figures) for row in table.to_pylist())}
-        return Baseline(asdict(metadata.header), metadata.cases, rows, metadata.revisions)
+        return Baseline(asdict(metadata.header), metadata.cases, rows, metadata.revisions, metadata.keys)
     except (
         OSError,
         ValueError,
@@ -273,7 +279,8 @@ def diff(base: Baseline, now: Baseline) -> Difference:
     Raises `BadInput` if the physics of a case has changed, because its runs cannot be compared then.
     """
     if other := sorted(name for name, told in base.cases.items() if now.cases.get(name, told) != told):
-        raise BadInput(f"the case itself has changed, save a new baseline: {', '.join(other)}")
+        edited = (_edited(name, base.keys.get(name, {}), now.keys.get(name, {})) for name in other)
+        raise BadInput(f"the case itself has changed, save a new baseline: {'; '.join(edited)}")
     redefined = [name for name in FIGURES if base.revisions.get(name, 1) != now.revisions.get(name, 1)]
     found = [
         change
@@ -283,25 +290,24 @@ def diff(base: Baseline, now: Baseline) -> Difference:
     ]
     shared = [(base.rows[key], now.rows[key]) for key in base.rows.keys() & now.rows.keys()]
     lost = tuple(name for name in redefined if any(_entries_of_both(*rows, name) for rows in shared))
-    found.sort(key=lambda change: (DIRECTIONS.index(change.direction), -change.factor))
-    same_machine = base.header["machine"] == now.header["machine"]
-    paces = tuple(_paces(base, now)) if same_machine else ()
-    return Difference(tuple(found), paces, tuple(_versions(base, now)), lost)
+    compared = tuple(name for name in FIGURES if name not in lost and any(_entries_of_both(*rows, name) for rows in shared))
+    found.sort(key=lambda change: change.severity, reverse=True)
+    found.sort(key=lambda change: DIRECTIONS.index(change.direction))
+    return Difference(tuple(found), tuple(_versions(base, now)), lost, len(shared), compared)
 
 
 def as_json(found: Difference) -> dict[str, Any]:
     """Return the JSON object of `bodycheck diff --json`."""
     changes = [{**asdict(change), "text": change.text} for change in found.changes]
-    paces = [{**asdict(pace), "text": pace.text} for pace in found.paces]
     versions = {name: {"base": base, "now": now} for name, base, now in found.versions}
-    told = {"worse": len(found.worse), "changes": changes, "times": paces, "versions": versions}
-    return told | {"redefined": list(found.redefined)}
+    told = {"worse": len(found.worse), "changes": changes, "versions": versions, "redefined": list(found.redefined)}
+    return told | {"runs": found.runs, "compared": list(found.compared), "text": found.text}
 
 
 def rows(
     results: Results, verdicts: Sequence[Verdict], jobs: int, progress: Callable[[str], None] = lambda done: None
 ) -> list[Row]:
-    """Return the rows of results with the allowance of every figure and with the shortest and the longest time per step.
+    """Return the rows of results with the allowance of every figure.
 
     Every completed run is repeated `rounding.NUDGES` times. Parameters are those of `save`.
     """
@@ -343,30 +349,25 @@ def _entries_of_both(base: Row, now: Row, name: str) -> tuple[float, float] | No
     return None if one is None or other is None else (float(one), float(other))
 
 
+def _edited(name: str, base: Mapping[str, str], now: Mapping[str, str]) -> str:
+    """Return the name of a case with the keys that have changed, if they are known."""
+    apart = changed_keys(base, now) if base and now else []
+    told = [f"{key} {_shortened(one)} → {_shortened(other)}" for key, one, other in apart[:MOST_KEYS]]
+    more = [f"{len(apart) - MOST_KEYS} more"] if len(apart) > MOST_KEYS else []
+    return f"{name} ({', '.join(told + more)})" if apart else name
+
+
+def _shortened(value: str | None) -> str:
+    """Return a value as text; None stands for a key that is not there."""
+    return "none" if value is None else value if len(value) <= LONGEST_VALUE else f"{value[:LONGEST_VALUE]}…"
+
+
 def _rank(status: str) -> int:
     return (Completed.status, Unsupported.status).index(status) if status in (Completed.status, Unsupported.status) else 2
 
 
 def _figure_text(value: float | str | None, digits: int) -> str:
     return f"{value:.{digits}g}" if isinstance(value, float) else value or ""
-
-
-def _paces(base: Baseline, now: Baseline) -> Iterator[Pace]:
-    """Yield the methods of which most runs changed their time per step by more than both spreads and `SPEED_TOLERANCE`."""
-    factors: dict[tuple[str, str], list[tuple[float, float]]] = defaultdict(list)
-    for key in base.rows.keys() & now.rows.keys():
-        fastest, slowest = (_entries_of_both(base.rows[key], now.rows[key], name) for name in (FASTEST, SLOWEST))
-        if fastest is not None and slowest is not None:
-            spread = slowest[0] / fastest[0] * slowest[1] / fastest[1]
-            factors[key.engine, key.method.name].append(
-                (math.sqrt(fastest[1] * slowest[1] / (fastest[0] * slowest[0])), spread)
-            )
-    for method, found in sorted(factors.items()):
-        middle = median(factor for factor, _ in found)
-        same_way = [(max(factor, 1 / factor), spread) for factor, spread in found if (factor > 1) == (middle > 1)]
-        beyond = [factor for factor, spread in same_way if factor > max(spread, SPEED_TOLERANCE)]
-        if len(beyond) > len(found) / 2:
-            yield Pace(*method, middle, len(found))
 
 
 def _versions(base: Baseline, now: Baseline) -> Iterator[tuple[str, str, str]]:

@@ -30,27 +30,27 @@ class Header:
 
 @dataclass(frozen=True)
 class Metadata:
-    """What a baseline holds beside its table: the header, the identities of the cases by name, and the revisions of figures.
+    """What a baseline holds beside its table: the header, the identities of the cases by name, the revisions of figures, and
+    the keys of each case with their values as JSON.
 
-    Baselines of earlier versions lack the revisions, which were all 1.
+    Baselines of earlier versions lack the revisions, which were all 1, and the keys.
     """
 
     header: Header
     cases: dict[Name, Printable]
     revisions: dict[Printable, int] = field(default_factory=dict)
+    keys: dict[Name, dict[Printable, Printable]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Row:
-    """The columns of a row that are no figures. The times per step (s) are those of the shortest and the longest run."""
+    """The columns of a row that are no figures. Baselines of earlier versions have times per step too, which nothing reads."""
 
     case: Name
     engine: EngineName
     integrator: Spelling
     timestep: Timestep
     status: Printable
-    time_per_step_low: Timestep | None = None
-    time_per_step_high: Timestep | None = None
 
 
 def read(path: Path) -> pa.Table:

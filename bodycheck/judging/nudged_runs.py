@@ -1,4 +1,4 @@
-"""Completed runs, repeated from nudged initial states: by how much rounding may change their figures, and their times."""
+"""Completed runs, repeated from nudged initial states: by how much rounding may change their figures."""
 
 from collections import defaultdict
 from collections.abc import Callable, Sequence
@@ -12,21 +12,18 @@ from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import campaign, pool
 from bodycheck.running.engines import home
 from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed, Run
+from bodycheck.running.outcome import Run
 from bodycheck.running.plan import Task
 from bodycheck.running.store import Results
 
 #: Suffix of the column with the allowed difference of a figure if nothing has changed; see `rounding.allowances`.
 ALLOWANCE = "_allowance"
 
-#: Columns with the shortest and the longest time per step (s) of the runs of a row.
-FASTEST, SLOWEST = "time_per_step_low", "time_per_step_high"
-
 
 def measured(
     results: Results, verdicts: Sequence[Verdict], jobs: int, progress: Callable[[str], None]
 ) -> dict[RunKey, dict[str, float]]:
-    """Repeat the completed runs with nudged initial states, and return allowances and times by the key of the run."""
+    """Repeat the completed runs with nudged initial states, and return the allowances of figures by the key of the run."""
     truths = lru_cache(1)(results.truth)
     waiting = {verdict.run.key: verdict.run for verdict in verdicts if verdict.discrepancy is not None}
     tasks = [
@@ -51,7 +48,4 @@ def measured(
 
 def _row_of(truth: Truth | NoTruth, run: Run, others: Sequence[Run]) -> dict[str, float]:
     assert isinstance(truth, Truth)  # the run has a discrepancy
-    allowed = {f"{name}{ALLOWANCE}": value for name, value in rounding.allowances(truth, run, others).items()}
-    completed = [one.outcome for one in (run, *others) if isinstance(one.outcome, Completed)]
-    times = [outcome.wall_time / outcome.steps for outcome in completed if outcome.steps]
-    return allowed | ({FASTEST: min(times), SLOWEST: max(times)} if times else {})
+    return {f"{name}{ALLOWANCE}": value for name, value in rounding.allowances(truth, run, others).items()}

@@ -4,9 +4,6 @@ import os
 import platform
 from pathlib import Path
 
-#: Factor by which the speed of one machine may vary within hours.
-SPEED_TOLERANCE = 1.25
-
 
 def fingerprint() -> dict[str, str]:
     """Return a description of system, processor and Python; times are comparable only between equal fingerprints."""

@@ -9,9 +9,8 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
 
-from bodycheck.casefile.identity import differences
+from bodycheck.casefile.identity import changed_keys, keys
 from bodycheck.figures.columns import distance_from_ideal
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
@@ -259,11 +258,11 @@ def _notices(pair: Pair) -> Iterator[str]:
     for name in here:
         if name not in there or here[name].text == there[name].text:
             continue
-        apart = differences(here[name], there[name])
+        apart = changed_keys(keys(here[name]), keys(there[name]))
         if apart:
-            keys = listing([f"{key} {_value_text(one)} → {_value_text(other)}" for key, one, other in apart], MOST_NAMES, "key")
+            told = listing([f"{key} {one or 'none'} → {other or 'none'}" for key, one, other in apart], MOST_NAMES, "key")
             yield (
-                f"The case {name} differs between {sets}: {keys}. "
+                f"The case {name} differs between {sets}: {told}. "
                 "Each is compared with its own truth, and their runs are not compared with each other."
             )
         else:
@@ -285,7 +284,3 @@ def _differing(one: Verdict, other: Verdict) -> list[str]:
     """Return the columns of the numbers that both runs have and that are not the same to the last bit."""
     here, there = _figures(one), _figures(other)
     return [name for name in here if name in there and here[name] != there[name]]
-
-
-def _value_text(value: Any) -> str:
-    return "none" if value is None else str(value)
