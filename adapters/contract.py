@@ -1,10 +1,10 @@
 """The contract between bodycheck and the adapter of an engine: a module, or any object, with the attributes of `Adapter`.
 
-An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Three protocols are optional: an
-adapter that can model a scene in several ways also implements `Models`, one that knows the friction law and the load of its
-contacts `Contact`, and one that can write a run as a script for the engine alone `Scripts`. `bodycheck.adapters.offers` handles
-for all adapters misspelled methods, scenes that an engine cannot model, and several scenes for an engine that steps one scene
-at a time.
+An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Four protocols are optional:
+`Models` for an adapter that can model a scene in several ways, `Contact` for one that knows the friction law and the load of
+its contacts, `Scripts` for one that can write a run as a script for the engine alone, and `Calls` for one that names the
+functions of its engine which its steps call. `bodycheck.adapters.offers` handles for all adapters misspelled methods, scenes
+that an engine cannot model, and several scenes for an engine that steps one scene at a time.
 
 Scenes and states follow the conventions of `bodycheck.reference.scene`. An adapter converts them to and from the conventions
 of its engine. It imports its engine and this package, but nothing of cases, truth or reports.
@@ -271,6 +271,19 @@ class Scripts(Protocol):
         SceneUnsupported
             If the engine cannot model the scene, or there is no such script of the method.
         """
+        ...
+
+
+@runtime_checkable
+class Calls(Protocol):
+    """An adapter that names the functions of its engine which its steps call from Python.
+
+    By them the time of the engine is told from that of the loop in Python around it.
+    """
+
+    @property
+    def calls(self) -> Sequence[tuple[Any, str]]:
+        """Pairs of an object, which is a module or a class, and the name of a function in it that is looked up at each call."""
         ...
 
 

@@ -24,7 +24,7 @@ import numpy as np
 from bodycheck.adapters.contract import Engine, Integrator, Method, Model, SceneUnsupported, Strides, choice
 from bodycheck.adapters.mujoco import INSTALLATION, contact, exporting
 from bodycheck.adapters.mujoco import models as scene_models
-from bodycheck.adapters.mujoco.stepping import Stepper, quiet, refuse_warnings
+from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
@@ -86,6 +86,9 @@ engine = Engine(
         "plane": ("Euler:cone=elliptic", "Euler:cone=elliptic,pads=4", "Euler:model=planar"),
     },
 )
+
+
+calls = CALLS
 
 
 def models(scene: Scene, integrator: str) -> dict[str, Model]:

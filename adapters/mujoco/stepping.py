@@ -29,9 +29,13 @@ WARNINGS = {
 RESET_WARNINGS = {mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC}
 
 try:
-    from mujoco.rollout import Rollout as Pool
+    from mujoco.rollout import Rollout
 except ImportError:  # older than MuJoCo 3.2.7
-    Pool = None
+    Rollout = None
+
+#: The functions of MuJoCo that steps call from Python. What a step in turn calls in Python, drag and friction as external
+#: forces, counts as MuJoCo's.
+CALLS: tuple[tuple[Any, str], ...] = ((mujoco, "mj_step"), *(((Rollout, "rollout"),) if Rollout is not None else ()))
 
 
 @contextmanager
@@ -85,10 +89,10 @@ class Stepper:
 
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: Joints, force: Force | None) -> None:
         self.model, self.data, self.joints, self.force = model, data, joints, force
-        self.pool: Any = None if Pool is None else Pool(nthread=0)
+        self.pool: Any = None if Rollout is None else Rollout(nthread=0)
         # Row 0 is the state before a rollout, the other rows are those of the rollout. Filling them allocates the memory before
         # the first step is timed.
-        size = 0 if Pool is None else mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+        size = 0 if Rollout is None else mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
         self.states = np.full((STEPS_PER_ROLLOUT + 1, size), 0.0)
 
     def advance(self, strides: Strides) -> Array:

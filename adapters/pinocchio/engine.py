@@ -68,6 +68,17 @@ engine = Engine(
 )
 
 
+#: The functions of Pinocchio that steps call from Python.
+calls = tuple(
+    (pin, name)
+    for name in (
+        *("aba", "integrate", "dDifference", "computeAllTerms", "computeCollisions"),
+        *("computeJointJacobians", "computeMinverse", "getConstraintsJacobian"),
+    )
+    if hasattr(pin, name)
+)
+
+
 def check_supported(scene: Scene, method: Method) -> None:
     """Raise `SceneUnsupported` if the contact or the selected model does not fit the scene."""
     if scene.plane is not None and (reason := unsupported_contact(scene, scene.plane)) is not None:

@@ -1,10 +1,15 @@
-"""Measure the time per step of methods, in turn and in one process, with the spread of repeated measurements."""
+"""Measure what a step of a method costs, with the spread of repeated measurements.
+
+Each engine is timed in a process of its own, where it is installed. The methods take turns, whatever their engine, so that
+disturbances of the machine affect all of them equally.
+"""
 
 import gc
 import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +17,10 @@ from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
+from bodycheck.running import pool
+from bodycheck.running.engines import home
+from bodycheck.running.outcome import Crashed, TimedOut
+from bodycheck.studies.engine_calls import share
 
 #: Number of repetitions of each measurement.
 ROUNDS = 9
@@ -21,9 +30,6 @@ MIN_TIMING_S = 0.02
 
 #: Largest number of repetitions of a short run within one measurement.
 MAX_REPEATS = 10
-
-#: A function that returns the time (s) for a number of steps from the start of the scene.
-Timer = Callable[[int], float]
 
 
 @dataclass(frozen=True)
@@ -45,49 +51,119 @@ class Stretch:
     steps: int
 
 
-def measure(stretches: Sequence[Stretch], rounds: int = ROUNDS) -> Array:
-    """Return the times per step (n, rounds), in s, of n stretches.
+@dataclass(frozen=True)
+class Measured:
+    """What was measured of a stretch.
 
-    All stretches are measured in turn, so that disturbances of the machine affect all of them equally. Set-up is not timed, and
-    every measurement begins at the start of the scene. Exceptions of the engines are passed on.
+    Attributes
+    ----------
+    times
+        The time per step (s) of each round.
+    processor_times
+        The time per step (s) for which processors worked, all threads together, of each round.
+    setup
+        The time (s) of the first preparation of the simulation in its process, in which some engines compile code.
+    engine_share
+        The share of the time that passes in the engine's own calls; the rest is the loop in Python around them. None if the
+        adapter does not name these calls.
     """
-    times = np.empty((len(stretches), rounds))
-    timers = [_timer(stretch) for stretch in stretches]
-    sizes = [_size(timer, stretch.steps) for timer, stretch in zip(timers, stretches, strict=True)]
-    for turn in range(rounds):
-        # Every other round is in reverse order, so that no stretch always follows the same other one.
-        for place in range(len(stretches))[:: 1 if turn % 2 == 0 else -1]:
-            steps, repeats = sizes[place]
-            times[place, turn] = sum(timers[place](steps) for _ in range(repeats)) / (steps * repeats)
-    return times
+
+    times: Array
+    processor_times: Array
+    setup: float
+    engine_share: float | None
 
 
-def summarise(times: Array) -> list[Cost]:
-    """Return the cost of each row of repeated measurements (n, rounds)."""
-    columns = np.median(times, axis=1), times.min(axis=1), times.max(axis=1)
-    return [Cost(*map(float, row)) for row in zip(*columns, strict=True)]
+@dataclass(frozen=True)
+class _Size:
+    """The number of steps and of repetitions of one measurement of sufficient duration, and the time of the set-up (s)."""
+
+    steps: int
+    repeats: int
+    setup: float
 
 
-def _size(timer: Timer, most: int) -> tuple[int, int]:
-    """Return the number of steps, at most `most`, and of repetitions for a measurement of sufficient duration."""
-    steps = min(most, 16)
-    while (taken := timer(steps)) < MIN_TIMING_S and steps < most:
-        steps = min(most, math.ceil(steps * min(16.0, max(1.5, MIN_TIMING_S / taken))))
-    return steps, max(1, min(MAX_REPEATS, round(MIN_TIMING_S / taken)))
+def measure(stretches: Sequence[Stretch], limit: float, rounds: int = ROUNDS) -> list[Measured | Crashed | TimedOut]:
+    """Return what was measured of each stretch, or why nothing was.
+
+    Set-up is not timed with the steps, and every measurement begins at the start of the scene.
+
+    Parameters
+    ----------
+    stretches
+        The runs whose steps are timed.
+    limit
+        The time limit (s) of one measurement.
+    rounds
+        The number of measurements of each stretch.
+    """
+    failed: dict[int, Crashed | TimedOut] = {}
+    times, processor_times = np.empty((2, len(stretches), rounds))
+    with pool.caller(_apply, limit, group=lambda call: call[1].engine, home=home) as call:
+
+        def asked(place: int, function: Callable[..., Any], *arguments: object) -> Any:
+            """Make a call for a stretch that has not failed; None if it has, or does so now."""
+            if place in failed:
+                return None
+            answer = call((function, stretches[place], *arguments))
+            if isinstance(answer, Crashed | TimedOut):
+                failed[place] = answer
+                return None
+            return answer
+
+        sizes: list[_Size | None] = [asked(place, _size) for place in range(len(stretches))]
+        for turn in range(rounds):
+            # Every other round is in reverse order, so that no stretch always follows the same other one.
+            for place in range(len(stretches))[:: 1 if turn % 2 == 0 else -1]:
+                if (found := asked(place, _sample, sizes[place])) is not None:
+                    times[place, turn], processor_times[place, turn] = found
+        shares = [asked(place, _engine_share, sizes[place]) for place in range(len(stretches))]
+    return [
+        failed.get(place) or Measured(times[place], processor_times[place], size.setup if size else 0.0, shares[place])
+        for place, size in enumerate(sizes)
+    ]
 
 
-def _timer(stretch: Stretch) -> Timer:
+def summarise(times: Array) -> Cost:
+    """Return the cost that repeated measurements (rounds,) tell."""
+    return Cost(float(np.median(times)), float(times.min()), float(times.max()))
+
+
+def _apply(call: tuple[Any, ...]) -> Any:
+    function, *arguments = call
+    return function(*arguments)
+
+
+def _size(stretch: Stretch) -> _Size:
+    """Return the number of steps, at most those of the stretch, and of repetitions for a measurement of sufficient duration."""
+    start = time.perf_counter()
+    offers.prepare(registry.load(stretch.engine), [stretch.scene], stretch.method)
+    setup = time.perf_counter() - start
+    steps = min(stretch.steps, 16)
+    while (taken := _seconds(stretch, steps)[0]) < MIN_TIMING_S and steps < stretch.steps:
+        steps = min(stretch.steps, math.ceil(steps * min(16.0, max(1.5, MIN_TIMING_S / taken))))
+    return _Size(steps, max(1, min(MAX_REPEATS, round(MIN_TIMING_S / taken))), setup)
+
+
+def _sample(stretch: Stretch, size: _Size) -> tuple[float, float]:
+    """Return the time and the processor time per step (s) of one measurement."""
+    taken = np.sum([_seconds(stretch, size.steps) for _ in range(size.repeats)], axis=0) / (size.steps * size.repeats)
+    return float(taken[0]), float(taken[1])
+
+
+def _engine_share(stretch: Stretch, size: _Size) -> float | None:
     adapter = registry.load(stretch.engine)
+    return share(adapter, lambda: [_seconds(stretch, size.steps)[0] for _ in range(size.repeats)][0])
 
-    def seconds(steps: int) -> float:
-        simulation = offers.prepare(adapter, [stretch.scene], stretch.method)
-        strides = np.array([steps], dtype=np.int64)
-        gc.disable()
-        try:
-            start = time.perf_counter()
-            simulation.advance(strides)
-            return time.perf_counter() - start
-        finally:
-            gc.enable()
 
-    return seconds
+def _seconds(stretch: Stretch, steps: int) -> tuple[float, float]:
+    """Return the time and the processor time (s) of a number of steps from the start of the scene."""
+    simulation = offers.prepare(registry.load(stretch.engine), [stretch.scene], stretch.method)
+    strides = np.array([steps], dtype=np.int64)
+    gc.disable()
+    try:
+        processor, start = time.process_time(), time.perf_counter()
+        simulation.advance(strides)
+        return time.perf_counter() - start, time.process_time() - processor
+    finally:
+        gc.enable()

@@ -28,7 +28,7 @@ from bodycheck.running.plan import Task, check
 from bodycheck.running.store import Results
 from bodycheck.studies import cost
 from bodycheck.studies.ablation.rows import Change, ModelRow
-from bodycheck.studies.cost import Cost, Stretch
+from bodycheck.studies.cost import Cost, Measured, Stretch
 
 #: The first columns of ablation.csv. They are followed by the errors, the changes relative to the smallest model with the
 #: rounding and the time-step errors that may cause them, the status of the run, and the part that the model adds.
@@ -39,9 +39,6 @@ COLUMNS = (
 
 #: Ratio of an error of first order to its change when the time step is halved; the ratio is smaller for higher orders.
 FIRST_ORDER_FACTOR = 2.0
-
-#: Times per step (s), and times relative to the first model.
-Timed = tuple[list[Cost], list[Cost]]
 
 #: Models by the spelling of a method and by their names.
 ModelsByMethod = dict[str, dict[str, Model]]
@@ -196,17 +193,15 @@ def measured(case: Case, completed: Mapping[str, Verdict]) -> tuple[dict[str, tu
     ]
     if not stretches:
         return {}, ""
-    calls = pool.call_all(time_in_turn, [stretches], 1, campaign.TIME_LIMIT_S, group=lambda those: those[0].engine, home=home)
-    ((_, answer),) = calls
-    if not isinstance(answer, tuple):
-        return {}, f"its cost could not be measured: {answer.reason}"
-    return dict(zip(completed, zip(*answer, strict=True), strict=True)), ""
+    found = cost.measure(stretches, campaign.TIME_LIMIT_S)
+    if failed := [own for own in found if isinstance(own, Crashed | TimedOut)]:
+        return {}, f"its cost could not be measured: {failed[0].reason}"
+    return dict(zip(completed, compared([own.times for own in found if isinstance(own, Measured)]), strict=True)), ""
 
 
-def time_in_turn(stretches: Sequence[Stretch]) -> Timed:
-    """Return the cost of each stretch, and its ratio to that of the first stretch in the same round."""
-    times = cost.measure(stretches)
-    return cost.summarise(times), cost.summarise(times / times[0])
+def compared(times: Sequence[Array]) -> list[tuple[Cost, Cost]]:
+    """Return the cost that the times (rounds,) of each model tell, and its ratio to that of the first in the same rounds."""
+    return [(cost.summarise(own), cost.summarise(own / times[0])) for own in times]
 
 
 def changes(own: Verdict, finer: Verdict, smallest: Verdict, finer_smallest: Verdict) -> dict[str, Change]:

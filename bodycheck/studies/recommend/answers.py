@@ -6,11 +6,11 @@ from dataclasses import replace
 
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import Case
-from bodycheck.running import campaign, pool
+from bodycheck.running import campaign
 from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.running.simulation import sampling_steps
 from bodycheck.studies import cost
-from bodycheck.studies.cost import Cost, Stretch
+from bodycheck.studies.cost import Stretch
 from bodycheck.studies.recommend import search
 from bodycheck.studies.recommend.rows import Answer, Probe
 
@@ -64,12 +64,12 @@ def priced(case: Case, answers: Sequence[Answer]) -> list[Answer]:
     }
     found = list(answers)
     if stretches:
-        ((_, costs),) = pool.call_all(_timed, [tuple(stretches.values())], jobs=1, limit=campaign.TIME_LIMIT_S)
-        for number, (place, stretch) in enumerate(stretches.items()):
-            if isinstance(costs, Crashed | TimedOut):
-                found[place] = replace(answers[place], reason=f"its cost could not be measured: {costs.reason}")
+        costs = cost.measure(tuple(stretches.values()), campaign.TIME_LIMIT_S)
+        for measured, (place, stretch) in zip(costs, stretches.items(), strict=True):
+            if isinstance(measured, Crashed | TimedOut):
+                found[place] = replace(answers[place], reason=f"its cost could not be measured: {measured.reason}")
             else:
-                own, step = costs[number], stretch.method.timestep
+                own, step = cost.summarise(measured.times), stretch.method.timestep
                 found[place] = replace(
                     answers[place], cost=own.median / step, cost_low=own.low / step, cost_high=own.high / step
                 )
@@ -78,10 +78,6 @@ def priced(case: Case, answers: Sequence[Answer]) -> list[Answer]:
 
 def _steps(case: Case, timestep: float) -> int:
     return int(sampling_steps(case.instants, timestep)[-1])
-
-
-def _timed(stretches: Sequence[Stretch]) -> list[Cost]:
-    return cost.summarise(cost.measure(stretches))
 
 
 def _rank(own: Answer) -> tuple[bool, float, float]:

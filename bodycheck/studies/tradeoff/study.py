@@ -13,23 +13,25 @@ from bodycheck.judging import judgement
 from bodycheck.judging.convergence import observe_convergence
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.truth import Truth
-from bodycheck.running import campaign, csv_tables, pool
-from bodycheck.running.engines import home
+from bodycheck.running import campaign, csv_tables
 from bodycheck.running.key import RunKey
 from bodycheck.running.origin import Origins
 from bodycheck.running.outcome import Completed, Crashed, TimedOut
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.running.store import Results
-from bodycheck.studies import cost
-from bodycheck.studies.cost import Cost, Stretch
+from bodycheck.studies.cost import Measured, Stretch, measure, summarise
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.front import COLUMNS
 from bodycheck.studies.tradeoff.identification import identify
 from bodycheck.studies.tradeoff.ladder import ladder
 
-#: Columns after those of results: the interval of the time per step (s), the evaluations of the accelerations per step, and
-#: the computing time (s) per simulated second.
-COST_COLUMNS = ("time_per_step_low", "time_per_step_high", "evaluations", "cost")
+#: Columns after those of results: the interval of the time per step (s), the evaluations of the accelerations per step, the
+#: computing time (s) per simulated second, the processor time per step (s), the time (s) of the first set-up in a process, in
+#: which some engines compile code, and the share of the time that passes in the engine's own calls.
+COST_COLUMNS = (
+    *("time_per_step_low", "time_per_step_high", "evaluations", "cost"),
+    *("processor_time_per_step", "setup_time", "engine_share"),
+)
 
 
 def plan(
@@ -73,8 +75,8 @@ def price(
 ) -> list[dict[str, Any]]:
     """Measure the costs of runs, and return one row per run with the columns of results and `COST_COLUMNS`.
 
-    Costs are measured with nothing else running, for the runs of a case and an engine in turn, in a process of the engine.
-    A run that did not complete has none. If a measurement fails, its rows have no costs but a reason. Missing values are None.
+    Costs are measured with nothing else running, for all runs of a case in turn, each engine in a process of its own. A run
+    that did not complete has none. If a measurement fails, the row has no cost but a reason. Missing values are None.
 
     Parameters
     ----------
@@ -87,38 +89,19 @@ def price(
     progress
         A function that is called with a text after each case.
     """
-    costs: dict[Task, Cost] = {}
-    untimed: dict[tuple[str, str], str] = {}
+    costs: dict[Task, Measured | Crashed | TimedOut] = {}
     for name, own in _by_case(verdicts).items():
         tasks = {_task(results.cases[name], verdict): verdict for verdict in own if verdict.discrepancy is not None}
-        for engine in engines:
-            timed = [task for task in tasks if task.engine == engine]
-            measured = _timed([_stretch(task, tasks[task]) for task in timed])
-            if isinstance(measured, list):
-                costs |= dict(zip(timed, measured, strict=True))
-            else:
-                untimed[name, engine] = f"its cost could not be measured: {measured.reason}"
+        stretches = [_stretch(task, verdict) for task, verdict in tasks.items()]
+        costs |= dict(zip(tasks, measure(stretches, campaign.TIME_LIMIT_S), strict=True))
         progress(f"{name} · costs")
     rows = judgement.records(verdicts)
     for row, verdict in zip(rows, verdicts, strict=True):
         found = costs.get(_task(results.cases[verdict.run.case], verdict))
-        row |= _costs(row, found, _claims(engines, verdict.run.key).evaluations)
-        row["reason"] = row["reason"] or untimed.get((row["case"], row["engine"]), "")
+        row |= _costs(row, found if isinstance(found, Measured) else None, _claims(engines, verdict.run.key).evaluations)
+        if isinstance(found, Crashed | TimedOut):
+            row["reason"] = row["reason"] or f"its cost could not be measured: {found.reason}"
     return rows
-
-
-def _timed(stretches: Sequence[Stretch]) -> list[Cost] | Crashed | TimedOut:
-    """Measure the runs of one engine in turn, in a process of that engine."""
-    if not stretches:
-        return []
-    calls = pool.call_all(time_in_turn, [stretches], 1, campaign.TIME_LIMIT_S, group=lambda those: those[0].engine, home=home)
-    ((_, measured),) = calls
-    return measured
-
-
-def time_in_turn(stretches: Sequence[Stretch]) -> list[Cost]:
-    """Return the cost of each stretch, all measured in turn."""
-    return cost.summarise(cost.measure(stretches))
 
 
 def write(rows: Sequence[Mapping[str, Any]], orders: Iterable[Order], folder: Path, origins: Origins) -> None:
@@ -143,19 +126,23 @@ def _claims(engines: Mapping[str, Engine], key: RunKey) -> Integrator:
     return own
 
 
-def _costs(row: Mapping[str, Any], found: Cost | None, evaluations: int | None) -> dict[str, Any]:
+def _costs(row: Mapping[str, Any], found: Measured | None, evaluations: int | None) -> dict[str, Any]:
     """Return the cost columns of a row. The times of the run itself are left out, because other runs disturbed them."""
     empty = dict.fromkeys(("wall_time", "time_per_step", "realtime_factor", *COST_COLUMNS))
     if found is None:
         return empty
+    step = summarise(found.times)
     return {
-        "wall_time": found.median * row["steps"],
-        "time_per_step": found.median,
-        "realtime_factor": row["timestep"] / found.median,
-        "time_per_step_low": found.low,
-        "time_per_step_high": found.high,
+        "wall_time": step.median * row["steps"],
+        "time_per_step": step.median,
+        "realtime_factor": row["timestep"] / step.median,
+        "time_per_step_low": step.low,
+        "time_per_step_high": step.high,
         "evaluations": evaluations,
-        "cost": found.median / row["timestep"],
+        "cost": step.median / row["timestep"],
+        "processor_time_per_step": summarise(found.processor_times).median,
+        "setup_time": found.setup,
+        "engine_share": found.engine_share,
     }
 
 

@@ -159,11 +159,14 @@ def test_a_timing_that_fails_leaves_no_speed_and_says_why(tmp_path: Path, monkey
 
 def test_a_method_timed_twice_costs_the_same_within_the_spread(monkeypatch: pytest.MonkeyPatch) -> None:
     # Seconds of the processor, which do not go by while it does other things.
-    monkeypatch.setattr(cost, "time", SimpleNamespace(perf_counter=time.thread_time))
+    monkeypatch.setattr(cost, "time", SimpleNamespace(perf_counter=time.thread_time, process_time=time.process_time))
     scene = load("osrf-boxes-complex").scene
     euler = Stretch(scene, "mujoco", Method.parse("Euler", 0.001), 10_000)
     rk4 = Stretch(scene, "pinocchio", Method.parse("rk4", 0.001), 10_000)
-    once, other, twice = cost.summarise(cost.measure([euler, rk4, euler]))
+    with calls_here():
+        measured = cost.measure([euler, rk4, euler], limit=60.0)
+    assert all(isinstance(own, cost.Measured) for own in measured)
+    once, other, twice = (cost.summarise(own.times) for own in measured if isinstance(own, cost.Measured))
     # The least and the most of nine turns each: that both medians lie outside of the other's has a chance below 1e-4.
     spread = max(once.high - once.low, twice.high - twice.low)
     assert abs(once.median - twice.median) < spread
@@ -174,7 +177,7 @@ def test_a_method_timed_twice_costs_the_same_within_the_spread(monkeypatch: pyte
 
 def test_costs_are_told_with_the_error_they_came_with(priced: dict[str, list[dict[str, object]]], tmp_path: Path) -> None:
     rows = [row for own in priced.values() for row in own]
-    tradeoff.write(rows, [], tmp_path)
+    tradeoff.write(rows, [], tmp_path, [])
     table = pd.read_csv(tmp_path / "tradeoff.csv")
     assert tuple(table.columns[: len(judgement.COLUMNS)]) == judgement.COLUMNS
     assert tuple(table.columns[-len(tradeoff.COST_COLUMNS) :]) == tradeoff.COST_COLUMNS
