@@ -33,6 +33,15 @@ def escape(text: str, longest: int = LONGEST) -> str:
     return line.replace("@", "@\u2060").replace("#", "#\u2060").replace("://", ":\u2060//").replace("www.", "www\u2060.")
 
 
+def code(text: str) -> str:
+    """Return a string from outside as code, which shows it as it is; too long a string is described, since half is no use."""
+    line = INVISIBLE.sub(" ", text).strip()
+    if len(line) > LONGEST_SENTENCE:
+        return f"*{len(line)} characters*"
+    fence = "`" * (1 + max(map(len, re.findall("`+", line)), default=0))
+    return f"{fence} {line} {fence}" if "`" in line else f"{fence}{line}{fence}"
+
+
 def render_study(report: StudyReport) -> str:
     """Return the text of report.md for a study, in which each chart is replaced by a description."""
     return fitted(_study_parts(report), report.header)

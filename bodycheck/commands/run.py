@@ -90,7 +90,7 @@ def run(
         if json:
             terminal.print_json(judgement.records(verdicts))
         elif quiet:
-            results.print_failed(verdicts)
+            results.print_failed(verdicts, made.results.files)
         else:
             if table or view != AS_USUAL or not sys.stdout.isatty():
                 results.print_runs(verdicts, view)
@@ -109,4 +109,4 @@ def _print_summary(found: "ResultSet", out: Path | None) -> None:
     told = reports.brief([found])
     findings = [f"{finding.subject}: {finding.text}" for finding in (told.broken, *told.findings) if finding is not None]
     more = [] if out is not None else ["--out FOLDER writes a report, and --table prints all runs."]
-    print_summary(Summary(told.headline, findings, told.counts, told.unsupported, [*told.limits, *more]))
+    print_summary(Summary(told.headline, findings, told.counts, told.unsupported, [*told.limits, *more], told.steps))

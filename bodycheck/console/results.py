@@ -5,10 +5,11 @@ from typing import Any
 
 from bodycheck.console.figures import bound_column, error_column, microseconds
 from bodycheck.console.options import View
-from bodycheck.console.output import tell
+from bodycheck.console.output import say, tell
 from bodycheck.console.tables import Column, entry
 from bodycheck.console.terminal import print_errors
 from bodycheck.figures.columns import COLUMNS
+from bodycheck.judging import advice
 from bodycheck.judging.judgement import Verdict
 
 Row = Mapping[str, Any]
@@ -62,9 +63,14 @@ def print_runs(verdicts: Sequence[Verdict], view: View) -> None:
     print_errors(RUNS, rows, view)
 
 
-def print_failed(verdicts: Sequence[Verdict]) -> None:
-    """Print one line per failed run, with the reason."""
+def print_failed(verdicts: Sequence[Verdict], files: Mapping[str, str]) -> None:
+    """Print one line per failed run, with the reason, and below it what to do next, on lines that can be copied.
+
+    files: the paths of the cases that are not shipped, by name.
+    """
     for verdict in verdicts:
         if verdict.passed is False:
             run = verdict.run
             tell(f"FAILED {run.case}, {run.engine} {run.method.name} at {run.method.timestep:g} s: {verdict.reason}")
+            for line in advice.lines(verdict, files.get(run.case, run.case)):
+                say(f"  {line}")

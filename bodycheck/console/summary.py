@@ -5,6 +5,8 @@ import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from rich.cells import cell_len
+
 from bodycheck.console import output
 
 #: The most findings that a summary has.
@@ -33,6 +35,8 @@ class Summary:
         Why runs were not made, in one line; empty if all were made.
     where
         Where to find more, a line each.
+    steps
+        What to do about the first failure, a line each. They have commands to be copied, so that the terminal breaks them.
     """
 
     headline: str
@@ -40,6 +44,7 @@ class Summary:
     counts: str
     unsupported: str
     where: Sequence[str]
+    steps: Sequence[str] = ()
 
 
 def print_summary(summary: Summary) -> None:
@@ -54,8 +59,8 @@ def print_summary(summary: Summary) -> None:
 def fitted(summary: Summary, width: int | None, height: int | None) -> list[str]:
     """Return the lines of a summary for a terminal of so many characters and lines; None stands for any number.
 
-    Findings are shortened where the lines are not enough, and those after the first left out. A shortened text ends in an
-    ellipsis, and no number is cut.
+    Findings are shortened where the lines are not enough, and those after the first left out; so are steps that leave no line
+    for each finding. A shortened text ends in an ellipsis, and no number is cut.
     """
     first = output.lines(summary.headline, width)
     last = output.lines(summary.counts, width)
@@ -63,12 +68,20 @@ def fitted(summary: Summary, width: int | None, height: int | None) -> list[str]
     last += [line for text in summary.where for line in output.lines(text, width, "  ")]
     findings = summary.findings[:MOST_FINDINGS]
     room = sys.maxsize if height is None else height - FREE_LINES - len(first) - len(last) - 2
+    steps: list[str] = []
+    for text in summary.steps:
+        taken = 1 if width is None else -(-cell_len(text) // width)
+        taken += 0 if steps else 1  # the empty line before the first
+        if taken <= room - len(findings):
+            room -= taken
+            steps.append(text)
     middle: list[str] = []
     for place, text in enumerate(findings):
         left = room - len(middle) - (len(findings) - 1 - place)  # a line for each of the others
         if left > 0:
             middle += _shortened(text, left, width)
-    return [*first, *([""] if middle else []), *middle, *([""] if middle else []), *last]
+    told = [line for part in (middle, steps) if part for line in ("", *part)]
+    return [*first, *told, *([""] if told else []), *last]
 
 
 def _shortened(text: str, most: int, width: int | None) -> list[str]:

@@ -4,6 +4,8 @@ import shlex
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from bodycheck.adapters.engine_name import EngineName
+from bodycheck.casefile.case import is_shipped
 from bodycheck.casefile.expectation import Limit
 from bodycheck.figures.columns import FIGURES
 from bodycheck.judging.judgement import Judged, Verdict
@@ -34,22 +36,33 @@ def steps(verdict: Verdict, judged: Judged, file: str, place: str) -> Iterator[S
     place
         Where the expectation is in the file, for the reader.
     """
-    broken = [limit for limit in judged.expectation.limits if any(breach.name == limit.name for breach in judged.breaches)]
-    figures = [limit for limit in broken if limit.name in FIGURES]
-    if figures and judged.expectation.version != verdict.run.version:
-        yield Step("which release of the engine changed it", _bisect(verdict, judged, figures[0], file))
-    if numbers := [limit.name for limit in figures if limit.at_least is None]:
-        asked = [word for name in numbers for word in ("--figure", name)]
-        yield Step("if what is measured now is right", shlex.join(["bodycheck", "expect", file, *_method(verdict), *asked]))
-    if not judged.expectation.known:
+    limits = [limit for limit in judged.expectation.limits if limit.name in FIGURES]
+    broken = {breach.name for breach in judged.breaches}
+    figures = [limit for limit in limits if limit.name in broken]
+    # A run that fails exceeds every limit, so that any of them finds the release in which it began to fail.
+    asked = figures or [limit for limit in limits if limit.at_most is not None and "status" in broken]
+    if asked and judged.expectation.version != verdict.run.version:
+        yield Step("which release of the engine changed it", _bisect(verdict, judged, asked[0], file))
+    numbers = [limit.name for limit in figures if limit.at_least is None]
+    if numbers and not is_shipped(file):
+        named = [word for name in numbers for word in ("--figure", name)]
+        yield Step("if what is measured now is right", shlex.join(["bodycheck", "expect", file, *_method(verdict), *named]))
+    if judged.expectation.known:
+        yield Step(f"to tolerate it longer, in {place}", 'until = "YYYY-MM-DD"')
+    else:
         yield Step(f"to tolerate it until a day, in {place}", 'known = "where it is discussed" and until = "YYYY-MM-DD"')
 
 
-def lines(verdict: Verdict, file: str) -> list[str]:
-    """Return what to do about all expectations of a run that do not hold, a line for each step; file: as `steps` takes it."""
+def of_run(verdict: Verdict, file: str) -> tuple[Step, ...]:
+    """Return what to do about all expectations of a run that do not hold; file: as `steps` takes it."""
     broken = [judged for judged in verdict.judged if not judged.held]
     found = [step for judged in broken for step in steps(verdict, judged, file, f"its [[expect]] in {file}")]
-    return [f"{step.why}: {step.what}" for step in dict.fromkeys(found)]
+    return tuple(dict.fromkeys(found))
+
+
+def lines(verdict: Verdict, file: str) -> list[str]:
+    """Return what `of_run` returns, a line for each step."""
+    return [f"{step.why}: {step.what}" for step in of_run(verdict, file)]
 
 
 def _bisect(verdict: Verdict, judged: Judged, limit: Limit, file: str) -> str:
@@ -65,7 +78,7 @@ def _bisect(verdict: Verdict, judged: Judged, limit: Limit, file: str) -> str:
     good, bad, end = (now, before, limit.at_least) if too_small else (before, now, limit.at_most)
     method = ("--integrator", verdict.run.method.name, "--timestep", repr(verdict.run.method.timestep))
     asked = ("--case", file, "--quantity", limit.name, "--limit", repr(end), *method)
-    return shlex.join(["bodycheck", "bisect", verdict.run.engine, good, bad, *asked])
+    return shlex.join(["bodycheck", "bisect", EngineName.parse(verdict.run.engine).adapter, good, bad, *asked])
 
 
 def _method(verdict: Verdict) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.judging import advice
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import assign
@@ -29,6 +30,8 @@ class Brief:
         How many runs are unsupported and why, in one line; empty if none are. The notices say it in sentences.
     broken
         A sentence about the failed runs; None if there are none.
+    steps
+        What to do about the run that the sentence names first, a line for each step.
     findings
         Findings, the most telling first.
     """
@@ -39,6 +42,7 @@ class Brief:
     limits: tuple[str, ...]
     unsupported: str
     broken: Finding | None
+    steps: tuple[str, ...]
     findings: tuple[Finding, ...]
 
     @property
@@ -56,6 +60,7 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
     lines = assign(verdict.key.over_cases for verdict in verdicts)
     first, *others = sets
     differences = compare(sets, shown) if others else None
+    failed = next(((case, verdict) for case in shown for verdict in case.verdicts if verdict.passed is False), None)
     return Brief(
         headline=differences.headline if differences else headline(first.results, verdicts),
         tally=tally(verdicts, [lost for one in sets for lost in one.results.unchecked]),
@@ -63,6 +68,7 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
         limits=tuple(text for one in sets for text in limits(one)),
         unsupported=unsupported(verdicts),
         broken=broken(verdicts, lines),
+        steps=tuple(advice.lines(failed[1], failed[0].file(failed[1].label))) if failed else (),
         findings=(
             *(differences.findings if differences else ()),
             *findings(measured(verdicts, lines), () if differences else first.parts, lines),

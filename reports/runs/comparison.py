@@ -33,6 +33,11 @@ class Shown:
     sets: tuple[ResultSet, ...]
     verdicts: tuple[Verdict, ...]
 
+    def file(self, label: str) -> str:
+        """Return the path from which the set with a label read the case, as it was given; the name of a shipped case."""
+        name = self.case.name
+        return next((one.results.files[name] for one in self.sets if one.label == label and name in one.results.files), name)
+
 
 @dataclass(frozen=True)
 class Comparison:

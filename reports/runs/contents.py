@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from bodycheck.judging import advice
+from bodycheck.judging.advice import Step
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.margins import Margin
 from bodycheck.judging.result_set import ResultSet
@@ -79,12 +81,13 @@ class Section:
 
 @dataclass(frozen=True)
 class Failure:
-    """A run that failed, in which way and why."""
+    """A run that failed, in which way and why, and what to do next."""
 
     case: str
     method: str
     status: str
     reason: str
+    steps: tuple[Step, ...]
 
 
 @dataclass(frozen=True)
@@ -150,7 +153,9 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
         notices=told.notices,
         broken=told.broken,
         findings=told.findings,
-        failures=tuple(_failure(verdict, lines) for verdict in verdicts if verdict.passed is False),
+        failures=tuple(
+            _failure(case, verdict, lines) for case in shown for verdict in case.verdicts if verdict.passed is False
+        ),
         lines=tuple(lines.values()),
         matrices=matrices({case.name: case.case for case in shown}, verdicts, lines),
         sections=sections,
@@ -158,8 +163,9 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     )
 
 
-def _failure(verdict: Verdict, lines: Mapping[RunKey, Line]) -> Failure:
-    return Failure(verdict.run.case, lines[verdict.key.over_cases].label, failure_status(verdict), verdict.reason)
+def _failure(case: Shown, verdict: Verdict, lines: Mapping[RunKey, Line]) -> Failure:
+    label, steps = lines[verdict.key.over_cases].label, advice.of_run(verdict, case.file(verdict.label))
+    return Failure(verdict.run.case, label, failure_status(verdict), verdict.reason, steps)
 
 
 def _section(shown: Shown, lines: Mapping[RunKey, Line], points: int, room: int) -> Section:

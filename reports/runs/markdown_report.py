@@ -2,13 +2,16 @@
 
 from collections.abc import Iterator, Sequence
 
-from bodycheck.reports.markdown import details, escape, findings_list, fitted, grid, opening, table_with_notes
+from bodycheck.reports.markdown import code, details, escape, findings_list, fitted, grid, opening, table_with_notes
 from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.runs.contents import WITHIN_TRUTH, Contents, Failure, Section
 from bodycheck.reports.runs.matrix import Cell, Matrix
 
 #: Failed runs that the table of failures lists.
 MOST_FAILURES = 30
+
+#: Failed runs of which the report says what to do next.
+MOST_ADVISED = 10
 
 #: Heading and legend of the matrices.
 MATRICES = f"## Cases and methods\n\n✗ marks a failed run. {WITHIN_TRUTH}"
@@ -24,6 +27,8 @@ def _parts(contents: Contents) -> Iterator[str]:
     yield opening(contents.headline, tally, contents.notices)
     if contents.failures:
         yield _failures(contents.failures)
+        if any(failure.steps for failure in contents.failures):
+            yield _steps(contents.failures)
     if contents.findings:
         yield findings_list(contents.findings)
     if contents.matrices:
@@ -39,6 +44,17 @@ def _failures(failures: Sequence[Failure]) -> str:
     more = len(failures) - len(rows)
     table = grid(("Case", "Method", "Status", "Reason"), rows)
     return f"## Failed runs\n\n{table}" + (f"\n\n*{count(more, 'more run')} failed.*" if more else "")
+
+
+def _steps(failures: Sequence[Failure]) -> str:
+    """Return what to do about the first failed runs, with commands that can be copied."""
+    told = [
+        f"- {escape(failure.case)}, {escape(failure.method)}\n"
+        + "\n".join(f"  - {escape(step.why)}: {code(step.what)}" for step in failure.steps)
+        for failure in failures[:MOST_ADVISED]
+        if failure.steps
+    ]
+    return details("What to do next", "\n".join(told))
 
 
 def _matrix(matrix: Matrix) -> str:

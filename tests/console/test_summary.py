@@ -51,3 +51,15 @@ def test_any_text_fits_any_screen() -> None:
         assert found[0] == "Headline"
         assert found[-1] == "where"
         assert sum(any(line.startswith(text[:40]) for line in found) for text in findings[:3]) == len(findings[:3])
+
+
+def test_steps_are_whole_lines_to_be_copied_and_give_way_to_findings() -> None:
+    steps = ["which release: bodycheck bisect " + "x" * 150, "if it is right: bodycheck expect"]
+    summary = Summary("1 run failed", ["One.", "Two."], "1 run: 1 failed", "", ["--out FOLDER"], steps)
+    assert fitted(summary, 80, 24) == [
+        *("1 run failed", "", "One.", "Two.", "", *steps, "", "1 run: 1 failed", "--out FOLDER"),
+    ]
+    # 3 lines of the terminal for the first step, 5 for the rest, 4 that are empty, and `FREE_LINES`.
+    least = 3 + 5 + 4 + FREE_LINES
+    assert fitted(summary, 80, least - 1)[:5] == ["1 run failed", "", "One.", "Two.", ""]
+    assert [steps[0] in fitted(summary, 80, lines) for lines in (least - 2, least + 1)] == [False, True]

@@ -1,6 +1,7 @@
 """What to do next where an expectation does not hold: commands that bodycheck takes as they stand."""
 
 import shlex
+from dataclasses import replace
 from datetime import date
 from typing import Any
 
@@ -11,6 +12,7 @@ from bodycheck.casefile.case import parse
 from bodycheck.commands.command_line import app
 from bodycheck.judging import advice, judgement
 from bodycheck.judging.judgement import Verdict
+from bodycheck.running.outcome import Crashed
 from tests.support.cases import a_case, expecting
 from tests.support.truths import truth_for_runs
 
@@ -63,3 +65,37 @@ def test_the_engine_is_asked_about_only_if_its_version_may_have_changed(version:
 
 def test_what_holds_needs_no_advice() -> None:
     assert advice.lines(judged(attitude_error=3.0), FILE) == []
+
+
+def test_a_run_that_fails_is_bisected_by_any_limit_that_it_exceeds_then() -> None:
+    verdict = judged(attitude_error=3.0, version="3.3.0")
+    case = parse(a_case(**TUMBLING, expect=[expecting("mujoco", "Euler", 0.01, attitude_error=3.0, version="3.3.0")]), FILE)
+    crashed = replace(verdict.run, outcome=Crashed("it died"))
+    found = judgement.verdict(case, truth_for_runs(case, 0.01), crashed, today=date(2027, 1, 1))
+    (bisect,) = commands(found)
+    assert bisect[:7] == ["bodycheck", "bisect", "mujoco", "3.3.0", found.run.version, "--case", FILE]
+    assert bisect[bisect.index("--quantity") : bisect.index("--integrator")] == [
+        "--quantity",
+        "attitude_error",
+        "--limit",
+        "3.0",
+    ]
+
+
+def test_a_release_of_an_environment_is_bisected_by_the_name_of_its_engine() -> None:
+    verdict = judged(attitude_error=1e-9, version="3.3.0")
+    named = replace(verdict, run=replace(verdict.run, engine="mujoco@3.3.7"))
+    assert commands(named)[0][2] == "mujoco"
+
+
+def test_a_shipped_case_is_not_written_to() -> None:
+    lines = advice.lines(judged(attitude_error=1e-9, version="3.3.0"), "free-brick")
+    assert not any("bodycheck expect" in line for line in lines)
+
+
+def test_a_discrepancy_that_is_tolerated_no_longer_may_get_another_day() -> None:
+    verdict = judged(attitude_error=1e-9)
+    (broken,) = verdict.judged
+    known = replace(broken.expectation, known="https://example.org/7", until=date(2026, 12, 31))
+    *_, last = advice.lines(replace(verdict, judged=(replace(broken, expectation=known),)), FILE)
+    assert last == f'to tolerate it longer, in its [[expect]] in {FILE}: until = "YYYY-MM-DD"'

@@ -152,6 +152,13 @@ def test_a_broken_expectation_is_said_first(page: str, contents: Contents) -> No
     assert (failure.case, failure.method, failure.status) == (FLIP, "mujoco Euler", "expectation broken")
     text = Page(page).text
     assert text.index(contents.headline) < text.index("attitude_error is") < text.index("largest attitude error")
+    # The figures of the file itself, whose path stands in the commands.
+    told = [f"{step.why}: {step.what}" for step in failure.steps]
+    assert any(command in line for line in told for command in ("bodycheck bisect mujoco ", f"--case {FLIP}"))
+    markdown = markdown_report.render(contents)
+    for step in failure.steps:
+        assert f"{step.why}: {step.what}" in text
+        assert f"`{step.what}`" in markdown
 
 
 def test_an_interrupted_run_is_called_that(folder: Path, tmp_path: Path) -> None:
@@ -246,7 +253,7 @@ def test_markdown_leaves_out_what_does_not_fit(contents: Contents) -> None:
     text = markdown_report.render(many)
     assert len(text) < 65_536
     left_out = int(re.findall(r"(\d+) tables were left out", text)[0])
-    assert text.count("<details>") + left_out == 120
+    assert text.count("<details>") + left_out == 121  # one for each section, and what to do about the failure
 
 
 def test_a_large_report_stays_small(results: Results, verdicts: list[Verdict]) -> None:
