@@ -4,6 +4,7 @@
 >>> case = bodycheck.load("free-brick")
 >>> run = bodycheck.simulate(case, engine="mujoco", integrator="RK4", timestep=0.002)
 >>> bodycheck.compare(bodycheck.truth(case), run).maxima()
+>>> bodycheck.recommend(case, error=1e-4)
 """
 
 import importlib
@@ -13,6 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from bodycheck.casefile.case import Case, CaseFaults, load
+    from bodycheck.errors import BadInput, Failed
+    from bodycheck.interface.extremes import ExtremesResults, extremes
+    from bodycheck.interface.plots import Plot
+    from bodycheck.interface.recommendations import RecommendResults, recommend
+    from bodycheck.interface.runs import RunResults, run
+    from bodycheck.interface.tradeoffs import TradeoffResults, tradeoff
     from bodycheck.judging.comparison import compare
     from bodycheck.judging.discrepancy import Discrepancy
     from bodycheck.reference.truth import Truth
@@ -20,10 +27,36 @@ if TYPE_CHECKING:
     from bodycheck.running.simulation import simulate
     from bodycheck.running.truths import truth
 
-__all__ = ["Case", "CaseFaults", "Discrepancy", "Run", "Truth", "compare", "load", "simulate", "truth"]
+    __version__: str
+
+__all__ = [
+    "BadInput",
+    "Case",
+    "CaseFaults",
+    "Discrepancy",
+    "ExtremesResults",
+    "Failed",
+    "Plot",
+    "RecommendResults",
+    "Run",
+    "RunResults",
+    "TradeoffResults",
+    "Truth",
+    "__version__",
+    "compare",
+    "extremes",
+    "load",
+    "recommend",
+    "run",
+    "simulate",
+    "tradeoff",
+    "truth",
+]
 
 # Imported when first used: `bodycheck --help` must not wait for SciPy.
 HOMES = {
+    "BadInput": "errors",
+    "Failed": "errors",
     "Case": "casefile.case",
     "CaseFaults": "casefile.case",
     "load": "casefile.case",
@@ -33,6 +66,15 @@ HOMES = {
     "simulate": "running.simulation",
     "Truth": "reference.truth",
     "truth": "running.truths",
+    "run": "interface.runs",
+    "RunResults": "interface.runs",
+    "tradeoff": "interface.tradeoffs",
+    "TradeoffResults": "interface.tradeoffs",
+    "recommend": "interface.recommendations",
+    "RecommendResults": "interface.recommendations",
+    "extremes": "interface.extremes",
+    "ExtremesResults": "interface.extremes",
+    "Plot": "interface.plots",
 }
 
 
@@ -61,6 +103,12 @@ _refuse_to_shadow()
 
 
 def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return importlib.import_module("importlib.metadata").version("bodycheck")
     if name not in HOMES:
         raise AttributeError(f"module 'bodycheck' has no attribute {name!r}")
     return getattr(importlib.import_module(f"bodycheck.{HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__} - {"Any", "HOMES", "TYPE_CHECKING", "importlib"})

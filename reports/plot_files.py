@@ -47,13 +47,16 @@ def write(plots: Iterator[tuple[str, Spec]], folder: Path, formats: Sequence[For
     for name, chart in plots:
         safe = _file_name(name, taken)
         for kind in formats:
-            path = folder / FOLDER / f"{safe}.{kind}"
-            if kind == "svg":
-                content = _numbered(vl_convert.vegalite_to_svg(chart)).encode("utf-8", "replace")
-            else:
-                opaque = chart | {"config": chart["config"] | {"background": "white"}}
-                content = vl_convert.vegalite_to_png(opaque, scale=SCALE)
-            writing.write(path, content, folder)
+            writing.write(folder / FOLDER / f"{safe}.{kind}", rendered(chart, kind), folder)
+
+
+def rendered(chart: Spec, kind: Format) -> bytes:
+    """Return the content of the file of a plot that stands alone."""
+    if kind == "svg":
+        return _numbered(vl_convert.vegalite_to_svg(chart)).encode("utf-8", "replace")
+    opaque = chart | {"config": chart["config"] | {"background": "white"}}
+    content: bytes = vl_convert.vegalite_to_png(opaque, scale=SCALE)
+    return content
 
 
 def _file_name(name: str, taken: set[str]) -> str:

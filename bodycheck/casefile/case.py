@@ -121,8 +121,11 @@ def is_shipped(case: str | FilePath) -> bool:
 def load(case: str | FilePath) -> Case:
     """Load a case, given the name of a shipped case or the path of a case file.
 
-    Raises `CaseFaults` with every fault of the file; a file that cannot be read has one fault.
+    Raises `CaseFaults` with every fault of the file; a file that cannot be read has one fault. Raises `TypeError` for anything
+    that is neither a text nor a path.
     """
+    if not isinstance(case, str | FilePath):
+        raise TypeError(f"read {_quote(case)} as the case; allowed: the name of a shipped case, or a path")
     if isinstance(case, str) and case in shipped():
         file = resources.files("bodycheck.cases") / (case + SUFFIX)
         return parse(file.read_text("utf-8"), str(file))

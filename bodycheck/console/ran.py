@@ -1,7 +1,7 @@
 """Run cases for a command: load cases and engines, plan and make the runs, and keep the results while the command uses them."""
 
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,6 +43,32 @@ class Selection:
     timesteps: tuple[float, ...] = ()
     jobs: int | None = None
     allow_missing: bool = False
+
+
+@dataclass(frozen=True)
+class Given:
+    """The cases of a command, and where they come from.
+
+    Attributes
+    ----------
+    cases
+        The cases.
+    files
+        The files of those that were not given by the names of shipped ones, by the name of the case.
+    shipped
+        The names of those that come with the package.
+    """
+
+    cases: Sequence[Case]
+    files: Mapping[str, Path]
+    shipped: frozenset[str]
+
+    @classmethod
+    def of(cls, cases: list[Case], names: tuple[str, ...]) -> "Given":
+        """Return cases with where they come from. names: of shipped cases, and paths, from which `load_cases` loaded them."""
+        files = files_of(cases, names)
+        shipped = frozenset(case.name for case in cases if case.name not in files or is_shipped(files[case.name]))
+        return cls(cases, files, shipped)
 
 
 @dataclass(frozen=True)
@@ -88,30 +114,47 @@ def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False)
         If all engines that the user named fail when they are loaded.
     """
     names = case_names(selection.cases)
-    cases = load_cases(names)
+    with ran_of(Given.of(load_cases(names), names), selection, plan, out, sys.argv, quiet) as made:
+        yield made
+
+
+@contextmanager
+def ran_of(
+    given: Given, selection: Selection, plan: Plan, out: Path | None, command: Sequence[str], quiet: bool = False
+) -> Iterator[Ran]:
+    """Run the tasks that a plan makes of loaded cases, and provide the results.
+
+    Parameters
+    ----------
+    given
+        The cases, in place of those that are named in the selection.
+    selection, plan, out, quiet
+        As those of `ran`, which raises the same.
+    command
+        The words of the command, for the header of the results.
+    """
+    cases = list(given.cases)
     engines = load_engines(selection.engines)
     tasks = plan(cases, engines.records, selection.integrators, selection.timesteps)
-    header = campaign.header(sys.argv, engines.versions, engines.missing)
-    files = files_of(cases, names)
-    tolerated = _tolerated(selection.allow_missing, files)
+    header = campaign.header(command, engines.versions, engines.missing)
+    tolerated = _tolerated(selection.allow_missing, given.shipped)
     lost = tuple(unchecked(cases, engines.absence, tolerated, selection.integrators, selection.timesteps))
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
         with shown("running", campaign.size(tasks), quiet) as progress:
             jobs = processes(selection.jobs)
-            done = campaign.results(tasks, folder, header, jobs, progress=progress, unchecked=lost, files=files)
+            done = campaign.results(tasks, folder, header, jobs, progress=progress, unchecked=lost, files=given.files)
             results = stack.enter_context(done)
         yield Ran(results, cases, engines.records, engines.failed(cases))
 
 
-def _tolerated(allow_missing: bool, files: Mapping[str, Path]) -> Callable[[Case], str]:
+def _tolerated(allow_missing: bool, shipped: Collection[str]) -> Callable[[Case], str]:
     """Return a function to why a missing engine is tolerated in a case; its text is empty if it is not.
 
-    files: of the cases that were not given by the names of shipped ones, by the name of the case.
+    shipped: the names of the cases that come with the package.
     """
 
     def tolerated(case: Case) -> str:
-        shipped = case.name not in files or is_shipped(files[case.name])
-        return ALLOWED if allow_missing else SHIPPED if shipped else ""
+        return ALLOWED if allow_missing else SHIPPED if case.name in shipped else ""
 
     return tolerated

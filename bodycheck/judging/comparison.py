@@ -5,6 +5,9 @@ from bodycheck.judging.discrepancy import Discrepancy
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Run
 
+#: The functions that return what is compared.
+MADE_BY = {Truth: "truth", Run: "simulate"}
+
 
 def compare(truth: Truth, run: Run) -> Discrepancy:
     """Return the discrepancy of a completed run from the truth of its case, at the run's own instants.
@@ -21,11 +24,16 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
 
     Raises
     ------
+    TypeError
+        If the truth is no `Truth`, or the run no `Run`.
     ValueError
         If the run has no trajectory, or is of another scene than the truth.
     bodycheck.reference.errors.OutOfReach
         If the truth cannot be computed at the instants of the run.
     """
+    for value, kind, name in ((truth, Truth, "truth"), (run, Run, "run")):
+        if not isinstance(value, kind):
+            raise TypeError(f"read {value!r:.60} as the {name}; allowed: what bodycheck.{MADE_BY[kind]} returns")
     if run.scene is not None and run.scene != truth.scene:
         raise ValueError(
             f"the truth is of another scene than the run, which is of the case {run.case!r}; allowed: that of its case"

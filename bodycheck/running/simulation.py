@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from bodycheck import conversion
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import (
     Adapter,
@@ -63,12 +64,14 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT
     EngineMissing
         If the engine is not installed or has no adapter.
     BadInput
-        If the engine has no such integrator, option or value, or the time step is not possible.
+        If the engine has no such integrator, option or value, the time step is not possible, or one of them is no text or no
+        number.
     TypeError
         If the case is not a `Case`.
     """
     check_case(case)
-    method = Method.parse(integrator, timestep)
+    engine = conversion.name("--engine", engine)
+    method = Method.parse(conversion.name("--integrator", integrator), conversion.number("--timestep", timestep))
     offers.check(registry.load(engine).engine, method)
     check_timestep(case, timestep)
     return run(case, engine, method)

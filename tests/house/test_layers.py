@@ -14,13 +14,13 @@ from tests.support import ROOT
 #: Rooms and modules of `bodycheck`, from the lowest floor up. A room imports from itself and from floors below its own.
 FLOORS = (
     {"reference", "errors", "runner_log", "suggestion"},
-    {"adapters", "figures", "files"},
+    {"adapters", "conversion", "figures", "files"},
     {"casefile", "environments"},
     {"running"},
     {"judging"},
     {"reports", "console"},
     {"studies"},
-    {"commands", "pytest_plugin"},
+    {"commands", "interface", "pytest_plugin"},
     {"__main__", "__init__"},
 )
 

@@ -1,0 +1,123 @@
+"""Turn the arguments of the Python interface into those of the command line, and refuse bad ones with the same texts."""
+
+from collections.abc import Iterable, Sequence
+from numbers import Real
+from pathlib import Path
+from typing import TypeAlias
+
+from bodycheck import conversion
+from bodycheck.casefile.case import Case, load, parse_stored, shipped
+from bodycheck.console.arguments import case_names, load_case, load_cases, processes
+from bodycheck.console.ran import Given
+from bodycheck.errors import BadInput
+
+#: The name of a shipped case, a path of a case file, a folder or a pattern, or a case that was loaded.
+OneCase: TypeAlias = str | Path | Case
+
+#: One or several cases.
+Cases: TypeAlias = OneCase | Iterable[OneCase]
+
+#: What stands for a case, in words.
+A_CASE = "a name, a path or what bodycheck.load returns"
+
+#: One or several names, such as those of engines.
+Names: TypeAlias = str | Iterable[str]
+
+#: One or several numbers, such as time steps (s).
+Numbers: TypeAlias = float | Iterable[float]
+
+
+def listed(cases: Cases) -> tuple[OneCase, ...]:
+    """Return cases, given one or several. Raises `BadInput` for anything that is no case."""
+    each = (cases,) if isinstance(cases, str | Path | Case) else _several("CASE", cases, f"{A_CASE}, or several")
+    for one in each:
+        if not isinstance(one, str | Path | Case):
+            raise BadInput(f"Invalid value for CASE: read {one!r}; allowed: {A_CASE}.")
+    return tuple(one for one in each if isinstance(one, str | Path | Case))
+
+
+def given_cases(each: Sequence[OneCase]) -> Given:
+    """Return the cases that arguments stand for; all shipped cases for none.
+
+    Raises `CaseFaults` with the faults of all files, and `BadInput` for a folder or a pattern that stands for no case file, for
+    two cases of one name, and for a loaded case that was changed.
+    """
+    loaded = [one for one in each if isinstance(one, Case)]
+    texts = [str(one) for one in each if not isinstance(one, Case)]
+    for case in loaded:
+        _check_unchanged(case)
+    meant = case_names(tuple(texts)) if texts or not loaded else ()
+    read = load_cases(meant) if meant else []
+    of_files = Given.of(read, meant)
+    known = of_files.shipped | {case.name for case in loaded if _is_shipped(case)}
+    return Given(_distinct([*read, *loaded]), of_files.files, known)
+
+
+def one_case(case: OneCase) -> Case:
+    """Return the one case that an argument stands for. Raises as `given_cases`, and `BadInput` if it stands for several."""
+    (one,) = listed((case,))
+    if not isinstance(one, Case):
+        return load_case(str(one))
+    _check_unchanged(one)
+    return one
+
+
+def names(option: str, given: Names) -> tuple[str, ...]:
+    """Return names, given one or several. Raises `BadInput` that names the option for anything else."""
+    each = (given,) if isinstance(given, str) else _several(option, given, "a text, or several")
+    return tuple(conversion.name(option, value) for value in each)
+
+
+def numbers(option: str, given: Numbers) -> tuple[float, ...]:
+    """Return numbers, given one or several. Raises `BadInput` that names the option for anything else."""
+    each = (given,) if isinstance(given, str | Real) else _several(option, given, "a number, or several")
+    return tuple(conversion.number(option, value) for value in each)
+
+
+def path(option: str, given: object) -> Path | None:
+    """Return a path, or None for None. Raises `BadInput` that names the option for anything else."""
+    if given is None or isinstance(given, str | Path):
+        return None if given is None else Path(given)
+    raise BadInput(f'Invalid value for {option}: unable to convert "{given}" into Path.')
+
+
+def jobs_of(given: object) -> int:
+    """Return the number of processes; the number of processors for None. Raises `BadInput` for anything but a number from 1."""
+    return processes(None if given is None else conversion.whole_number("--jobs", given))
+
+
+def command(function: str, cases: Sequence[OneCase], **options: object) -> list[str]:
+    """Return the call of a function of the interface, for the header of its results. Options that are empty are left out."""
+    shown = [repr(one.name if isinstance(one, Case) else str(one)) for one in cases]
+    if len(shown) != 1:
+        shown = [f"[{', '.join(shown)}]"] if shown else []
+    told = [f"{name}={value!r}" for name, value in options.items() if value not in (None, (), "", False)]
+    return [f"bodycheck.{function}({', '.join([*shown, *told])})"]
+
+
+def _several(option: str, given: object, allowed: str) -> tuple[object, ...]:
+    if not isinstance(given, Iterable):
+        raise BadInput(f"Invalid value for {option}: read {given!r}; allowed: {allowed}.")
+    return tuple(given)
+
+
+def _distinct(cases: list[Case]) -> list[Case]:
+    """Return different cases once each. Raises `BadInput` for two different ones of one name."""
+    found: dict[str, Case] = {}
+    for case in cases:
+        if found.setdefault(case.name, case) != case:
+            raise BadInput(f"{case.name}: another of these cases also has the name {case.name!r}")
+    return list(found.values())
+
+
+def _check_unchanged(case: Case) -> None:
+    """Raise `BadInput` for a case that differs from the text of its file, which is stored with results and read from there."""
+    if parse_stored(case.text, case.name) != case:
+        raise BadInput(
+            f"{case.name}: was changed after it was loaded; a study stores the text of the case file, so that the change must "
+            "be made there (bodycheck.simulate runs changed cases)"
+        )
+
+
+def _is_shipped(case: Case) -> bool:
+    return case.name in shipped() and load(case.name) == case

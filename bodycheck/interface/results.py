@@ -1,0 +1,148 @@
+"""What the results of every function of the Python interface have in common."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from bodycheck.errors import BadInput
+from bodycheck.interface.html import shown
+from bodycheck.interface.plots import Plot, chosen
+from bodycheck.reports import plot_files
+from bodycheck.reports.study import StudyReport
+from bodycheck.suggestion import did_you_mean
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of results.
+
+    Attributes
+    ----------
+    rows
+        The rows. Missing values are None.
+    columns
+        The names of all columns, in order.
+    numbers
+        Those of the columns that hold numbers which are not integers.
+    units
+        The units of the columns that have one.
+    shown
+        The columns that a notebook shows.
+    """
+
+    rows: Sequence[Mapping[str, Any]]
+    columns: Sequence[str]
+    numbers: frozenset[str]
+    units: Mapping[str, str]
+    shown: Sequence[str]
+
+    def to_frame(self) -> "pd.DataFrame":
+        """Return the table as a data frame with the units in `attrs["units"]`. Raises `BadInput` if pandas is missing."""
+        try:
+            import pandas as pd  # it is large, and nothing else needs it
+        except ModuleNotFoundError as error:
+            raise BadInput("a data frame needs pandas: pip install 'bodycheck[frames]'") from error
+        frame = pd.DataFrame.from_records([dict(row) for row in self.rows], columns=list(self.columns))
+        frame = frame.astype({name: "Float64" for name in self.columns if name in self.numbers})
+        frame.attrs["units"] = dict(self.units)
+        return frame
+
+
+class Results(ABC):
+    """The results of a function of the Python interface: what they say, their tables and their plots."""
+
+    @property
+    @abstractmethod
+    def headline(self) -> str:
+        """The result in one sentence."""
+
+    @property
+    @abstractmethod
+    def findings(self) -> tuple[str, ...]:
+        """What else stands out, in sentences."""
+
+    @property
+    @abstractmethod
+    def tables(self) -> Mapping[str, Table]:
+        """The tables by name, the main one first."""
+
+    @property
+    @abstractmethod
+    def plots(self) -> Sequence[Plot]:
+        """The charts of the report."""
+
+    def to_frame(self, table: str = "") -> "pd.DataFrame":
+        """Return a table as a data frame of pandas, with the units of its columns in `attrs["units"]`.
+
+        Parameters
+        ----------
+        table
+            The name of the table; the main one if it is empty.
+
+        Raises
+        ------
+        BadInput
+            If there is no such table, or if pandas is not installed.
+        """
+        tables = self.tables
+        if table and table not in tables:
+            raise BadInput(f"there is no table {table!r}; there are: {', '.join(tables)}{did_you_mean(table, list(tables))}")
+        return tables[table or next(iter(tables))].to_frame()
+
+    def plot(self, quantity: str = "", *, case: str = "") -> Plot:
+        """Return a chart of the report.
+
+        Parameters
+        ----------
+        quantity
+            The name of a figure, or the beginning of the title of the chart; the first chart if it is empty.
+        case
+            The case; the first one if it is empty.
+
+        Raises
+        ------
+        BadInput
+            If there is no such chart.
+        """
+        return chosen(self.plots, quantity, case)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__}: {self.headline}>"
+
+    def _repr_html_(self) -> str:
+        main = next(iter(self.tables.values()))
+        return shown(self.headline, self.findings, main.rows, main.shown, main.units)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StudyResults(Results):
+    """The results of a study, with its report.
+
+    Attributes
+    ----------
+    report
+        The contents of the report.
+    """
+
+    report: StudyReport
+
+    @property
+    def headline(self) -> str:
+        """The result in one sentence."""
+        return self.report.headline
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """What else stands out, in sentences."""
+        return tuple(f"{finding.subject}: {finding.text}" for finding in self.report.findings)
+
+    @property
+    def plots(self) -> tuple[Plot, ...]:
+        """The charts of the report."""
+        parts = [(part.name, chart.title) for part in self.report.parts for chart in part.charts]
+        made = plot_files.of_study(self.report)
+        return tuple(Plot(*told, chart) for told, (_, chart) in zip(parts, made, strict=True))

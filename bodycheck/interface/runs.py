@@ -1,0 +1,188 @@
+"""`bodycheck.run`: run cases in engines, and compare the motions with exact mechanics."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bodycheck import reports
+from bodycheck.console.ran import Selection, ran_of
+from bodycheck.errors import BadInput
+from bodycheck.figures.columns import COLUMNS, UNITS
+from bodycheck.interface import arguments
+from bodycheck.interface.arguments import Cases, Names, Numbers
+from bodycheck.interface.folders import kept
+from bodycheck.interface.plots import Plot, chosen
+from bodycheck.interface.results import Results, Table
+from bodycheck.judging import judgement, result_set
+from bodycheck.judging.judgement import Verdict
+from bodycheck.judging.result_set import ResultSet
+from bodycheck.running.plan import plan
+from bodycheck.suggestion import did_you_mean
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from bodycheck.reports.runs.brief import Brief
+
+#: The columns that a notebook shows.
+SHOWN = (
+    *("case", "engine", "integrator", "timestep", "status", "passed"),
+    *("attitude_error", "position_error", "energy_drift", "energy_error", "reason"),
+)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RunResults(Results):
+    """The runs of some cases, with their verdicts.
+
+    The trajectories of runs, and of their truths, are read from a folder when they are needed. Without `out` it is a temporary
+    one, which exists as long as this object.
+
+    Attributes
+    ----------
+    found
+        The results and the verdicts on them.
+    passed
+        Whether all expectations hold, and no engine failed that was named or of which something is expected.
+    """
+
+    found: ResultSet
+    passed: bool = field(repr=False)
+
+    @property
+    def verdicts(self) -> Sequence[Verdict]:
+        """The verdicts on the runs, each with its run."""
+        return self.found.verdicts
+
+    @property
+    def headline(self) -> str:
+        """The verdict in one sentence."""
+        return self._brief.headline
+
+    @property
+    def findings(self) -> tuple[str, ...]:
+        """What else stands out, in sentences."""
+        told = (self._brief.broken, *self._brief.findings)
+        return (*(f"{one.subject}: {one.text}" for one in told if one is not None), *self._brief.notices)
+
+    @property
+    def tables(self) -> dict[str, Table]:
+        """The table of runs, by the name `results`."""
+        rows = judgement.records(self.verdicts)
+        columns = list(rows[0]) if rows else list(judgement.COLUMNS)
+        numbers = frozenset(name for name in columns if COLUMNS[name].kind == "number")
+        return {"results": Table(rows, columns, numbers, {name: UNITS[name] for name in columns if name in UNITS}, SHOWN)}
+
+    def to_frame(self, table: str = "") -> "pd.DataFrame":
+        """Return the table of runs, whose name is `results`, with the columns and types of results.parquet.
+
+        The units of the columns are in `attrs["units"]`. Raises `BadInput` for another name, or if pandas is not installed.
+        """
+        if table not in ("", "results"):
+            raise BadInput(f"there is no table {table!r}; there are: results")
+        frame = judgement.table(self.verdicts)
+        frame.attrs["units"] = dict(self.tables["results"].units)
+        return frame
+
+    @property
+    def plots(self) -> tuple[Plot, ...]:
+        """The charts of the report, case by case."""
+        return tuple(plot for case in self.found.verdicts_by_case for plot in self._plots_of(case))
+
+    def plot(self, quantity: str = "", *, case: str = "") -> Plot:
+        """Return a chart of the report: a figure over time, for all runs of a case.
+
+        Parameters
+        ----------
+        quantity
+            The name of a figure, such as `attitude_error`, or the beginning of the title; the first chart if it is empty.
+        case
+            The case; the first one if it is empty.
+
+        Raises
+        ------
+        BadInput
+            If there is no such chart.
+        """
+        cases = list(self.found.verdicts_by_case)
+        if case and case not in cases:
+            raise BadInput(f"there is no plot of the case {case!r}; there are: {', '.join(cases)}{did_you_mean(case, cases)}")
+        return chosen(self._plots_of(case or cases[0]), quantity, "")
+
+    @cached_property
+    def _brief(self) -> "Brief":
+        return reports.brief([self.found])
+
+    def _plots_of(self, case: str) -> tuple[Plot, ...]:
+        """Return the charts of one case, for which the trajectories of its runs are read."""
+        from bodycheck.reports.runs import plots
+        from bodycheck.reports.runs.contents import gather
+
+        parts = self.found.parts_by_case.get(case, ())
+        own = replace(self.found, verdicts=self.found.verdicts_by_case[case], parts=parts)
+        made = plots.of_runs(gather([own]))
+        return tuple(Plot(case, chart["title"]["subtitle"], chart) for _, chart in made)
+
+
+def run(
+    cases: Cases = (),
+    *,
+    engine: Names = (),
+    integrator: Names = (),
+    timestep: Numbers = (),
+    out: str | Path | None = None,
+    jobs: int | None = None,
+    allow_missing: bool = False,
+) -> RunResults:
+    """Run cases in engines, and compare the motions with exact mechanics, as the command `bodycheck run` does.
+
+    Parameters
+    ----------
+    cases
+        One or several of: names of shipped cases, paths of case files, folders of them, patterns, and cases that
+        `bodycheck.load` returned; all shipped cases for none.
+    engine
+        Names of engines, each `NAME` or `NAME@VERSION`; all installed engines for none.
+    integrator
+        Spellings of methods; all that each engine offers for none.
+    timestep
+        Time steps (s); 2 ms and those of the expectations for none.
+    out
+        A folder for the tables, the recorded runs and the report, which continues what was interrupted there.
+    jobs
+        The number of processes; None for the number of processors.
+    allow_missing
+        Whether expectations of engines that are not installed do not count as failed.
+
+    Raises
+    ------
+    BadInput
+        If a case, an engine, a method or a number cannot be used; the text is that of the command line.
+    Failed
+        If all engines that are named fail when they are loaded.
+    """
+    each = arguments.listed(cases)
+    given = arguments.given_cases(each)
+    selection = Selection(
+        cases=(),
+        engines=(engines := arguments.names("--engine", engine)),
+        integrators=(integrators := arguments.names("--integrator", integrator)),
+        timesteps=(timesteps := arguments.numbers("--timestep", timestep)),
+        jobs=arguments.jobs_of(jobs),
+        allow_missing=allow_missing,
+    )
+    command = arguments.command(
+        "run", each, engine=engines, integrator=integrators, timestep=timesteps, allow_missing=allow_missing
+    )
+    folder = arguments.path("--out", out)
+    with kept(folder) as place:
+        with ran_of(given, selection, plan, place.folder, command, quiet=True) as made:
+            found = result_set.judged(made.results)
+            if folder is not None:
+                result_set.write([found], folder)
+                reports.write([found], folder)
+        results = RunResults(found, passed=not (made.engine_failed or found.failed))
+        place.keep_for(results)
+    return results
