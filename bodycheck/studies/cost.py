@@ -152,8 +152,7 @@ def _sample(stretch: Stretch, size: _Size) -> tuple[float, float]:
 
 
 def _engine_share(stretch: Stretch, size: _Size) -> float | None:
-    adapter = registry.load(stretch.engine)
-    return share(adapter, lambda: [_seconds(stretch, size.steps)[0] for _ in range(size.repeats)][0])
+    return share(registry.load(stretch.engine), lambda: _seconds(stretch, size.steps)[0])
 
 
 def _seconds(stretch: Stretch, steps: int) -> tuple[float, float]:

@@ -1,13 +1,12 @@
 """Environments: a release is what it says, bodycheck runs in it as it runs here, and no broken one is ever used."""
 
 import json
-import os
 import random
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,36 +18,13 @@ from bodycheck.adapters import registry
 from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.running.obtaining import obtain_all
-from tests.support import MINIATURES, wheels
+from tests.support import wheels
 
 #: Seconds for what takes one, on machines that are busy with other things.
 LIMIT = 60.0
 
 #: Of an installation, each at another moment.
 KILLINGS = 2
-
-
-@pytest.fixture(scope="module")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """Where an engine has its adapter, in `plugin`, and its package, in `wheels`: that is all there is to install from."""
-    place = tmp_path_factory.mktemp("environments")
-    wheels.plugin(place / "plugin")
-    (place / "wheels").mkdir()
-    with pytest.MonkeyPatch.context() as patch:
-        for folder in (MINIATURES, place / "plugin"):
-            patch.syspath_prepend(folder)
-        patch.setenv("PYTHONPATH", os.pathsep.join(map(str, (MINIATURES, place / "plugin"))))
-        patch.setenv("BODYCHECK_CACHE", str(place / "cache"))
-        patch.setenv("UV_CACHE_DIR", str(place / "uv"))
-        patch.setenv("PIP_NO_INDEX", "1")
-        patch.setenv("PIP_FIND_LINKS", str(place / "wheels"))
-        yield place
-
-
-@pytest.fixture
-def wheel(place: Path) -> Callable[..., Path]:
-    """Adds a version of the engine's package to what there is to install from."""
-    return lambda version, body="KIND = 'exact'": wheels.wheel(place / "wheels", version, body)
 
 
 @pytest.fixture

@@ -1,0 +1,59 @@
+"""Engines in environments of their own run beside those that are installed here, by the same commands."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from bodycheck.environments import environments
+from bodycheck.running import engines
+from tests.support.cases import a_case
+from tests.support.commands import bodycheck
+
+
+@pytest.fixture
+def two_releases(wheel: Callable[..., Path]) -> None:
+    """The engine is exact in its release 1.0 and wrong in 2.0; none is installed here."""
+    wheel("1.0")
+    wheel("2.0", "KIND = 'wrong'")
+    for version in ("1.0", "2.0"):
+        done = bodycheck("engines", "add", f"toy@{version}", "--json")
+        (row,) = json.loads(done.stdout)
+        assert row["name"] == f"toy@{version}"
+        assert list(row["packages"]) == [f"toy_engine=={version}"]
+        assert done.returncode == bool(row["faults"]) == (version == "2.0"), done.stderr
+
+
+def test_releases_stand_side_by_side_in_one_run(two_releases: None, tmp_path: Path) -> None:
+    case = tmp_path / "spin.case.toml"
+    case.write_text(a_case(), "utf-8")
+    names = ("toy@1.0", "toy@2.0", "toy", "mujoco")
+    asked = [word for name in names for word in ("--engine", name)]
+    done = bodycheck("run", case, *asked, "--timestep", "0.01", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    table = pd.read_csv(tmp_path / "out" / "results.csv", dtype={"version": str})
+    toys = table[table.engine.str.startswith("toy")].set_index("engine")
+    assert list(toys.version) == ["1.0", "2.0", "2.0"]  # without a version, the newest that has an environment
+    error = toys.position_error
+    assert error["toy@1.0"] < 1e-9 < 0.9 < error["toy@2.0"] == error["toy"]
+    alone = bodycheck("run", case, "--engine", "mujoco", "--timestep", "0.01", "--json")
+    others = table[table.engine == "mujoco"]
+    errors = {row["integrator"]: row["attitude_error"] for row in json.loads(alone.stdout)}
+    assert errors == dict(zip(others.integrator, others.attitude_error, strict=True)), "the same to the last bit"
+    priced = bodycheck("tradeoff", case, "--engine", "toy@1.0", "--engine", "mujoco", "--timestep", "0.01", "--json")
+    assert {row["engine"] for row in json.loads(priced.stdout)["rows"] if row["cost"]} == {"toy@1.0", "mujoco"}
+
+
+def test_what_is_not_there_is_said_with_the_command_to_type(two_releases: None) -> None:
+    done = bodycheck("run", "free-brick", "--engine", "toy@9.9")
+    assert done.returncode == 2
+    assert "install it by: bodycheck engines add toy --version 9.9" in done.stderr
+    assert bodycheck("run", "free-brick", "--engine", "toy@new").returncode == 2
+    assert bodycheck("engines", "add", "toy@9.9").returncode == 1
+    assert bodycheck("engines", "add").returncode == bodycheck("engines", "add", "nobody").returncode == 2
+    assert engines.describe(["toy@1.0"])[0]["toy@1.0"].version == "1.0"
+    assert json.loads(bodycheck("engines", "remove", "toy@1.0", "--json").stdout) == {"removed": ["toy@1.0"]}
+    assert environments.cached("toy") == ("2.0",)
+    assert "toy@1.0" in engines.faults(["toy@1.0"])
