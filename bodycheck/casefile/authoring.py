@@ -28,6 +28,41 @@ def new(name: str, folder: Path) -> Path:
 
     Raises `BadInput` for a bad name, and if the file exists or cannot be written.
     """
+    return _written(name, folder, template())
+
+
+def new_of_robot(name: str | None, folder: Path, model: Path, body: str | None) -> tuple[Path, str]:
+    """Write a commented case file with a body of a robot model into a folder.
+
+    Parameters
+    ----------
+    name
+        The name of the case; that of the body if it is None.
+    folder
+        The folder.
+    model
+        A URDF or MJCF file.
+    body
+        The name of the body in it; None if it has one body.
+
+    Returns
+    -------
+    The path of the case file, and what of the model is not in it, as a phrase.
+
+    Raises
+    ------
+    BadInput
+        As `new`, and for a body that cannot be read from the file.
+    """
+    from bodycheck.casefile.robots import template as robots
+
+    link = robots.read(model, body)
+    text = robots.text(template(), link, model)
+    return _written(robots.case_name(link) if name is None else name, folder, text), link.left_out
+
+
+def _written(name: str, folder: Path, text: str) -> Path:
+    """Write the text of the template under another name, and return the path of the file."""
     try:
         TypeAdapter(values.Name).validate_python(name)
     except ValidationError as error:
@@ -36,7 +71,7 @@ def new(name: str, folder: Path) -> Path:
     path = folder / (name + SUFFIX)
     if os.path.lexists(path):
         raise BadInput(f"{path}: exists already")
-    writing.write(path, template().replace(f'name = "{TEMPLATE_NAME}"', f'name = "{name}"', 1).encode("utf-8"))
+    writing.write(path, text.replace(f'name = "{TEMPLATE_NAME}"', f'name = "{name}"', 1).encode("utf-8"))
     return path
 
 

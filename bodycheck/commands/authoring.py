@@ -3,8 +3,11 @@
 The imports are inside the functions, so that `--help` answers at once.
 """
 
+import sys
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
 
 from bodycheck.console import arguments
 from bodycheck.console.options import AS_USUAL, Engines, Integrators, Jobs, Quiet, Timesteps, Viewed
@@ -28,7 +31,13 @@ def validate(*files: str) -> int:
     return OK
 
 
-def new(name: str, /) -> int:
+def new(
+    name: str | None = None,
+    /,
+    *,
+    model: Annotated[Path | None, Parameter(name="--from")] = None,
+    body: str | None = None,
+) -> int:
     """Write a new case file, NAME.case.toml, into the working directory.
 
     The file contains comments that explain every key, and runs without changes.
@@ -36,10 +45,23 @@ def new(name: str, /) -> int:
     Parameters
     ----------
     name
-        The name of the case. It may contain small letters, digits and hyphens.
+        The name of the case. It may contain small letters, digits and hyphens. With --from, the default is that of the body.
+    model
+        A robot model, URDF or MJCF, of which one body is taken: mass, inertia, and a shape about the centre of mass. Comments
+        say where each number is from. Files that it names, such as meshes, are not opened.
+    body
+        The name of the body in the robot model. Default: the only one.
     """
     from bodycheck.casefile import authoring
 
+    if model is not None:
+        path, left_out = authoring.new_of_robot(name, Path(), model, body)
+        if left_out:
+            print(f"bodycheck: a case has one body; left out: {left_out}", file=sys.stderr)
+        print(path)
+        return OK
+    if name is None or body is not None:
+        raise BadInput("new: give a name" if name is None else "new --body: needs --from, the robot model of the body")
     print(authoring.new(name, Path()))
     return OK
 

@@ -1,0 +1,97 @@
+"""One body of a robot model as it was read."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from bodycheck.casefile.robots.elements import Element, quoted, refuse
+from bodycheck.errors import BadInput
+from bodycheck.reference.exact.inertia import Components, MassProperties
+from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Real, Vector3
+from bodycheck.reference.exact.rotations import matrix
+from bodycheck.reference.scene import Shape, Sphere
+from bodycheck.suggestion import did_you_mean
+
+#: Largest distance of the centre of a shape from the centre of mass, relative to the size of the shape, and largest element of
+#: a rotation that is none: the decimals of the file are rounded.
+ALIGNED = MP.mpf(10) ** -12
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A body of a robot model.
+
+    Attributes
+    ----------
+    name
+        Its name in the file.
+    made
+        Mass (kg), centre of mass (m) and inertia tensor about it (kg m^2) in the frame of the body.
+    inertia_from
+        Where mass and inertia stand in the file, as a phrase.
+    shape
+        A shape about the centre of mass and along the axes of the frame; None if the file has none such.
+    shape_from
+        Where the shape stands, or why there is none, as a phrase.
+    left_out
+        What of the file is not in the case, as a phrase; empty if that is nothing.
+    """
+
+    name: str
+    made: MassProperties
+    inertia_from: str
+    shape: Shape | None
+    shape_from: str
+    left_out: str
+
+
+def chosen(root: Element, bodies: list[Element], name: str | None, tag: str) -> Element:
+    """Return the body of this name among all bodies of a file; the only one if the name is None.
+
+    Raises `BadInput` if there is no such body, or if there are several.
+    """
+    names = [body.attributes.get("name", "") for body in bodies]
+    listed = ", ".join(quoted(each) for each in names[:20]) + (", …" if len(names) > 20 else "")
+    if not bodies:
+        refuse(root, None, f"the file has no <{tag}>")
+    if name is None:
+        if len(bodies) > 1:
+            raise BadInput(f"{root.file}: has {len(bodies)} bodies, of which a case has one; choose one by --body: {listed}")
+        return bodies[0]
+    if name not in names:
+        raise BadInput(f"{root.file}: has no body {quoted(name)}; there are: {listed}{did_you_mean(name, names)}")
+    if names.count(name) > 1:
+        raise BadInput(f"{root.file}: has {names.count(name)} bodies of the name {quoted(name)}; names must be unique")
+    return bodies[names.index(name)]
+
+
+def turned_inertia(components: Sequence[Real], attitude: Quaternion4) -> Components:
+    """Return a tensor XX, YY, ZZ, XY, XZ, YZ (kg m^2), given along the axes of an attitude, along those of the frame."""
+    xx, yy, zz, xy, xz, yz = map(MP.mpf, components)
+    own, rows = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)), matrix(attitude)
+
+    def component(i: int, j: int) -> Real:
+        return sum(rows[i][k] * own[k][n] * rows[j][n] for k in range(3) for n in range(3))
+
+    return component(0, 0), component(1, 1), component(2, 2), component(0, 1), component(0, 2), component(1, 2)
+
+
+def left_out(others: int) -> str:
+    """Return what a case leaves out of a model with so many other bodies, as a phrase; empty if there are none."""
+    return f"{others} other {'body' if others == 1 else 'bodies'}, fixed to it or not, and all joints" if others else ""
+
+
+def about(centre: Vector3, shape: Shape, at: Vector3, attitude: Quaternion4) -> bool:
+    """Return whether a shape at a place, with an attitude, is about a centre of mass and along the axes of the frame."""
+    size = max((max(value) if isinstance(value, tuple) else value) for value in vars(shape).values())
+    placed = all(abs(one - other) <= ALIGNED * size for one, other in zip(at, centre, strict=True))
+    rows = matrix(attitude)
+    straight = all(abs(rows[i][j] - (i == j)) <= ALIGNED for i in range(3) for j in range(3))
+    return placed and (straight or isinstance(shape, Sphere))
+
+
+def without_rounding(made: MassProperties) -> MassProperties:
+    """Return mass properties in which what rounding has left of a zero is zero."""
+    largest, farthest = max(map(abs, made.tensor)), max(map(abs, made.centre))
+    xx, yy, zz, xy, xz, yz = (part if abs(part) > NEGLIGIBLE * largest else MP.mpf(0) for part in made.tensor)
+    x, y, z = (part if abs(part) > NEGLIGIBLE * farthest else MP.mpf(0) for part in made.centre)
+    return MassProperties(made.mass, (x, y, z), (xx, yy, zz, xy, xz, yz))

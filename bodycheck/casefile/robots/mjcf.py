@@ -1,0 +1,122 @@
+"""Read one body of an MJCF file as MuJoCo's compiler does: its <inertial>, or the inertia of its geoms.
+
+What of the file could change the meaning of a number is honoured (angle, eulerseq, inertiafromgeom, inertiagrouprange, default
+classes) or refused with the reason.
+"""
+
+from collections.abc import Iterator
+
+from bodycheck.casefile.robots import mjcf_geoms, orientations
+from bodycheck.casefile.robots.elements import Element, number, numbers, place, positive, quoted, refuse
+from bodycheck.casefile.robots.link import Link, about, chosen, left_out, turned_inertia, without_rounding
+from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, settings
+from bodycheck.reference.exact.inertia import MassProperties, joined
+from bodycheck.reference.exact.numbers import MP, vector
+from bodycheck.reference.exact.rotations import IDENTITY
+from bodycheck.reference.scene import Shape
+
+#: Elements of a file that stand for other elements, which are not read here.
+WRITERS = ("replicate", "composite", "flexcomp")
+
+
+def link(root: Element, name: str | None) -> Link:
+    """Return a body of an MJCF file; the only one if the name is None. Raises `BadInput`."""
+    classes: dict[Element, str | None] = {}
+    for world in root.all("worldbody"):
+        classes |= dict(_bodies(world, None))
+    # What an <include> at any place would bring may change every number.
+    for element in root.everything():
+        if element.tag == "include":
+            refuse(element, "file", "names another file, which is not opened; put its content in its place")
+    found = chosen(root, list(classes), name, "body")
+    for element in _own(found):
+        if element.tag in WRITERS:
+            refuse(
+                element, None, f"stands for other elements, which are not read here; allowed: a body without <{element.tag}>"
+            )
+        if element.tag in ("geom", "inertial") and element not in found.children:
+            refuse(
+                element,
+                None,
+                "is in a <frame>, which is not followed here; put it into the <body>, with the pose that it has there",
+            )
+    rules, defaults = settings(root), Defaults(root)
+    inertial = found.only("inertial")
+    geoms = [defaults.resolved(geom, classes[found]) for geom in found.all("geom")]
+    counted = [geom for geom in geoms if rules.counts(number(geom, "group", 0.0))]
+    # Where no geom counts, MuJoCo keeps the <inertial>, also with inertiafromgeom="true".
+    if inertial is not None and (rules.inertiafromgeom != "true" or not counted):
+        made, inertia_from = _stated(inertial, rules), place(inertial)
+    else:
+        made, inertia_from = _of_geoms(found, counted, rules)
+    made = without_rounding(made)
+    shape, shape_from = _shape(geoms, made, rules)
+    return Link(found.attributes.get("name", ""), made, inertia_from, shape, shape_from, left_out(len(classes) - 1))
+
+
+def _bodies(parent: Element, inherited: str | None) -> Iterator[tuple[Element, str | None]]:
+    """Yield all bodies below an element, each with the name of the default class of its geoms."""
+    left = [(parent, inherited)]
+    while left:
+        element, name = left.pop()
+        name = element.attributes.get("childclass", name)
+        if element.tag == "body":
+            yield element, name
+        left += [(child, name) for child in reversed(element.children) if child.tag in ("body", "frame")]
+
+
+def _own(body: Element) -> Iterator[Element]:
+    """Yield what belongs to a body, also within frames, and not what belongs to the bodies in it."""
+    left = list(reversed(body.children))
+    while left:
+        element = left.pop()
+        yield element
+        if element.tag == "frame":
+            left += reversed(element.children)
+
+
+def _stated(inertial: Element, rules: Settings) -> MassProperties:
+    """Return the mass properties that an <inertial> states."""
+    mass, centre = positive(inertial, "mass"), vector(numbers(inertial, "pos", (3,)))
+    full, diagonal = "fullinertia" in inertial.attributes, "diaginertia" in inertial.attributes
+    attitude = orientations.mjcf(inertial, rules.degrees, rules.eulerseq)
+    if full == diagonal:
+        refuse(
+            inertial,
+            None,
+            f"has {'both' if full else 'neither'} diaginertia {'and' if full else 'nor'} fullinertia; allowed: one of them",
+        )
+    if full:
+        if attitude != IDENTITY:
+            refuse(inertial, "fullinertia", "an attitude is given too, which MuJoCo refuses")
+        components = numbers(inertial, "fullinertia", (6,))
+    else:
+        components = (*numbers(inertial, "diaginertia", (3,)), 0.0, 0.0, 0.0)
+    return MassProperties(MP.mpf(mass), centre, turned_inertia(components, attitude))
+
+
+def _of_geoms(found: Element, counted: list[Element], rules: Settings) -> tuple[MassProperties, str]:
+    """Return the mass properties of the geoms of a body that count, and where they stand."""
+    if rules.inertiafromgeom == "false":
+        refuse(
+            found, None, 'has no <inertial>, and the compiler does not take the inertia from geoms (inertiafromgeom="false")'
+        )
+    solids = [made for geom in counted if (made := mjcf_geoms.mass_properties(geom, rules)) is not None]
+    if not solids:
+        refuse(found, None, "has no <inertial> and no geom with a mass; a body without mass cannot move by itself")
+    lines = ", ".join(str(geom.line) for geom in counted[:10]) + (", …" if len(counted) > 10 else "")
+    return joined(solids), f"{found.file}: geoms of body {quoted(found.attributes.get('name', ''))}, lines {lines}"
+
+
+def _shape(geoms: list[Element], made: MassProperties, rules: Settings) -> tuple[Shape | None, str]:
+    """Return the shape of a body and where it stands; None and why there is none."""
+    if len(geoms) != 1:
+        return None, f"the body has {len(geoms) or 'no'} geoms; a body has one shape"
+    (geom,) = geoms
+    shape = mjcf_geoms.shape(geom)
+    if shape is None:
+        return None, f"{place(geom)} is no box, ellipsoid, cylinder or sphere of its own size"
+    solid = mjcf_geoms.placed(geom, rules)
+    if not about(made.centre, shape, solid.centre, solid.attitude):
+        return None, f"{place(geom)} is not about the centre of mass and along the axes of the body"
+    return shape, place(geom)

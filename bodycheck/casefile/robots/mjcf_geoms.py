@@ -1,0 +1,140 @@
+"""Mass, centre of mass and inertia of the geoms of MJCF, as MuJoCo's compiler computes them, in exact arithmetic."""
+
+from dataclasses import dataclass
+
+from bodycheck.casefile.robots import orientations
+from bodycheck.casefile.robots.elements import Element, number, numbers, quoted, refuse
+from bodycheck.casefile.robots.link import turned_inertia
+from bodycheck.casefile.robots.mjcf_settings import Settings
+from bodycheck.reference.exact.inertia import MassProperties, moments
+from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3, vector
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
+
+#: The geoms with a volume of their own, and how many sizes each has; with `fromto` the last one is half the distance.
+SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}
+
+#: MuJoCo's density of geoms, kg/m^3.
+DENSITY = 1000.0
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """Centre (m) and attitude of a geom in the frame of the body."""
+
+    centre: Vector3
+    attitude: Quaternion4
+
+
+def placed(geom: Element, rules: Settings) -> Placed:
+    """Return where a geom is. Raises `BadInput`."""
+    if "fromto" not in geom.attributes:
+        attitude = orientations.mjcf(geom, rules.degrees, rules.eulerseq)
+        return Placed(vector(numbers(geom, "pos", (3,), (0.0, 0.0, 0.0))), attitude)
+    first, last = _ends(geom)
+    x, y, z = ((one + other) / 2 for one, other in zip(first, last, strict=True))
+    dx, dy, dz = (one - other for one, other in zip(first, last, strict=True))
+    if not (dx or dy or dz):
+        refuse(geom, "fromto", f"read {quoted(geom.attributes['fromto'])}; allowed: two different points")
+    return Placed((x, y, z), orientations.from_z((dx, dy, dz)))
+
+
+def shape(geom: Element) -> Shape | None:
+    """Return the shape of a geom; None for one that case files do not have. Raises `BadInput`."""
+    kind = _kind(geom)
+    if kind not in SIZES or kind == "capsule" or "fromto" in geom.attributes or "mesh" in geom.attributes:
+        return None
+    return _solid(kind, tuple(float(size) for size in _sizes(geom, kind)))
+
+
+def mass_properties(geom: Element, rules: Settings) -> MassProperties | None:
+    """Return the mass properties of a geom in the frame of the body; None if it has no mass.
+
+    Raises `BadInput` for a geom whose mass is not that of one of the solids of `SIZES`.
+    """
+    kind = _kind(geom)
+    if kind in ("plane", "hfield") or ("mass" in geom.attributes and number(geom, "mass") == 0):
+        return None
+    if kind not in SIZES:
+        refuse(geom, "type", f"read {quoted(kind)}, whose mass is in another file, which is not opened; allowed: an <inertial>")
+    if "mesh" in geom.attributes:
+        refuse(geom, "mesh", "the size is that of a mesh, which is not opened; allowed: an <inertial>")
+    if geom.attributes.get("shellinertia", "false") != "false":
+        refuse(geom, "shellinertia", "the inertia of a surface is not computed here; allowed: an <inertial>")
+    own = _own(geom, kind)
+    if own is None:
+        return None
+    at = placed(geom, rules)
+    return MassProperties(own[0], at.centre, turned_inertia((*own[1], 0.0, 0.0, 0.0), at.attitude))
+
+
+def _own(geom: Element, kind: str) -> tuple[Real, Vector3] | None:
+    """Return the mass (kg) of a geom and its moments (kg m^2) along its own axes; None if its density is 0."""
+    sizes = _sizes(geom, kind)
+    volume = _volume(kind, sizes)
+    given = "mass" in geom.attributes
+    mass = MP.mpf(number(geom, "mass")) if given else volume * MP.mpf(number(geom, "density", DENSITY))
+    if mass < 0:
+        refuse(geom, "mass" if given else "density", "is negative; allowed: at least 0")
+    if not mass:
+        return None
+    if kind != "capsule":
+        one = moments(_solid(kind, tuple(sizes)), 1.0)
+        return mass, (mass * one[0], mass * one[1], mass * one[2])
+    radius, half = sizes
+    ball = mass * (4 * radius**3 / 3) * MP.pi / volume
+    rod = mass - ball
+    along = rod * radius**2 / 2 + 2 * ball * radius**2 / 5
+    # Each half ball has its centre of mass 3/8 of the radius above its flat face.
+    across = rod * (radius**2 / 4 + half**2 / 3) + ball * (2 * radius**2 / 5 + half**2 + 3 * radius * half / 4)
+    return mass, (across, across, along)
+
+
+def _solid(kind: str, sizes: tuple[Real, ...]) -> Shape:
+    match kind:
+        case "box":
+            return Brick((sizes[0], sizes[1], sizes[2]))
+        case "ellipsoid":
+            return Ellipsoid((sizes[0], sizes[1], sizes[2]))
+        case "cylinder":
+            return Cylinder(sizes[0], sizes[1])
+        case _:
+            return Sphere(sizes[0])
+
+
+def _volume(kind: str, sizes: list[Real]) -> Real:
+    match kind:
+        case "box":
+            return 8 * sizes[0] * sizes[1] * sizes[2]
+        case "ellipsoid":
+            return 4 * MP.pi * sizes[0] * sizes[1] * sizes[2] / 3
+        case "cylinder":
+            return 2 * MP.pi * sizes[0] ** 2 * sizes[1]
+        case "capsule":
+            return 2 * MP.pi * sizes[0] ** 2 * sizes[1] + 4 * MP.pi * sizes[0] ** 3 / 3
+        case _:
+            return 4 * MP.pi * sizes[0] ** 3 / 3
+
+
+def _kind(geom: Element) -> str:
+    return geom.attributes.get("type", "mesh" if "mesh" in geom.attributes else "sphere")
+
+
+def _sizes(geom: Element, kind: str) -> list[Real]:
+    """Return the sizes (m) of a geom, in half-lengths and radii. Raises `BadInput` unless all are positive."""
+    count, ends = SIZES[kind], "fromto" in geom.attributes
+    if ends and kind == "sphere":
+        refuse(geom, "fromto", "a sphere has no ends; allowed: pos")
+    needed = 1 if ends else count
+    read = numbers(geom, "size", tuple(range(needed, 4)))
+    if min(read[:needed]) <= 0:
+        refuse(geom, "size", f"read {quoted(geom.attributes['size'])}; allowed: positive lengths")
+    if not ends:
+        return [MP.mpf(size) for size in read[:count]]
+    first, last = _ends(geom)
+    half = MP.sqrt(sum((one - other) ** 2 for one, other in zip(first, last, strict=True))) / 2
+    return [*[MP.mpf(read[0])] * (count - 1), half]
+
+
+def _ends(geom: Element) -> tuple[Vector3, Vector3]:
+    values = numbers(geom, "fromto", (6,))
+    return vector(values[:3]), vector(values[3:])

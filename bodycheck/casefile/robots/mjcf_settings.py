@@ -1,0 +1,112 @@
+"""The settings of an MJCF file that decide what its numbers mean: the <compiler> and the default classes of geoms."""
+
+from dataclasses import dataclass
+
+from bodycheck.casefile.robots.elements import Element, number, numbers, quoted, refuse
+
+#: Attributes of <compiler> that change masses or frames and are not followed, with the values that change nothing.
+CHANGING = {
+    "coordinate": ("local",),
+    "fusestatic": ("false",),
+    "discardvisual": ("false",),
+    "alignfree": ("false",),
+}
+
+#: Attributes of <compiler> that change masses or inertias where they are positive.
+BOUNDS = ("settotalmass", "boundmass", "boundinertia")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What a <compiler> says.
+
+    Attributes
+    ----------
+    degrees
+        Whether angles are in degrees and not in rad.
+    eulerseq
+        The sequence of Euler angles.
+    inertiafromgeom
+        "true", "false" or "auto": whether the inertia of a body is that of its geoms.
+    groups
+        The least and the largest group of the geoms that have a mass.
+    """
+
+    degrees: bool = True
+    eulerseq: str = "xyz"
+    inertiafromgeom: str = "auto"
+    groups: tuple[float, ...] = (0.0, 5.0)
+
+    def counts(self, group: float) -> bool:
+        """Return whether geoms of a group have a mass."""
+        return self.groups[0] <= group <= self.groups[1]
+
+
+def settings(root: Element) -> Settings:
+    """Return the settings of an MJCF file. Raises `BadInput` for those that are not followed here."""
+    found = Settings()
+    for compiler in root.all("compiler"):
+        for key, harmless in CHANGING.items():
+            if (value := compiler.attributes.get(key, harmless[0])) not in harmless:
+                refuse(
+                    compiler,
+                    key,
+                    f"read {quoted(value)}, which changes bodies and is not followed here; allowed: {harmless[0]}",
+                )
+        for key in BOUNDS:
+            if number(compiler, key, 0.0) > 0:
+                refuse(compiler, key, f"read {quoted(compiler.attributes[key])}, which changes masses and is not followed here")
+        if _word(compiler, "balanceinertia", "false", ("true", "false")) == "true":
+            refuse(
+                compiler, "balanceinertia", "read 'true', by which MuJoCo replaces an inertia that no body has; allowed: false"
+            )
+        sequence = compiler.attributes.get("eulerseq", found.eulerseq)
+        if len(sequence) != 3 or not set(sequence.lower()) <= set("xyz"):
+            refuse(compiler, "eulerseq", f"read {quoted(sequence)}; allowed: three of the letters x, y, z, X, Y, Z")
+        before = "degree" if found.degrees else "radian"
+        found = Settings(
+            _word(compiler, "angle", before, ("degree", "radian")) == "degree",
+            sequence,
+            _word(compiler, "inertiafromgeom", found.inertiafromgeom, ("true", "false", "auto")),
+            numbers(compiler, "inertiagrouprange", (2,), found.groups),
+        )
+    return found
+
+
+def _word(element: Element, attribute: str, default: str, allowed: tuple[str, ...]) -> str:
+    """Return the word of an attribute. Raises `BadInput` unless it is one of those that are allowed."""
+    value = element.attributes.get(attribute, default)
+    if value not in allowed:
+        refuse(element, attribute, f"read {quoted(value)}; allowed: {', '.join(allowed)}")
+    return value
+
+
+class Defaults:
+    """The attributes of geoms by default, by the name of the class; None is the class of geoms without one."""
+
+    def __init__(self, root: Element) -> None:
+        self.geoms: dict[str | None, dict[str, str]] = {None: {}}
+        for top in root.all("default"):
+            self._add(top, None, None)
+
+    def _add(self, element: Element, name: str | None, parent: str | None) -> None:
+        """Add a class and those in it, which inherit what it has."""
+        own = self.geoms.setdefault(name, dict(self.geoms[parent]))
+        for geom in element.all("geom"):
+            own |= geom.attributes
+        if name is None and (called := element.attributes.get("class")) is not None:
+            self.geoms[called] = own
+        for inner in element.all("default"):
+            if "class" not in inner.attributes:
+                refuse(inner, "class", "is missing; a default class in another one has a name")
+            self._add(inner, inner.attributes["class"], name)
+
+    def resolved(self, geom: Element, inherited: str | None) -> Element:
+        """Return a geom with the attributes of its class, or of the class that its body hands down.
+
+        Raises `BadInput` for an unknown class.
+        """
+        name = geom.attributes.get("class", inherited)
+        if name not in self.geoms and name != "main":
+            refuse(geom, "class", f"there is no default class {quoted(name or '')}")
+        return Element(geom.tag, self.geoms.get(name, self.geoms[None]) | geom.attributes, geom.file, geom.line)

@@ -1,0 +1,94 @@
+"""Write a body of a robot model into the text of a new case file."""
+
+import json
+import re
+from pathlib import Path
+
+from bodycheck.casefile.case import CaseFaults, parse
+from bodycheck.casefile.robots import elements, mjcf, urdf
+from bodycheck.casefile.robots.elements import quoted
+from bodycheck.casefile.robots.link import Link
+from bodycheck.casefile.values import MAX_NAME_LENGTH
+from bodycheck.errors import BadInput
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
+
+#: How a body is read, by the root of its file.
+READERS = {"robot": ("URDF", urdf.link), "mujoco": ("MJCF", mjcf.link)}
+
+#: The table of the body in the template, up to the next table.
+BODY = re.compile(r"^\[body\]\n.*?(?=^\[initial\])", re.DOTALL | re.MULTILINE)
+
+
+def read(path: Path, body: str | None) -> Link:
+    """Return a body of a URDF or MJCF file; the only one if its name is None.
+
+    Raises `BadInput` for a file that cannot be read, is no robot model, has no such body, or whose body cannot be read exactly.
+    """
+    root = elements.read(path)
+    if root.tag not in READERS:
+        elements.refuse(root, None, "is no robot model; allowed: <robot> (URDF) or <mujoco> (MJCF)")
+    _, reader = READERS[root.tag]
+    return reader(root, body)
+
+
+def case_name(link: Link) -> str:
+    """Return the name of a case that is made of the name of a body. Raises `BadInput` if it has no letters or digits."""
+    name = re.sub(r"[^a-z0-9]+", "-", link.name.lower()).strip("-")[:MAX_NAME_LENGTH]
+    if not name:
+        raise BadInput(
+            f"the name of the body, {quoted(link.name)}, is no name of a case; give one: bodycheck new NAME --from …"
+        )
+    return name
+
+
+def text(template: str, link: Link, file: Path) -> str:
+    """Return the text of a case with this body, and all else as in a template.
+
+    Raises `BadInput` if no body has such an inertia.
+    """
+    source = quoted(file.name)[1:-1]
+    made = BODY.sub(lambda _: _body(link, source), template, count=1)
+    title = json.dumps(f"{quoted(link.name)[1:-1]} of {source}", ensure_ascii=False)
+    made = re.sub(r"^title = .*$", lambda _: f"title = {title}", made, count=1, flags=re.MULTILINE)
+    made = re.sub(
+        r'^source = ""', lambda _: f"source = {json.dumps(source, ensure_ascii=False)}", made, count=1, flags=re.MULTILINE
+    )
+    try:
+        parse(made, source)
+    except CaseFaults as error:
+        faults = "; ".join(fault.message for fault in error.faults)
+        raise BadInput(f"{link.inertia_from}: {faults}") from error
+    return made
+
+
+def _body(link: Link, source: str) -> str:
+    """Return the table of the body, with comments that say where each number is from."""
+    made = link.made
+    xx, yy, zz, xy, xz, yz = (repr(float(part)) for part in made.tensor)
+    centre = ", ".join(repr(float(part)) for part in made.centre)
+    lines = [
+        "[body]",
+        f"# The body {quoted(link.name)} of {source}, in the frame that it has there, moved to its centre of mass,",
+        f"# which is at [{centre}] m in that frame.",
+        *([f"# Left out: {link.left_out}. A case has one body."] if link.left_out else []),
+        f"# Mass and inertia: {link.inertia_from}",
+        *_shape(link.shape, link.shape_from),
+        f"mass = {float(made.mass)!r}  # kg",
+        f"inertia = [[{xx}, {xy}, {xz}], [{xy}, {yy}, {yz}], [{xz}, {yz}, {zz}]]  # kg m^2, about the centre of mass",
+    ]
+    return "\n".join(lines) + "\n\n"
+
+
+def _shape(shape: Shape | None, found: str) -> list[str]:
+    match shape:
+        case None:
+            return [f"# No shape: {found}.", 'shape = "none"']
+        case Brick(sizes):
+            lines = ['shape = "brick"', f"semi_axes = {list(map(float, sizes))}  # m"]
+        case Ellipsoid(sizes):
+            lines = ['shape = "ellipsoid"', f"semi_axes = {list(map(float, sizes))}  # m"]
+        case Cylinder(radius, half_length):
+            lines = ['shape = "cylinder"', f"radius = {float(radius)!r}  # m", f"half_length = {float(half_length)!r}  # m"]
+        case Sphere(radius):
+            lines = ['shape = "sphere"', f"radius = {float(radius)!r}  # m"]
+    return [f"# Shape: {found}", *lines]
