@@ -8,7 +8,7 @@ import pytest
 
 from bodycheck import load
 from bodycheck.adapters.contract import Method
-from bodycheck.studies import cost
+from bodycheck.studies import cost, engine_calls
 from bodycheck.studies.engine_calls import share, watched
 from tests.support.processes import calls_here
 
@@ -24,10 +24,16 @@ def adapter(engine: Any) -> Any:
     return SimpleNamespace(engine=None, prepare=None, calls=((engine, "step"),))
 
 
+@pytest.fixture(autouse=True)
+def processor_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Seconds of the processor are measured, which do not go by while it does other things."""
+    clock = SimpleNamespace(perf_counter=time.thread_time, process_time=time.process_time)
+    monkeypatch.setattr(engine_calls, "time", clock)
+    monkeypatch.setattr(cost, "time", clock)
+
+
 @pytest.mark.parametrize("part", [0.1, 0.5, 0.9])
-def test_a_known_share_is_found(part: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    # Seconds of the processor, which do not go by while it does other things.
-    monkeypatch.setattr("bodycheck.studies.engine_calls.time", SimpleNamespace(perf_counter=time.thread_time))
+def test_a_known_share_is_found(part: float) -> None:
     engine = SimpleNamespace(step=lambda: spend(part * 2e-3))
 
     def seconds() -> float:
