@@ -13,6 +13,7 @@ from bodycheck.adapters.engine_name import EngineName
 from bodycheck.casefile.expectation import ORDER, unit
 from bodycheck.casefile.raw_values import mapping, number
 from bodycheck.casefile.toml_positions import Path
+from bodycheck.casefile.values import MAX_EXPECTATIONS
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED, most_possible
 from bodycheck.suggestion import did_you_mean
@@ -25,13 +26,13 @@ def uncheckable(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
     """
     duration = number(mapping(document.get("run")).get("duration"))
     expect = document.get("expect")
-    for index, table in enumerate(expect if isinstance(expect, list) else []):
+    for index, table in enumerate(expect[:MAX_EXPECTATIONS] if isinstance(expect, list) else []):
         expectation = mapping(table)
         if (fault := _unknown(expectation.get("engine"))) is not None:
             yield ("expect", index, "engine"), fault
         last = duration + number(expectation.get("timestep")) / 2  # the instants of a run are the nearest ends of steps
-        for name in LIMITED:
-            for path, message in _idle(name, expectation.get(name), last):
+        for name in [name for name in expectation if name in LIMITED]:
+            for path, message in _idle(name, expectation[name], last):
                 yield ("expect", index, name, *path), message
 
 

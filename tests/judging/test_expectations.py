@@ -7,6 +7,7 @@ import pytest
 from bodycheck import Case, CaseFaults, load, simulate
 from bodycheck.casefile.case import parse, parse_stored
 from bodycheck.casefile.expectation import Limit
+from bodycheck.casefile.values import MAX_EXPECTATIONS
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from tests.support.truths import truth_for_runs
@@ -134,3 +135,12 @@ def test_an_engine_that_nobody_knows_is_a_fault_and_a_version_is_none() -> None:
     assert fault.message == "read 'mujocco'; there is no such engine; allowed: mujoco, pinocchio; did you mean 'mujoco'?"
     (expectation,) = parse(text.replace('"mujoco"', '"mujoco@3.17.0"'), "f").expectations
     assert expectation.engine == "mujoco@3.17.0"
+
+
+def test_only_as_many_expectations_are_checked_as_a_file_may_have() -> None:
+    """A file of a quarter of a million bytes may hold tens of thousands of tables, each of which would be looked at."""
+    text = METHOD.format(integrator="Euler").replace('"mujoco"', '"mujocco"') + "attitude_error = 1.0\n"
+    with pytest.raises(CaseFaults) as caught:
+        parse(BEGINNING + text * (MAX_EXPECTATIONS + 500), "f")
+    # A hundred faults are told; the others are those of the allowed tables, and that there are too many of them.
+    assert caught.value.faults[-1].message == f"{MAX_EXPECTATIONS + 1 - 100} more faults"
