@@ -93,8 +93,6 @@ def recommend(
 ) -> Recommendation:
     """Return the methods that keep an error on a case, each with the largest time step that does, the cheapest first.
 
-    Runs have worker processes, so that a script needs `if __name__ == "__main__":` around the call.
-
     Parameters
     ----------
     case
