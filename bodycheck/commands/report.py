@@ -86,7 +86,7 @@ def _report_releases(folders: tuple[Path, ...], into: Path, figures: Figures, ju
         reading.refuse_links(folder)
     arguments.make_folder("--out", into)
     with saved.undamaged(*folders):
-        found = [release_rows.read(folder) for folder in folders]
+        found = release_rows.comparable([release_rows.read(folder) for folder in folders])
         reports.write_study(present(dict(zip(release_rows.labels(found), found, strict=True))), into, figures)
     print(f"report: {into / 'report.html'}", file=sys.stderr)
     return OK

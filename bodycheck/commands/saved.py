@@ -3,15 +3,16 @@
 The files in the folder tell which of the two it is. Nothing is simulated, and no engine needs to be installed.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, cast
 
 from bodycheck.adapters.method import current
 from bodycheck.casefile.case import CaseFaults
 from bodycheck.errors import BadFolder
+from bodycheck.figures import revisions
 from bodycheck.figures.columns import COLUMNS
 from bodycheck.files import reading
 from bodycheck.reports.study import StudyReport
@@ -115,7 +116,8 @@ def _tradeoff(results: Results) -> StudyReport:
     rows = _rows(results.folder / "tradeoff.csv", parsers | TRADEOFF_PARSERS)
     _check(results, "tradeoff.csv", {RunKey.of_row(row) for row in rows}, {RunKey.of_row(run) for run in _runs(results)})
     orders = _rows(results.folder / "orders.csv", csv_tables.parsers_of(Order))
-    return tradeoff.present(results.header, rows, [records.typed(Order, order) for order in orders])
+    report = tradeoff.present(results.header, rows, [records.typed(Order, order) for order in orders])
+    return _dated(report, results.header, {name for row in rows for name, value in row.items() if value is not None})
 
 
 def _ablation(results: Results) -> StudyReport:
@@ -123,7 +125,9 @@ def _ablation(results: Results) -> StudyReport:
     made = {RunKey.of_row(run) for run in _runs(results)}
     told = {RunKey.of_row(row | {"integrator": _spelled(row["integrator"], row["model"])}) for row in rows}
     _check(results, "ablation.csv", told, told & made)
-    return ablation.present(results.header, results.cases, list(map(_model_row, rows)))
+    found = list(map(_model_row, rows))
+    report = ablation.present(results.header, results.cases, found)
+    return _dated(report, results.header, {name for row in found for name in row.errors})
 
 
 def _extremes(folder: Path) -> StudyReport:
@@ -150,7 +154,14 @@ def _recommend(folder: Path) -> StudyReport:
     probes = [records.typed(Probe, probe) for probe in _rows(folder / "steps.csv", csv_tables.parsers_of(Probe))]
     if {probe.method for probe in probes} - {answer.method for answer in answers}:
         raise BadFolder(f"{folder}: damaged: recommend.csv does not list the same methods as steps.csv")
-    return recommend.present(header, Recommendation(asked, tuple(answers), tuple(probes)))
+    report = recommend.present(header, Recommendation(asked, tuple(answers), tuple(probes)))
+    return _dated(report, contents.header, {asked.figure})
+
+
+def _dated(report: StudyReport, header: Mapping[str, Any], figures: Collection[str]) -> StudyReport:
+    """Return a report that says which of its figures were measured with another definition. figures: those that it has."""
+    stored = records.typed(records.RevisionsRecord, header).revisions
+    return replace(report, notices=(*report.notices, *(f"{text}." for text in revisions.notices(stored, figures))))
 
 
 def _check(results: Results, table: str, told: set[Any], made: set[Any]) -> None:

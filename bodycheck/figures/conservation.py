@@ -76,6 +76,9 @@ def _where(conserves: bool, compute: Callable[[Comparison], Array]) -> Compute:
     return lambda compared: compute(compared) if compared.scene.conserves == conserves else None
 
 
+#: What the figures of energy were before they were relative to the initial kinetic energy.
+ENERGY_FORMERLY = "relative to the initial energy, with a potential energy that is zero at z = 0"
+
 #: In scenes that conserve energy and angular momentum.
 DRIFTS = (
     Figure(
@@ -89,6 +92,7 @@ DRIFTS = (
         presence="every table",
         bounded_by="truth_energy_error",
         revision=2,
+        formerly=ENERGY_FORMERLY,
         plotted=True,
     ),
     Figure(
@@ -129,6 +133,7 @@ ERRORS = (
         scale=lambda scales: scales.energy,
         bounded_by="truth_energy_error",
         revision=2,
+        formerly=ENERGY_FORMERLY,
         plotted=True,
     ),
     Figure(

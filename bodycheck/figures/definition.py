@@ -165,6 +165,8 @@ class Figure(Column):
     revision
         The number of the figure's definition. It rises by 1 when the same run gets another value, so that values of baselines
         with different definitions are not compared.
+    formerly
+        What the figure was by the revision before, in words.
     tabled, plotted
         Whether a report has the figure in the table of a case, and draws it over time.
     """
@@ -179,5 +181,6 @@ class Figure(Column):
     bounded_by: str = ""
     of_truth: bool = False
     revision: int = 1
+    formerly: str = ""
     tabled: bool = True
     plotted: bool = False

@@ -17,6 +17,7 @@ from bodycheck.casefile.identity import changed_keys, identity, keys
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES as ALL_FIGURES
 from bodycheck.figures.columns import distance_from_ideal
+from bodycheck.figures.revisions import REVISIONS, redefined
 from bodycheck.files import writing
 from bodycheck.judging import baseline_checks, judgement, nudged_runs, rounding
 from bodycheck.judging.judgement import Verdict
@@ -239,7 +240,7 @@ def save(
         "format": FORMAT,
         "header": {name: value for name, value in results.header.items() if name in HEADER},
         "cases": {name: identity(case) for name, case in results.cases.items()},
-        "revisions": {name: figure.revision for name, figure in ALL_FIGURES.items() if figure.revision > 1},
+        "revisions": REVISIONS,
         "keys": {name: keys(case) for name, case in results.cases.items()},
     }
     content = pa.BufferOutputStream()
@@ -281,15 +282,15 @@ def diff(base: Baseline, now: Baseline) -> Difference:
     if other := sorted(name for name, told in base.cases.items() if now.cases.get(name, told) != told):
         edited = (_edited(name, base.keys.get(name, {}), now.keys.get(name, {})) for name in other)
         raise BadInput(f"the case itself has changed, save a new baseline: {'; '.join(edited)}")
-    redefined = [name for name in FIGURES if base.revisions.get(name, 1) != now.revisions.get(name, 1)]
+    apart = redefined(base.revisions, now.revisions)
     found = [
         change
         for key in {**base.rows, **now.rows}
         for change in changes(key, base.rows.get(key), now.rows.get(key))
-        if change.what not in redefined
+        if change.what not in apart
     ]
     shared = [(base.rows[key], now.rows[key]) for key in base.rows.keys() & now.rows.keys()]
-    lost = tuple(name for name in redefined if any(_entries_of_both(*rows, name) for rows in shared))
+    lost = tuple(name for name in apart if any(_entries_of_both(*rows, name) for rows in shared))
     compared = tuple(name for name in FIGURES if name not in lost and any(_entries_of_both(*rows, name) for rows in shared))
     found.sort(key=lambda change: change.severity, reverse=True)
     found.sort(key=lambda change: DIRECTIONS.index(change.direction))

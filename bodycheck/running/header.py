@@ -38,13 +38,14 @@ class StoredUnchecked(TypedDict):
 
 
 class StoredHeader(Header):
-    """The header of a results folder, with the cases that were run, and what could not be checked.
+    """The header of a results folder, with the cases that were run, what could not be checked, and the revisions of figures.
 
-    Results of earlier versions lack the latter.
+    Results of earlier versions lack the latter two.
     """
 
     cases: list[StoredCase]
     unchecked: NotRequired[list[StoredUnchecked]]
+    revisions: NotRequired[dict[str, int]]
 
 
 #: The entries of a header, with a description of each.

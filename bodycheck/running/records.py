@@ -79,6 +79,13 @@ class CasesRecord:
 
 
 @dataclass(frozen=True)
+class RevisionsRecord:
+    """The revisions of the figures in a journal whose definition had ever changed. Those of earlier versions have none."""
+
+    revisions: dict[Printable, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
 class LawRecord:
     """A plane with a law of friction."""
 

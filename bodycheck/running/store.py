@@ -18,6 +18,7 @@ from typing import Any, cast
 from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.errors import BadFolder
 from bodycheck.figures.definition import Load
+from bodycheck.figures.revisions import REVISIONS
 from bodycheck.files import reading, writing
 from bodycheck.reference.bounds import NAMES
 from bodycheck.reference.planar import Stop
@@ -56,7 +57,7 @@ class Writer:
     ) -> None:
         _refuse_other_things(folder)
         texts = [{"name": case.name, "text": case.text, "file": _shown(files.get(case.name))} for case in cases]
-        contents = {"cases": texts, "unchecked": [asdict(one) for one in unchecked]}
+        contents = {"cases": texts, "unchecked": [asdict(one) for one in unchecked], "revisions": REVISIONS}
         self.folder = folder
         self.journal = journal.resume(
             folder / RECORDS, {"format": FORMAT, **header, "identity": identity, **contents}, renewed=("unchecked",)

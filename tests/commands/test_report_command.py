@@ -92,6 +92,22 @@ def test_a_report_that_is_made_again_is_the_first_one_to_the_last_byte(kind: str
     assert contents(folder) == first
 
 
+def test_a_study_of_an_earlier_version_says_which_of_its_figures_had_another_definition(copy: Callable[..., Path]) -> None:
+    def earlier(record: Record) -> Record:
+        return {name: value for name, value in record.items() if name != "revisions"}
+
+    now, before = copy("tradeoff", "now"), copy("tradeoff", "before", earlier)
+    for folder in (now, before):
+        assert call("report", folder) == 0
+    told = r"The numbers of energy\_drift have another definition (relative to the initial energy, with a potential"
+    assert told in markdown(before)
+    assert "another definition" not in markdown(now)
+    # The figures of runs are computed again from the trajectories.
+    runs = copy("run", "runs", earlier)
+    assert call("report", runs) == 1
+    assert "another definition" not in markdown(runs)
+
+
 def test_it_goes_where_it_is_asked_to_with_a_junit_file(saved: Path, tmp_path: Path) -> None:
     before = contents(saved / "run")
     out = tmp_path / "deep" / "out"

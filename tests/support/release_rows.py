@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+from bodycheck.figures.revisions import REVISIONS
 from bodycheck.studies.releases.page import present
 from bodycheck.studies.releases.rows import Change, Found
 
@@ -19,6 +20,7 @@ HEADER = {
     "cases": {"spin": "0"},
     "unmeasured": {},
     "notices": [],
+    "revisions": REVISIONS,
 }
 
 

@@ -18,6 +18,7 @@ from bodycheck.adapters.offers import chosen, integrator_of
 from bodycheck.casefile.case import Case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES, LIMITED, most_possible
+from bodycheck.figures.revisions import REVISIONS
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.judging import judgement
 from bodycheck.reports.quantities import bound
@@ -228,7 +229,8 @@ def results(
     """
     case = study.case
     asked = Asked(case.name, case.duration, study.figure, study.error)
-    with journal.resume(folder / RECORDS, {**head, "asked": asdict(asked), "identity": _identity(study, head, known)}) as log:
+    told = {"asked": asdict(asked), "identity": _identity(study, head, known), "revisions": REVISIONS}
+    with journal.resume(folder / RECORDS, {**head, **told}) as log:
         if log.records:
             print(f"bodycheck: resuming the interrupted study in {folder}", file=sys.stderr)
         probes = [*known, *(Probe(**record["probe"]) for record in log.records)]

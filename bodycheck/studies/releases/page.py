@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, replace
 
 from packaging.version import Version
 
+from bodycheck.figures import revisions
 from bodycheck.reports.charts import ZOOMING
 from bodycheck.reports.lines import HUES, Line, assign, paled
 from bodycheck.reports.quantities import QUANTITIES, Quantity, count, listing, milliseconds, number
@@ -91,7 +92,9 @@ def _headline(labelled: _Labelled) -> str:
 
 def _notices(found: Found) -> list[str]:
     unmeasured = [f"{version} was not measured: {reason}." for version, reason in found.header["unmeasured"].items()]
-    return [*(f"{notice}." for notice in found.header["notices"]), *unmeasured]
+    there = {name for row in found.rows for name, value in row.items() if value is not None}
+    other = revisions.notices(found.header["revisions"], there)
+    return [*(f"{notice}." for notice in (*found.header["notices"], *other)), *unmeasured]
 
 
 def _part(case: str, labelled: _Labelled) -> Part:

@@ -5,14 +5,15 @@ describes the machine.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any, cast, get_type_hints
 
 from bodycheck.adapters.method import current
 from bodycheck.errors import BadInput
+from bodycheck.figures.revisions import redefined
 from bodycheck.judging.judgement import COLUMNS
-from bodycheck.running import csv_tables, journal
+from bodycheck.running import csv_tables, journal, records
 from bodycheck.running.header import DESCRIPTIONS, Header
 from bodycheck.running.outcome import Unsupported
 
@@ -27,6 +28,9 @@ ALLOWANCE_SUFFIX = "_allowance"
 
 #: The quantity of a change of the status.
 STATUS = "status"
+
+#: Notice of a figure that is left out.
+NOT_COMPARED = "Left out, since its definition differs between these studies"
 
 #: The row of a version, method and case: the columns of results, and the allowance of each figure.
 Row = Mapping[str, Any]
@@ -77,13 +81,15 @@ class ReleasesHeader(Header):
     """The header of a study of releases, which spans several versions of one engine.
 
     versions: the releases in their order. cases: the identities of the cases by name. unmeasured: why a release could not be
-    measured, by version. notices: what limits what the study says.
+    measured, by version. notices: what limits what the study says. revisions: those of the figures whose definition had ever
+    changed; the headers of earlier versions have none.
     """
 
     versions: list[str]
     cases: dict[str, str]
     unmeasured: dict[str, str]
     notices: list[str]
+    revisions: dict[str, int]
 
 
 @dataclass(frozen=True)
@@ -104,6 +110,23 @@ class Found:
     header: ReleasesHeader
     rows: tuple[Row, ...]
     changes: tuple[Change, ...]
+
+
+def comparable(found: Sequence[Found]) -> list[Found]:
+    """Return studies that are compared, without the figures whose definitions differ between them."""
+    first, *others = (one.header["revisions"] for one in found)
+    there = {name for one in found for row in one.rows for name, value in row.items() if value is not None}
+    apart = {name for other in others for name in redefined(first, other)} & there
+    columns = apart | {f"{name}{ALLOWANCE_SUFFIX}" for name in apart}
+    return [
+        replace(
+            one,
+            header={**one.header, "notices": [*one.header["notices"], *(f"{NOT_COMPARED}: {name}" for name in sorted(apart))]},
+            rows=tuple({name: value for name, value in row.items() if name not in columns} for row in one.rows),
+            changes=tuple(change for change in one.changes if change.quantity not in apart),
+        )
+        for one in found
+    ]
 
 
 def made(rows: Iterable[Row]) -> list[Row]:
@@ -158,12 +181,14 @@ def read(folder: Path) -> Found:
     if not contents.complete:
         raise BadInput(f"{folder / RECORDS}: was interrupted while it was written; run the study again")
     try:
+        revisions = records.typed(records.RevisionsRecord, contents.header).revisions
+        header = {"revisions": revisions, **contents.header}
         return Found(
-            cast(ReleasesHeader, {name: contents.header[name] for name in get_type_hints(ReleasesHeader)}),
+            cast(ReleasesHeader, {name: header[name] for name in get_type_hints(ReleasesHeader)}),
             tuple(_present(record["row"]) for record in contents.records if record["record"] == "row"),
             tuple(Change(**_present(record["change"])) for record in contents.records if record["record"] == "change"),
         )
-    except (KeyError, TypeError) as error:
+    except (KeyError, TypeError, ValueError) as error:
         raise BadInput(f"{folder / RECORDS}: does not contain records of a study of releases: {error}") from error
 
 

@@ -17,6 +17,7 @@ from bodycheck.casefile.identity import identity
 from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.errors import BadInput
+from bodycheck.figures.revisions import REVISIONS
 from bodycheck.judging import baseline
 from bodycheck.running import campaign, obtaining, plan
 from bodycheck.running.key import RunKey
@@ -159,6 +160,7 @@ def _header(
         "unmeasured": unmeasured,
         "notices": list(notices),
         "cases": {case.name: identity(case) for case in cases},
+        "revisions": REVISIONS,
     }
 
 

@@ -140,3 +140,21 @@ def test_the_chart_has_a_line_a_method_and_a_ring_where_it_changed() -> None:
     # The line is broken at the release without a figure, and one symbol is a ring.
     assert svg.count('stroke-width="1.6"') == 1
     assert chart.alt.endswith("mujoco RK4 from 2e-5 to 3e-9 at 2.0.")
+
+
+def test_a_figure_of_another_definition_is_named_and_compared_with_no_other_study() -> None:
+    rows = (row("1.0", energy_drift=0.1, energy_drift_allowance=1e-9), row("2.0", energy_drift=0.2))
+    changes = (change(), change(quantity="energy_drift"))
+    now = Found(HEADER, rows, changes)
+    before = replace(now, header=HEADER | {"revisions": {}})
+    assert release_rows.comparable([now, now]) == [now, now]
+    assert release_rows.comparable([before]) == [before]
+    (told,) = present({"": before}).notices
+    assert told.startswith("The numbers of energy_drift have another definition (relative to the initial energy, with ")
+    apart = release_rows.comparable([before, now])
+    for one in apart:
+        assert {name for own in one.rows for name in own if "drift" in name} == set()
+        assert [own.quantity for own in one.changes] == ["attitude_error"]
+    notices = present({"before": apart[0], "now": apart[1]}).notices
+    left_out = "Left out, since its definition differs between these studies: energy_drift."
+    assert notices == (f"before: {left_out}", f"now: {left_out}")
