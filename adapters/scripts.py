@@ -54,7 +54,7 @@ def written(numbers: Iterable[float]) -> str:
 
 
 def source(*functions: Callable[..., Any]) -> str:
-    """Return the source of functions that the adapter itself calls, so that a script does what the adapter does.
+    """Return the source of functions and classes that the adapter itself calls, so that a script does what the adapter does.
 
     Their annotations are not evaluated in a script that begins with `FUTURE`.
     """

@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 
 from bodycheck.adapters.contract import Engine, Integrator, Method, Model, SceneUnsupported, choice
-from bodycheck.adapters.pinocchio import INSTALLATION, contact, exporting
+from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting
 from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
@@ -165,12 +165,16 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Loop[tuple[Array, Array]
 
 
 def script(scene: Scene, method: Method, duration: float, samples: int) -> str:
-    """Return a script for Pinocchio alone, as `Scripts.script` does. There is none of a body on a plane."""
+    """Return a script for Pinocchio alone, as `Scripts.script` does."""
     check_supported(scene, method)
-    if scene.plane is not None:
-        raise SceneUnsupported(f"a script of {method.name!r}: this adapter writes scripts of flights alone")
     model = model_of(scene, method)
-    return exporting.script(scene, method, scene_models.JOINTS[model](scene, scene.gravity), model, duration, samples)
+    if scene.plane is None:
+        joints = scene_models.JOINTS[model](scene, scene.gravity)
+        return exporting.script(scene, method, joints, model, duration, samples)
+    if method.integrator != "admm":
+        raise SceneUnsupported(f"a script of {method.name!r}: its friction is a force of bodycheck, not of Pinocchio")
+    joints = scene_models.JOINTS_ON_PLANE[model](scene, scene.gravity)
+    return contact_script.script(scene, scene.plane, joints, model, method.timestep, duration, samples)
 
 
 def loop(step: Step, joints: Joints) -> Loop[tuple[Array, Array]]:

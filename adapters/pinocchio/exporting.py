@@ -14,15 +14,7 @@ import numpy as np
 import pinocchio as pin
 
 {sampling}
-model = pin.Model()
-model.gravity.linear[:] = 0.0, 0.0, {gravity!r}
-joint = 0
-{joints}
-inertia = pin.Inertia({mass!r}, np.array({lever}), np.array({tensor}).reshape(3, 3))
-model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
-data = model.createData()
-q = np.array({q})
-v = np.array({v})
+{body}
 
 
 def acceleration(q, v):
@@ -33,6 +25,18 @@ def acceleration(q, v):
 {source}
 
 {loop}"""
+
+#: The body on its joints, and its initial state.
+BODY = """\
+model = pin.Model()
+model.gravity.linear[:] = 0.0, 0.0, {gravity!r}
+joint = 0
+{joints}
+inertia = pin.Inertia({mass!r}, np.array({lever}), np.array({tensor}).reshape(3, 3))
+model.appendBodyToJoint(joint, inertia, pin.SE3.Identity())
+data = model.createData()
+q = np.array({q})
+v = np.array({v})"""
 
 JOINT = "joint = model.addJoint(joint, pin.{kind}(), pin.SE3.Identity(), {name!r})"
 
@@ -46,6 +50,21 @@ STATES = {
     "translation-and-rotation": "[*q[:3], q[6], *q[3:6], *v]",
     "six-coordinates": "[*q[:3], q[6], *q[3:6], *rotate(q[[6, 3, 4, 5]], v[:3]), *v[3:]]",
 }
+
+
+def body_lines(joints: Joints) -> str:
+    """Return the lines that build a body on its joints as `model` and `data`, with its initial state `q` and `v`."""
+    built, inertia = joints.model, joints.model.inertias[joints.joint]
+    kinds = [(built.joints[number].shortname(), built.names[number]) for number in range(1, built.njoints)]
+    return BODY.format(
+        gravity=float(built.gravity.linear[2]),
+        joints="\n".join(JOINT.format(kind=kind, name=name) for kind, name in kinds),
+        mass=float(inertia.mass),
+        lever=scripts.written(inertia.lever),
+        tensor=scripts.written(inertia.inertia.ravel()),
+        q=scripts.written(joints.q),
+        v=scripts.written(joints.v),
+    )
 
 
 def script(scene: Scene, method: Method, joints: Joints, model: str, duration: float, samples: int) -> str:
@@ -69,21 +88,14 @@ def script(scene: Scene, method: Method, joints: Joints, model: str, duration: f
     """
     if model not in STATES:
         raise SceneUnsupported(f"a script of the model {model!r}; scripts have the smaller ones: {', '.join(STATES)}")
-    built, initial = joints.model, scene.initial
-    (scheme, _), inertia = SCHEMES[method.integrator], built.inertias[joints.joint]
-    kinds = [(built.joints[number].shortname(), built.names[number]) for number in range(1, built.njoints)]
+    initial = scene.initial
+    scheme, _ = SCHEMES[method.integrator]
     step = f"for _ in range(step - done):\n    q, v = {scheme.__name__}(model, acceleration, q, v, TIMESTEP)"
     needed = (scheme, rotate) if model == "six-coordinates" else (scheme,)
     return SCRIPT.format(
         future=scripts.FUTURE,
         sampling=scripts.sampling(method.timestep, duration, samples),
-        gravity=float(built.gravity.linear[2]),
-        joints="\n".join(JOINT.format(kind=kind, name=name) for kind, name in kinds),
-        mass=float(inertia.mass),
-        lever=scripts.written(inertia.lever),
-        tensor=scripts.written(inertia.inertia.ravel()),
-        q=scripts.written(joints.q),
-        v=scripts.written(joints.v),
+        body=body_lines(joints),
         drag=DRAG.format(drag=-scene.drag) if requirements(scene).drag else "",
         source=scripts.source(*needed),
         loop=scripts.loop(

@@ -68,7 +68,7 @@ RUNS = {
         *(("tumbling", name) for name in ("semi-implicit-euler", "body-twist-euler", "rk4", "rk4-naive")),
         *(("turning", name) for name in ("semi-implicit-euler", "rk4", "rk4:model=six-coordinates")),
         *(("football-drag", name) for name in ("semi-implicit-euler", "rk4-naive")),
-        ("falling", "semi-implicit-euler"),
+        *(("falling", "semi-implicit-euler"), ("curling-brick", "admm")),
     ],
 }
 
@@ -117,7 +117,8 @@ def test_a_script_makes_the_steps_of_the_run_to_the_last_bit(tmp_path: Path, eng
         ("mujoco", "curling-brick", "Euler:model=planar", "its friction is a force of bodycheck, not of MuJoCo"),
         ("mujoco", "free-brick", "Euler:model=planar", "no model 'planar' of this scene"),
         ("mujoco", "free-brick", "Euler:cone=elliptic", "has no option cone=elliptic"),
-        ("pinocchio", "curling-brick", "law-force", "writes scripts of flights alone"),
+        ("pinocchio", "curling-brick", "law-force", "its friction is a force of bodycheck, not of Pinocchio"),
+        ("pinocchio", "curling-brick", "admm:model=everything", "there is one of the model 'contact'"),
         ("pinocchio", "free-brick", "rk4:model=everything", "scripts have the smaller ones: translation, rotation"),
     ],
 )
