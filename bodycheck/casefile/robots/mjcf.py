@@ -34,6 +34,8 @@ def link(root: Element, name: str | None) -> Link:
             refuse(
                 element, None, f"stands for other elements, which are not read here; allowed: a body without <{element.tag}>"
             )
+        if element.tag == "freejoint" and element.attributes.get("align") == "true":
+            refuse(element, "align", "read 'true', which gives the body another frame and is not followed here; allowed: false")
         if element.tag in ("geom", "inertial") and element not in found.children:
             refuse(
                 element,

@@ -54,6 +54,7 @@ REFUSED = {
     "not from geoms": (mjcf(GEOM, '<compiler inertiafromgeom="false"/>'), '(inertiafromgeom="false")'),
     "frame": (mjcf(f'<frame pos="1 0 0">{GEOM}</frame>{GEOM}'), "<geom>: is in a <frame>, which is not followed here"),
     "replicate": (mjcf(f'{GEOM}<replicate count="2">{GEOM}</replicate>'), "<replicate>: stands for other elements"),
+    "aligned": (mjcf(f'<freejoint align="true"/>{GEOM}'), "<freejoint align>: read 'true', which gives the body another frame"),
     "class": (mjcf('<geom class="none" size="1"/>'), "<geom class>: there is no default class 'none'"),
     "two attitudes": (mjcf('<geom size="1" quat="1 0 0 0" euler="0 0 0"/>'), "<geom euler>: quat is given too"),
     "no attitude": (mjcf('<geom type="box" size="1 1 1" quat="0 0 0 0"/>'), "<geom quat>: read '0 0 0 0'; allowed: vectors"),
