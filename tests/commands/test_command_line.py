@@ -93,7 +93,9 @@ def test_with_one_engine_absent_the_other_runs(
     monkeypatch.setenv("BODYCHECK_CACHE", str(tmp_path / "cache"))  # which knows no engine
     absent = f"import sys; sys.modules[{package!r}] = None"
     here = "from tests.support.processes import calls_here; calls = calls_here(); calls.__enter__()"  # no worker processes
-    done = bodycheck_process("run", short, "--out", tmp_path / "out", prelude=f"{absent}; {here}", folder=ROOT)
+    done = bodycheck_process(
+        "run", short, "--allow-missing", "--out", tmp_path / "out", prelude=f"{absent}; {here}", folder=ROOT
+    )
     assert done.returncode == 0, done.stderr
     assert f"{engine} is not installed" in done.stderr
     results = pd.read_csv(tmp_path / "out" / "results.csv")

@@ -36,7 +36,7 @@ def test_what_is_certified_is_a_measured_distance_and_the_error_of_the_other_way
 
 
 def test_a_clock_that_is_a_billionth_wrong_is_not_certified(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    calls_here: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     right = torque_free.tumbling
     monkeypatch.setattr(torque_free, "tumbling", lambda motion, t: right(motion, t * (1 + 1e-9)))
