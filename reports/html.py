@@ -12,10 +12,15 @@ import vl_convert
 from markupsafe import Markup, escape
 
 from bodycheck.reports import charts
+from bodycheck.reports.index import MADE, Link
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.study import StudyReport
+from bodycheck.reports.tables import pieces
 from bodycheck.running.header import Header
+
+#: Cases of a report, or parts of a study, up to which all are open at first. Of more, each is opened by the reader.
+MOST_OPEN = 4
 
 #: A number with its unit in escaped text, except numbers inside names and character references.
 MEASURE = re.compile(
@@ -30,11 +35,22 @@ def render_study(report: StudyReport) -> str:
         for part in report.parts
         for place, chart in enumerate(part.charts, start=1)
     }
-    return page("study.html.jinja", report.header, report.notices, drawn, report=report)
+    return page("study.html.jinja", report.header, report.notices, drawn, _index(report), report=report)
+
+
+def _index(report: StudyReport) -> list[Link]:
+    findings = [Link("findings", "Findings")] if report.findings else []
+    reading = [Link("reading", "How to read this")] if report.reading else []
+    return [*findings, *(Link(f"part-{part.name}", part.title) for part in report.parts), *reading, MADE]
 
 
 def page(
-    template: str, header: Header, notices: Sequence[str], specifications: Mapping[str, charts.Spec], **values: Any
+    template: str,
+    header: Header,
+    notices: Sequence[str],
+    specifications: Mapping[str, charts.Spec],
+    index: Sequence[Link],
+    **values: Any,
 ) -> str:
     """Return the text of a page: the frame that all reports share, filled by a template.
 
@@ -48,6 +64,8 @@ def page(
         Sentences that limit what the report says.
     specifications
         Charts by the names that the template gives them.
+    index
+        The links beside the page.
     values
         Further variables of the template.
     """
@@ -60,13 +78,16 @@ def page(
         lstrip_blocks=True,
     )
     environment.filters |= {"milliseconds": milliseconds, "unbroken": _unbroken, "dashes": _dashes, "breakable": _breakable}
-    environment.globals |= {"count": count, "zooming": charts.ZOOMING}
+    environment.filters["pieces"] = pieces
+    environment.globals |= {"count": count, "zooming": charts.ZOOMING, "most_open": MOST_OPEN}
     return environment.get_template(template).render(
         header=header,
         notices=notices,
         specifications=json_text(specifications),
         style=verbatim((templates / "report.css").read_text("utf-8"), "style"),
         library=verbatim(_library(), "script"),
+        index=index,
+        folding=verbatim((templates / "folds.js").read_text("utf-8"), "script"),
         sorting=verbatim((templates / "tables.js").read_text("utf-8"), "script"),
         script=verbatim((templates / "report.js").read_text("utf-8"), "script"),
         **values,

@@ -1,6 +1,17 @@
-"""Tables, which every writer lays out in its own way."""
+"""Tables, which every writer lays out in its own way, and their division into tables that are not too wide for a page."""
 
-from dataclasses import dataclass
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+#: Characters that fit side by side in a window of 1280 pixels beside the index, in a font with broad figures.
+ROOM = 129.0
+
+#: The space between two columns, in characters.
+GAP = 1.6
+
+#: Characters of a column of words, which break into lines, and of one of sentences.
+WORDS, SENTENCES = 11, 30
 
 
 @dataclass(frozen=True)
@@ -40,6 +51,8 @@ class Table:
         Sentences below the table.
     footer
         The cells of a row that stays below all others; empty if there is none.
+    keys
+        The number of columns, from the first, that say what a row is about.
     """
 
     columns: tuple[str, ...]
@@ -48,3 +61,45 @@ class Table:
     failed: tuple[bool, ...]
     notes: tuple[str, ...]
     footer: tuple[Entry, ...] = ()
+    keys: int = 2
+
+
+def pieces(table: Table) -> Iterator[Table]:
+    """Yield a table in parts that fit a page, each with all rows and with the columns that say what a row is about.
+
+    Only the last has notes. A table that fits is yielded as it is.
+    """
+    keys, columns = list(range(table.keys)), range(table.keys, len(table.columns))
+    begun = sum(_width(table, column) for column in keys)
+    parts: list[list[int]] = [[]]
+    used = begun
+    for column in columns:
+        width = _width(table, column)
+        if parts[-1] and used + width > ROOM:
+            parts.append([])
+            used = begun
+        parts[-1].append(column)
+        used += width
+    for part in parts:
+        yield _selected(table, [*keys, *part], table.notes if part is parts[-1] else ())
+
+
+def _selected(table: Table, columns: list[int], notes: tuple[str, ...]) -> Table:
+    return replace(
+        table,
+        columns=tuple(table.columns[column] for column in columns),
+        numeric=tuple(table.numeric[column] for column in columns),
+        rows=tuple(tuple(row[column] for column in columns) for row in table.rows),
+        footer=tuple(table.footer[column] for column in columns) if table.footer else (),
+        notes=notes,
+    )
+
+
+def _width(table: Table, column: int) -> float:
+    """Return the room that a column needs, in characters: numbers stay on one line, headings and words may break."""
+    texts = [row[column].text for row in (*table.rows, *((table.footer,) if table.footer else ()))]
+    longest = max(map(len, texts), default=0)
+    heading = max(map(len, re.split(r"[\s-]", table.columns[column])), default=0)
+    if not table.numeric[column]:
+        longest = min(longest, SENTENCES if table.columns[column] == "Reason" else WORDS)
+    return max(longest, min(heading, WORDS)) + GAP

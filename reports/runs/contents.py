@@ -1,21 +1,18 @@
 """The contents of the report of runs, before they are laid out; every writer uses the same."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from bodycheck.judging import advice
 from bodycheck.judging.advice import Step
 from bodycheck.judging.judgement import Verdict
-from bodycheck.judging.margins import Margin
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reference.truth import Truth
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line, assign
-from bodycheck.reports.quantities import PLOTTED, QUANTITIES, TABLED, Quantity, bound, milliseconds, number
+from bodycheck.reports.quantities import PLOTTED, QUANTITIES, Quantity
 from bodycheck.reports.runs import comparison, curves
 from bodycheck.reports.runs.brief import brief
 from bodycheck.reports.runs.comparison import Shown
@@ -23,9 +20,10 @@ from bodycheck.reports.runs.curves import Curves
 from bodycheck.reports.runs.matrix import Matrix, matrices
 from bodycheck.reports.runs.origins import Origins, origins
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback, playback
+from bodycheck.reports.runs.run_table import run_table
 from bodycheck.reports.runs.scenes import Fact, describe
-from bodycheck.reports.runs.summary import expectation_status, failure_status
-from bodycheck.reports.tables import Entry, Table
+from bodycheck.reports.runs.summary import failure_status
+from bodycheck.reports.tables import Table
 from bodycheck.reports.time_limit import TookTooLong, limited
 from bodycheck.running.header import Header
 from bodycheck.running.key import RunKey
@@ -38,14 +36,6 @@ MOST_POINTS = 256
 
 #: Processor time (s) that the curves and the animation of one case may take. Those of a thousand runs take some twenty.
 DRAWING_LIMIT_S = 120.0
-
-#: Note below tables with margins.
-MARGINS = (
-    "The margin is the limit divided by the measured value, for the figure that is nearest to its limit; below 1 it is broken."
-)
-
-#: Note below tables in which an error or a drift is within the truth's own error.
-WITHIN_TRUTH = "≤ marks an error within the truth's own error, which is the number shown."
 
 
 @dataclass(frozen=True)
@@ -187,7 +177,7 @@ def _section(shown: Shown, lines: Mapping[RunKey, Line], points: int, room: int)
         source=case.source,
         tags=case.tags,
         facts=facts,
-        table=_table(verdicts) if verdicts else None,
+        table=run_table(verdicts) if verdicts else None,
         origins=origins(parts),
         curves=drawn,
         playback=played,
@@ -211,79 +201,3 @@ def _drawn(
             room,
         ),
     )
-
-
-def _table(verdicts: Sequence[Verdict]) -> Table:
-    rows = [verdict.row() for verdict in verdicts]
-    quantities = [QUANTITIES[name] for name in TABLED if any(name in row for row in rows)]
-    reasons = any(row["reason"] for row in rows)
-    expected = any(verdict.margins for verdict in verdicts)
-    words = ("Engine", "Integrator", *_labelled(verdicts, "Set"), "Time step", "Status", "Expectation")
-    figures = (*(quantity.label for quantity in quantities), "Time per step, µs")
-    bounded = any(quantity.within_truth(row) is not None for quantity in quantities for row in rows)
-    notes = (*((WITHIN_TRUTH,) if bounded else ()), *((MARGINS,) if expected else ()))
-    return Table(
-        columns=words + ("Margin",) * expected + figures + ("Reason",) * reasons,
-        numeric=(False,) * len(words) + (True,) * (expected + len(figures)) + (False,) * reasons,
-        rows=tuple(_entries(verdict, row, quantities, expected, reasons) for verdict, row in zip(verdicts, rows, strict=True)),
-        failed=tuple(verdict.passed is False for verdict in verdicts),
-        notes=notes,
-        footer=_own_errors(rows, quantities, len(words) + expected, 1 + reasons),
-    )
-
-
-def _own_errors(
-    rows: Sequence[Mapping[str, Any]], quantities: Sequence[Quantity], before: int, after: int
-) -> tuple[Entry, ...]:
-    """Return the row with the truth's own errors, none if none is known. before, after: the columns beside the quantities."""
-    owns = [[row[quantity.bound_name] for row in rows if row.get(quantity.bound_name) is not None] for quantity in quantities]
-    if not any(owns):
-        return ()
-    figures = [
-        Entry(f"≤ {bound(max(own), 2)}", max(own), f"bound of the truth's own {quantity.title.lower()}") if own else Entry("")
-        for quantity, own in zip(quantities, owns, strict=True)
-    ]
-    return (Entry("Truth's own error"), *(Entry("") for _ in range(before - 1)), *figures, *(Entry("") for _ in range(after)))
-
-
-def _labelled(verdicts: Sequence[Verdict], text: str) -> tuple[str, ...]:
-    """Return a text that a table has only if there are several sets of results."""
-    return (text,) if any(verdict.label for verdict in verdicts) else ()
-
-
-def _entries(
-    verdict: Verdict, row: Mapping[str, Any], quantities: Sequence[Quantity], expected: bool, reasons: bool
-) -> tuple[Entry, ...]:
-    words = (
-        Entry(f"{row['engine']} {row['version']}".rstrip()),
-        Entry(row["integrator"]),
-        *(Entry(label) for label in _labelled((verdict,), verdict.label)),
-        Entry(milliseconds(row["timestep"])),
-        Entry(row["status"]),
-        Entry(expectation_status(verdict)),
-    )
-    figures = tuple(_figure(row, quantity) for quantity in quantities)
-    time_per_step = row.get("time_per_step")
-    cost = Entry("–") if time_per_step is None else Entry(number(1e6 * time_per_step, 3), 1e6 * time_per_step)
-    margin = (_margin(verdict.margins),) if expected else ()
-    return (*words, *margin, *figures, cost, *((Entry(row["reason"]),) if reasons else ()))
-
-
-def _margin(margins: Sequence[Margin]) -> Entry:
-    """Return the narrowest margin of a run; at the pointer appear all of them, with the limits."""
-    if not margins:
-        return Entry("–")
-    narrowest = min(margins, key=lambda margin: margin.room)
-    told = "; ".join(f"{margin.name} {margin.range.text}, measured {number(margin.measured)}" for margin in margins)
-    if not math.isfinite(narrowest.room):
-        return Entry("∞", None, told)
-    return Entry(number(narrowest.room, 3), narrowest.room, told)
-
-
-def _figure(row: Mapping[str, Any], quantity: Quantity) -> Entry:
-    value = row.get(quantity.name)
-    if value is None:
-        return Entry("–")
-    if (own := quantity.within_truth(row)) is not None:
-        return Entry(f"≤ {bound(own)}", own, quantity.told_within(own))
-    return Entry(number(value), value)

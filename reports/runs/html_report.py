@@ -5,6 +5,7 @@ from importlib import resources
 
 from bodycheck.reports.charts import Spec, without_legend
 from bodycheck.reports.html import json_text, page, verbatim
+from bodycheck.reports.index import MADE, Link
 from bodycheck.reports.lines import Line
 from bodycheck.reports.runs.contents import Contents, Section
 from bodycheck.reports.runs.time_charts import FRAMES, momentum, over_time
@@ -24,6 +25,7 @@ def render(contents: Contents) -> str:
         contents.header,
         contents.notices,
         specifications(contents),
+        index(contents),
         contents=contents,
         legends={section.name: _legend(section, contents.lines) for section in contents.sections},
         datasets={section.name: json_text(section.curves.datasets) for section in contents.sections},
@@ -31,6 +33,28 @@ def render(contents: Contents) -> str:
         player_style=verbatim(style.read_text("utf-8"), "style"),
         player=verbatim(player(), "script"),
     )
+
+
+def index(contents: Contents) -> list[Link]:
+    """Return the links of the index, in the order of the page."""
+    failed = {failure.case for failure in contents.failures}
+    first = (
+        ("findings", "Findings", contents.findings or contents.broken),
+        ("failures", "Failed runs", contents.failures),
+        ("matrix", "Cases and methods", contents.matrices),
+    )
+    cases = (Link(f"case-{section.name}", section.name, True, section.name in failed) for section in contents.sections)
+    kinds = (Link(f"matrix-{matrix.kind.name}", matrix.kind.title, True) for matrix in contents.matrices)
+    further = [Link("further", "Further findings")] if contents.findings[3:] else []
+    return [
+        *(Link(target, text) for target, text, there in first if there),
+        *kinds,
+        *further,
+        *([Link(f"case-{contents.sections[0].name}", "Cases")] if contents.sections else []),
+        *cases,
+        Link("reading", "How to read this"),
+        MADE,
+    ]
 
 
 def specifications(contents: Contents) -> dict[str, Spec]:

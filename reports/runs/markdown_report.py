@@ -4,8 +4,9 @@ from collections.abc import Iterator, Sequence
 
 from bodycheck.reports.markdown import code, details, escape, findings_list, fitted, grid, opening, table_with_notes
 from bodycheck.reports.quantities import count, milliseconds
-from bodycheck.reports.runs.contents import WITHIN_TRUTH, Contents, Failure, Section
+from bodycheck.reports.runs.contents import Contents, Failure, Section
 from bodycheck.reports.runs.matrix import Cell, Matrix
+from bodycheck.reports.runs.run_table import WITHIN_TRUTH
 
 #: Failed runs that the table of failures lists.
 MOST_FAILURES = 30

@@ -18,6 +18,16 @@
     return left === right ? words.compare(a.text, b.text) : left - right;
   };
 
+  // A table that is too wide for the page is in pieces, whose rows stay in one order and are filtered together. `beside` has
+  // the place that each row had at first, and the row at each place of each table.
+  const beside = new Map();
+  const piecesOf = (table) => [...(table.closest(".pieces")?.querySelectorAll("table") ?? [table])];
+  for (const table of document.querySelectorAll(".pieces table")) {
+    const rows = [...table.tBodies[0].rows];
+    rows.forEach((row, place) => beside.set(row, place));
+    beside.set(table, new Map(rows.map((row, place) => [place, row])));
+  }
+
   // Empty cells come last in both directions, and equal rows keep their order.
   const sort = (head) => {
     const table = head.closest("table");
@@ -26,7 +36,10 @@
     const keyed = [...body.rows].map((row) => ({ row, key: keyOf(row.cells[head.cellIndex]) }));
     keyed.sort((a, b) => a.key.empty - b.key.empty || (a.key.empty ? 0 : direction * compare(a.key, b.key)));
     body.append(...keyed.map(({ row }) => row));
-    for (const other of table.tHead.rows[0].cells) other.removeAttribute("aria-sort");
+    for (const other of piecesOf(table)) {
+      if (other !== table) other.tBodies[0].append(...keyed.map(({ row }) => beside.get(other).get(beside.get(row))));
+      for (const cell of other.tHead.rows[0].cells) cell.removeAttribute("aria-sort");
+    }
     head.setAttribute("aria-sort", direction > 0 ? "ascending" : "descending");
   };
 
@@ -35,11 +48,14 @@
     const wanted = field.value.toLowerCase().split(/\s+/).filter(Boolean);
     const scope = document.getElementById(field.dataset.scope);
     const rows = scope.querySelectorAll("tbody > tr");
+    const others = scope.matches("table") ? piecesOf(scope).filter((table) => table !== scope) : [];
     let shown = 0;
     for (const row of rows) {
-      const text = (row.dataset.words ?? row.textContent).toLowerCase();
-      row.hidden = !wanted.every((word) => text.includes(word));
-      shown += !row.hidden;
+      const whole = [row, ...others.map((table) => beside.get(table).get(beside.get(row)))];
+      const text = (row.dataset.words ?? whole.map((piece) => piece.textContent).join(" ")).toLowerCase();
+      const hidden = !wanted.every((word) => text.includes(word));
+      whole.forEach((piece) => { piece.hidden = hidden; });
+      shown += !hidden;
     }
     for (const part of scope.querySelectorAll("[data-part]")) part.hidden = !part.querySelector("tbody > tr:not([hidden])");
     field.nextElementSibling.textContent = wanted.length ? `${shown} of ${rows.length}` : "";
@@ -69,7 +85,7 @@
         head.append(button);
       }
     }
-    if (table.tBodies[0].rows.length >= LONG) {
+    if (table.tBodies[0].rows.length >= LONG && piecesOf(table)[0] === table) {
       table.id ||= `table-${place}`;
       searchable(table, "Filter rows", table.parentElement);
     }

@@ -160,6 +160,32 @@ def test_nothing_is_wider_than_the_window(browser: Any, request: pytest.FixtureR
         with visiting(browser, request.getfixturevalue(which), width, SCREENS[width]) as visit:
             visit.page.add_style_tag(content=".case { content-visibility: visible !important }")
             assert visit.page.evaluate("document.documentElement.scrollWidth") == width
+            clipped = visit.page.locator("main .scroll").evaluate_all(
+                "all => all.map((one) => one.scrollWidth - one.clientWidth)"
+            )
+            assert len(clipped) > 1
+            assert width < 1280 or max(clipped) <= 0, "every table is whole in a window of usual size"
+
+
+@pytest.mark.parametrize("width", SCREENS)
+def test_the_index_leads_to_every_section(browser: Any, report: Path, width: int) -> None:
+    """Also to folded ones, and on a narrow screen, where it is folded itself and folds away again."""
+    with visiting(browser, report, width, SCREENS[width]) as visit:
+        page = visit.page
+        page.evaluate("document.querySelectorAll('main details').forEach((one) => { one.open = false; })")
+        links = page.locator(".index a")
+        names = [link.get_attribute("href")[1:] for link in links.all()]
+        sections = page.locator("main section[aria-labelledby], main h3[id]").evaluate_all(
+            "all => all.map((one) => one.id || one.getAttribute('aria-labelledby'))"
+        )
+        assert set(sections) <= set(names)
+        for name, link in zip(names, links.all(), strict=True):
+            if width < 1280:
+                assert not link.is_visible()
+                page.locator(".index summary").click()
+            link.press("Enter")
+            page.wait_for_function("name => document.getElementById(name).getBoundingClientRect().top < innerHeight", arg=name)
+            assert page.evaluate("name => document.getElementById(name).closest('details:not([open])')", name) is None
 
 
 def test_a_table_sorts_by_its_numbers(visit: Visit) -> None:
@@ -337,11 +363,17 @@ def test_without_scripts_everything_but_the_charts_is_there(browser: Any, report
 
 
 def test_paper_has_every_chart(visit: Visit) -> None:
-    """Also those that were far from the window, which are drawn when the page is printed."""
+    """Also those that were far from the window or folded, which are drawn when the page is printed; then all is as before."""
+    visit.page.evaluate("document.querySelectorAll('.fold').forEach((one) => { one.open = false; })")
+    visit.page.evaluate(
+        "addEventListener('beforeprint', () => { window.folded = document.querySelectorAll('.fold:not([open])').length; })"
+    )
     undrawn = visit.page.locator(".chart:not(:has(svg.marks))")
     assert undrawn.count() > 0
     visit.page.pdf()
     assert undrawn.count() == 0
+    assert visit.page.evaluate("window.folded") == 0
+    assert visit.page.locator(".fold[open]").count() == 0
     assert visit.page.locator(".legend:empty").count() == 0
 
 

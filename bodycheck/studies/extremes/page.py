@@ -198,6 +198,7 @@ def _outcomes(axis: str, rows: Sequence[Row]) -> Table:
         ),
         failed=(False,) * len(places),
         notes=(),
+        keys=len(heads),
     )
 
 
@@ -222,6 +223,7 @@ def _limits(limits: Sequence[Limit]) -> Part:
         rows=tuple(rows),
         failed=(False,) * len(rows),
         notes=("– means that no time step that was tried is stable.",),
+        keys=1,
     )
     text = "The table shows how far the body turns in the largest stable time step, in rad. The time steps are in limits.csv."
     return Part(STABILITY, "Stability", (text,), (), (("Largest stable product of spin and time step, rad", table),))

@@ -1,0 +1,111 @@
+"""The table of the runs of one case."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from bodycheck.judging.judgement import Verdict
+from bodycheck.judging.margins import Margin
+from bodycheck.reports.quantities import QUANTITIES, TABLED, Quantity, bound, milliseconds, number
+from bodycheck.reports.runs.summary import expectation_status
+from bodycheck.reports.tables import Entry, Table
+from bodycheck.running.outcome import Completed
+
+#: Heading of the computing time.
+COST = "Time per step, µs"
+
+#: Note below tables with margins.
+MARGINS = (
+    "The margin is the limit divided by the measured value, for the figure that is nearest to its limit; below 1 it is broken."
+)
+
+#: Note below tables in which an error or a drift is within the truth's own error.
+WITHIN_TRUTH = "≤ marks an error within the truth's own error, which is the number shown."
+
+
+def run_table(verdicts: Sequence[Verdict]) -> Table:
+    """Return the table of the runs of one case: a row for each, with its figures.
+
+    What would be the same in every row is left out: the status where all runs completed, expectations where none were set.
+    """
+    rows = [verdict.row() for verdict in verdicts]
+    quantities = [QUANTITIES[name] for name in TABLED if any(name in row for row in rows)]
+    keys = ("Engine", "Integrator", *_labelled(verdicts, "Set"), "Time step")
+    labels = tuple(quantity.label for quantity in quantities)
+    told = {
+        "Status": any(row["status"] != Completed.status for row in rows),
+        "Expectation": any(verdict.passed is not None for verdict in verdicts),
+        "Margin": any(verdict.margins for verdict in verdicts),
+        "Reason": any(row["reason"] for row in rows),
+    }
+    every = (*keys, "Status", "Expectation", "Margin", *labels, COST, "Reason")
+    columns = tuple(name for name in every if told.get(name, True))
+    bounded = any(quantity.within_truth(row) is not None for quantity in quantities for row in rows)
+    notes = (*((WITHIN_TRUTH,) if bounded else ()), *((MARGINS,) if told["Margin"] else ()))
+    cells = [_entries(verdict, row, quantities) for verdict, row in zip(verdicts, rows, strict=True)]
+    own = _own_errors(rows, quantities)
+    return Table(
+        columns=columns,
+        numeric=tuple(name in {"Margin", COST, *labels} for name in columns),
+        rows=tuple(tuple(row[name] for name in columns) for row in cells),
+        failed=tuple(verdict.passed is False for verdict in verdicts),
+        notes=notes,
+        footer=tuple(own.get(name, Entry("")) for name in columns) if own else (),
+        keys=len(keys),
+    )
+
+
+def _own_errors(rows: Sequence[Mapping[str, Any]], quantities: Sequence[Quantity]) -> dict[str, Entry]:
+    """Return the cells of the row with the truth's own errors, by column; none if none is known."""
+    known = {
+        quantity: [row[quantity.bound_name] for row in rows if row.get(quantity.bound_name) is not None]
+        for quantity in quantities
+    }
+    found = {
+        quantity.label: Entry(f"≤ {bound(max(own), 2)}", max(own), f"bound of the truth's own {quantity.title.lower()}")
+        for quantity, own in known.items()
+        if own
+    }
+    return {"Engine": Entry("Truth's own error"), **found} if found else {}
+
+
+def _labelled(verdicts: Sequence[Verdict], text: str) -> tuple[str, ...]:
+    """Return a text that a table has only if there are several sets of results."""
+    return (text,) if any(verdict.label for verdict in verdicts) else ()
+
+
+def _entries(verdict: Verdict, row: Mapping[str, Any], quantities: Sequence[Quantity]) -> dict[str, Entry]:
+    """Return the cells of a run by column."""
+    time_per_step = row.get("time_per_step")
+    return {
+        "Engine": Entry(f"{row['engine']} {row['version']}".rstrip()),
+        "Integrator": Entry(row["integrator"]),
+        "Set": Entry(verdict.label),
+        "Time step": Entry(milliseconds(row["timestep"])),
+        "Status": Entry(row["status"]),
+        "Expectation": Entry(expectation_status(verdict)),
+        "Margin": _margin(verdict.margins),
+        **{quantity.label: _figure(row, quantity) for quantity in quantities},
+        COST: Entry("–") if time_per_step is None else Entry(number(1e6 * time_per_step, 3), 1e6 * time_per_step),
+        "Reason": Entry(row["reason"]),
+    }
+
+
+def _margin(margins: Sequence[Margin]) -> Entry:
+    """Return the narrowest margin of a run; at the pointer appear all of them, with the limits."""
+    if not margins:
+        return Entry("–")
+    narrowest = min(margins, key=lambda margin: margin.room)
+    told = "; ".join(f"{margin.name} {margin.range.text}, measured {number(margin.measured)}" for margin in margins)
+    if not math.isfinite(narrowest.room):
+        return Entry("∞", None, told)
+    return Entry(number(narrowest.room, 3), narrowest.room, told)
+
+
+def _figure(row: Mapping[str, Any], quantity: Quantity) -> Entry:
+    value = row.get(quantity.name)
+    if value is None:
+        return Entry("–")
+    if (own := quantity.within_truth(row)) is not None:
+        return Entry(f"≤ {bound(own)}", own, quantity.told_within(own))
+    return Entry(number(value), value)

@@ -1,0 +1,74 @@
+"use strict";
+// The index beside the page, and sections that fold.
+(() => {
+  const folds = [...document.querySelectorAll("details.fold")];
+  const index = document.querySelector(".index");
+  const foldAll = (open) => folds.forEach((fold) => { fold.open = open; });
+
+  // A link leads into a folded section by opening it.
+  const reveal = (target) => {
+    if (!target) return;
+    const section = target.querySelector(":scope > details.fold");
+    if (section) section.open = true;
+    for (let at = target.parentElement?.closest("details"); at; at = at.parentElement?.closest("details")) at.open = true;
+    target.scrollIntoView();
+  };
+  const named = (hash) => document.getElementById(decodeURIComponent(hash.slice(1)));
+  document.addEventListener("click", ({ target }) => {
+    const link = target.closest?.('a[href^="#"]');
+    if (link && link.hash.length > 1) {
+      if (narrow.matches && index.contains(link)) index.open = false;
+      setTimeout(() => reveal(named(link.hash))); // also where the address already has this name
+    }
+  });
+  window.addEventListener("hashchange", () => reveal(named(location.hash)));
+  if (location.hash.length > 1) reveal(named(location.hash));
+
+  // Beside the page the index is always open; above it, it opens when the reader asks for it.
+  const narrow = matchMedia("(max-width: 68rem)");
+  const fit = () => { index.open = !narrow.matches; };
+  narrow.addEventListener("change", fit);
+  fit();
+  if (folds.length > 1) {
+    const line = document.createElement("p");
+    for (const [text, open] of [["Open all", true], ["Fold all", false]]) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = text;
+      button.addEventListener("click", () => foldAll(open));
+      line.append(button);
+    }
+    index.querySelector("nav").append(line);
+  }
+
+  // The index marks the section that the reader has come to.
+  const links = new Map([...index.querySelectorAll("a")].map((link) => [named(link.hash), link]));
+  const places = [...links.keys()];
+  let current = null;
+  let asked = false;
+  const mark = () => {
+    asked = false;
+    const reached = places.filter((place) => place.getBoundingClientRect().top < innerHeight / 3).at(-1) ?? places[0];
+    if (reached === current) return;
+    links.get(current)?.removeAttribute("aria-current");
+    const link = links.get(current = reached);
+    link?.setAttribute("aria-current", "location");
+    if (link && !narrow.matches) {
+      const [box, frame] = [link.getBoundingClientRect(), index.getBoundingClientRect()];
+      if (box.top < frame.top || box.bottom > frame.bottom) index.scrollTop += box.top - frame.top - frame.height / 2;
+    }
+  };
+  document.addEventListener("scroll", () => {
+    if (!asked) requestAnimationFrame(mark);
+    asked = true;
+  }, { passive: true });
+  mark();
+
+  // On paper nothing is folded.
+  let folded = [];
+  window.addEventListener("beforeprint", () => {
+    folded = [...document.querySelectorAll("main details:not([open])")].filter((one) => !one.closest(".vega-embed"));
+    folded.forEach((one) => { one.open = true; });
+  });
+  window.addEventListener("afterprint", () => folded.forEach((one) => { one.open = false; }));
+})();
