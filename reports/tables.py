@@ -26,11 +26,14 @@ class Entry:
         The number by which the column is sorted: the measured one, or its bound.
     meaning
         Explanation that appears at the pointer; empty if there is none.
+    link
+        The anchor in the page that the cell leads to; empty if it leads nowhere.
     """
 
     text: str
     value: float | None = None
     meaning: str = ""
+    link: str = ""
 
 
 @dataclass(frozen=True)
@@ -53,6 +56,8 @@ class Table:
         The cells of a row that stays below all others; empty if there is none.
     keys
         The number of columns, from the first, that say what a row is about.
+    runs
+        The anchor of the command that makes each row's run; empty in a table without commands.
     """
 
     columns: tuple[str, ...]
@@ -62,6 +67,7 @@ class Table:
     notes: tuple[str, ...]
     footer: tuple[Entry, ...] = ()
     keys: int = 2
+    runs: tuple[str, ...] = ()
 
 
 def pieces(table: Table) -> Iterator[Table]:

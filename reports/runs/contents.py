@@ -15,6 +15,7 @@ from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, Quantity
 from bodycheck.reports.runs import comparison, curves
 from bodycheck.reports.runs.brief import brief
+from bodycheck.reports.runs.commands import Command, command
 from bodycheck.reports.runs.comparison import Shown
 from bodycheck.reports.runs.curves import Curves
 from bodycheck.reports.runs.matrix import Matrix, matrices
@@ -50,6 +51,8 @@ class Section:
         The case in words.
     table
         The runs; None if none finished.
+    commands
+        The commands that make the runs.
     origins
         Parts of the contact discrepancies; None without contact.
     curves
@@ -64,6 +67,7 @@ class Section:
     tags: tuple[str, ...]
     facts: tuple[Fact, ...]
     table: Table | None
+    commands: tuple[Command, ...]
     origins: Origins | None
     curves: Curves
     playback: Playback | None
@@ -133,7 +137,8 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     lines = assign(verdict.key.over_cases for verdict in verdicts)
     points = max(2, min(MOST_POINTS, MOST_NUMBERS // max(1, 4 * len(verdicts))))
     room = MOST_CHARACTERS // max(1, len(shown))
-    sections = tuple(_section(case, lines, points, room) for case in shown)
+    anchors = {verdict.key: f"run-{case.name}-{place}" for case in shown for place, verdict in enumerate(case.verdicts, 1)}
+    sections = tuple(_section(case, lines, anchors, points, room) for case in shown)
     told = brief(sets)
     return Contents(
         header=comparison.header(sets),
@@ -147,7 +152,9 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
             _failure(case, verdict, lines) for case in shown for verdict in case.verdicts if verdict.passed is False
         ),
         lines=tuple(lines.values()),
-        matrices=matrices({case.name: case.case for case in shown}, verdicts, lines),
+        matrices=matrices(
+            {case.name: case.case for case in shown}, verdicts, lines, anchors, {one.name: one.curves.drawn for one in sections}
+        ),
         sections=sections,
         plotted=tuple(QUANTITIES[name] for name in PLOTTED if any(name in section.curves.drawn for section in sections)),
     )
@@ -158,7 +165,7 @@ def _failure(case: Shown, verdict: Verdict, lines: Mapping[RunKey, Line]) -> Fai
     return Failure(verdict.run.case, label, failure_status(verdict), verdict.reason, steps)
 
 
-def _section(shown: Shown, lines: Mapping[RunKey, Line], points: int, room: int) -> Section:
+def _section(shown: Shown, lines: Mapping[RunKey, Line], anchors: Mapping[RunKey, str], points: int, room: int) -> Section:
     case, verdicts = shown.case, shown.verdicts
     timesteps = dict.fromkeys(verdict.run.method.timestep for verdict in verdicts)
     truths = {(one.label, timestep): one.results.truth(case.name, timestep) for one in shown.sets for timestep in timesteps}
@@ -177,7 +184,15 @@ def _section(shown: Shown, lines: Mapping[RunKey, Line], points: int, room: int)
         source=case.source,
         tags=case.tags,
         facts=facts,
-        table=run_table(verdicts) if verdicts else None,
+        table=run_table(verdicts, anchors, drawn.drawn) if verdicts else None,
+        commands=tuple(
+            Command(
+                anchors[verdict.key],
+                lines[verdict.key.over_cases].label,
+                command(verdict, shown.file(verdict.label)),
+            )
+            for verdict in verdicts
+        ),
         origins=origins(parts),
         curves=drawn,
         playback=played,

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from bodycheck.casefile.case import Case
@@ -11,6 +11,7 @@ from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Scene
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound, milliseconds, number
+from bodycheck.reports.runs.commands import curve_anchor
 from bodycheck.running.key import RunKey
 
 
@@ -70,13 +71,19 @@ class Figure:
         Exponent of the number from -12 to 0, by which the cell is shaded; None without a number.
     failed
         Whether the run failed.
+    link
+        The anchor that the cell leads to: the curve of the quantity or, without one, the case.
+    run
+        The anchor of the command that makes the run.
     """
 
     text: str
     meaning: str
     timestep: float
-    decade: int | None = None
-    failed: bool = False
+    decade: int | None
+    failed: bool
+    link: str
+    run: str
 
 
 @dataclass(frozen=True)
@@ -154,18 +161,39 @@ def kind_of(scene: Scene) -> Kind:
     return next(kind for kind in KINDS if kind.name == name)
 
 
-def matrices(cases: Mapping[str, Case], verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> tuple[Matrix, ...]:
-    """Return a matrix for each kind of which any case has a run, in the order of `KINDS`."""
+def matrices(
+    cases: Mapping[str, Case],
+    verdicts: Sequence[Verdict],
+    lines: Mapping[RunKey, Line],
+    anchors: Mapping[RunKey, str],
+    drawn: Mapping[str, Collection[str]],
+) -> tuple[Matrix, ...]:
+    """Return a matrix for each kind of which any case has a run, in the order of `KINDS`.
+
+    anchors: those of the commands that make the runs; drawn: the quantities that have curves, by case.
+    """
     kinds = {name: kind_of(case.scene) for name, case in cases.items()}
     found = []
     for kind in KINDS:
         own = [verdict for verdict in verdicts if kinds[verdict.run.case] == kind]
         if own:
-            found.append(_matrix(kind, {name: case for name, case in cases.items() if kinds[name] == kind}, own, lines))
+            members = {name: case for name, case in cases.items() if kinds[name] == kind}
+            figures: dict[RunKey, list[Figure]] = {}
+            for verdict in own:
+                curved = kind.quantity in drawn[verdict.run.case] and verdict.discrepancy is not None
+                link = curve_anchor(verdict.run.case, kind.quantity) if curved else f"case-{verdict.run.case}"
+                figures.setdefault(verdict.key.over_steps, []).append(_figure(verdict, kind, link, anchors[verdict.key]))
+            found.append(_matrix(kind, members, own, lines, figures))
     return tuple(found)
 
 
-def _matrix(kind: Kind, cases: Mapping[str, Case], verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> Matrix:
+def _matrix(
+    kind: Kind,
+    cases: Mapping[str, Case],
+    verdicts: Sequence[Verdict],
+    lines: Mapping[RunKey, Line],
+    by_cell: Mapping[RunKey, Sequence[Figure]],
+) -> Matrix:
     used = {verdict.key.over_cases for verdict in verdicts}
     columns: dict[RunKey, Column] = {}
     for key, line in lines.items():
@@ -173,9 +201,6 @@ def _matrix(kind: Kind, cases: Mapping[str, Case], verdicts: Sequence[Verdict], 
             columns.setdefault(key.over_steps, Column(line.engine, line.integrator, line.results, line.colour))
     steps = Counter(verdict.run.method.timestep for verdict in verdicts)
     common = max(steps, key=lambda step: (steps[step], step))
-    by_cell: dict[RunKey, list[Figure]] = {}
-    for verdict in verdicts:
-        by_cell.setdefault(verdict.key.over_steps, []).append(_figure(verdict, kind))
     rows = tuple(
         Row(
             name,
@@ -194,16 +219,19 @@ def _cell(figures: Sequence[Figure], common: float) -> Cell | None:
     return Cell(next((figure for figure in figures if figure.timestep == common), None), tuple(others))
 
 
-def _figure(verdict: Verdict, kind: Kind) -> Figure:
+def _figure(verdict: Verdict, kind: Kind, link: str, run: str) -> Figure:
     timestep, failed = verdict.run.method.timestep, verdict.passed is False
-    at = f"at {milliseconds(timestep)}"
+    at, shade = f"at {milliseconds(timestep)}", None
     if verdict.discrepancy is None:
-        return Figure(verdict.outcome.status, f"{at}: {verdict.reason}", timestep, None, failed)
-    maxima, quantity = verdict.discrepancy.maxima(), QUANTITIES[kind.quantity]
-    if (own := quantity.within_truth(maxima)) is not None:
-        return Figure(f"≤ {bound(own, 2)}", f"{at}: {quantity.told_within(own)}", timestep, None, failed)
-    error = maxima[quantity.name]
-    return Figure(number(error, 2), f"{at}: {quantity.with_unit(error)}", timestep, decade(error), failed)
+        text, meaning = verdict.outcome.status, verdict.reason
+    else:
+        maxima, quantity = verdict.discrepancy.maxima(), QUANTITIES[kind.quantity]
+        error, own = maxima[quantity.name], quantity.within_truth(maxima)
+        if own is not None:
+            text, meaning = f"≤ {bound(own, 2)}", quantity.told_within(own)
+        else:
+            text, meaning, shade = number(error, 2), quantity.with_unit(error), decade(error)
+    return Figure(text, f"{at}: {meaning}", timestep, shade, failed, link, run)
 
 
 def decade(error: float) -> int:

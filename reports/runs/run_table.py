@@ -1,14 +1,16 @@
 """The table of the runs of one case."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.margins import Margin
 from bodycheck.reports.quantities import QUANTITIES, TABLED, Quantity, bound, milliseconds, number
+from bodycheck.reports.runs.commands import curve_anchor
 from bodycheck.reports.runs.summary import expectation_status
 from bodycheck.reports.tables import Entry, Table
+from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed
 
 #: Heading of the computing time.
@@ -23,10 +25,19 @@ MARGINS = (
 WITHIN_TRUTH = "≤ marks an error within the truth's own error, which is the number shown."
 
 
-def run_table(verdicts: Sequence[Verdict]) -> Table:
+def run_table(verdicts: Sequence[Verdict], anchors: Mapping[RunKey, str], drawn: Collection[str]) -> Table:
     """Return the table of the runs of one case: a row for each, with its figures.
 
     What would be the same in every row is left out: the status where all runs completed, expectations where none were set.
+
+    Parameters
+    ----------
+    verdicts
+        The verdicts on the runs.
+    anchors
+        The anchors of the commands that make the runs.
+    drawn
+        Names of the quantities that have curves.
     """
     rows = [verdict.row() for verdict in verdicts]
     quantities = [QUANTITIES[name] for name in TABLED if any(name in row for row in rows)]
@@ -42,7 +53,9 @@ def run_table(verdicts: Sequence[Verdict]) -> Table:
     columns = tuple(name for name in every if told.get(name, True))
     bounded = any(quantity.within_truth(row) is not None for quantity in quantities for row in rows)
     notes = (*((WITHIN_TRUTH,) if bounded else ()), *((MARGINS,) if told["Margin"] else ()))
-    cells = [_entries(verdict, row, quantities) for verdict, row in zip(verdicts, rows, strict=True)]
+    cells = [
+        _entries(verdict, row, quantities, anchors[verdict.key], drawn) for verdict, row in zip(verdicts, rows, strict=True)
+    ]
     own = _own_errors(rows, quantities)
     return Table(
         columns=columns,
@@ -52,6 +65,7 @@ def run_table(verdicts: Sequence[Verdict]) -> Table:
         notes=notes,
         footer=tuple(own.get(name, Entry("")) for name in columns) if own else (),
         keys=len(keys),
+        runs=tuple(anchors[verdict.key] for verdict in verdicts),
     )
 
 
@@ -74,19 +88,22 @@ def _labelled(verdicts: Sequence[Verdict], text: str) -> tuple[str, ...]:
     return (text,) if any(verdict.label for verdict in verdicts) else ()
 
 
-def _entries(verdict: Verdict, row: Mapping[str, Any], quantities: Sequence[Quantity]) -> dict[str, Entry]:
-    """Return the cells of a run by column."""
+def _entries(
+    verdict: Verdict, row: Mapping[str, Any], quantities: Sequence[Quantity], anchor: str, drawn: Collection[str]
+) -> dict[str, Entry]:
+    """Return the cells of a run by column. A figure leads to its curve, or to the command (`anchor`) if it has none."""
     time_per_step = row.get("time_per_step")
+    leads = {name: curve_anchor(verdict.run.case, name) if name in drawn else anchor for name in (q.name for q in quantities)}
     return {
         "Engine": Entry(f"{row['engine']} {row['version']}".rstrip()),
-        "Integrator": Entry(row["integrator"]),
+        "Integrator": Entry(row["integrator"], meaning="the command that makes this run", link=anchor),
         "Set": Entry(verdict.label),
         "Time step": Entry(milliseconds(row["timestep"])),
         "Status": Entry(row["status"]),
         "Expectation": Entry(expectation_status(verdict)),
         "Margin": _margin(verdict.margins),
-        **{quantity.label: _figure(row, quantity) for quantity in quantities},
-        COST: Entry("–") if time_per_step is None else Entry(number(1e6 * time_per_step, 3), 1e6 * time_per_step),
+        **{quantity.label: _figure(row, quantity, leads[quantity.name]) for quantity in quantities},
+        COST: Entry("–") if time_per_step is None else Entry(number(1e6 * time_per_step, 3), 1e6 * time_per_step, link=anchor),
         "Reason": Entry(row["reason"]),
     }
 
@@ -102,10 +119,10 @@ def _margin(margins: Sequence[Margin]) -> Entry:
     return Entry(number(narrowest.room, 3), narrowest.room, told)
 
 
-def _figure(row: Mapping[str, Any], quantity: Quantity) -> Entry:
+def _figure(row: Mapping[str, Any], quantity: Quantity, link: str) -> Entry:
     value = row.get(quantity.name)
     if value is None:
         return Entry("–")
     if (own := quantity.within_truth(row)) is not None:
-        return Entry(f"≤ {bound(own)}", own, quantity.told_within(own))
-    return Entry(number(value), value)
+        return Entry(f"≤ {bound(own)}", own, quantity.told_within(own), link)
+    return Entry(number(value), value, link=link)

@@ -9,7 +9,7 @@ Each specification is stored once in a page and drawn with the datasets of every
 - `momentum`: one row with the arrays `t`, `I`, `J`, `K` (body frame) and `x`, `y`, `z` (inertial frame).
 
 With `datasets` set to these, a specification is complete. Its parameter `hidden` holds the names of the methods that the
-reader has switched off.
+reader has switched off, and `chosen` the name of the one that stands out, empty if none does.
 """
 
 from collections.abc import Sequence
@@ -21,6 +21,8 @@ from bodycheck.reports.quantities import Quantity
 
 #: Axes of each frame.
 FRAMES = {"body": ("I", "J", "K"), "inertial": ("x", "y", "z")}
+#: Opacity of the curves of all other methods where one stands out.
+FADED = 0.2
 #: Dashes of the three components: lengths on and off, in pixels.
 COMPONENT_DASHES = ((1, 0), (7, 3), (2, 2))
 
@@ -53,6 +55,7 @@ def over_time(quantity: Quantity, lines: Sequence[Line]) -> Spec:
             {
                 "mark": {"type": "line", "clip": True, "aria": False},
                 "encoding": {
+                    "opacity": {"condition": {"test": "chosen === '' || datum.method === chosen", "value": 1}, "value": FADED},
                     "strokeDash": method_scale("strokeDash", lines),
                     "strokeWidth": method_scale("strokeWidth", lines),
                 },
@@ -64,7 +67,7 @@ def over_time(quantity: Quantity, lines: Sequence[Line]) -> Spec:
     layers: list[Spec] = [methods]
     if quantity.bounded:
         layers.insert(0, _floor(quantity.name, y))
-    return zoomable(layers, height=260) | {"params": [{"name": "hidden", "value": []}]}
+    return zoomable(layers, height=260) | {"params": [{"name": "hidden", "value": []}, {"name": "chosen", "value": ""}]}
 
 
 def momentum(frame: str) -> Spec:

@@ -3,6 +3,7 @@
   const read = (id) => JSON.parse(document.getElementById(id).textContent);
   const specifications = read("charts");
   const hidden = new Set();
+  let chosen = ""; // the method whose curves stand out, if the reader came to them from one of its figures
   const updates = new Set(); // a function for each drawn chart that makes it follow the legend
   const options = {
     mode: "vega-lite",
@@ -33,7 +34,10 @@
   };
 
   // The page has one choice of methods, which every legend shows and every chart follows.
-  const follow = (view) => view.signal("hidden", [...hidden]).runAsync();
+  const follow = (view) => {
+    if ("chosen" in view.getState().signals) view.signal("chosen", chosen);
+    return view.signal("hidden", [...hidden]).runAsync();
+  };
   const shown = (button) => button.setAttribute("aria-pressed", String(!hidden.has(button.dataset.method)));
   const choose = (change) => {
     change();
@@ -47,6 +51,24 @@
     if (method !== undefined) choose(() => hidden.delete(method) || hidden.add(method));
     else if (hidden.size) choose(() => hidden.clear());
     else choose(() => button.parentElement.querySelectorAll("[data-method]").forEach((own) => hidden.add(own.dataset.method)));
+  });
+
+  // A figure leads to its curve, which then stands out, and which says how it was made.
+  const how = document.createElement("p");
+  how.className = "note how";
+  const alike = () => choose(() => { chosen = ""; how.remove(); });
+  document.addEventListener("click", ({ target }) => {
+    const link = target.closest?.('a[href^="#curve-"]');
+    const run = link?.closest("[data-run]")?.dataset.run;
+    if (!run) return;
+    const made = document.getElementById(run);
+    const button = document.createElement("button");
+    choose(() => { chosen = made.dataset.method; hidden.delete(chosen); });
+    button.type = "button";
+    button.textContent = "Show all alike";
+    button.addEventListener("click", alike);
+    how.replaceChildren(...made.cloneNode(true).childNodes, " ", button);
+    document.getElementById(decodeURIComponent(link.hash.slice(1))).querySelector("figcaption").after(how);
   });
 
   // A legend is filled when it comes near the window, as charts are drawn then.
@@ -78,7 +100,7 @@
       ({ view }) => {
         if (!("hidden" in view.getState().signals)) return undefined;
         updates.add(() => follow(view));
-        return hidden.size ? follow(view) : undefined;
+        return hidden.size || chosen ? follow(view) : undefined;
       },
       (error) => {
         box.textContent = `This chart cannot be drawn: ${error.message}`;

@@ -262,9 +262,21 @@ def test_cases_of_the_matrix_are_filtered_by_name_and_tag(visit: Visit) -> None:
     assert page.locator("output", has_text="0 of 3").count() == 1
 
 
-def test_a_cell_leads_to_its_case(visit: Visit) -> None:
-    visit.page.locator("#matrix td a", has_text="1 ms").first.click()
-    visit.page.wait_for_function(f"Math.abs(document.getElementById('case-{SLIDE}').getBoundingClientRect().top) < 100")
+def test_a_cell_leads_to_its_curve_and_its_command(visit: Visit) -> None:
+    """The curve stands out from the others until the reader wants them alike."""
+    page, curve = visit.page, f"#curve-{SLIDE}-position_error"
+    faded = page.locator(
+        f"{curve} .mark-line.role-mark path[stroke-opacity='0.2'], {curve} .mark-line.role-mark path[opacity='0.2']"
+    )
+    page.locator("#matrix td a", has_text="1 ms").first.click()
+    page.wait_for_function("curve => Math.abs(document.querySelector(curve).getBoundingClientRect().top) < 100", arg=curve)
+    command = page.locator(f"{curve} .how code")
+    assert command.inner_text() == f"bodycheck run {SLIDE} --engine mujoco --integrator Euler --timestep 0.001"
+    faded.first.wait_for(state="attached")
+    assert faded.count() == page.locator(f"{curve} .mark-line.role-mark path").count() - 1
+    page.locator(f"{curve} .how button").click()
+    faded.first.wait_for(state="detached")
+    assert command.count() == 0
 
 
 def test_a_study_sorts_and_filters(browser: Any, study: Path) -> None:

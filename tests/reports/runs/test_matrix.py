@@ -39,7 +39,8 @@ def ended(verdict: Verdict, passed: bool | None, reason: str = "", **values: Any
 
 def matrices_of(*verdicts: Verdict) -> tuple[Matrix, ...]:
     cases = {name: load(name) for name in dict.fromkeys(verdict.run.case for verdict in verdicts)}
-    return matrices(cases, verdicts, assign(verdict.key.over_cases for verdict in verdicts))
+    anchors = {verdict.key: f"run-{place}" for place, verdict in enumerate(verdicts)}
+    return matrices(cases, verdicts, assign(verdict.key.over_cases for verdict in verdicts), anchors, dict.fromkeys(cases, ()))
 
 
 @pytest.mark.parametrize("name", shipped())

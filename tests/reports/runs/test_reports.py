@@ -3,6 +3,7 @@
 import json
 import math
 import re
+import shlex
 import shutil
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +22,7 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.charts import without_legend
 from bodycheck.reports.lines import assign
-from bodycheck.reports.quantities import bound, count, listing, number
+from bodycheck.reports.quantities import QUANTITIES, bound, count, listing, number
 from bodycheck.reports.runs import contents as contents_module
 from bodycheck.reports.runs import html_report, markdown_report, time_charts
 from bodycheck.reports.runs.contents import Contents, gather
@@ -98,6 +99,31 @@ def test_tables_have_the_measured_numbers(page: str, verdicts: list[Verdict]) ->
         place = next(i for i, values in enumerate(seen.values) if values == expected)
         assert seen.rows[place][:3] == [f"{row['engine']} {row['version']}", row["integrator"], "2 ms"]
         assert number(row["position_error"]) in seen.rows[place]
+
+
+def test_a_figure_leads_to_its_curve_and_to_the_command_that_makes_it(page: str, contents: Contents) -> None:
+    """Each figure of each row, in the page too; where a quantity is not drawn the command alone remains."""
+    ids = set(re.findall(r' id="([^"]+)"', page))
+    titles = {QUANTITIES[name].label: name for name in QUANTITIES}
+    for section in contents.sections:
+        assert section.table is not None
+        for run, row, made in zip(section.table.runs, section.table.rows, section.commands, strict=True):
+            assert made.anchor == run
+            assert run in ids
+            words = shlex.split(made.text)
+            assert words[:3] == ["bodycheck", "run", section.name]
+            assert words[words.index("--engine") + 1] == row[0].text.split()[0]
+            assert words[words.index("--integrator") + 1] == row[1].text
+            assert float(words[words.index("--timestep") + 1]) * 1e3 == float(row[2].text.removesuffix(" ms"))
+            assert row[1].link == run
+            for column, entry in zip(section.table.columns, row, strict=True):
+                if column in titles and entry.value is not None:
+                    name = titles[column]
+                    curve = name in section.curves.drawn
+                    assert entry.link == (f"curve-{section.name}-{name}" if curve else run)
+                    assert entry.link in ids
+    links = re.findall(r'<td class="number[^"]*"[^>]*data-value[^>]*><a href="#', page.partition("<tfoot>")[0])
+    assert len(links) > 4
 
 
 def test_an_error_below_the_truths_own_is_called_so(page: str, verdicts: list[Verdict]) -> None:

@@ -1,0 +1,37 @@
+"""The commands that make single runs."""
+
+import shlex
+from dataclasses import dataclass
+
+from bodycheck.judging.judgement import Verdict
+
+
+@dataclass(frozen=True)
+class Command:
+    """The command that makes a run.
+
+    Parameters
+    ----------
+    anchor
+        The anchor of the command in the page.
+    method
+        The label of the method in this report.
+    text
+        The command, quoted for a shell.
+    """
+
+    anchor: str
+    method: str
+    text: str
+
+
+def curve_anchor(case: str, quantity: str) -> str:
+    """Return the anchor of the chart of a quantity over time."""
+    return f"curve-{case}-{quantity}"
+
+
+def command(verdict: Verdict, file: str) -> str:
+    """Return the command that makes a run; file: the path of the case file, or the name of a shipped case."""
+    run = verdict.run
+    asked = ("--engine", run.engine, "--integrator", run.method.name, "--timestep", repr(run.method.timestep))
+    return shlex.join(["bodycheck", "run", file, *asked])
