@@ -90,7 +90,7 @@ def test_written_side_by_side_and_small(study: Study, tmp_path: Path) -> None:
 def test_a_page_stands_alone(page: str, study: Study) -> None:
     pages.check(page)
     scripts = attributes_of(page, "script")
-    assert len(scripts) == 4  # sorting, the charts, the library, the page's own
+    assert len(scripts) == 5  # folds, sorting, the charts, the library, the page's own
     assert page.lower().count("</script") == len(scripts)
     assert page.count('class="chart"') == sum(len(part.charts) for part in study.report.parts)
 
