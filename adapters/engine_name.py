@@ -36,3 +36,8 @@ class EngineName:
 
     def __str__(self) -> str:
         return self.adapter if self.version is None else f"{self.adapter}@{self.version}"
+
+
+def in_words(engine: str, version: str) -> str:
+    """Return an engine, which may be named with a version, and the version that is meant, as `mujoco 4.0.0`."""
+    return f"{engine.partition('@')[0]} {version}"

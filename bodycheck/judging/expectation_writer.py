@@ -19,6 +19,7 @@ import tomlkit
 from tomlkit.items import Item
 
 from bodycheck.adapters.contract import Engine
+from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case, parse, shipped
 from bodycheck.casefile.expectation import unit
@@ -231,7 +232,7 @@ def _table(measurement: Measurement, margin: float) -> tuple[list[str], Change]:
     lines = ["", "[[expect]]", f"engine = {_quoted(run.engine)}", f"integrator = {_quoted(run.method.name)}"]
     lines += [f"timestep = {run.method.timestep!r}", f"version = {_quoted(run.version)}"]
     if verdict.discrepancy is None:
-        lines.append(_with_comment(f"status = {_quoted(outcome.status)}", f"# found with {run.engine} {run.version}"))
+        lines.append(_with_comment(f"status = {_quoted(outcome.status)}", f"# found with {in_words(run.engine, run.version)}"))
     lines += [_with_comment(f"{name} = {limit.number}", limit.comment) for name, limit in written.items()]
     return lines, Change(verdict, "; ".join(filter(None, ("written", idle))))
 
@@ -311,7 +312,7 @@ def _quoted(text: str) -> str:
 def _limit(measurement: Measurement, name: str, margin: float) -> Limited:
     """The limit of a figure, and the comment on it."""
     value, floor, run = measurement.figures[name], measurement.floors[name], measurement.verdict.run
-    found = f"{value:.3g} measured with {run.engine} {run.version}"
+    found = f"{value:.3g} measured with {in_words(run.engine, run.version)}"
     number, comment = _rounded_down(margin * value), f"# {margin:g} x {found}"
     if value < floor:
         number, comment = _rounded_down(margin * floor), f"# {margin:g} x {floor:.2g}, the floor: {found} is rounding"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 
+from bodycheck.adapters.engine_name import in_words
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
 from bodycheck.errors import BadInput
@@ -314,7 +315,8 @@ def _breach(limit: Limit, measured: Mapping[str, float], discrepancy: Summary, b
 
 def settle(expectation: Expectation, breaches: tuple[Breach, ...], today: date, run: Run) -> Judged:
     """Decide whether an expectation with the given breaches in a run counts as held on a date."""
-    then = f"it was written with {run.engine} {expectation.version}, this is {run.version}" if expectation.version else ""
+    written = in_words(run.engine, expectation.version)
+    then = f"it was written with {written}, this is {run.version}" if expectation.version else ""
     text = "; ".join((*(breach.text for breach in breaches), *([then] if breaches and then else [])))
     if not expectation.known:
         return Judged(expectation, breaches, not breaches, text)

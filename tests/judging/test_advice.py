@@ -82,10 +82,13 @@ def test_a_run_that_fails_is_bisected_by_any_limit_that_it_exceeds_then() -> Non
     ]
 
 
-def test_a_release_of_an_environment_is_bisected_by_the_name_of_its_engine() -> None:
+def test_a_release_of_an_environment_is_told_of_and_bisected_by_the_name_of_its_engine() -> None:
     verdict = judged(attitude_error=1e-9, version="3.3.0")
-    named = replace(verdict, run=replace(verdict.run, engine="mujoco@3.3.7"))
+    named = replace(verdict, run=replace(verdict.run, engine="mujoco@3.3.7", version="3.3.7"))
     assert commands(named)[0][2] == "mujoco"
+    (broken,) = verdict.judged
+    text = judgement.settle(broken.expectation, broken.breaches, date(2027, 1, 1), named.run).text
+    assert text.endswith("; it was written with mujoco 3.3.0, this is 3.3.7")
 
 
 def test_a_shipped_case_is_not_written_to() -> None:
