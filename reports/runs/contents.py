@@ -23,7 +23,9 @@ from bodycheck.reports.runs.origins import Origins, origins
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback, playback
 from bodycheck.reports.runs.run_table import run_table
 from bodycheck.reports.runs.scenes import Fact, describe
+from bodycheck.reports.runs.step_charts import over_steps
 from bodycheck.reports.runs.summary import failure_status
+from bodycheck.reports.study import Chart
 from bodycheck.reports.tables import Table
 from bodycheck.reports.time_limit import TookTooLong, limited
 from bodycheck.running.header import Header
@@ -53,6 +55,8 @@ class Section:
         The runs; None if none finished.
     commands
         The commands that make the runs.
+    steps
+        Charts of errors over the time step; none if there is only one.
     origins
         Parts of the contact discrepancies; None without contact.
     curves
@@ -68,6 +72,7 @@ class Section:
     facts: tuple[Fact, ...]
     table: Table | None
     commands: tuple[Command, ...]
+    steps: tuple[Chart, ...]
     origins: Origins | None
     curves: Curves
     playback: Playback | None
@@ -193,6 +198,7 @@ def _section(shown: Shown, lines: Mapping[RunKey, Line], anchors: Mapping[RunKey
             )
             for verdict in verdicts
         ),
+        steps=over_steps(verdicts),
         origins=origins(parts),
         curves=drawn,
         playback=played,

@@ -66,7 +66,12 @@ def specifications(contents: Contents) -> dict[str, Spec]:
         if section.origins is not None
         for place, chart in enumerate(section.origins.charts, start=1)
     }
-    return errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | origins
+    steps = {
+        f"{section.name}-steps-{place}": chart.specification
+        for section in contents.sections
+        for place, chart in enumerate(section.steps, start=1)
+    }
+    return errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | origins | steps
 
 
 def player() -> str:

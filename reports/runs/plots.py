@@ -27,5 +27,8 @@ def of_runs(contents: Contents) -> Iterator[tuple[str, Spec]]:
             complete = chart | {"datasets": section.curves.datasets}
             rows = 1 if name.startswith("momentum") else len(lines)
             yield f"{section.name}-{name}", standing_alone(complete, section.title, description + floor, rows)
+        for drawn in section.steps:
+            description = f"{drawn.title} over the time step"
+            yield f"{section.name}-{description}", standing_alone(drawn.specification, section.title, description, 1)
         for drawn in section.origins.charts if section.origins else ():
             yield f"{section.name}-{drawn.title}", standing_alone(drawn.specification, section.title, drawn.title, 1)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from bodycheck.casefile.case import Case
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
 from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.reports.quantities import bound, listing, number
+from bodycheck.reports.quantities import bound, count, listing, number
 
 
 @dataclass(frozen=True)
@@ -68,15 +68,22 @@ def _vector(components: Sequence[float]) -> str:
 
 
 def _truth(truths: Sequence[Truth | NoTruth]) -> str:
+    """Return where the truth comes from, why it can be known so, what confirms it, and how wrong it may be."""
     known = [truth for truth in truths if isinstance(truth, Truth)]
-    if known:
-        sources = " and ".join(
-            dict.fromkeys(f"{truth.model} ({truth.reason}), computed with {truth.backend}" for truth in known)
-        )
-        # A witness is named by its equations and its solver, with a comma between them.
-        witnesses = dict.fromkeys(witness.replace(", ", " by ") for truth in known for witness in truth.witnesses)
-        checked = f", checked against {listing(list(witnesses))}" if witnesses else ""
-        error = bound(max(float(truth.bounds.error.max()) for truth in known))
-        return f"{sources}{checked}; its own attitude error is at most {error} rad"
-    reasons = dict.fromkeys(truth.reason for truth in truths if isinstance(truth, NoTruth))
-    return f"none: {'; '.join(reasons)}"
+    if not known:
+        reasons = dict.fromkeys(truth.reason for truth in truths if isinstance(truth, NoTruth))
+        return f"none: {'; '.join(reasons)}"
+    sources = dict.fromkeys(f"{_source(truth)}, because {truth.reason}" for truth in known)
+    # A witness is named by its equations and its solver, with a comma between them.
+    witnesses = list(dict.fromkeys(witness.replace(", ", " by ") for truth in known for witness in truth.witnesses))
+    checked = f" Checked by {count(len(witnesses), 'independent computation')}: {listing(witnesses)}." if witnesses else ""
+    error = bound(max(float(truth.bounds.error.max()) for truth in known), 2)
+    return f"{' and '.join(sources)}.{checked} Its attitude is wrong by at most {error} rad."
+
+
+def _source(truth: Truth) -> str:
+    """Return in words how a truth was computed: by a formula, or by integrating equations of motion."""
+    formula = truth.model.removeprefix("closed form: ")
+    if formula != truth.model:
+        return f"an exact formula ({formula}), evaluated with {truth.backend}"
+    return f"equations of motion ({truth.model}), integrated with {truth.backend}"

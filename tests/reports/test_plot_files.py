@@ -39,6 +39,12 @@ def texts(path: Path) -> list[str]:
 def test_every_plot_of_the_report_is_there_by_a_name_that_says_what_it_is(folder: Path, contents: Contents) -> None:
     names = [f"{section.name}-{name}" for section in contents.sections for name in section.curves.drawn]
     names += ["spin-momentum_body", "spin-momentum_inertial"]
+    stepped = [
+        (section.name, chart.title.lower().replace(" ", "-")) for section in contents.sections for chart in section.steps
+    ]
+    assert ("spin", "attitude-error") not in stepped, "a sphere that spins has the exact attitude"
+    assert ("slide", "position-error") in stepped
+    names += [f"{section}-{title}-over-the-time-step" for section, title in stepped]
     names += [f"slide-{quantity}-engine-minus-truth" for quantity in ("stopping-distance", "stopping-time")]
     assert sorted(path.name for path in (folder / "figures").iterdir()) == sorted(f"{name}.svg" for name in names)
     assert "spin-position_error" in names

@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from bodycheck import load, reports
 from bodycheck.adapters import offers
-from bodycheck.adapters.contract import Adapter, Method
+from bodycheck.adapters.contract import Engine, Method
 from bodycheck.judging import judgement
 from bodycheck.reports import html, markdown
 from bodycheck.reports.quantities import bound, milliseconds, number
@@ -71,10 +72,10 @@ def page(study: Study) -> str:
     return html.render_study(study.report)
 
 
-def timed_once(row: Row, engines: dict[str, Adapter]) -> Row:
+def timed_once(row: Row, engines: Mapping[str, Engine]) -> Row:
     """A row of the study, its cost that of the run itself: to time runs in turn and repeatedly takes half a minute."""
     taken = row["time_per_step"]
-    own = offers.integrator_of(engines[row["engine"]].engine, Method.parse(row["integrator"], row["timestep"]))
+    own = offers.integrator_of(engines[row["engine"]], Method.parse(row["integrator"], row["timestep"]))
     assert own is not None
     cost = {"time_per_step_low": taken, "time_per_step_high": taken, "cost": taken / row["timestep"]}
     return row | cost | {"evaluations": own.evaluations}

@@ -1,0 +1,97 @@
+"""Charts of the largest error of each run over its time step, for cases that were run with several."""
+
+from collections.abc import Mapping, Sequence
+from math import isfinite
+
+from bodycheck.judging.judgement import Verdict
+from bodycheck.reports.charts import Spec, framed, log_axis, method_scale
+from bodycheck.reports.lines import Line, assign
+from bodycheck.reports.quantities import QUANTITIES, Quantity, count, listing
+from bodycheck.reports.study import Chart
+from bodycheck.running.key import RunKey
+
+#: The quantities that are drawn: a chart each.
+DRAWN = ("attitude_error", "position_error")
+
+#: Smaller errors, which are far below the rounding of any scene, would stretch the log scale.
+SMALLEST = 1e-20
+
+#: Longest label, in characters, of which two fit side by side above a chart.
+SHORT_LABEL = 28
+
+
+def over_steps(verdicts: Sequence[Verdict]) -> tuple[Chart, ...]:
+    """Return a chart for each quantity in which a method of one case has errors at two time steps or more."""
+    lines = assign(verdict.key.over_cases.over_steps for verdict in verdicts)
+    charts = []
+    for name in DRAWN:
+        errors = {line: own for line, own in _errors(verdicts, lines, name).items() if len(own) > 1}
+        if errors:
+            charts.append(_chart(QUANTITIES[name], errors))
+    return tuple(charts)
+
+
+def _errors(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line], name: str) -> dict[Line, dict[float, float]]:
+    """Return the errors of each method by time step (s), without those that the truth's own error hides."""
+    found: dict[Line, dict[float, float]] = {}
+    for verdict in verdicts:
+        maxima = {} if verdict.discrepancy is None else verdict.discrepancy.maxima()
+        error = maxima.get(name, 0.0)
+        if isfinite(error) and error > SMALLEST and QUANTITIES[name].within_truth(maxima) is None:
+            line = lines[verdict.key.over_cases.over_steps]
+            found.setdefault(line, {})[verdict.run.method.timestep] = error
+    return found
+
+
+def _chart(quantity: Quantity, errors: Mapping[Line, Mapping[float, float]]) -> Chart:
+    ends = [
+        f"{line.label} from {quantity.with_unit(own[max(own)])} to {quantity.with_unit(own[min(own)])}"
+        for line, own in errors.items()
+    ]
+    alt = (
+        f"Largest {quantity.title.lower()} over the time step on log scales, for {count(len(errors), 'method')}. "
+        f"From the largest time step to the smallest: {listing(ends)}."
+    )
+    return Chart(quantity.title, _specification(quantity, errors), alt)
+
+
+def _specification(quantity: Quantity, errors: Mapping[Line, Mapping[float, float]]) -> Spec:
+    """Return the chart: both scales are logarithmic, so that a method of order p has the slope p."""
+    lines = list(errors)
+    rows = [
+        {"method": line.label, "step": step * 1e3, "error": float(f"{error:.4g}")}
+        for line, own in errors.items()
+        for step, error in sorted(own.items())
+    ]
+    scale = {"type": "log", "nice": False, "padding": 10}
+    x = {
+        "field": "step",
+        "type": "quantitative",
+        "title": "Time step, ms",
+        "scale": scale,
+        "axis": {"grid": False, "format": "~g", "tickCount": 5},
+    }
+    y = {"field": "error", "type": "quantitative", "title": quantity.label, "scale": scale, "axis": log_axis("y")}
+    colour = method_scale("color", lines)
+    dash = method_scale("strokeDash", lines)
+    tooltip = [
+        {"field": "method"},
+        {"field": "step", "title": "time step, ms", "format": ".4~g"},
+        {"field": "error", "title": quantity.label.lower(), "format": ".4~g"},
+    ]
+    point = {"type": "point", "filled": True, "opacity": 1, "size": 30, "aria": False}
+    layers: list[Spec] = [
+        {
+            "data": {"values": rows},
+            "encoding": {"x": x, "y": y, "color": colour},
+            "layer": [
+                {"mark": {"type": "line", "strokeWidth": 1.5, "aria": False}, "encoding": {"strokeDash": dash}},
+                {"mark": point, "encoding": {"tooltip": tooltip}},
+            ],
+        }
+    ]
+    made = framed(layers, height=260)
+    # A legend in one row would be cut at the edge of the chart.
+    columns = 2 if max(len(line.label) for line in lines) <= SHORT_LABEL else 1
+    legend = made["config"]["legend"] | {"columns": columns}
+    return made | {"config": made["config"] | {"legend": legend}}
