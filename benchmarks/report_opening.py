@@ -14,13 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from bodycheck import load, reports
-from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running import campaign, plan, store
+from bodycheck.running import campaign, engines, plan, store
 from bodycheck.running.store import Results
 
 CASES, METHODS = 100, 20
@@ -45,6 +44,7 @@ ANSWERS = """() => new Promise((done) => {
   shown(() => {
     times.sorted = performance.now();
     const legend = document.querySelector(".legend");
+    legend.closest("details").open = true; // of many cases each is folded
     legend.scrollIntoView();
     press(legend);
   });
@@ -79,9 +79,9 @@ def copy(case: str, place: int) -> str:
 
 def large_report(folder: Path) -> Path:
     """Write a report of `CASES` times `METHODS` runs and its data into an empty folder, and return the report's path."""
-    engines = {name: registry.load(name) for name in ("mujoco", "pinocchio")}
-    head = campaign.header((), {name: engine.engine.version for name, engine in engines.items()}, {})
-    with campaign.results(plan.plan(tuple(map(load, NAMES)), engines, (), (0.002,)), folder, head):
+    records, _ = engines.describe(("mujoco", "pinocchio"))
+    head = campaign.header((), {name: engine.version for name, engine in records.items()}, {})
+    with campaign.results(plan.plan(tuple(map(load, NAMES)), records, (), (0.002,)), folder, head):
         pass
     source = store.read(folder)
     own: dict[str, list[Verdict]] = {name: [] for name in NAMES}
