@@ -14,6 +14,8 @@ from tests.support.commands import as_process, bodycheck
 
 #: A truth that never ends and hears no signal, in the place of one that takes minutes.
 WITHOUT_END = """
+import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts in the background ignores it
 from bodycheck.running import truths
 from tests.support import calls
 truths.answer = calls.truth_without_end

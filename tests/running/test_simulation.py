@@ -231,7 +231,7 @@ def test_a_time_step_that_is_not_possible_is_refused_as_on_the_command_line(time
     with pytest.raises(BadInput, match=words) as raised:
         simulate(STEADY_SPIN, "mujoco", "Euler", timestep)
     with pytest.raises(BadInput, match=re.escape(str(raised.value))):
-        plan([STEADY_SPIN], {"mujoco": registry.load("mujoco")}, ["Euler"], [timestep])
+        plan([STEADY_SPIN], {"mujoco": registry.load("mujoco").engine}, ["Euler"], [timestep])
 
 
 @pytest.mark.parametrize(

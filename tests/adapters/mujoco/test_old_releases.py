@@ -31,7 +31,7 @@ def test_steps_are_those_of_rollouts(name: str, integrator: str, monkeypatch: py
     dense, sparse = mixed(6000), np.array([500, 9000, 1, 700])
     simulation = MUJOCO.prepare([scene], method)
     rolled = [simulation.advance(dense), simulation.advance(sparse), simulation.advance(dense)]
-    monkeypatch.setattr(mujoco_stepping, "Pool", None)
+    monkeypatch.setattr(mujoco_stepping, "Rollout", None)
     simulation = MUJOCO.prepare([scene], method)
     assert simulation.pool is None
     stepped = [simulation.advance(strides) for strides in (dense[:5], dense[5:], sparse, dense)]
