@@ -167,6 +167,13 @@ def test_nothing_is_wider_than_the_window(browser: Any, request: pytest.FixtureR
             assert width < 1280 or max(clipped) <= 0, "every table is whole in a window of usual size"
 
 
+#: Whether a section is in the window and in no fold that is closed, of its name.
+IN_SIGHT = """name => {
+    const one = document.getElementById(name);
+    return one.getBoundingClientRect().top < innerHeight && !one.closest("details:not([open])");
+}"""
+
+
 @pytest.mark.parametrize("width", SCREENS)
 def test_the_index_leads_to_every_section(browser: Any, report: Path, width: int) -> None:
     """Also to folded ones, and on a narrow screen, where it is folded itself and folds away again."""
@@ -184,8 +191,7 @@ def test_the_index_leads_to_every_section(browser: Any, report: Path, width: int
                 assert not link.is_visible()
                 page.locator(".index summary").click()
             link.press("Enter")
-            page.wait_for_function("name => document.getElementById(name).getBoundingClientRect().top < innerHeight", arg=name)
-            assert page.evaluate("name => document.getElementById(name).closest('details:not([open])')", name) is None
+            page.wait_for_function(IN_SIGHT, arg=name)
 
 
 def test_a_table_sorts_by_its_numbers(visit: Visit) -> None:

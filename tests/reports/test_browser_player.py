@@ -83,6 +83,7 @@ def at(
 ) -> Iterator[tuple[Visit, Any]]:
     """The page, and the player of a case, on the screen."""
     with visiting(browser, report, width=width, scheme=scheme) as visit:
+        visit.page.evaluate("document.querySelectorAll('main .fold').forEach((one) => { one.open = true; })")
         player = visit.page.locator(f"#case-{case} .player")
         player.scroll_into_view_if_needed()
         visit.page.wait_for_selector(f"#case-{case} .player[data-ready] .controls")
