@@ -112,17 +112,17 @@ def call_all(
                 place, answer = worker.place, _answer(worker)
                 if answer is None:
                     continue
-                unclear = place is not None and answer.died and worker.calls > 1
-                if unclear and place is not None:
-                    queue.repeat(place)
                 if answer.reusable and (next_place := queue.following(worker)) is not None:
                     worker.call(next_place, function, arguments[next_place], limit)
                 else:
                     workers.remove(worker)
                     worker.stop()
-                if place is None and not answer.reusable:  # its preparation failed
-                    yield from ((arguments[left], answer.result) for left in queue.take(worker.group))
-                elif place is not None and not unclear:
+                if place is None:
+                    if not answer.reusable:  # its preparation failed
+                        yield from ((arguments[left], answer.result) for left in queue.take(worker.group))
+                elif answer.died and worker.calls > 1:
+                    queue.repeat(place)
+                else:
                     yield arguments[place], answer.result
     finally:
         for worker in workers:

@@ -124,7 +124,7 @@ def _digest(engine: str) -> str:
     found = {
         path.resolve() for package in SOURCE_PACKAGES for folder in package.__path__ for path in Path(folder).rglob("*.py")
     }
-    files = sorted(found) + registry.sources(engine)
+    files = sorted(found.union(map(Path.resolve, registry.sources(engine))))
     return sha256(b"".join(sha256(path.read_bytes()).digest() for path in files)).hexdigest()
 
 
