@@ -11,7 +11,7 @@ LOWEST := .venv-lowest
 LOWEST_TESTS := tests/adapters/test_contract.py tests/casefile/test_case.py tests/commands/test_command_line.py \
 	tests/commands/test_pytest_plugin.py tests/running/test_store.py tests/reports/test_plot_files.py
 
-.PHONY: run test lint types tests lowest slow benchmarks screenshots clean
+.PHONY: run test lint types tests lowest slow engines benchmarks screenshots clean
 
 run: $(VENV)/.installed
 	$(BIN)/bodycheck run --out $(RESULTS)
@@ -41,6 +41,10 @@ lowest: $(VENV)/.installed
 export FILES RUNS FOLDERS KILLS SEED
 slow: $(VENV)/.installed-for-development
 	$(BIN)/pytest -n auto --dist worksteal -m slow
+
+# Installs every engine that has an adapter in an environment of its own, and tests the adapters there.
+engines: $(VENV)/.installed-for-development
+	$(BIN)/pytest -m engines -v
 
 benchmarks: $(VENV)/.installed-for-development
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done

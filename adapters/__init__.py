@@ -6,6 +6,7 @@
 - `record` checks the record of an engine.
 - `registry` finds adapters by name.
 - `offers` decides which methods an engine offers for a scene, and checks methods before they are run.
-- `stepping` contains the loop for engines that are stepped from Python.
+- `stepping` contains the loop for engines that are stepped from Python, and normalises quaternions.
+- `flat_contact` checks that a body lies flat on its plane.
 - `mujoco/` and `pinocchio/` contain one engine each; their module `engine` is the adapter.
 """

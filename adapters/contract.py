@@ -174,9 +174,19 @@ class Simulation(Protocol):
         """Advance the simulation, and return the states (scenes, n, bodies, 13) after each of n strides.
 
         The array `strides` (n,) holds the numbers of steps, >= 0, from each sample to the next; the first stride begins at the
-        current state. The columns of the states are position (world, m), quaternion (w x y z, body to world), velocity
-        (world, m/s) and angular velocity (body, rad/s). The returned array is a copy. Raises `EngineDiverged`.
+        current state. The columns of the states are position (world, m), quaternion (w x y z, body to world, of norm 1),
+        velocity (world, m/s) and angular velocity (body, rad/s). The returned array is a copy. Raises `EngineDiverged`.
         """
+        ...
+
+
+@runtime_checkable
+class Normalising(Protocol):
+    """A simulation that normalises the quaternions of its engine, which does not do so; see `stepping.Normalised`."""
+
+    @property
+    def quaternion_norm_error(self) -> float:
+        """The largest deviation from 1 of the norm of a quaternion, as the engine returned it, in all states so far."""
         ...
 
 

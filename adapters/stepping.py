@@ -1,4 +1,4 @@
-"""A simulation loop for engines that are stepped from Python, with one call per step."""
+"""Simulations for engines that are stepped from Python, and for engines that do not normalise their quaternions."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from bodycheck.adapters.contract import EngineDiverged, Strides, single
+from bodycheck.adapters.contract import EngineDiverged, Simulation, Strides, single
 from bodycheck.reference.trajectory import Array
 
 State = TypeVar("State")
@@ -48,3 +48,35 @@ class Loop(Generic[State]):
             seen[place] = self.seen(state)
         self.state = state
         return single(self.rows(seen))
+
+
+@dataclass
+class Normalised:
+    """A simulation whose quaternions are divided by their norms, for an engine that lets them drift from 1.
+
+    Parameters
+    ----------
+    simulation
+        The simulation of the engine, whose quaternions may have any norm except zero.
+    quaternion_norm_error
+        The largest deviation of their norms from 1 so far; infinite after a norm that is not a number.
+    """
+
+    simulation: Simulation
+    quaternion_norm_error: float = 0.0
+
+    def advance(self, strides: Strides) -> Array:
+        """Return the states (scenes, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
+        try:
+            return self._normalised(self.simulation.advance(strides))
+        except EngineDiverged as signal:
+            signal.states = self._normalised(signal.states)
+            raise
+
+    def _normalised(self, states: Array) -> Array:
+        """Return states with unit quaternions, and remember how far their norms were from 1."""
+        norms = np.linalg.norm(states[..., 3:7], axis=-1, keepdims=True)
+        off = np.nan_to_num(np.abs(norms - 1), nan=np.inf)
+        self.quaternion_norm_error = max(self.quaternion_norm_error, float(off.max(initial=0.0)))
+        states[..., 3:7] /= norms
+        return states

@@ -11,12 +11,17 @@ from bodycheck import Case, load
 from bodycheck.casefile.case import shipped
 from tests.support import MINIATURES, processes
 from tests.support import browser as browsing
+from tests.support.asked import ADAPTER_OPTION
 
 # No deadline: the first example pays for imports, and machines that run tests are slow at times.
 settings.register_profile("bodycheck", deadline=None)
 settings.load_profile("bodycheck")
 
 pytest_plugins = ["pytester"]
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(ADAPTER_OPTION, metavar="ENGINE", help="Test the adapter of this engine alone.")
 
 
 @pytest.fixture

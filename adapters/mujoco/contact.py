@@ -23,8 +23,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from bodycheck.adapters.contract import Kind, Option, Range, SceneUnsupported, choice
-from bodycheck.reference.errors import NotFlat
-from bodycheck.reference.planar import describe_shape, planar_state, resting_height
+from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.reference.planar import resting_height
 from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
 
 #: MuJoCo's mjMINMU: MuJoCo silently raises smaller coefficients to this one.
@@ -55,17 +55,6 @@ class Parts:
     sensors: str = ""
 
 
-def unsupported(scene: Scene) -> str | None:
-    """Return what this adapter does not model of a scene with a plane, as a noun phrase; None if it models everything."""
-    if scene.drag:
-        return "drag together with contact"
-    try:
-        planar_state(scene)
-    except NotFlat as error:
-        return f"this contact: {error}"
-    return None
-
-
 def parts(scene: Scene, plane: Plane, chosen: Mapping[str, str], shortest: float) -> Parts:
     """Return the XML parts for the contact of a body that lies flat.
 
@@ -85,9 +74,7 @@ def parts(scene: Scene, plane: Plane, chosen: Mapping[str, str], shortest: float
     SceneUnsupported
         If the body has no flat face, or if MuJoCo would silently change the friction or the time constant.
     """
-    shape = scene.body.shape
-    if not isinstance(shape, Brick | Cylinder):
-        raise SceneUnsupported(f"{describe_shape(shape)} has no face to lie on")
+    shape = lying_shape(scene)
     # MuJoCo does not accept a coefficient of zero in contacts with friction, so a frictionless contact has one dimension.
     condim = chosen.get("condim", "3" if plane.friction else "1")
     if condim != "1" and plane.friction < MUJOCO_MIN_FRICTION:

@@ -21,6 +21,7 @@ from functools import lru_cache
 import mujoco
 import numpy as np
 
+from bodycheck.adapters import flat_contact
 from bodycheck.adapters.contract import Engine, Integrator, Method, Model, SceneUnsupported, Strides, choice
 from bodycheck.adapters.mujoco import INSTALLATION, contact, exporting
 from bodycheck.adapters.mujoco import models as scene_models
@@ -201,7 +202,7 @@ def compiled_model(xml: str) -> mujoco.MjModel:
 
 def check_supported(scene: Scene, method: Method, model: str) -> None:
     """Raise `SceneUnsupported` if the contact, the model or the contact options do not fit the scene."""
-    if scene.plane is not None and (reason := contact.unsupported(scene)) is not None:
+    if scene.plane is not None and (reason := flat_contact.unsupported(scene)) is not None:
         raise SceneUnsupported(f"{engine.name} {engine.version} does not model {reason}")
     if method.option("model") and model not in (there := scene_models.available_models(scene)):
         raise SceneUnsupported(f"no model {model!r} of this scene; there are: {', '.join(there)}")

@@ -16,14 +16,13 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
+from bodycheck.adapters import flat_contact
 from bodycheck.adapters.contract import Engine, Integrator, Method, Model, SceneUnsupported, choice
 from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting
 from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
 from bodycheck.adapters.stepping import Loop
-from bodycheck.reference.errors import NotFlat
-from bodycheck.reference.planar import planar_state
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.sliding.friction import friction
@@ -91,14 +90,13 @@ def check_supported(scene: Scene, method: Method) -> None:
 
 def unsupported_contact(scene: Scene, plane: Plane) -> str | None:
     """Return what this adapter does not model of a scene with a plane, as a noun phrase; None if it models everything."""
-    if scene.drag:
-        return "drag together with contact"
-    if not scene.gravity:
+    if not scene.drag and not scene.gravity:
         return "contact without a weight"
+    if (reason := flat_contact.unsupported(scene)) is not None:
+        return reason
     try:
-        planar_state(scene)
         friction(scene.body, plane, scene.gravity)
-    except (NotFlat, ValueError) as error:
+    except ValueError as error:
         return f"this contact: {error}"
     return None
 

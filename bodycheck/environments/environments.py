@@ -201,7 +201,7 @@ def run(
     """
     try:
         _check_private(environment.python.parent)
-        return making.run(environment.python, ["-m", module, *arguments], stdin, timeout)
+        return making.run(environment.python, ["-m", module, *arguments], stdin, timeout, variables(environment))
     except OSError as error:
         raise Unobtainable(f"{environment.engine} {environment.version} is no longer there: {error}") from error
 

@@ -28,6 +28,9 @@ from bodycheck.adapters.installation import Installation
 from bodycheck.environments import installation, subprocesses
 from bodycheck.environments.installation import InstallationFailed
 
+#: Environment variables by name.
+Variables = Sequence[tuple[str, str]]
+
 #: The environment variable that names the folders, other than site-packages, from which the running interpreter imports.
 PATH_VARIABLE = "BODYCHECK_PATH"
 
@@ -163,7 +166,8 @@ def make(folder: Path, release: Release, attempt: Attempt) -> bool:
         failing = output(python, PACKAGES_THAT_FAIL, *(word for pair in NUMPY_DEPENDENTS.items() for word in pair)).split()
         if failing:
             installation.install(folder, [_oldest(package) for package in failing], [f"numpy=={numpy_there}"])
-    return output(python, NUMBER_OF_FAILED_CHECKS, release.engine).rpartition("\n")[2] == "0"
+    variables = release.installation.variables_in(str(folder))
+    return output(python, NUMBER_OF_FAILED_CHECKS, release.engine, variables=variables).rpartition("\n")[2] == "0"
 
 
 def is_intact(folder: Path, release: Release) -> bool:
@@ -175,13 +179,13 @@ def is_intact(folder: Path, release: Release) -> bool:
         return False
 
 
-def output(python: Path, code: str, *arguments: str) -> str:
-    """Run code in an environment and return its stdout, stripped.
+def output(python: Path, code: str, *arguments: str, variables: Variables = ()) -> str:
+    """Run code in an environment, with further environment variables, and return its stdout, stripped.
 
     Raises `InstallationFailed`, with the last line of stderr, if the code fails or takes longer than `INSPECTION_LIMIT_S`.
     """
     try:
-        done = run(python, ["-c", code, *arguments], None, INSPECTION_LIMIT_S)
+        done = run(python, ["-c", code, *arguments], None, INSPECTION_LIMIT_S, variables)
     except subprocess.TimeoutExpired as error:
         raise InstallationFailed(f"the import took longer than {INSPECTION_LIMIT_S:g} s") from error
     except OSError as error:
@@ -194,7 +198,9 @@ def output(python: Path, code: str, *arguments: str) -> str:
     return done.stdout.strip()
 
 
-def run(python: Path, arguments: Sequence[str], stdin: str | None, timeout: float) -> CompletedProcess[str]:
+def run(
+    python: Path, arguments: Sequence[str], stdin: str | None, timeout: float, variables: Variables = ()
+) -> CompletedProcess[str]:
     """Run the interpreter of an environment, with at most `subprocesses.MEMORY_LIMIT_BYTES` of memory, until it ends.
 
     Parameters
@@ -207,6 +213,8 @@ def run(python: Path, arguments: Sequence[str], stdin: str | None, timeout: floa
         The text of its standard input; None for an empty one.
     timeout
         Seconds after which it is killed.
+    variables
+        Environment variables besides those of this process.
 
     Raises
     ------
@@ -215,10 +223,10 @@ def run(python: Path, arguments: Sequence[str], stdin: str | None, timeout: floa
     OSError
         There is no such interpreter.
     """
-    variables = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME")}
-    variables |= dict(path_variables())
+    everything = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "PYTHONHOME")}
+    everything |= dict((*path_variables(), *variables))
     # With -P nothing is imported from the working directory.
-    return subprocesses.run([str(python), "-P", *arguments], variables, stdin, timeout, subprocesses.MEMORY_LIMIT_BYTES)
+    return subprocesses.run([str(python), "-P", *arguments], everything, stdin, timeout, subprocesses.MEMORY_LIMIT_BYTES)
 
 
 def site_folders() -> list[str]:

@@ -30,6 +30,7 @@ FIGURES: dict[str, Figure] = {
         *contact.POSE,
         *contact.LOAD,
         *bounds.OTHERS,
+        motion.NORM,
     )
 }
 

@@ -89,11 +89,14 @@ class Comparison:
         The states of the run at n instants.
     load
         The load on the plane; None where there is no plane or the engine does not measure it.
+    quaternion_norm_error
+        The largest deviation from 1 of the norm of a quaternion, as the engine returned it; None if it is not known.
     """
 
     truth: Truth
     trajectory: Trajectory
     load: Load | None = None
+    quaternion_norm_error: float | None = None
 
     @property
     def scene(self) -> Scene:

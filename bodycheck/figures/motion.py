@@ -78,3 +78,13 @@ ERRORS = (
         tabled=False,
     ),
 )
+
+#: It is measured before the adapter of an engine normalises its quaternions, as only normalised ones describe an attitude.
+NORM = Figure(
+    name="quaternion_norm_error",
+    title="Quaternion norm error",
+    meaning="largest deviation from 1 of the norm of a quaternion, as the engine returned it",
+    counts="of the norm",
+    compute=lambda compared: compared.quaternion_norm_error,
+    tabled=False,
+)

@@ -70,7 +70,7 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
     trajectory = run.outcome.trajectory
     if not np.array_equal(truth.trajectory.t, trajectory.t):
         raise ValueError("the truth is not at the instants of the run; `Truth.at` computes it there")
-    compared = Comparison(truth, trajectory, run.outcome.load)
+    compared = Comparison(truth, trajectory, run.outcome.load, run.outcome.quaternion_norm_error)
     series: dict[str, Array] = {}
     figures: dict[str, float] = {}
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # errors too large for a number are infinite

@@ -32,12 +32,15 @@ class Completed:
         Wall time of stepping alone (s).
     load
         The load of the contact; None in free flight, and where the engine does not report it.
+    quaternion_norm_error
+        The largest deviation from 1 of the norm of a quaternion, as the engine returned it; None if it is not known.
     """
 
     states: Trajectory | Stored
     steps: int
     wall_time: float
     load: Load | None = None
+    quaternion_norm_error: float | None = None
     status: ClassVar[str] = "ok"
     failed: ClassVar[bool] = False
     reason: ClassVar[str] = ""

@@ -157,6 +157,7 @@ class CompletedRecord(RunRecord):
     steps: Count
     wall_time: Duration
     load: LoadRecord | None
+    quaternion_norm_error: Duration | None = None
 
 
 @dataclass(frozen=True)

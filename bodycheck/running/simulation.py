@@ -15,6 +15,7 @@ from bodycheck.adapters.contract import (
     EngineDiverged,
     EngineReset,
     Method,
+    Normalising,
     SceneUnsupported,
     Simulation,
     Strides,
@@ -24,6 +25,7 @@ from bodycheck.casefile.case import Case, check_case
 from bodycheck.figures.definition import Load
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.inertia import angular_momentum
+from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -41,8 +43,16 @@ VISIBLE_MOTION = 1e-6
 #: Largest distance of a quaternion's norm from 1. The rounding of single precision is a tenth of it.
 UNIT_TOLERANCE = 1e-6
 
+#: Largest deviation of a state at t = 0 from that of the scene: an angle (rad), and of vectors relative to the larger of their
+#: length and 1. Single precision is within a tenth of it, and a wrong axis, frame, sign or order of a quaternion is beyond it.
+START_TOLERANCE = 1e-4
+
 #: Ratio of the kinetic energy to the largest possible one, above which a run has diverged.
 DIVERGED_ENERGY_RATIO = 100.0
+
+
+class AdapterFault(Exception):
+    """What an adapter returned cannot be the states of its engine; the text says why."""
 
 
 def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT_TIMESTEP) -> Run:
@@ -89,6 +99,8 @@ def run(case: Case, engine: str, method: Method) -> Run:
         outcome = Unsupported(str(error))
     except EngineDiverged as error:
         outcome = Diverged(str(error))
+    except AdapterFault as fault:
+        outcome = Crashed(f"the adapter of {engine} {adapter.engine.version} is at fault in the case {case.name}: {fault}")
     except (Exception, SystemExit) as error:  # an engine may raise anything
         outcome = crash(error)
     if rounding() != TO_NEAREST:  # the instants of the states are already others
@@ -136,26 +148,29 @@ def _advance(simulation: Simulation, case: Case, method: Method) -> Outcome:
             signal: Literal["gave up", "reset"] = "reset" if isinstance(error, EngineReset) else "gave up"
             return Diverged(str(error), signal, _trajectory(steps, method, error.states[0, :, 0]))
         wall_time = time.perf_counter() - start
-    states = _numbers(states)
-    if states.shape != (1, len(steps), 1, 13):
-        raise ValueError(f"its states have the shape {states.shape}, not {(1, len(steps), 1, 13)}")
-    trajectory = _trajectory(steps, method, states[0, :, 0])
-    failed = (
-        _divergence(case.scene, trajectory)
-        or _lost_attitude(trajectory)
-        or _standstill(case.scene, trajectory, method.timestep)
-    )
-    return failed or Completed(trajectory, int(steps[-1]), wall_time)
+    rows = _rows(states, len(steps))
+    trajectory = _trajectory(steps, method, rows)
+    if (diverged := _divergence(case.scene, trajectory)) is not None:
+        return diverged
+    norm_error = _norm_error(trajectory)
+    _check_start(case.scene, trajectory)
+    if (diverged := _standstill(case.scene, trajectory, method.timestep)) is not None:
+        return diverged
+    if isinstance(simulation, Normalising):
+        norm_error = max(norm_error, simulation.quaternion_norm_error)
+    return Completed(trajectory, int(steps[-1]), wall_time, quaternion_norm_error=norm_error)
 
 
-def _numbers(states: object) -> Array:
-    """Return states in an engine's own type of array as float64. Raises `ValueError` unless they are real numbers."""
+def _rows(states: object, count: int) -> Array:
+    """Return the rows (count, 13) of states in an engine's own type of array. Raises `AdapterFault` unless they are these."""
     if isinstance(states, np.ma.MaskedArray):
-        raise ValueError("its states are a masked array")
+        raise AdapterFault("its states are a masked array")
     array = np.asarray(states)
     if array.dtype.kind not in "fiu":
-        raise ValueError(f"its states are of the type {array.dtype}, not real numbers")
-    return array.astype(np.float64)
+        raise AdapterFault(f"its states are of the type {array.dtype}, not real numbers")
+    if array.shape != (1, count, 1, 13):
+        raise AdapterFault(f"its states have the shape {array.shape}, not {(1, count, 1, 13)}")
+    return array.astype(np.float64)[0, :, 0]
 
 
 def _trajectory(steps: Strides, method: Method, rows: Array) -> Trajectory:
@@ -182,14 +197,35 @@ def _divergence(scene: Scene, trajectory: Trajectory) -> Diverged | None:
     return None
 
 
-def _lost_attitude(trajectory: Trajectory) -> Crashed | None:
-    """Return `Crashed` if a quaternion is none of an attitude, because its norm is not 1; else None."""
+def _norm_error(trajectory: Trajectory) -> float:
+    """Return the largest deviation from 1 of the norm of a quaternion.
+
+    Raises `AdapterFault` if it is none of an attitude, since an adapter normalises what its engine does not.
+    """
     norms = np.hypot.reduce(trajectory.quaternion, axis=1)
-    off = np.abs(norms - 1) > UNIT_TOLERANCE
-    if not off.any():
-        return None
-    first = int(np.argmax(off))
-    return Crashed(f"its quaternion has the norm {norms[first]:.8g}, not 1, at t = {trajectory.t[first]:.6g} s")
+    off = np.abs(norms - 1)
+    if (off > UNIT_TOLERANCE).any():
+        first = int(np.argmax(off > UNIT_TOLERANCE))
+        raise AdapterFault(f"its quaternion has the norm {norms[first]:.8g}, not 1, at t = {trajectory.t[first]:.6g} s")
+    return float(off.max())
+
+
+def _check_start(scene: Scene, trajectory: Trajectory) -> None:
+    """Raise `AdapterFault` if the run does not begin at the state of the scene, as with a wrong frame or order."""
+    if trajectory.t[0] != 0:
+        return
+    initial = scene.initial
+    pairs = {
+        "position": (trajectory.position[0], initial.position),
+        "velocity": (trajectory.velocity[0], initial.velocity),
+        "angular velocity": (trajectory.angular_velocity[0], initial.angular_velocity),
+    }
+    for name, (got, asked) in pairs.items():
+        if math.dist(got, asked) > START_TOLERANCE * max(1.0, math.hypot(*asked)):
+            raise AdapterFault(f"at t = 0 its {name} is {got.tolist()}, not {list(asked)}")
+    turned = float(geodesic_angle(trajectory.quaternion[0], np.array(initial.quaternion)))
+    if turned > START_TOLERANCE:
+        raise AdapterFault(f"at t = 0 its attitude is {turned:.3g} rad from that of the scene")
 
 
 def _standstill(scene: Scene, trajectory: Trajectory, timestep: float) -> Diverged | None:

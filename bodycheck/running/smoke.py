@@ -106,12 +106,18 @@ def check(engine: str) -> list[str]:
             try:
                 simulation = offers.prepare(adapter, [obvious.scene], Method.parse(integrator, TIMESTEP_S))
                 # The initial state is checked too, to find errors in the conversion of scenes.
-                start, end = simulation.advance(np.array([0, STEPS]))[0, :, 0]
+                returned = simulation.advance(np.array([0, STEPS]))
+                start, end = np.array(returned)[0, :, 0]
+                simulation.advance(np.array([1]))
             except Exception as error:  # any exception is a fault of the adapter
                 faults.append(f"{engine} {integrator}: {obvious.name}, but it raises {type(error).__name__}: {error}")
                 continue
             for when, row, state in (("at the start", start, obvious.scene.initial), ("after 0.1 s", end, obvious.after)):
                 faults += [f"{engine} {integrator}: {obvious.name}, but {when} its {wrong}" for wrong in _wrong(row, state)]
+            if not np.array_equal(returned[0, :, 0], [start, end]):
+                faults.append(
+                    f"{engine} {integrator}: {obvious.name}, but its states change when it goes on: they are no copies"
+                )
     return faults
 
 

@@ -120,6 +120,7 @@ class Writer:
                 trajectory_files.write(self.folder, _path_of(record), done.trajectory, {})
                 load = asdict(done.load) if done.load is not None else None
                 record |= {"steps": done.steps, "wall_time": done.wall_time, "load": load}
+                record |= {"quaternion_norm_error": done.quaternion_norm_error}
             case TimedOut(limit):
                 record |= {"limit": limit}
             case outcome:
@@ -253,7 +254,8 @@ class Results:
             case Completed.status:
                 states = StoredTrajectory(self.folder / _path_of(record))
                 load = Load(**record["load"]) if record["load"] else None
-                return replace(run, outcome=Completed(states, record["steps"], record["wall_time"], load))
+                norm_error = record.get("quaternion_norm_error")  # results of earlier versions have none
+                return replace(run, outcome=Completed(states, record["steps"], record["wall_time"], load, norm_error))
             case TimedOut.status:
                 return replace(run, outcome=TimedOut(record["limit"]))
             case status:

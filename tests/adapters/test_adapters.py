@@ -1,6 +1,6 @@
 """Adapters: conventions, what stepping means, and what the engines' schemes are."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -8,8 +8,10 @@ import pytest
 
 from bodycheck import compare, load, simulate, truth
 from bodycheck.adapters import offers, registry
-from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.adapters.contract import Method, SceneUnsupported, Strides
+from bodycheck.adapters.stepping import Normalised
 from bodycheck.reference.scene import Body, Plane, Scene, State
+from bodycheck.reference.trajectory import Array
 from bodycheck.running.outcome import Diverged, Unsupported
 from tests.support.cases import shortened
 
@@ -121,3 +123,28 @@ def test_a_contact_without_friction_claims_none() -> None:
     assert adapter.contact_law(scene, Method.parse("Euler", 1e-3)).friction == 0.5
     assert adapter.contact_law(scene, Method.parse("Euler:condim=1", 1e-3)).friction == 0.0
     assert adapter.contact_law(scene, Method.parse("Euler:condim=4", 1e-3)) is None
+
+
+@dataclass
+class Drifting:
+    """A simulation whose quaternions have the given norms, one a stride."""
+
+    norms: Array
+
+    def advance(self, strides: Strides) -> Array:
+        states = np.ones((1, len(strides), 1, 13))
+        states[..., 3:7] *= self.norms[: len(strides), None, None] / 2
+        return states
+
+
+def test_quaternions_are_normalised_and_their_norms_remembered() -> None:
+    simulation = Normalised(Drifting(np.array([1.0, 1.3, 0.9])))
+    states = simulation.advance(np.array([0, 1, 1]))
+    np.testing.assert_allclose(np.linalg.norm(states[..., 3:7], axis=-1), 1.0, rtol=1e-15)
+    np.testing.assert_array_equal(states[..., [0, 1, 2, 7, 12]], 1.0)
+    assert simulation.quaternion_norm_error == pytest.approx(0.3, abs=1e-15)
+    simulation.advance(np.array([0]))
+    assert simulation.quaternion_norm_error == pytest.approx(0.3, abs=1e-15)
+    simulation.simulation.norms = np.array([np.nan])
+    simulation.advance(np.array([0]))
+    assert simulation.quaternion_norm_error == np.inf

@@ -25,6 +25,7 @@ LIMIT = 15.0
 
 STEPS = (0.1, 0.05)
 INNOCENT = ("exact", "drifting", "printing", "forking", "meddling", "mujoco")
+AT_FAULT = "the adapter of {} 1.0 is at fault in the case osrf-boxes-simple"
 GUILTY = {
     "segfaulting": ("crashed", "its process died of signal SIGSEGV"),
     "hanging": ("timeout", f"stopped after {LIMIT:g} s"),
@@ -33,10 +34,10 @@ GUILTY = {
     "exiting": ("crashed", "SystemExit: the miniature engine has had enough"),
     "allocating": ("crashed", "it ran out of its memory of 0.5 GiB: Unable to allocate 16.0 MiB"),
     "raising": ("crashed", "RuntimeError: the miniature engine gives up"),
-    "shapeless": ("crashed", "ValueError: its states have the shape (1, 11, 1, 12), not (1, 11, 1, 13)"),
+    "shapeless": ("crashed", f"{AT_FAULT.format('shapeless')}: its states have the shape (1, 11, 1, 12), not (1, 11, 1, 13)"),
     "scribbling": ("crashed", "something other than bodycheck wrote into the channel of its process"),
     "rounding": ("crashed", "it changed how its process rounds floating-point numbers"),
-    "unnormalised": ("crashed", "its quaternion has the norm 1.5, not 1, at t = 0.5 s"),
+    "unnormalised": ("crashed", f"{AT_FAULT.format('unnormalised')}: its quaternion has the norm 1.5, not 1, at t = 0.5 s"),
     "not-a-number": ("diverged", "not a number at t = 0.5 s"),
     "exploding": ("diverged", "kinetic energy "),
     "frozen": ("diverged", "the state never changes although the body moves"),

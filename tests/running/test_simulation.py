@@ -86,10 +86,20 @@ def _scaled(by: float) -> Callable[[np.ndarray], object]:
         (_scaled(0.0), "its quaternion has the norm 0, not 1, at t = 0 s"),
         (_scaled(1 + 2e-6), "its quaternion has the norm 1.000002, not 1, at t = 0 s"),
         (_scaled(1e200), "its quaternion has the norm 1e+200, not 1, at t = 0 s"),
-        (lambda states: states + 0j, "ValueError: its states are of the type complex128, not real numbers"),
-        (lambda states: states.astype(str), "ValueError: its states are of the type <U32, not real numbers"),
-        (lambda states: states.astype(object), "ValueError: its states are of the type object, not real numbers"),
-        (lambda states: np.ma.masked_less(states, -1e9), "ValueError: its states are a masked array"),
+        (lambda states: states + 0j, "its states are of the type complex128, not real numbers"),
+        (lambda states: states.astype(str), "its states are of the type <U32, not real numbers"),
+        (lambda states: states.astype(object), "its states are of the type object, not real numbers"),
+        (lambda states: np.ma.masked_less(states, -1e9), "its states are a masked array"),
+        (lambda states: states[0], "its states have the shape (3, 1, 13), not (1, 3, 1, 13)"),
+        (lambda states: states + np.eye(13)[0], "at t = 0 its position is [1.0, 0.0, 0.05], not [0.0, 0.0, 0.05]"),
+        (
+            lambda states: states[..., [*range(7), 8, 7, *range(9, 13)]],
+            "at t = 0 its velocity is [0.0, 2.0, 0.0], not [2.0, 0.0, 0.0]",
+        ),
+        (
+            lambda states: states[..., [0, 1, 2, 4, 5, 6, 3, *range(7, 13)]],
+            "at t = 0 its attitude is 3.14 rad from that of the scene",
+        ),
     ],
 )
 def test_states_that_are_none_crash(
@@ -100,7 +110,8 @@ def test_states_that_are_none_crash(
             return spoil(super().advance(strides))
 
     monkeypatch.setattr(registry, "load", lambda name: Spoiling("nowhere", RuntimeError()))
-    assert simulate(SLIDE, "faulty", "step", 0.1).outcome == Crashed(reason)
+    at_fault = f"the adapter of faulty 1.0 is at fault in the case {SLIDE.name}: "
+    assert simulate(SLIDE, "faulty", "step", 0.1).outcome == Crashed(at_fault + reason)
     assert not recwarn.list
 
 

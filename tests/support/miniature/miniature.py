@@ -28,9 +28,10 @@ def exact(t: float, row: np.ndarray) -> np.ndarray:
 
 
 def wrong(t: float, row: np.ndarray) -> np.ndarray:
-    """Always wrong: the whole motion one metre aside, and every velocity doubled."""
-    row[0] += 1.0
-    row[7:] *= 2.0
+    """Wrong from the first step on: the whole motion one metre aside, and every velocity doubled."""
+    if t > 0:
+        row[0] += 1.0
+        row[7:] *= 2.0
     return row
 
 
@@ -41,7 +42,7 @@ def drifting(t: float, row: np.ndarray) -> np.ndarray:
 
 
 def exploding(t: float, row: np.ndarray) -> np.ndarray:
-    row[7:10] += math.exp(50 * t)
+    row[7:10] += math.expm1(50 * t)
     return row
 
 
