@@ -133,14 +133,14 @@ def check(*names: str, json: Json = False) -> int:
     from bodycheck.console.arguments import load_engines
     from bodycheck.running import smoke
 
-    loaded = load_engines(names or _all_names())
+    loaded = load_engines(names, dict.fromkeys(_all_names(), True))
     faults = smoke.check_all(tuple(loaded.records))
     if json:
         terminal.print_json([{"name": name, "faults": found} for name, found in faults.items()])
     else:
         for name, found in faults.items():
             print("\n".join(found) if found else f"{name}: adapter check passed")
-    return FAILED if any(faults.values()) or loaded.broken else OK
+    return FAILED if any(faults.values()) or loaded.missing else OK
 
 
 def _all_names() -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -69,16 +69,13 @@ class Engines:
     records
         The records of the engines by name.
     missing
-        Why the other engines cannot be used, by their names.
-    broken
-        Those of the missing engines that are installed but fail.
+        Why engines that are installed cannot be used, by their names.
     named
         Whether the user named the engines.
     """
 
     records: "dict[str, Engine]"
     missing: dict[str, str]
-    broken: frozenset[str]
     named: bool
 
     @property
@@ -93,40 +90,54 @@ class Engines:
 
         if name in self.records or (self.named and name not in self.missing):
             return None
-        if name in self.missing:
-            return Absence(self.missing[name], name in self.broken)
-        # It is a version in an environment of its own, which is not run unless it is named.
-        fault = engines.faults([name]).get(name)
-        return Absence(f"{name} is run only with --engine {name}") if fault is None else Absence(fault.reason, fault.broken)
+        fault = engines.faults([name])[name]
+        return Absence(fault.reason, fault.broken)
 
     def failed(self, cases: "Iterable[Case]" = ()) -> bool:
         """Return whether an engine fails that the user named, or of which cases expect something if the user named none."""
-        return bool(self.broken if self.named else self.broken & {e.engine for case in cases for e in case.expectations})
+        return bool(
+            self.missing if self.named else self.missing.keys() & {e.engine for case in cases for e in case.expectations}
+        )
 
 
-def load_engines(names: tuple[str, ...]) -> Engines:
-    """Return the named engines, each `NAME` or `NAME@VERSION`; all engines if none is named. None is imported here.
+def load_engines(names: tuple[str, ...], expected: "Mapping[str, bool] | None" = None) -> Engines:
+    """Return the named engines, each `NAME` or `NAME@VERSION`. None is imported here.
 
-    Raises `BadInput` if a named engine is unknown or not installed, or if no engine can be used, and `Failed` if all named
-    engines fail.
+    If none is named, they are all that are installed, and the releases of which a case expects something.
+
+    Parameters
+    ----------
+    names
+        The engines that the user named.
+    expected
+        Releases of engines, each `NAME@VERSION`, of which a case expects something, and whether their absence is tolerated.
+
+    Raises
+    ------
+    BadInput
+        A named engine, or an expected one that must be there, is unknown or not installed, or no engine can be used.
+    Failed
+        All named engines fail.
     """
     from bodycheck.adapters import registry
     from bodycheck.running import engines
 
-    wanted = tuple(dict.fromkeys(names or registry.names()))
+    releases = expected or {}
+    needed = names or [name for name, tolerated in releases.items() if not tolerated]
+    wanted = tuple(dict.fromkeys(names or (*registry.names(), *releases)))
     for name in wanted:
         check_engine(name)
     records, faults = engines.describe(wanted)
-    for fault in faults.values():
-        if names and not fault.broken:
-            raise BadInput(fault.reason)
-        print(f"bodycheck: {fault.reason}; continuing without it", file=sys.stderr)
+    if lacking := next((fault for name, fault in faults.items() if name in needed and not fault.broken), None):
+        raise BadInput(lacking.reason)
+    broken = {name: fault.reason for name, fault in faults.items() if fault.broken}
+    for reason in broken.values():
+        print(f"bodycheck: {reason}; continuing without it", file=sys.stderr)
     if not records:
         raise Failed("no engine can be used") if names else BadInput("no engine can be used")
     return Engines(
         records=records,
-        missing={name: fault.reason for name, fault in faults.items()},
-        broken=frozenset(name for name, fault in faults.items() if fault.broken),
+        missing=broken,
         named=bool(names),
     )
 

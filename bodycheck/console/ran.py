@@ -1,12 +1,13 @@
 """Run cases for a command: load cases and engines, plan and make the runs, and keep the results while the command uses them."""
 
 import sys
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 from bodycheck.adapters.contract import Engine
+from bodycheck.adapters.engine_name import EngineName
 from bodycheck.casefile.case import Case, is_shipped
 from bodycheck.console.arguments import case_names, files_of, load_cases, load_engines, processes
 from bodycheck.console.progress import progress as shown
@@ -134,10 +135,10 @@ def ran_of(
         The words of the command, for the header of the results.
     """
     cases = list(given.cases)
-    engines = load_engines(selection.engines)
+    tolerated = _tolerated(selection.allow_missing, given.shipped)
+    engines = load_engines(selection.engines, _releases(cases, tolerated))
     tasks = plan(cases, engines.records, selection.integrators, selection.timesteps)
     header = campaign.header(command, engines.versions, engines.missing)
-    tolerated = _tolerated(selection.allow_missing, given.shipped)
     lost = tuple(unchecked(cases, engines.absence, tolerated, selection.integrators, selection.timesteps))
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
@@ -146,6 +147,15 @@ def ran_of(
             done = campaign.results(tasks, folder, header, jobs, progress=progress, unchecked=lost, files=given.files)
             results = stack.enter_context(done)
         yield Ran(results, cases, engines.records, engines.failed(cases))
+
+
+def _releases(cases: Iterable[Case], tolerated: Callable[[Case], str]) -> dict[str, bool]:
+    """Return the releases, each `NAME@VERSION`, of which cases expect something, and whether their absence is tolerated."""
+    found: dict[str, bool] = {}
+    for case in cases:
+        for name in {expectation.engine for expectation in case.expectations if EngineName.parse(expectation.engine).version}:
+            found[name] = found.get(name, True) and bool(tolerated(case))
+    return found
 
 
 def _tolerated(allow_missing: bool, shipped: Collection[str]) -> Callable[[Case], str]:

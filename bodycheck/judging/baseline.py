@@ -34,7 +34,7 @@ FORMAT = 1
 METADATA = b"bodycheck"
 
 #: What is kept of the header of results.
-HEADER = tuple(name for name in DESCRIPTIONS if name not in ("command", "missing"))
+HEADER = tuple(name for name in DESCRIPTIONS if name not in ("command", "missing", "environments"))
 
 #: The compared figures.
 FIGURES = tuple(name for name, figure in ALL_FIGURES.items() if not figure.of_truth)

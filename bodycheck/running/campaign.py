@@ -18,6 +18,7 @@ from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import engines, pool, store, truths
+from bodycheck.running.engines import locks
 from bodycheck.running.header import Header
 from bodycheck.running.machine import fingerprint
 from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
@@ -73,6 +74,7 @@ def header(command: Sequence[str], engines: Mapping[str, str], missing: Mapping[
         "packages": {name: version(name) for name in PACKAGES if find_spec(name)},
         "engines": dict(engines),
         "missing": dict(missing),
+        "environments": locks(engines),
     }
 
 

@@ -10,7 +10,7 @@ import contextlib
 import json
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import cache
@@ -105,11 +105,14 @@ def record(name: str) -> Engine:
 def home(name: str | None) -> pool.Home:
     """Return where the processes of an engine live, which import it before their first call; None stands for the truths.
 
-    Raises `EngineMissing` and `Unobtainable` if the engine is not installed.
+    The calls of an engine that is nowhere installed, because its environment was removed meanwhile, fail in a process here.
     """
     if name is None:
         return pool.Home()
-    environment = _place(name)
+    try:
+        environment = _place(name)
+    except (registry.EngineMissing, Unobtainable):
+        return pool.Home(HERE, _import, TIME_LIMIT_S)
     source = registry.known_installation(EngineName.parse(name).adapter)
     if environment is None:
         variables = source.variables_in(None) if source is not None else ()
@@ -121,6 +124,19 @@ def place(name: str) -> str:
     """Return in words where an engine is installed, such as "here". Raises `EngineMissing` and `Unobtainable`."""
     environment = _place(name)
     return "here" if environment is None else "own environment"
+
+
+def locks(names: Iterable[str]) -> dict[str, dict[str, str]]:
+    """Return the packages and hashes of the environments in which engines are installed, by the names of these engines.
+
+    Engines that are installed beside bodycheck have none, and those whose environments cannot be used.
+    """
+    found: dict[str, dict[str, str]] = {}
+    for name in names:
+        with contextlib.suppress(registry.EngineMissing, Unobtainable):
+            if (environment := _place(name)) is not None:
+                found[name] = environments.lock(environment)
+    return found
 
 
 def _place(name: str) -> Environment | None:

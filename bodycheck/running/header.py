@@ -13,6 +13,10 @@ class Header(TypedDict):
     packages: Annotated[dict[str, str], "Versions of packages that the numbers depend on."]
     engines: Annotated[dict[str, str], "Versions of the engines."]
     missing: Annotated[dict[str, str], "Engines that could not be used, with the reason."]
+    environments: Annotated[
+        dict[str, dict[str, str]],
+        "For each engine in an environment of its own, its packages, with the SHA-256 of each one's list of files and hashes.",
+    ]
 
 
 class StoredCase(TypedDict):

@@ -47,6 +47,7 @@ class HeaderRecord:
     packages: dict[str, Printable]
     engines: dict[str, Printable]
     missing: dict[str, str]
+    environments: dict[Printable, dict[Printable, Printable]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,9 @@ import pandas as pd
 import pytest
 
 from bodycheck.environments import environments
-from bodycheck.running import engines
-from tests.support.cases import a_case
+from bodycheck.running import campaign, engines
+from bodycheck.running.plan import plan
+from tests.support.cases import STEADY_SPIN, a_case, expecting
 from tests.support.commands import bodycheck
 
 
@@ -42,6 +43,13 @@ def test_releases_stand_side_by_side_in_one_run(two_releases: None, tmp_path: Pa
     others = table[table.engine == "mujoco"]
     errors = {row["integrator"]: row["attitude_error"] for row in json.loads(alone.stdout)}
     assert errors == dict(zip(others.integrator, others.attitude_error, strict=True)), "the same to the last bit"
+    header = json.loads((tmp_path / "out" / "results.json").read_text("utf-8"))["sets"][0]["header"]
+    assert {name: list(packages) for name, packages in header["environments"].items()} == {
+        "toy@1.0": ["toy_engine==1.0"],
+        "toy@2.0": ["toy_engine==2.0"],
+        "toy": ["toy_engine==2.0"],
+    }
+    assert all(len(digest) == 64 for packages in header["environments"].values() for digest in packages.values())
     priced = bodycheck("tradeoff", case, "--engine", "toy@1.0", "--engine", "mujoco", "--timestep", "0.01", "--json")
     assert {row["engine"] for row in json.loads(priced.stdout)["rows"] if row["cost"]} == {"toy@1.0", "mujoco"}
 
@@ -57,3 +65,31 @@ def test_what_is_not_there_is_said_with_the_command_to_type(two_releases: None) 
     assert json.loads(bodycheck("engines", "remove", "toy@1.0", "--json").stdout) == {"removed": ["toy@1.0"]}
     assert environments.cached("toy") == ("2.0",)
     assert "toy@1.0" in engines.faults(["toy@1.0"])
+
+
+def test_an_expectation_of_a_release_binds_it_to_its_environment(two_releases: None, tmp_path: Path) -> None:
+    case = tmp_path / "spin.case.toml"
+    expected = [expecting(f"toy@{version}", "closed-form", 0.01, position_error=1e-6) for version in ("1.0", "2.0")]
+    case.write_text(a_case(expect=expected), "utf-8")
+    done = bodycheck("run", case, "--integrator", "closed-form", "--json")
+    passed = {row["engine"]: row["passed"] for row in json.loads(done.stdout) if "@" in row["engine"]}
+    assert (done.returncode, passed) == (1, {"toy@1.0": True, "toy@2.0": False})
+    case.write_text(a_case(expect=[*expected[:1], expecting("toy@9.9", "closed-form", 0.01, position_error=1e-6)]), "utf-8")
+    done = bodycheck("run", case)
+    assert done.returncode == 2
+    assert "install it by: bodycheck engines add toy --version 9.9" in done.stderr
+    allowed = bodycheck("run", case, "--allow-missing", "--integrator", "closed-form")
+    assert allowed.returncode == 0
+    assert "1 expectation of toy@9.9 was not checked (--allow-missing): toy@9.9 is not installed" in " ".join(
+        allowed.stdout.split()
+    )
+
+
+def test_an_environment_that_is_removed_meanwhile_fails_its_runs_alone(two_releases: None, tmp_path: Path) -> None:
+    tasks = plan([STEADY_SPIN], engines.describe(["toy@1.0", "mujoco"])[0], ("closed-form", "RK4"), (0.1,))
+    assert environments.remove("toy", ["1.0"]) == ("1.0",)
+    versions = {"toy@1.0": "1.0", "mujoco": "4.0.0"}
+    with campaign.results(tasks, tmp_path / "out", campaign.header([], versions, {}), 1) as results:
+        outcomes = {run.engine: run.outcome for run in results.runs()}
+    assert outcomes["mujoco"].status == "ok"
+    assert "toy@1.0 is not installed" in outcomes["toy@1.0"].reason

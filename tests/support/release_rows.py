@@ -16,6 +16,7 @@ HEADER = {
     "packages": {},
     "engines": {"mujoco": "1.0 to 3.0"},
     "missing": {},
+    "environments": {},
     "versions": ["1.0", "2.0", "3.0"],
     "cases": {"spin": "0"},
     "unmeasured": {},

@@ -21,6 +21,7 @@ HEADER = {
     "packages": {},
     "engines": {"mujoco": "4", "pinocchio": "4"},
     "missing": {},
+    "environments": {},
 }
 
 
