@@ -13,7 +13,7 @@ import pytest
 
 from bodycheck import compare, load, simulate, truth
 from bodycheck.adapters import offers, registry
-from bodycheck.adapters.contract import Engine, Integrator, Method
+from bodycheck.adapters.contract import Engine, Integrator, Method, choice
 from bodycheck.errors import BadInput
 from bodycheck.reference.scene import Plane, Scene, State
 from bodycheck.running.outcome import Completed, Crashed, Diverged
@@ -175,6 +175,29 @@ def test_a_wrong_engine_is_measured_and_an_adapter_like_it_is_found_out(miniatur
     assert check("exact") == []
     assert any("its position is" in fault for fault in check("wrong"))
     assert all("RuntimeError" in fault for fault in check("raising"))
+
+
+def test_a_motion_that_an_engine_damps_by_its_own_settings_is_no_fault_of_its_adapter(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The motion is that of the scene where nothing is switched on, and the start is that of the scene anyway."""
+
+    class Resting(Faulty):
+        def prepare(self, scenes: Sequence[Scene], method: Method) -> Any:
+            initial = scenes[0].initial
+            row = [*initial.position, *initial.quaternion, *initial.velocity, *initial.angular_velocity]
+            return SimpleNamespace(advance=lambda strides: np.tile(row, (1, len(strides), 1, 1)) + self.shift)
+
+        shift = 0.0
+
+    options = {"settings": choice("engine")}
+    engine = replace(ENGINE, integrators=(Integrator("step", options=options, kinds=frozenset()),))
+    adapter = Resting("nowhere", RuntimeError(), replace(engine, variants={"flight": ("step:settings=engine",)}))
+    monkeypatch.setattr(registry, "load", lambda name: adapter)
+    assert check("faulty") == []
+    monkeypatch.setattr(Resting, "shift", 1.0)
+    assert any("at the start its position is" in fault for fault in check("faulty"))
+    monkeypatch.setattr(Resting, "shift", 0.0)
+    monkeypatch.setattr(registry, "load", lambda name: Resting("nowhere", RuntimeError(), ENGINE))
+    assert any("after 0.1 s its position is" in fault for fault in check("faulty"))
 
 
 def test_simulate_answers_failures_with_outcomes(miniatures: Path) -> None:

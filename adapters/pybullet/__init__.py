@@ -1,0 +1,36 @@
+"""The adapter of PyBullet, the Python interface of the Bullet physics engine, in its build in double precision.
+
+Bullet has two kinds of bodies, each with a solver of its own; they are the integrators of this adapter:
+
+- `maximal`: a rigid body in maximal coordinates (`useMaximalCoordinates`, `btRigidBody`). The angular velocity is advanced by
+  one Newton step of an implicit equation with the gyroscopic torque in the body frame, which is a linearly implicit Euler step.
+- `multibody`: the base of a tree in reduced coordinates (`btMultiBody`), which is PyBullet's default. The angular velocity in
+  the world frame is advanced by an explicit Euler step with the articulated-body algorithm.
+
+Both then advance the pose with the new velocities, and both are of first order. Bullet's Runge-Kutta integration of trees
+cannot be switched on from Python.
+
+Switched off for `multibody` are the damping, which is the deceleration 0.04 (1 + |u|) u of the velocity and of the angular
+velocity u (SI units), and the limits of 100 m/s and 100 rad/s on their components. With `settings=engine` both are as PyBullet
+sets them. For `maximal` PyBullet sets neither damping nor such limits, and for both bodies no sleeping, no substeps and no
+continuous collision detection; so `maximal` has no second method.
+
+Frames, as found by experiment: PyBullet returns the position of the centre of mass, the attitude of the principal axes as
+x, y, z, w, and both velocities in the world frame. A body in maximal coordinates takes the moments of inertia from
+`changeDynamics` only together with its mass, and uses them only after its pose has been set again. Bullet normalises its
+quaternions.
+
+A body on a plane lies on a box, as on the ground of PyBullet's own `plane.urdf`: a box on a box has four contacts at once, but
+a box on PyBullet's `GEOM_PLANE` gets them one by one, which throws it about at the start. The contact has the parameters that
+PyBullet sets: 50 iterations, an error reduction of 0.08, and an implicit friction cone. In the limit of small time steps, a
+spin about the vertical stops as the friction of four corners demands for `maximal`, but 5 % later for `multibody`. A cylinder
+gets its contacts one by one and never lies still.
+
+Limits that cannot be changed: a body turns by at most pi/4 in a step, and the angular velocity of `maximal` is cut to that of
+pi/2 a step.
+"""
+
+from bodycheck.adapters.installation import Installation
+
+#: What the engine is installed from.
+INSTALLATION = Installation("pybullet")

@@ -1,0 +1,186 @@
+"""The adapter of PyBullet: each simulation has a physics server of its own in this process, stepped in a Python loop.
+
+The docstring of the package says what the integrators are, which settings are switched off, and which frames PyBullet uses.
+"""
+
+import math
+import weakref
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from importlib.metadata import version
+
+import numpy as np
+import pybullet
+
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, choice, states
+from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.principal_axes import in_body_frame
+from bodycheck.adapters.pybullet import INSTALLATION
+from bodycheck.adapters.stepping import Loop
+from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.principal_frame import along_principal_axes
+from bodycheck.reference.scene import Brick, Plane, Scene
+from bodycheck.reference.trajectory import Array
+
+#: The index of the base of a body, for functions that take a link.
+BASE = -1
+
+#: Half the length of the ground, in m, which is far beyond the end of any slide, and half its height.
+GROUND_HALF_LENGTH_M, GROUND_HALF_HEIGHT_M = 1e4, 1.0
+
+#: The method with PyBullet's own damping and limits.
+ENGINE_SETTINGS = "multibody:settings=engine"
+
+engine = Engine(
+    name="pybullet",
+    distribution=INSTALLATION.distribution,
+    version=version(INSTALLATION.distribution),
+    integrators=(
+        Integrator("maximal", order=1, evaluations=1),
+        Integrator("multibody", order=1, evaluations=1, options={"settings": choice("engine")}),
+    ),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    variants=dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)),
+)
+
+#: The functions of PyBullet that steps call from Python.
+calls = tuple(
+    (pybullet, name) for name in ("stepSimulation", "getBasePositionAndOrientation", "getBaseVelocity", "applyExternalForce")
+)
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """A physics server and the body in it; the server ends with this object.
+
+    Parameters
+    ----------
+    client
+        The number of the connection to the server.
+    body
+        The number of the body.
+    """
+
+    client: int
+    body: int
+
+
+def prepare(scenes: Sequence[Scene], method: Method) -> Loop[World]:
+    """Return the simulation of one scene, as `Adapter.prepare` does."""
+    (scene,) = scenes
+    world = built(scene, method)
+
+    def seen(world: World) -> Array:
+        position, quaternion = pybullet.getBasePositionAndOrientation(world.body, physicsClientId=world.client)
+        velocity, angular_velocity = pybullet.getBaseVelocity(world.body, physicsClientId=world.client)
+        return np.array([*position, *quaternion, *velocity, *angular_velocity])
+
+    def rows(seen: Array) -> Array:
+        quaternion = seen[:, [6, 3, 4, 5]]
+        spin = rotate(conjugate(quaternion), seen[:, 10:])
+        return in_body_frame(scene, states(seen[:, :3], quaternion, seen[:, 7:10], spin))
+
+    return Loop(world, resisted_step(scene.drag) if scene.drag else step, seen, rows)
+
+
+def step(world: World) -> World:
+    """Take a time step."""
+    pybullet.stepSimulation(physicsClientId=world.client)
+    return world
+
+
+def resisted_step(drag: float) -> Callable[[World], World]:
+    """Return a time step with the drag -c |v| v, c in kg/m, of the state at its beginning, at the centre of mass."""
+
+    def resisted(world: World) -> World:
+        position, _ = pybullet.getBasePositionAndOrientation(world.body, physicsClientId=world.client)
+        velocity, _ = pybullet.getBaseVelocity(world.body, physicsClientId=world.client)
+        braking = -drag * math.hypot(*velocity)
+        force = [braking * component for component in velocity]
+        pybullet.applyExternalForce(world.body, BASE, force, position, pybullet.WORLD_FRAME, physicsClientId=world.client)
+        return step(world)
+
+    return resisted
+
+
+def built(scene: Scene, method: Method) -> World:
+    """Return a world with the body of a scene in its initial state. Raises `SceneUnsupported`."""
+    collision = collision_shape(scene) if scene.plane is not None else None
+    client = pybullet.connect(pybullet.DIRECT)
+    if client < 0:
+        raise SceneUnsupported("PyBullet starts no further physics server in this process")
+    maximal = method.integrator == "maximal"
+    pybullet.setTimeStep(method.timestep, physicsClientId=client)
+    pybullet.setGravity(0, 0, -scene.gravity, physicsClientId=client)
+    if scene.plane is not None:
+        add_ground(client, maximal)
+    shape = pybullet.createCollisionShape(**collision, physicsClientId=client) if collision is not None else -1
+    body = pybullet.createMultiBody(scene.body.mass, shape, useMaximalCoordinates=maximal, physicsClientId=client)
+    world = World(client, body)
+    weakref.finalize(world, pybullet.disconnect, client)
+    set_properties(world, scene, method)
+    set_state(world, scene)
+    return world
+
+
+def collision_shape(scene: Scene) -> dict[str, object]:
+    """Return the arguments of `createCollisionShape` for a body that lies on the plane. Raises `SceneUnsupported`."""
+    shape = lying_shape(scene)
+    w, x, y, z = scene.body.axes
+    turned = {"collisionFrameOrientation": (-x, -y, -z, w)}
+    if isinstance(shape, Brick):
+        return {"shapeType": pybullet.GEOM_BOX, "halfExtents": shape.semi_axes, **turned}
+    return {"shapeType": pybullet.GEOM_CYLINDER, "radius": shape.radius, "height": 2 * shape.half_length, **turned}
+
+
+def add_ground(client: int, maximal: bool) -> None:
+    """Add a box whose upper face is the plane z = 0. Its friction is 1, because Bullet multiplies both coefficients."""
+    size = (GROUND_HALF_LENGTH_M, GROUND_HALF_LENGTH_M, GROUND_HALF_HEIGHT_M)
+    shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=size, physicsClientId=client)
+    ground = pybullet.createMultiBody(
+        0, shape, basePosition=(0, 0, -GROUND_HALF_HEIGHT_M), useMaximalCoordinates=maximal, physicsClientId=client
+    )
+    pybullet.changeDynamics(ground, BASE, lateralFriction=1, physicsClientId=client)
+
+
+def set_properties(world: World, scene: Scene, method: Method) -> None:
+    """Set the inertia and the friction of the body, and switch off what the scene does not have unless the method keeps it."""
+    own = {}
+    if scene.plane is not None:
+        own["lateralFriction"] = scene.plane.friction
+    if method.option("settings") != "engine":
+        own |= {"linearDamping": 0.0, "angularDamping": 0.0, "maxJointVelocity": math.inf}
+    pybullet.changeDynamics(
+        world.body,
+        BASE,
+        mass=scene.body.mass,
+        localInertiaDiagonal=scene.body.moments,
+        physicsClientId=world.client,
+        **own,
+    )
+
+
+def set_state(world: World, scene: Scene) -> None:
+    """Set the initial pose and velocities; the pose comes first, because setting it ends all motion."""
+    initial = along_principal_axes(scene).initial
+    w, x, y, z = initial.quaternion
+    spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)).tolist()
+    pybullet.resetBasePositionAndOrientation(world.body, initial.position, (x, y, z, w), physicsClientId=world.client)
+    pybullet.resetBaseVelocity(world.body, initial.velocity, spin, physicsClientId=world.client)
+
+
+def contact_law(scene: Scene, method: Method) -> Plane | None:
+    """Return the friction law of a method's contacts: that of four corners for a brick, and none for a cylinder."""
+    if scene.plane is None or isinstance(scene.body.shape, Brick):
+        return scene.plane and replace(scene.plane, law="corners", pressure="balanced")
+    return None
+
+
+def contact_load(scene: Scene, method: Method, steps: int) -> Array:
+    """Return the normal force (n,), in N, between body and plane in each of n steps, as `Contact.contact_load` does."""
+    world, load = built(scene, method), np.zeros(steps)
+    for number in range(steps):
+        step(world)
+        points = pybullet.getContactPoints(bodyA=world.body, physicsClientId=world.client)
+        load[number] = sum(point[9] for point in points)
+    return load
