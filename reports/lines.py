@@ -1,28 +1,44 @@
 """The line that stands for a method in charts and legends.
 
-The hue shows the engine and is the same in every chart, dashes and shade show the integrator, and the width the time step.
+The hue shows the adapter of the engine and is the same in every report, whatever else is in it. Dashes and shade show the
+integrator and the release of the engine, and the width the time step.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from zlib import crc32
 
+from bodycheck.adapters.engine_name import EngineName
 from bodycheck.reports.quantities import milliseconds
 from bodycheck.running.key import RunKey
 
-#: Two shades for each hue: the colours of Okabe and Ito, which colour-blind readers can distinguish, with the palest
-#: deepened so that all are readable on white and on black.
-HUES = (
-    ("#0072b2", "#3d8fc6"),
-    ("#d55e00", "#a84a00"),
-    ("#009e73", "#00795a"),
-    ("#b35c8d", "#cc79a7"),
-    ("#8c8500", "#6e6800"),
-    ("#6f5bb5", "#8a78cc"),
-    ("#777777", "#929292"),
-)
+#: The two shades of each engine's hue, by the name of its adapter. Among them are the colours of Okabe and Ito, with the palest
+#: deepened. The others were chosen as far in OKLab from all shades of other hues as possible, also as readers without green
+#: cones see them. All have a contrast of at least 3 to white and to the dark ground.
+HUES: Mapping[str, tuple[str, str]] = {
+    "mujoco": ("#0072b2", "#3d8fc6"),
+    "pinocchio": ("#d55e00", "#a84a00"),
+    "drake": ("#009e73", "#00795a"),
+    "dart": ("#8c8500", "#6e6800"),
+    "pybullet": ("#4b8efe", "#005cdd"),
+    "exudyn": ("#777777", "#929292"),
+    "simbody": ("#b35c8d", "#cc79a7"),
+    "rapier": ("#c37c76", "#94524d"),
+    "sapien": ("#4da537", "#227702"),
+    "mjx": ("#9e71fe", "#7f33ea"),
+    "mjx32": ("#d14bee", "#a913c5"),
+    "mujoco_warp": ("#ff4044", "#cd0221"),
+    "newton": ("#42a0af", "#02707e"),
+    "brax": ("#6f5bb5", "#8a78cc"),
+}
 
-#: Engines that always have the first hues, so that these are the same in every report.
-FIRST = ("mujoco", "pinocchio")
+#: The hues of engines of other packages. Which of them an engine has follows from its name.
+FURTHER_HUES = (
+    ("#f34881", "#c60d5d"),
+    ("#f233b4", "#be048a"),
+    ("#c568cb", "#993f9f"),
+    ("#a781b8", "#7b578b"),
+)
 
 #: Lengths on and off, in pixels.
 DASHES: tuple[tuple[int, ...], ...] = ((1, 0), (7, 3), (2, 2), (9, 3, 2, 3), (4, 4), (12, 4), (6, 2, 2, 2, 2, 2), (1, 4))
@@ -84,26 +100,40 @@ def assign(keys: Iterable[RunKey]) -> dict[RunKey, Line]:
     Labels contain the time step only if the methods have several.
     """
     given = list(dict.fromkeys(keys))
-    engines = list(dict.fromkeys(key.engine for key in given))
     steps = sorted({key.method.timestep for key in given}, reverse=True)
     labels = list(dict.fromkeys(key.label for key in given))
-    others = sorted(set(engines) - set(FIRST))
-    hues = {engine: HUES[place % len(HUES)] for place, engine in enumerate((*FIRST, *others))}
     lines = {}
-    for engine in engines:
-        own = [key for key in given if key.engine == engine]
-        integrators = list(dict.fromkeys(key.method.name for key in own))
-        for key in sorted(own, key=lambda key: integrators.index(key.method.name)):
-            integrator, timestep = key.method.name, key.method.timestep
-            place = integrators.index(integrator)
-            step = f" {milliseconds(timestep)}" if len(steps) > 1 else ""
-            label = f"{engine} {integrator}{step}" + (f" ({key.label})" if key.label else "")
-            turns, dash = divmod(place, len(DASHES))
-            earlier = len(labels) - 1 - labels.index(key.label)
-            colour = paled(hues[engine][(place + turns) % 2], earlier)
-            width = WIDTHS[min(steps.index(timestep), len(WIDTHS) - 1)] * (1 + BAND * earlier)
-            lines[key] = Line(key, label, colour, DASHES[dash], width)
+    for key, (adapter, place) in _places(given).items():
+        timestep = key.method.timestep
+        step = f" {milliseconds(timestep)}" if len(steps) > 1 else ""
+        label = f"{key.engine} {key.method.name}{step}" + (f" ({key.label})" if key.label else "")
+        turns, dash = divmod(place, len(DASHES))
+        earlier = len(labels) - 1 - labels.index(key.label)
+        colour = paled(hue(adapter)[(place + turns) % 2], earlier)
+        width = WIDTHS[min(steps.index(timestep), len(WIDTHS) - 1)] * (1 + BAND * earlier)
+        lines[key] = Line(key, label, colour, DASHES[dash], width)
     return lines
+
+
+def hue(adapter: str) -> tuple[str, str]:
+    """Return the two shades of the lines of all engines with an adapter, which depend on nothing but its name."""
+    return HUES.get(adapter) or FURTHER_HUES[crc32(adapter.encode("utf-8")) % len(FURTHER_HUES)]
+
+
+def _places(given: Sequence[RunKey]) -> dict[RunKey, tuple[str, int]]:
+    """Return the adapter of each method and its place among the methods of all releases with this adapter, in order."""
+    by_engine: dict[str, dict[str, list[RunKey]]] = {}
+    for key in given:
+        by_engine.setdefault(key.engine, {}).setdefault(key.method.name, []).append(key)
+    taken: dict[str, int] = {}
+    places: dict[RunKey, tuple[str, int]] = {}
+    for engine, methods in by_engine.items():
+        adapter = EngineName.parse(engine).adapter
+        for own in methods.values():
+            place = taken.get(adapter, 0)
+            taken[adapter] = place + 1
+            places |= dict.fromkeys(own, (adapter, place))
+    return places
 
 
 def paled(colour: str, times: int) -> str:

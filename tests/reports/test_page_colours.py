@@ -1,4 +1,4 @@
-"""The colours of pages, read from their style: text that can be read, a scale that does not need hues, one hue an engine."""
+"""The colours of pages, read from their style: text that can be read, a scale that does not need hues, one hue an adapter."""
 
 import re
 from importlib import resources
@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import pytest
 
-from bodycheck.reports.lines import HUES, assign
+from bodycheck.reports.lines import DASHES, FURTHER_HUES, HUES, assign
 from bodycheck.running.key import RunKey
 
 STYLE = (resources.files("bodycheck.reports") / "templates" / "report.css").read_text("utf-8")
@@ -91,17 +91,45 @@ def test_the_heat_scale_goes_by_lightness(scheme: str) -> None:
 
 
 def test_lines_can_be_seen_on_both_grounds() -> None:
-    for pair in HUES:
+    for pair in (*HUES.values(), *FURTHER_HUES):
         for colour in pair:
             for scheme in ("light", "dark"):
                 assert contrast(colour, variables(scheme)["ground"]) >= VISIBLE, (colour, scheme)
 
 
+def test_no_two_engines_share_a_colour() -> None:
+    colours = [colour for pair in (*HUES.values(), *FURTHER_HUES) for colour in pair]
+    assert len(set(colours)) == len(colours)
+
+
 def test_an_engine_has_one_hue() -> None:
     """Whatever it is run with; the second shade of a pair tells integrators apart."""
-    lines = assign(
-        RunKey.of_method(engine, f"i{place}", 0.002) for engine in ("zeta", "pinocchio", "mujoco") for place in range(20)
-    )
-    for engine in ("zeta", "pinocchio", "mujoco"):
-        own = {line.colour for line in lines.values() if line.engine == engine}
-        assert own in [set(pair) for pair in HUES]
+    own = {name: colours_of(name) for name in (*HUES, "zeta")}
+    together = assign(method(name, place) for name in reversed(own) for place in range(20)).values()
+    for name, pair in own.items():
+        assert pair == {line.colour for line in together if line.engine == name}
+        assert pair in ([set(HUES[name])] if name in HUES else map(set, FURTHER_HUES))
+
+
+def test_the_hues_of_other_engines_follow_from_their_names_in_every_process() -> None:
+    """Python's own hash of a text differs from process to process, so that the colours are written here."""
+    assert {name: colours_of(name) for name in ("zeta", "miniature")} == {
+        "zeta": {"#a781b8", "#7b578b"},
+        "miniature": {"#f233b4", "#be048a"},
+    }
+
+
+def test_the_releases_of_an_engine_share_its_hue_and_differ_in_their_lines() -> None:
+    """As many methods in two releases as there are different dashes in two shades."""
+    names = ("mujoco", "mujoco@3.17.0")
+    lines = assign(method(name, place) for name in names for place in range(len(DASHES))).values()
+    assert {line.colour for line in lines} == set(HUES["mujoco"])
+    assert len({(line.colour, line.dash) for line in lines}) == len(lines)
+
+
+def method(engine: str, place: int) -> RunKey:
+    return RunKey.of_method(engine, f"i{place}", 0.002)
+
+
+def colours_of(engine: str) -> set[str]:
+    return {line.colour for line in assign(method(engine, place) for place in range(20)).values()}

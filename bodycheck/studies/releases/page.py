@@ -8,7 +8,7 @@ from packaging.version import Version
 
 from bodycheck.figures import revisions
 from bodycheck.reports.charts import ZOOMING
-from bodycheck.reports.lines import HUES, Line, assign, paled
+from bodycheck.reports.lines import FURTHER_HUES, HUES, Line, assign, paled
 from bodycheck.reports.quantities import QUANTITIES, Quantity, count, listing, milliseconds, number
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
@@ -69,9 +69,10 @@ def _hued(lines: Mapping[RunKey, Line]) -> dict[RunKey, Line]:
     """Return the same lines with a hue for each integrator, as there is only one engine."""
     integrators = list(dict.fromkeys(line.integrator for line in lines.values()))
     sets = list(dict.fromkeys(line.results for line in lines.values()))
+    hues = (*HUES.values(), *FURTHER_HUES)
     found = {}
     for key, line in lines.items():
-        hue, _ = HUES[integrators.index(line.integrator) % len(HUES)]
+        hue, _ = hues[integrators.index(line.integrator) % len(hues)]
         found[key] = replace(line, colour=paled(hue, len(sets) - 1 - sets.index(line.results)))
     return found
 
