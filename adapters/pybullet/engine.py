@@ -171,9 +171,9 @@ def set_state(world: World, scene: Scene) -> None:
 
 def contact_law(scene: Scene, method: Method) -> Plane | None:
     """Return the friction law of a method's contacts: that of four corners for a brick, and none for a cylinder."""
-    if scene.plane is None or isinstance(scene.body.shape, Brick):
-        return scene.plane and replace(scene.plane, law="corners", pressure="balanced")
-    return None
+    if scene.plane is None or not isinstance(scene.body.shape, Brick):
+        return None
+    return replace(scene.plane, law="corners", pressure="balanced")
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:

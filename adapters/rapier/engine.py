@@ -1,0 +1,172 @@
+"""The adapter of Rapier: each simulation is a world with one body, stepped in a Python loop.
+
+The docstring of the package says what the integrator is, which settings are switched off, and which frames Rapier uses.
+"""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+
+import numpy as np
+import rapier3d
+
+from bodycheck.adapters.contract import (
+    KINDS,
+    Engine,
+    EngineReset,
+    Integrator,
+    Method,
+    choice,
+    states,
+)
+from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.principal_axes import in_body_frame
+from bodycheck.adapters.rapier import INSTALLATION
+from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.reference.kinematics import conjugate, normalise, rotate
+from bodycheck.reference.principal_frame import along_principal_axes
+from bodycheck.reference.scene import Brick, Scene
+from bodycheck.reference.trajectory import Array
+
+#: The largest number in single precision, with which Rapier spells that there is no limit.
+NO_LIMIT = float(np.finfo(np.float32).max)
+
+#: The option with which Rapier's settings are kept, and the one with a friction cone at each contact.
+OPTIONS = {"settings": choice("engine"), "friction": choice("coulomb", kinds=frozenset({"plane"}))}
+ENGINE_SETTINGS, COULOMB = "symplectic-euler:settings=engine", "symplectic-euler:friction=coulomb"
+
+engine = Engine(
+    name="rapier",
+    distribution=INSTALLATION.distribution,
+    version=version(INSTALLATION.distribution),
+    integrators=(Integrator("symplectic-euler", order=1, evaluations=1, options=OPTIONS),),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    variants={**dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)), "plane": (COULOMB, ENGINE_SETTINGS)},
+    precision="float32",
+)
+
+#: The functions of Rapier that steps call from Python.
+calls = (
+    (rapier3d.PhysicsWorld, "step"),
+    (rapier3d.RigidBody, "reset_forces"),
+    (rapier3d.RigidBody, "add_force"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """A world of Rapier, and the view of the body in it."""
+
+    world: "rapier3d.PhysicsWorld"
+    body: "rapier3d.RigidBody"
+
+
+def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
+    """Return the simulation of one scene, as `Adapter.prepare` does."""
+    (scene,) = scenes
+
+    def rows(seen: Array) -> Array:
+        quaternion = seen[:, [6, 3, 4, 5]]
+        spin = rotate(conjugate(normalise(quaternion)), seen[:, 10:])
+        return in_body_frame(scene, states(seen[:, :3], quaternion, seen[:, 7:10], spin))
+
+    return Normalised(Loop(built(scene, method), resisted_step(scene.drag) if scene.drag else step, seen, rows))
+
+
+def seen(world: World) -> Array:
+    """Return position, quaternion x y z w, velocity and angular velocity (13,), all in the world frame."""
+    body = world.body
+    vectors = (body.translation, body.linvel, body.angvel)
+    position, velocity, angular_velocity = (vector.to_tuple() for vector in vectors)
+    return np.array([*position, *body.rotation.quaternion, *velocity, *angular_velocity])
+
+
+def step(world: World) -> World:
+    """Take a time step. Raises `EngineReset` if Rapier has taken the body out of the simulation."""
+    world.world.step()
+    if not world.body.is_enabled:
+        raise EngineReset("Rapier quarantined the body, because its state is no longer finite, and put it back")
+    return world
+
+
+def resisted_step(drag: float) -> Callable[[World], World]:
+    """Return a time step with the drag -c |v| v, c in kg/m, of the state at its beginning, at the centre of mass."""
+
+    def resisted(world: World) -> World:
+        velocity = world.body.linvel.to_tuple()
+        braking = -drag * math.hypot(*velocity)
+        world.body.reset_forces()
+        world.body.add_force(tuple(braking * component for component in velocity))
+        return step(world)
+
+    return resisted
+
+
+def built(scene: Scene, method: Method) -> World:
+    """Return a world with the body of a scene in its initial state. Raises `SceneUnsupported`."""
+    own_settings = method.option("settings") == "engine"
+    shape = collider(scene) if scene.plane is not None else None
+    world = rapier3d.PhysicsWorld(gravity=(0, 0, -scene.gravity))
+    world.integration_parameters.dt = method.timestep
+    if not own_settings:
+        switch_off(world.integration_parameters)
+    if method.option("friction") == "coulomb":
+        world.integration_parameters.friction_model = rapier3d.FrictionModel.COULOMB
+    if scene.plane is not None:
+        world.add_collider(rapier3d.Collider.halfspace((0, 0, 1)).friction(scene.plane.friction))
+    initial = along_principal_axes(scene).initial
+    spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)).tolist()
+    inertia = rapier3d.MassProperties((0, 0, 0), scene.body.mass, scene.body.moments)
+    body = (
+        rapier3d.RigidBody.dynamic()
+        .position(rapier3d.Isometry3(initial.position, rapier3d.Rotation3(*initial.quaternion)))
+        .linvel(initial.velocity)
+        .angvel(spin)
+        .additional_mass_properties(inertia)
+    )
+    if not own_settings:
+        body = body.can_sleep(False).allow_fast_rotation(True)
+    handle = world.add_body(body, [shape] if shape is not None else None)
+    return World(world, world.rigid_bodies[handle])
+
+
+def switch_off(parameters: "rapier3d.IntegrationParameters") -> None:
+    """Switch off substeps, the limit of speed and continuous collision detection; see the docstring of the package."""
+    parameters.num_internal_pgs_iterations *= parameters.num_solver_iterations
+    parameters.num_internal_stabilization_iterations *= parameters.num_solver_iterations
+    parameters.num_solver_iterations = 1
+    parameters.normalized_max_linear_velocity = NO_LIMIT
+    parameters.max_ccd_substeps = 0
+
+
+def collider(scene: Scene) -> "rapier3d.ColliderBuilder":
+    """Return the massless shape of a body that lies on the plane, in its principal axes. Raises `SceneUnsupported`.
+
+    Rapier combines the coefficients of friction of two bodies by their mean, so both have that of the plane.
+    """
+    shape = lying_shape(scene)
+    assert scene.plane is not None
+    axes = rapier3d.Rotation3(*scene.body.axes).inverse()
+    if isinstance(shape, Brick):
+        made = rapier3d.Collider.cuboid(*shape.semi_axes)
+    else:
+        # The axis of Rapier's cylinders is y.
+        made = rapier3d.Collider.cylinder(shape.half_length, shape.radius)
+        axes = axes * rapier3d.Rotation3.from_scaled_axis((math.pi / 2, 0, 0))
+    return made.rotation(axes.scaled_axis).density(0).friction(scene.plane.friction)
+
+
+def contact_law(scene: Scene, method: Method) -> None:
+    """Return None: the reference has neither of the laws of Rapier's contacts."""
+
+
+def contact_load(scene: Scene, method: Method, steps: int) -> Array:
+    """Return the normal force (n,), in N, between body and plane in each of n steps, as `Contact.contact_load` does."""
+    world, load = built(scene, method), np.zeros(steps)
+    for number in range(steps):
+        step(world)
+        pairs = world.world.narrow_phase.contact_pairs()
+        points = [point for pair in pairs for manifold in pair.manifolds for point in manifold.points]
+        load[number] = sum(point.impulse for point in points) / method.timestep
+    return load
