@@ -1,0 +1,20 @@
+"""The adapter of MuJoCo Warp, which computes MuJoCo's steps in single precision by the compiled kernels of NVIDIA's Warp.
+
+The module `engine` is the adapter, and `graphs` records the kernels that a step starts as a graph, which Warp replays in C++.
+All runs on the CPU device of Warp.
+
+The methods are the integrators of MuJoCo Warp, which have MuJoCo's names. A scene is the same MJCF as in the adapter of MuJoCo,
+compiled by the MuJoCo that is installed beside it. Nothing has to be switched off: the MJCF has no damping, MuJoCo Warp neither
+limits speeds nor lets bodies sleep unless it is told to, and so there is no method with the engine's own settings.
+
+Drag is a kernel that is added to MuJoCo's own passive forces, so that every integrator evaluates it with all other forces. A
+body on a plane touches it by MuJoCo's soft contact, with the options of the adapter of MuJoCo except pads.
+
+Coordinates and frames are MuJoCo's: position (world), quaternion w x y z, velocity (world), angular velocity (body). MuJoCo
+Warp normalises the quaternion in every step, to the rounding of single precision.
+"""
+
+from bodycheck.adapters.installation import Installation
+
+#: What the engine is installed from. Compiling the kernels of the first model takes up to a minute, so they are kept.
+INSTALLATION = Installation("mujoco-warp", variables={"WARP_CACHE_PATH": "{environment}/warp-cache"})

@@ -1,0 +1,107 @@
+"""The adapter of MuJoCo Warp; the package says how its scenes, methods and frames are those of the adapter of MuJoCo."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import mujoco_warp as mjw
+import numpy as np
+import warp as wp
+
+from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported
+from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.mujoco import contact
+from bodycheck.adapters.mujoco import engine as mujoco
+from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs
+from bodycheck.adapters.stepping import Loop
+from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.trajectory import Array
+
+#: MuJoCo's options of a contact. Pads are left out, because MuJoCo Warp reserves memory for few contacts.
+OPTIONS = {key: option for key, option in contact.OPTIONS.items() if key != "pads"}
+
+
+def integrators() -> tuple[Integrator, ...]:
+    """Return MuJoCo's integrators, with the orders that it claims; those that MuJoCo Warp lacks are offered for no scene."""
+    here = {member.name for member in mjw.IntegratorType}
+    return tuple(
+        Integrator(own.name, own.order, own.evaluations, own.kinds if own.name.upper() in here else frozenset(), OPTIONS)
+        for own in mujoco.engine.integrators
+    )
+
+
+engine = Engine(
+    name="mujoco_warp",
+    distribution=INSTALLATION.distribution,
+    version=str(mjw.__version__),
+    integrators=integrators(),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    variants={"plane": ("Euler:cone=elliptic",)},
+    precision="float32",
+)
+
+calls = graphs.CALLS
+
+
+def add_drag(drag: float, velocities: wp.array2d[float], forces: wp.array2d[float]) -> None:
+    """Add drag, with the coefficient `drag` (kg/m), to forces on coordinates whose first velocities are the body's (world).
+
+    Warp compiles this function as a kernel. The first axis of both arrays is that of worlds.
+    """
+    world = wp.tid()
+    velocity = wp.vec3(velocities[world, 0], velocities[world, 1], velocities[world, 2])
+    force = -drag * wp.length(velocity) * velocity
+    for axis in range(3):
+        forces[world, axis] += force[axis]
+
+
+drag_kernel = wp.kernel(add_drag)
+
+
+def prepare(scenes: Sequence[Scene], method: Method) -> Loop[Any]:
+    """Return the simulation of one scene, as `Adapter.prepare` does."""
+    (scene,) = scenes
+    model, data, rows = started(scene, method)
+    qpos, qvel = data.qpos.numpy(), data.qvel.numpy()  # views of the arrays that are stepped
+    graph = graphs.record(lambda: mjw.step(model, data))
+    return Loop(graph, graphs.replay, seen=lambda graph: np.concatenate([qpos[0], qvel[0]]), rows=rows)
+
+
+def started(scene: Scene, method: Method) -> tuple[Any, Any, Any]:
+    """Return MuJoCo Warp's model of a scene, its data in the initial state, and the conversion of coordinates to rows.
+
+    Raises `SceneUnsupported`.
+    """
+    if scene.plane is not None:
+        lying_shape(scene)
+    original = mujoco.prepare([scene], method)
+    try:
+        model = mjw.put_model(original.model)
+    except NotImplementedError as error:
+        raise SceneUnsupported(f"MuJoCo Warp refuses the model: {error}") from error
+    # With room for no constraint at all (njmax = 0), most integrators of MuJoCo Warp 4.0.0 ignore all forces.
+    data = mjw.put_data(original.model, original.data)
+    if scene.drag:
+        model.callback.passive = lambda model, data: wp.launch(
+            drag_kernel, dim=1, inputs=[scene.drag, data.qvel], outputs=[data.qfrc_passive]
+        )
+    return model, data, original.joints.rows
+
+
+def contact_law(scene: Scene, method: Method) -> Plane | None:
+    """Return the friction law of a method's contacts, which is that of MuJoCo's."""
+    return mujoco.contact_law(scene, method)
+
+
+def contact_load(scene: Scene, method: Method, steps: int) -> Array:
+    """Return the normal force (n,), in N, in each of n steps; for RK4 it is that of the last stage."""
+    model, data, _ = started(scene, method)
+    contacts = wp.array(np.arange(data.naconmax, dtype=np.int32))
+    forces = wp.zeros(data.naconmax, dtype=wp.spatial_vector)
+
+    def step() -> None:
+        mjw.step(model, data)
+        forces.zero_()
+        mjw.contact_force(model, data, contacts, False, forces)
+
+    graph, normal = graphs.record(step), forces.numpy()[:, 0]
+    return np.array([normal.sum() for _ in range(steps) if graphs.replay(graph)], dtype=np.float64)
