@@ -3,15 +3,11 @@
 import functools
 import re
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
-from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Adapter
 from bodycheck.casefile.case import load
 from bodycheck.commands.command_line import app
-from bodycheck.running import smoke
 from tests.support import ROOT
 
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
@@ -78,12 +74,3 @@ def test_the_python_of_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> No
     exec(code, {})
     # The README says 17.3 m, three digits.
     assert float(capsys.readouterr().out) == pytest.approx(17.3, abs=0.05)
-
-
-def test_the_adapter_of_the_contributing_guide_passes_the_checks(monkeypatch: pytest.MonkeyPatch) -> None:
-    (code,) = blocks(ROOT / "CONTRIBUTING.md", "python")
-    toy = ModuleType("toy_engine")
-    exec(code, vars(toy))
-    assert isinstance(toy, Adapter)
-    monkeypatch.setattr(registry, "load", {"toy": toy}.__getitem__)
-    assert smoke.check("toy") == []
