@@ -1,0 +1,117 @@
+"""The adapter of DART; see the package for what the methods are and for the frames of its velocities."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import dartpy as dart
+import numpy as np
+
+from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Method, states
+from bodycheck.adapters.dart import INSTALLATION, contact
+from bodycheck.adapters.stepping import Loop
+from bodycheck.reference.inertia import inertia_tensor
+from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.trajectory import Array
+
+#: The kinetic energy (J) above which the next acceleration may overflow.
+LARGEST_ENERGY_J = 1e200
+
+INTEGRATOR = "semi-implicit-euler"
+
+engine = Engine(
+    name="dart",
+    distribution=INSTALLATION.distribution,
+    version=str(dart.__version__),
+    integrators=(Integrator(INTEGRATOR, order=1, evaluations=1, options=contact.OPTIONS),),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    variants={"plane": tuple(f"{INTEGRATOR}:{own}" for own in ("solver=pgs", "solver=nsgs", "solver=fbf", "settings=engine"))},
+)
+
+#: The functions of DART that steps call from Python.
+calls = (
+    (dart.simulation.World, "step"),
+    (dart.dynamics.BodyNode, "addExtForce"),
+    (dart.dynamics.BodyNode, "computeKineticEnergy"),
+    (dart.dynamics.BodyNode, "getLinearVelocity"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A body in a world of DART."""
+
+    world: "dart.simulation.World"
+    skeleton: "dart.dynamics.Skeleton"
+    body: "dart.dynamics.BodyNode"
+
+
+def prepare(scenes: Sequence[Scene], method: Method) -> Loop[None]:
+    """Return the simulation of one scene, as `Adapter.prepare` does."""
+    (scene,) = scenes
+    made = model(scene, method)
+    world, skeleton, body, drag = made.world, made.skeleton, made.body, scene.drag
+
+    def step(state: None) -> None:
+        if drag:
+            velocity = body.getLinearVelocity()
+            body.addExtForce(-drag * np.linalg.norm(velocity) * velocity)
+        world.step()
+        if not body.computeKineticEnergy() < LARGEST_ENERGY_J:
+            raise EngineDiverged(f"DART's accelerations overflow at t = {world.getTime():.6g} s")
+
+    def seen(state: None) -> Array:
+        return np.concatenate([skeleton.getPositions(), skeleton.getVelocities()])
+
+    return Loop(None, step, seen, rows)
+
+
+def model(scene: Scene, method: Method) -> Model:
+    """Return the body of a scene on a free joint, in its initial state. Raises `SceneUnsupported`."""
+    initial = scene.initial
+    world = dart.simulation.World()
+    world.setGravity([0.0, 0.0, -scene.gravity])
+    world.setTimeStep(method.timestep)
+    skeleton = dart.dynamics.Skeleton("body")
+    _, body = skeleton.createFreeJointAndBodyNodePair()
+    body.setInertia(dart.dynamics.Inertia(scene.body.mass, np.zeros(3), inertia_tensor(scene.body)))
+    if scene.plane is not None:
+        contact.add(world, body, scene, scene.plane, method)
+    world.addSkeleton(skeleton)
+    attitude = np.array(initial.quaternion)
+    skeleton.setPositions(np.array([*rotation_vector(attitude), *initial.position]))
+    skeleton.setVelocities(np.array([*rotate(attitude, np.array(initial.angular_velocity)), *initial.velocity]))
+    return Model(world, skeleton, body)
+
+
+def rows(seen: Array) -> Array:
+    """Return the rows (n, 13) of states from DART's coordinates and velocities (n, 12)."""
+    turn, position, angular_velocity, velocity = np.split(seen, [3, 6, 9], axis=1)
+    half = np.linalg.norm(turn, axis=1, keepdims=True) / 2
+    quaternion = np.hstack([np.cos(half), turn / 2 * np.sinc(half / np.pi)])
+    return states(position, quaternion, velocity, rotate(conjugate(quaternion), angular_velocity))
+
+
+def rotation_vector(quaternion: Array) -> Array:
+    """Return the rotation vector (3,), rad, of at most a half turn, of a unit quaternion (4,)."""
+    w, vector = quaternion[0], quaternion[1:]
+    size = float(np.linalg.norm(vector))
+    if size == 0.0:
+        return np.zeros(3)
+    angle = 2 * np.arctan2(size, abs(w))
+    return np.asarray(np.copysign(angle / size, w) * vector)
+
+
+def contact_law(scene: Scene, method: Method) -> Plane | None:
+    """Return the friction law of a method's contacts; None if the reference has no such law."""
+    return contact.law(scene, method)
+
+
+def contact_load(scene: Scene, method: Method, steps: int) -> Array:
+    """Return the normal force (n,), in N, in each of n steps."""
+    made = model(scene, method)
+    load = np.empty(steps)
+    for step in range(steps):
+        made.world.step()
+        load[step] = contact.load(made.world)
+    return load
