@@ -1,0 +1,31 @@
+"""The adapter of PhysX 5 on the CPU, by the Python package SAPIEN, which contains it. PhysX computes in single precision.
+
+The integrators are PhysX's two solvers, `PGS` (projected Gauss-Seidel) and `TGS` (temporal Gauss-Seidel, SAPIEN's default).
+On a free body they are the same scheme of first order: the angular velocity by an explicit Euler step of the angular momentum
+in the body frame, scaled to the momentum's former length, then gravity and forces, and then the pose with the new velocities,
+the attitude by the exponential map. SAPIEN itself switches PhysX's gyroscopic forces on.
+
+Switched off are the angular damping of 0.05 per second, the limit of 100 rad/s, and sleeping. With `settings=engine` they are
+as SAPIEN and PhysX set them, which is the same for both solvers and has neither linear damping nor substeps. All methods keep
+SAPIEN's 10 position iterations and one velocity iteration, which count in contacts only.
+
+Frames, as found by experiment: the pose of an entity is that of the body's own frame, the quaternion is w, x, y, z, and both
+velocities are in the world frame. The adapter makes the principal axes through the centre of mass the body's own frame.
+PhysX normalises quaternions in single precision, and the adapter in double precision. Planes have their normal along x, and
+cylinders their axis.
+
+In single precision, errors grow again below time steps of a millisecond or so, first with TGS, which scales the angular
+velocity by the root of the inertia and back in each step: even a steady spin changes by some 5e-7 of itself a step.
+
+A body on a plane has up to four contacts, but PhysX's friction acts at anchors in each patch of contacts and not at the
+contacts. In the limit of small time steps a straight slide is right; a pure spin of a brick ends too early with PGS, by some
+30 %, and a few percent too late with TGS. PhysX's other models of friction cannot be selected in SAPIEN. A cylinder is a
+polyhedron in SAPIEN.
+
+PhysX stops a body whose speed it cannot square in single precision, without a word.
+"""
+
+from bodycheck.adapters.installation import Installation
+
+#: What the engine is installed from.
+INSTALLATION = Installation("sapien")

@@ -1,0 +1,181 @@
+"""The adapter of PhysX by SAPIEN: each simulation is a scene with one body, stepped in a Python loop.
+
+The docstring of the package says what the integrators are, which settings are switched off, and which frames PhysX uses.
+"""
+
+import math
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, choice, states
+from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.principal_axes import in_body_frame
+from bodycheck.adapters.sapien import INSTALLATION
+from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.principal_frame import along_principal_axes
+from bodycheck.reference.scene import Brick, Scene
+from bodycheck.reference.trajectory import Array
+
+with warnings.catch_warnings():
+    # SAPIEN warns where it finds no Vulkan, which only its renderer needs.
+    warnings.simplefilter("ignore")
+    import sapien
+    from sapien import physx
+
+#: A speed that is no limit: PhysX's own for the velocity, whose square it forms in single precision.
+NO_LIMIT = 1e16
+
+#: The rotation that turns the x axis, which is the normal of PhysX's planes and the axis of its cylinders, to the z axis.
+X_TO_Z = (math.sqrt(0.5), 0.0, -math.sqrt(0.5), 0.0)
+
+OPTIONS = {"settings": choice("engine")}
+SOLVERS = ("PGS", "TGS")
+
+engine = Engine(
+    name="sapien",
+    distribution=INSTALLATION.distribution,
+    version=version(INSTALLATION.distribution),
+    integrators=tuple(Integrator(name, order=1, evaluations=1, options=OPTIONS) for name in SOLVERS),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    variants=dict.fromkeys(sorted(KINDS), tuple(f"{name}:settings=engine" for name in SOLVERS)),
+    precision="float32",
+)
+
+#: The functions of SAPIEN that steps call from Python.
+calls = ((physx.PhysxCpuSystem, "step"), (physx.PhysxRigidDynamicComponent, "add_force_torque"))
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """A scene of SAPIEN, the PhysX scene in it, and its body, which is the component of an entity."""
+
+    scene: "sapien.Scene"
+    system: "physx.PhysxCpuSystem"
+    entity: "sapien.Entity"
+    body: "physx.PhysxRigidDynamicComponent"
+
+
+def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
+    """Return the simulation of one scene, as `Adapter.prepare` does."""
+    (scene,) = scenes
+
+    def rows(seen: Array) -> Array:
+        spin = rotate(conjugate(normalise(seen[:, 3:7])), seen[:, 10:])
+        return in_body_frame(scene, states(seen[:, :3], seen[:, 3:7], seen[:, 7:10], spin))
+
+    return Normalised(Loop(built(scene, method), resisted_step(scene.drag) if scene.drag else step, seen, rows))
+
+
+def seen(world: World) -> Array:
+    """Return position, quaternion w x y z, velocity and angular velocity (13,), all in the world frame."""
+    pose, body = world.entity.pose, world.body
+    return np.concatenate([pose.p, pose.q, body.linear_velocity, body.angular_velocity], dtype=np.float64)
+
+
+def step(world: World) -> World:
+    """Take a time step."""
+    world.system.step()
+    return world
+
+
+def resisted_step(drag: float) -> Callable[[World], World]:
+    """Return a time step with the drag -c |v| v, c in kg/m, of the state at its beginning, at the centre of mass."""
+
+    def resisted(world: World) -> World:
+        velocity = world.body.linear_velocity
+        speed = math.hypot(*velocity.tolist())
+        world.body.add_force_torque(-drag * speed * velocity, (0, 0, 0))
+        return step(world)
+
+    return resisted
+
+
+def built(scene: Scene, method: Method) -> World:
+    """Return a world with the body of a scene in its initial state. Raises `SceneUnsupported`."""
+    shape = collision_shape(scene) if scene.plane is not None else None
+    system = new_system(scene, method)
+    whole = sapien.Scene([system])
+    if scene.plane is not None:
+        add_plane(whole, scene.plane.friction)
+    body = physx.PhysxRigidDynamicComponent()
+    if shape is not None:
+        body.attach(shape)
+    body.set_mass(scene.body.mass)
+    body.set_cmass_local_pose(sapien.Pose())
+    body.set_inertia(np.array(scene.body.moments))
+    if method.option("settings") != "engine":
+        body.set_angular_damping(0.0)
+        body.set_max_angular_velocity(NO_LIMIT)
+        body.set_sleep_threshold(0.0)
+    initial = along_principal_axes(scene).initial
+    entity = sapien.Entity()
+    entity.add_component(body)
+    entity.set_pose(sapien.Pose(initial.position, initial.quaternion))
+    whole.add_entity(entity)
+    body.set_linear_velocity(initial.velocity)
+    body.set_angular_velocity(rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)))
+    return World(whole, system, entity, body)
+
+
+def new_system(scene: Scene, method: Method) -> Any:
+    """Return a PhysX scene. Its settings are global in SAPIEN while it is made, and are put back."""
+    former = physx.get_scene_config()
+    config = physx.PhysxSceneConfig()
+    config.gravity = np.array([0, 0, -scene.gravity])
+    config.enable_tgs = method.integrator == "TGS"
+    physx.set_scene_config(config)
+    try:
+        system = physx.PhysxCpuSystem()
+    finally:
+        physx.set_scene_config(former)
+    system.set_timestep(method.timestep)
+    return system
+
+
+def add_plane(whole: Any, friction: float) -> None:
+    """Add the plane z = 0 to a scene."""
+    ground = physx.PhysxRigidStaticComponent()
+    ground.attach(physx.PhysxCollisionShapePlane(material(friction)))
+    entity = sapien.Entity()
+    entity.add_component(ground)
+    entity.set_pose(sapien.Pose((0, 0, 0), X_TO_Z))
+    whole.add_entity(entity)
+
+
+def collision_shape(scene: Scene) -> Any:
+    """Return the shape of a body that lies on the plane, in its principal axes. Raises `SceneUnsupported`."""
+    shape = lying_shape(scene)
+    assert scene.plane is not None
+    axes = conjugate(np.array(scene.body.axes))
+    if isinstance(shape, Brick):
+        made = physx.PhysxCollisionShapeBox(shape.semi_axes, material(scene.plane.friction))
+    else:
+        made = physx.PhysxCollisionShapeCylinder(shape.radius, shape.half_length, material(scene.plane.friction))
+        axes = multiply(axes, np.array(X_TO_Z))
+    made.set_local_pose(sapien.Pose((0, 0, 0), axes))
+    return made
+
+
+def material(friction: float) -> Any:
+    """Return a material with a coefficient of friction. PhysX takes the mean of two bodies, so both have that of the plane."""
+    return physx.PhysxMaterial(friction, friction, 0.0)
+
+
+def contact_law(scene: Scene, method: Method) -> None:
+    """Return None: PhysX's friction acts at two anchors in a patch of contacts, for which the reference has no law."""
+
+
+def contact_load(scene: Scene, method: Method, steps: int) -> Array:
+    """Return the normal force (n,), in N, between body and plane in each of n steps, as `Contact.contact_load` does."""
+    world, load = built(scene, method), np.zeros(steps)
+    for number in range(steps):
+        step(world)
+        points = [point for contact in world.system.get_contacts() for point in contact.points]
+        load[number] = sum(abs(float(point.impulse @ point.normal)) for point in points) / method.timestep
+    return load
