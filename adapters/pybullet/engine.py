@@ -10,17 +10,21 @@ from dataclasses import dataclass, replace
 from importlib.metadata import version
 
 import numpy as np
-import pybullet
 
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, choice, states
 from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.principal_axes import in_body_frame
 from bodycheck.adapters.pybullet import INSTALLATION
+from bodycheck.adapters.pybullet.quiet import no_stderr
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.principal_frame import along_principal_axes
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
+
+# PyBullet writes when it was built to standard error, in C, whenever it is imported.
+with no_stderr():
+    import pybullet
 
 #: The index of the base of a body, for functions that take a link.
 BASE = -1

@@ -1,6 +1,8 @@
 """PyBullet's two solvers: their schemes, PyBullet's own damping and limits, and the contact of a box."""
 
 import math
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -111,6 +113,13 @@ def test_a_box_stands_on_the_ground_whatever_its_principal_axes_are_called(integ
     one, other = (rows(scene, integrator, 1e-3, [100])[0] for scene in (plain, named))
     np.testing.assert_allclose(one[:3], other[:3], atol=1e-4)
     assert other[2] == pytest.approx(0.05, abs=2e-5)
+
+
+def test_pybullet_is_imported_without_a_word() -> None:
+    """PyBullet writes to standard error in C when it is imported; what Python writes there afterwards is seen."""
+    code = "import bodycheck.adapters.pybullet.engine, sys; print('seen', file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == ("", "seen\n")
 
 
 def test_a_physics_server_ends_with_its_simulation() -> None:
