@@ -9,6 +9,7 @@ import pytest
 from bodycheck.casefile.case import load
 from bodycheck.commands.command_line import app
 from tests.support import ROOT
+from tests.support.documents import blocks
 
 DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md")])
 
@@ -17,11 +18,6 @@ FOLDERS = ("adapters", "benchmarks", "bodycheck", "cases", "docs", "reference", 
 
 #: Names in documents that stand for names which readers choose.
 PLACEHOLDERS = ("NAME", "my-case")
-
-
-def blocks(document: Path, language: str) -> list[str]:
-    """The fenced blocks of a document in a language."""
-    return re.findall(rf"```{language}\n(.*?)```", document.read_text(encoding="utf-8"), re.DOTALL)
 
 
 @functools.cache

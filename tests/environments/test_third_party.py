@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.docs.test_documents import blocks
 from tests.support import ROOT
 from tests.support.commands import bodycheck
+from tests.support.documents import blocks
 
 ENGINE = """
 import numpy as np
