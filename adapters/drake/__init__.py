@@ -1,0 +1,39 @@
+"""The adapter of Drake, the C++ toolbox of the Toyota Research Institute, by its Python package `drake`.
+
+A body is the only body of a `MultibodyPlant`, at the origin of its frame, on the quaternion joint that Drake gives to free
+bodies. The plant is stepped in two ways.
+
+- The continuous plant by the integrators of `Simulator` with their own names, in the mode of fixed steps: explicit_euler,
+  semi_explicit_euler, runge_kutta2, runge_kutta3, bogacki_shampine3, runge_kutta5, implicit_euler, velocity_implicit_euler,
+  radau1, radau3, and cenic in releases that have it. The two implicit Euler integrators take two half steps in each step and
+  keep their result. Where Newton's method does not converge, Drake divides a step. The explicit ones are offered in flight
+  only: contact as stiff as Drake's is by default needs steps well below 0.5 ms with them.
+- The discrete plant, which takes one step in each of its updates. Its methods are named after its approximations of contact:
+  lagged (Drake's default), similar, sap and tamsi (deprecated). Without contact all four are one scheme, semi-implicit Euler,
+  equal to rounding, so that in flight only lagged is offered.
+
+Nothing has to be switched off in flight: Drake has no damping and no limits of its own there, and the methods are the same with
+its defaults. On a plane stiffness, dissipation, relaxation time and the speed of stiction are Drake's defaults everywhere.
+
+- A brick or a cylinder touches the plane by hydroelastic contact if no option is given: the body is compliant with Drake's
+  default modulus (1e7 Pa), and the plane rigid. The pressure acts at the centroids of the few polygons of a coarse mesh, so
+  that the friction is neither that of an area nor that of corners.
+- `contact=points` replaces the shape of a brick by points at its four lower corners.
+- sap and similar are convex: where a contact slides they throw the body up, as MuJoCo's contact does. lagged and tamsi do not.
+- `settings=engine` is what Drake does with the shape if nothing else is said: a single point contact between shape and plane,
+  which jumps from corner to corner.
+
+Drag is a system in Python that Drake evaluates wherever it evaluates forces, so that every integrator keeps its order.
+
+Frames, found by experiment: positions are the quaternion w x y z, then the position of the body's origin; velocities are the
+angular velocity, then that of the origin, both in the world frame. The arithmetic is in double precision.
+
+Drake's integrators treat a quaternion as four numbers and never normalise it, except cenic, which does so in every step. Drake
+divides by the norm where it uses a quaternion, and the velocities do not depend on it. The adapter hands over unit quaternions,
+and the largest deviation of the norm as `quaternion_norm_error`.
+"""
+
+from bodycheck.adapters.installation import Installation
+
+#: What the engine is installed from.
+INSTALLATION = Installation("drake")

@@ -1,0 +1,99 @@
+"""Let a body that lies flat touch the plane z = 0 by Drake's contact: the geometries and their properties.
+
+Stiffness, modulus, dissipation and relaxation time are Drake's defaults. The plane and the body have the same coefficient of
+friction, static and dynamic, because Drake takes the harmonic mean of the two.
+"""
+
+from typing import Any
+
+from pydrake.geometry import (
+    AddCompliantHydroelasticProperties,
+    AddContactMaterial,
+    AddRigidHydroelasticProperties,
+    Box,
+    HalfSpace,
+    ProximityProperties,
+    SceneGraphConfig,
+    Sphere,
+)
+from pydrake.geometry import Cylinder as CylinderGeometry
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import CoulombFriction
+
+from bodycheck.adapters.contract import Kind, Method, Option, SceneUnsupported, choice
+from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.reference.planar import describe_shape
+from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
+
+#: Contact options have an effect only in scenes with a plane.
+ON_PLANE: frozenset[Kind] = frozenset({"plane"})
+
+#: The contact options; see the package's docstring.
+OPTIONS: dict[str, Option] = {
+    "contact": choice("hydroelastic", "points", kinds=ON_PLANE),
+    "settings": choice("engine", kinds=ON_PLANE),
+}
+
+#: Length (m) of the edges of a hydroelastic mesh of a cylinder in radii.
+EDGE_IN_RADII = 0.2
+
+
+def contact_of(method: Method) -> str:
+    """Return how a body touches the plane: hydroelastic, points, or engine. Raises `SceneUnsupported` for two answers."""
+    asked, settings = method.option("contact"), method.option("settings")
+    if asked and settings:
+        raise SceneUnsupported(f"contact={asked} together with settings={settings}, which has a contact of its own")
+    return settings or asked or "hydroelastic"
+
+
+def add_contact(plant: Any, body: Any, scene: Scene, plane: Plane, contact: str) -> None:
+    """Add the geometries of the plane and of a body that lies on it to a plant that is not finalized.
+
+    Parameters
+    ----------
+    plant, body
+        Drake's plant, which is registered with a scene graph, and the body in it.
+    scene, plane
+        The scene and its plane.
+    contact
+        How the body touches the plane, as `contact_of` says it.
+
+    Raises
+    ------
+    SceneUnsupported
+        If the body does not lie flat, or has no corners where it touches the plane by points.
+    """
+    shape = lying_shape(scene)
+    on_plane, on_body = _properties(plane), _properties(plane)
+    if contact == "hydroelastic":
+        modulus = SceneGraphConfig().default_proximity_properties.hydroelastic_modulus
+        AddRigidHydroelasticProperties(on_plane)
+        AddCompliantHydroelasticProperties(_edge(shape), modulus, on_body)
+    plant.RegisterCollisionGeometry(plant.world_body(), RigidTransform(), HalfSpace(), "plane", on_plane)
+    for number, (geometry, place) in enumerate(_geometries(shape, contact)):
+        plant.RegisterCollisionGeometry(body, RigidTransform(place), geometry, f"body {number}", on_body)
+
+
+def _properties(plane: Plane) -> Any:
+    properties = ProximityProperties()
+    AddContactMaterial(properties=properties, friction=CoulombFriction(plane.friction, plane.friction))
+    return properties
+
+
+def _edge(shape: Brick | Cylinder) -> float:
+    """Return the length (m) of the edges of a shape's mesh; that of a brick has its own edges, whatever the length."""
+    return EDGE_IN_RADII * shape.radius if isinstance(shape, Cylinder) else 1.0
+
+
+def _geometries(shape: Brick | Cylinder, contact: str) -> list[tuple[Any, list[float]]]:
+    """Return the geometries of a body, and the places (m) of their centres in its frame."""
+    if contact == "points":
+        if not isinstance(shape, Brick):
+            raise SceneUnsupported(f"contact=points has points at corners, which {describe_shape(shape)} does not have")
+        a, b, c = shape.semi_axes
+        return [(Sphere(0.0), [x, y, -c]) for x in (-a, a) for y in (-b, b)]
+    match shape:
+        case Brick((a, b, c)):
+            return [(Box(2 * a, 2 * b, 2 * c), [0.0, 0.0, 0.0])]
+        case Cylinder(radius, half_length):
+            return [(CylinderGeometry(radius, 2 * half_length), [0.0, 0.0, 0.0])]

@@ -1,0 +1,130 @@
+"""The adapter of Drake: its integrators, its approximations of contact, and the loop of its steps."""
+
+import logging
+from collections.abc import Sequence
+from dataclasses import replace
+from importlib import metadata
+
+import numpy as np
+from pydrake.multibody.plant import DiscreteContactApproximation
+from pydrake.systems.analysis import GetIntegrationSchemes, Simulator
+
+from bodycheck.adapters.contract import KINDS, Engine, EngineDiverged, Integrator, Method, states
+from bodycheck.adapters.drake import INSTALLATION
+from bodycheck.adapters.drake.contact import ON_PLANE, OPTIONS, contact_of
+from bodycheck.adapters.drake.models import Model, build
+from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.reference.kinematics import conjugate, normalise, rotate
+from bodycheck.reference.scene import Brick, Plane, Scene
+from bodycheck.reference.trajectory import Array
+
+# Drake logs warnings about what every scene here does: deprecated approximations, and rigid planes that deformable bodies would
+# not touch.
+logging.getLogger("drake").setLevel(logging.ERROR)
+
+#: The orders that Drake's documentation claims, and the numbers of evaluations of the accelerations in one step of fixed size.
+#: Those that iterate have no such number.
+CLAIMS: dict[str, tuple[int, int | None]] = {
+    "explicit_euler": (1, 1),
+    "semi_explicit_euler": (1, 1),
+    "runge_kutta2": (2, 2),
+    "runge_kutta3": (3, 3),
+    "bogacki_shampine3": (3, 4),
+    "runge_kutta5": (5, 7),
+    "implicit_euler": (1, None),
+    "velocity_implicit_euler": (1, None),
+    "radau1": (1, None),
+    "radau3": (3, None),
+    "cenic": (1, None),
+}
+
+#: The explicit integrators. With contact as stiff as Drake's is by default (1e6 N/m a point), a body of 1 kg leaves the plane
+#: unless they take steps well below 0.5 ms, so they are offered only in flight.
+EXPLICIT = {"explicit_euler", "semi_explicit_euler", "runge_kutta2", "runge_kutta3", "bogacki_shampine3", "runge_kutta5"}
+
+#: The approximation of contact that Drake takes if none is named.
+DEFAULT = "lagged"
+
+#: The approximations of contact of the installed release, by Drake's names, the default first.
+APPROXIMATIONS = tuple(
+    sorted(
+        (name.removeprefix("k").lower() for name in DiscreteContactApproximation.__members__),
+        key=lambda name: (name != DEFAULT, name),
+    )
+)
+
+
+def integrators() -> tuple[Integrator, ...]:
+    """Return the integrators of the installed release for the continuous plant, then the approximations of the discrete one."""
+    known = sorted(GetIntegrationSchemes(), key=lambda name: [*CLAIMS, name].index(name))
+    claims = [(name, *CLAIMS.get(name, (None, None))) for name in known]
+    return tuple(
+        Integrator(name, order, count, KINDS - ON_PLANE if name in EXPLICIT else KINDS, OPTIONS)
+        for name, order, count in claims
+    ) + tuple(Integrator(name, 1, None, KINDS if name == DEFAULT else ON_PLANE, OPTIONS) for name in APPROXIMATIONS)
+
+
+engine = Engine(
+    name="drake",
+    distribution=INSTALLATION.distribution,
+    version=metadata.version(INSTALLATION.distribution),
+    integrators=integrators(),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    variants={"plane": (*(f"{name}:contact=points" for name in APPROXIMATIONS), f"{DEFAULT}:settings=engine")},
+)
+
+
+#: The functions of Drake that steps call from Python. The drag, which Drake calls in turn, counts as Drake's.
+calls = ((Simulator, "AdvanceTo"),)
+
+
+def contact_law(scene: Scene, method: Method) -> Plane | None:
+    """Return the friction law of a method's contacts: rigid corners for points.
+
+    The reference has no law for the centroids of a hydroelastic mesh, nor for a single point.
+    """
+    if scene.plane is None or contact_of(method) != "points" or not isinstance(scene.body.shape, Brick):
+        return None
+    return replace(scene.plane, law="corners", pressure="balanced")
+
+
+def contact_load(scene: Scene, method: Method, steps: int) -> Array | None:
+    """Return the normal force (n,), in N, in each of n steps of the discrete plant; None for integrators.
+
+    Within a step of an integrator the force has several values, and Drake reports none of them.
+    """
+    if scene.plane is None or method.integrator not in APPROXIMATIONS:
+        return None
+    model = build(scene, method, APPROXIMATIONS)
+    port = model.plant.get_generalized_contact_forces_output_port(model.plant.GetBodyByName("body").model_instance())
+    simulation, load = loop(model, method.timestep), np.empty(steps)
+    for step in range(steps):
+        simulation.advance(np.array([1]))
+        load[step] = port.Eval(model.context)[5]
+    return load
+
+
+def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
+    """Return the simulation of one scene, as `Adapter.prepare` does."""
+    (scene,) = scenes
+    return Normalised(loop(build(scene, method, APPROXIMATIONS), method.timestep))
+
+
+def loop(model: Model, timestep: float) -> Loop[int]:
+    """Return the simulation of a model, whose state is the number of steps taken; quaternions have any norm."""
+    simulator, plant, context = model.simulator, model.plant, model.context
+
+    def step(taken: int) -> int:
+        try:
+            simulator.AdvanceTo((taken + 1) * timestep)
+        except RuntimeError as error:
+            raise EngineDiverged(f"Drake at t = {context.get_time():.6g} s: {' '.join(str(error).split())}") from error
+        return taken + 1
+
+    return Loop(0, step, lambda _: np.array(plant.GetPositionsAndVelocities(context)), rows)
+
+
+def rows(seen: Array) -> Array:
+    """Return the rows (n, 13) of the contract, but with quaternions of any norm, from Drake's states (n, 13)."""
+    attitude, position, spin, velocity = np.split(seen, (4, 7, 10), axis=1)
+    return states(position, attitude, velocity, rotate(conjugate(normalise(attitude)), spin))

@@ -1,0 +1,144 @@
+"""Build Drake's model of a scene: a plant with one body, in a diagram where it has contact or drag, and its simulator."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.multibody.plant import AddMultibodyPlant, ApplyMultibodyPlantConfig, MultibodyPlant, MultibodyPlantConfig
+from pydrake.multibody.tree import RotationalInertia, SpatialInertia
+from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
+from pydrake.systems.framework import DiagramBuilder, LeafSystem
+
+from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.adapters.drake.contact import add_contact, contact_of
+from bodycheck.reference.inertia import inertia_tensor
+from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.scene import Body, Scene
+
+#: The integrator that Drake offers only for a plant of this name, in a diagram, with a scene graph.
+CENIC, PLANT = "cenic", "plant"
+
+#: The numbers of positions (quaternion w x y z, position) and of velocities (angular, then linear; world) of a free body.
+POSITIONS, VELOCITIES = 7, 6
+
+#: The largest step of an integrator in time steps. Steps end at multiples of the time step, which are rounded. If the largest
+#: step were the time step itself, Drake would divide every step that is longer by rounding into two.
+LARGEST_STEP = 1 + 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """Drake's model of a scene.
+
+    Attributes
+    ----------
+    simulator
+        The simulator, initialized at the scene's initial state and t = 0.
+    plant
+        The plant.
+    context
+        The plant's part of the simulator's context, which holds the current state.
+    """
+
+    simulator: Any
+    plant: Any
+    context: Any
+
+
+class Drag(LeafSystem):  # type: ignore[misc]  # Drake has no types here
+    """The drag -c |v| v of a free body as a generalized force on its velocities.
+
+    Parameters
+    ----------
+    coefficient
+        The coefficient c (kg/m).
+    """
+
+    def __init__(self, coefficient: float) -> None:
+        LeafSystem.__init__(self)  # Drake asks for the call by this name
+        self._coefficient = coefficient
+        self.DeclareVectorInputPort("state", POSITIONS + VELOCITIES)
+        self.DeclareVectorOutputPort("force", VELOCITIES, self._force)
+
+    def _force(self, context: Any, force: Any) -> None:
+        *_, x, y, z = self.get_input_port().Eval(context).tolist()
+        slowing = -self._coefficient * math.sqrt(x * x + y * y + z * z)
+        force.SetFromVector([0.0, 0.0, 0.0, slowing * x, slowing * y, slowing * z])
+
+
+def build(scene: Scene, method: Method, approximations: tuple[str, ...]) -> Model:
+    """Return the model of a scene for a method, at its initial state.
+
+    Parameters
+    ----------
+    scene, method
+        The scene and the method.
+    approximations
+        The names of the integrators that are approximations of contact of the discrete plant.
+
+    Raises
+    ------
+    SceneUnsupported
+        If Drake refuses the body, or there is no such contact.
+    """
+    scheme = method.integrator
+    config = MultibodyPlantConfig()
+    config.time_step = method.timestep if scheme in approximations else 0.0
+    if scheme in approximations:
+        config.discrete_contact_approximation = scheme
+    builder = DiagramBuilder()
+    # A scene graph costs up to a fifth of a step, so a free body has one only where the integrator asks for it.
+    alone = scene.plane is None and not scene.drag and scheme != CENIC
+    if alone:
+        plant = MultibodyPlant(config.time_step)
+        ApplyMultibodyPlantConfig(config, plant)
+    else:
+        plant, _ = AddMultibodyPlant(config, builder)
+    plant.set_name(PLANT)
+    body = add_body(plant, scene.body)
+    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -scene.gravity])
+    if scene.plane is not None:
+        add_contact(plant, body, scene, scene.plane, contact_of(method))
+    plant.Finalize()
+    if scene.drag:
+        drag = builder.AddSystem(Drag(scene.drag))
+        builder.Connect(plant.get_state_output_port(), drag.get_input_port())
+        builder.Connect(drag.get_output_port(), plant.get_applied_generalized_force_input_port())
+    return started(scene, method, plant if alone else builder.Build(), plant, scheme not in approximations)
+
+
+def add_body(plant: Any, body: Body) -> Any:
+    """Add a free body, whose origin is its centre of mass, to a plant. Raises `SceneUnsupported` if Drake refuses it."""
+    inertia = inertia_tensor(body)
+    entries = [inertia[row, column] for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    try:
+        spatial = SpatialInertia.MakeFromCentralInertia(body.mass, [0.0, 0.0, 0.0], RotationalInertia(*entries))
+    except RuntimeError as error:
+        raise SceneUnsupported(f"Drake refuses the body: {' '.join(str(error).split())}") from error
+    return plant.AddRigidBody("body", spatial)
+
+
+def started(scene: Scene, method: Method, system: Any, plant: Any, continuous: bool) -> Model:
+    """Return the model of a scene at its initial state.
+
+    Parameters
+    ----------
+    scene, method
+        The scene and the method.
+    system, plant
+        The system to simulate, and the plant, which is the system itself or a part of it.
+    continuous
+        Whether an integrator steps the plant, and not the plant itself.
+    """
+    simulator = Simulator(system)
+    context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    initial = scene.initial
+    spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity))
+    plant.SetPositions(context, [*initial.quaternion, *initial.position])
+    plant.SetVelocities(context, [*spin, *initial.velocity])
+    if continuous:
+        ResetIntegratorFromFlags(simulator, method.integrator, LARGEST_STEP * method.timestep)
+        simulator.get_mutable_integrator().set_fixed_step_mode(True)
+    simulator.Initialize()
+    return Model(simulator, plant, context)
