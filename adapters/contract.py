@@ -102,6 +102,8 @@ class Integrator:
         The kinds of scene for which the integrator is offered; empty if the installed release lacks it.
     options
         The options of the integrator by their keys.
+    demonstrates
+        What the integrator is there to demonstrate, as a phrase; empty for an integrator that users choose.
     """
 
     name: str
@@ -109,6 +111,7 @@ class Integrator:
     evaluations: int | None = None
     kinds: frozenset[Kind] = KINDS
     options: Mapping[str, Option] = field(default_factory=dict)
+    demonstrates: str = ""
 
 
 @dataclass(frozen=True)

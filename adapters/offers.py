@@ -55,6 +55,11 @@ def chosen(engine: Engine, scene: Scene, asked: Sequence[str]) -> tuple[str, ...
     return (*(name for name in plain if name in wanted), *dict.fromkeys(fitting))
 
 
+def demonstrations(engine: Engine) -> dict[str, str]:
+    """Return what integrators are there to demonstrate, by their names, without those that users choose."""
+    return {own.name: own.demonstrates for own in engine.integrators if own.demonstrates}
+
+
 def integrator_of(engine: Engine, method: Method) -> Integrator | None:
     """Return the integrator of a method; None if the adapter does not know it."""
     return next((own for own in engine.integrators if own.name == method.integrator), None)

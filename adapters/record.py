@@ -32,6 +32,8 @@ def _fault_of_integrator(own: Integrator) -> str | None:
         return f"its integrator {own.name} is for the kinds {_shown(own.kinds)}; allowed: {', '.join(sorted(KINDS))}"
     if not all(_is_name(key) and isinstance(option, Option) for key, option in own.options.items()):
         return f"its integrator {own.name} has the options {_shown(own.options)}, not values of the type Option by their names"
+    if type(own.demonstrates) is not str or not own.demonstrates.isprintable():
+        return f"its integrator {own.name} demonstrates {_shown(own.demonstrates)}, not text of printable characters"
     return None
 
 

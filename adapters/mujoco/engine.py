@@ -22,7 +22,7 @@ import mujoco
 import numpy as np
 
 from bodycheck.adapters import flat_contact
-from bodycheck.adapters.contract import Engine, Integrator, Method, Model, SceneUnsupported, Strides, choice
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Model, SceneUnsupported, Strides, choice
 from bodycheck.adapters.mujoco import INSTALLATION, contact, exporting
 from bodycheck.adapters.mujoco import models as scene_models
 from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
@@ -70,7 +70,7 @@ def integrators() -> tuple[Integrator, ...]:
     here = available()
     # According to MuJoCo's documentation, all integrators except RK4 are of first order.
     return tuple(
-        Integrator(name, order=stages, evaluations=stages, options=options, **({} if name in here else {"kinds": frozenset()}))
+        Integrator(name, stages, stages, KINDS if name in here else frozenset(), options)
         for name in dict.fromkeys((*here, *KNOWN_INTEGRATORS))
         for stages in (4 if name == "RK4" else 1,)
     )

@@ -39,13 +39,27 @@ ASKED_ON_PLANE = {
 }
 
 
+#: What integrators demonstrate that users may write by mistake and should not choose.
+DEMONSTRATES = {
+    "body-twist-euler": "the drift of a centre of mass whose velocity is integrated in turning axes",
+    "rk4-naive": "the second order of a Runge-Kutta step that adds velocities of different tangent spaces",
+}
+
+
 def integrators() -> tuple[Integrator, ...]:
     """Return the schemes for flight, then those on a plane; a release without point contacts does not offer `admm`.
 
     The claimed order of `rk4-naive` is 4 as well, because users expect it from the classical Runge-Kutta scheme.
     """
     flying = tuple(
-        Integrator(name, stages, stages, frozenset({"flight", "drag"}), {"model": choice(*scene_models.IN_FLIGHT)})
+        Integrator(
+            name,
+            stages,
+            stages,
+            frozenset({"flight", "drag"}),
+            {"model": choice(*scene_models.IN_FLIGHT)},
+            DEMONSTRATES.get(name, ""),
+        )
         for name in SCHEMES
         for stages in (4 if name in ("rk4", "rk4-naive") else 1,)
     )

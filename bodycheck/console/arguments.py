@@ -78,11 +78,6 @@ class Engines:
     missing: dict[str, str]
     named: bool
 
-    @property
-    def versions(self) -> dict[str, str]:
-        """The versions of the engines by name."""
-        return {name: record.version for name, record in self.records.items()}
-
     def absence(self, name: str) -> "Absence | None":
         """Return why an engine cannot be used; None if it can, or if the user named others."""
         from bodycheck.running import engines

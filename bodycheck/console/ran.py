@@ -138,7 +138,7 @@ def ran_of(
     tolerated = _tolerated(selection.allow_missing, given.shipped)
     engines = load_engines(selection.engines, _releases(cases, tolerated))
     tasks = plan(cases, engines.records, selection.integrators, selection.timesteps)
-    header = campaign.header(command, engines.versions, engines.missing)
+    header = campaign.header(command, engines.records, engines.missing)
     lost = tuple(unchecked(cases, engines.absence, tolerated, selection.integrators, selection.timesteps))
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())

@@ -85,7 +85,7 @@ def extremes(
     engines = load_engines(named)
     planned = study.prepare(loaded, engines.records, spellings)
     command = arguments.command("extremes", each, engine=named, integrator=spellings)
-    head = campaign.header(command, engines.versions, engines.missing)
+    head = campaign.header(command, engines.records, engines.missing)
     folder = arguments.path("--out", out)
     with (
         kept(folder) as place,

@@ -118,7 +118,7 @@ def recommend(
     command = arguments.command(
         "recommend", (case,), error=wanted, quantity=figure, engine=named, integrator=spellings, reuse=earlier
     )
-    head = campaign.header(command, engines.versions, engines.missing)
+    head = campaign.header(command, engines.records, engines.missing)
     folder = arguments.path("--out", out)
     with kept(folder) as place, study.results(planned, place.folder, head, jobs, known=known) as found:
         report = present(head, found)

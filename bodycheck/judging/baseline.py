@@ -23,7 +23,7 @@ from bodycheck.judging import baseline_checks, judgement, nudged_runs, rounding
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.nudged_runs import ALLOWANCE
 from bodycheck.running import records
-from bodycheck.running.header import DESCRIPTIONS
+from bodycheck.running.header import DESCRIPTIONS, LATER
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Unsupported
 from bodycheck.running.store import Results
@@ -34,7 +34,7 @@ FORMAT = 1
 METADATA = b"bodycheck"
 
 #: What is kept of the header of results.
-HEADER = tuple(name for name in DESCRIPTIONS if name not in ("command", "missing", "environments"))
+HEADER = tuple(name for name in DESCRIPTIONS if name not in ("command", "missing", *LATER))
 
 #: The compared figures.
 FIGURES = tuple(name for name, figure in ALL_FIGURES.items() if not figure.of_truth)

@@ -11,6 +11,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Protocol
 
+from bodycheck.adapters.contract import Engine
+from bodycheck.adapters.offers import demonstrations
 from bodycheck.casefile.case import Case
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
 from bodycheck.reference.errors import NotModelled, OutOfReach
@@ -64,17 +66,21 @@ class StopTask:
     law: Plane
 
 
-def header(command: Sequence[str], engines: Mapping[str, str], missing: Mapping[str, str]) -> Header:
-    """What a results folder says of itself: versions, machine, command; engines that could not be used, and why."""
+def header(command: Sequence[str], records: Mapping[str, Engine], missing: Mapping[str, str]) -> Header:
+    """What a results folder says of itself: versions, machine, command; engines that could not be used, and why.
+
+    records: those of the engines that are used, by the names by which they were asked for.
+    """
     return {
         "bodycheck": version("bodycheck"),
         "command": list(command),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": fingerprint(),
         "packages": {name: version(name) for name in PACKAGES if find_spec(name)},
-        "engines": dict(engines),
+        "engines": {name: record.version for name, record in records.items()},
         "missing": dict(missing),
-        "environments": locks(engines),
+        "environments": locks(records),
+        "demonstrations": {name: own for name, record in records.items() if (own := demonstrations(record))},
     }
 
 

@@ -17,6 +17,14 @@ class Header(TypedDict):
         dict[str, dict[str, str]],
         "For each engine in an environment of its own, its packages, with the SHA-256 of each one's list of files and hashes.",
     ]
+    demonstrations: Annotated[
+        dict[str, dict[str, str]],
+        "For each engine, the integrators that its adapter offers to demonstrate something, and what.",
+    ]
+
+
+#: The entries that results of earlier versions lack, which had neither.
+LATER: dict[str, dict[str, dict[str, str]]] = {"environments": {}, "demonstrations": {}}
 
 
 class StoredCase(TypedDict):

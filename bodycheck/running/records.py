@@ -48,6 +48,7 @@ class HeaderRecord:
     engines: dict[str, Printable]
     missing: dict[str, str]
     environments: dict[Printable, dict[Printable, Printable]] = field(default_factory=dict)
+    demonstrations: dict[Printable, dict[Printable, Printable]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import journal, records, trajectory_files
-from bodycheck.running.header import Header, StoredHeader
+from bodycheck.running.header import LATER, Header, StoredHeader
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Run, TimedOut, Unsupported
 from bodycheck.running.trajectory_files import TRAJECTORIES, StoredTrajectory, run_path, truth_path
@@ -274,7 +274,7 @@ def read(folder: Path) -> Results:
         latest = {_identity_of(record): record for record in contents.records}
     except (journal.BadJournal, ValueError) as error:
         raise BadFolder(f"{folder}: no readable results: {error}") from error
-    return Results(folder, cast(StoredHeader, contents.header), tuple(latest.values()), contents.complete)
+    return Results(folder, cast(StoredHeader, LATER | contents.header), tuple(latest.values()), contents.complete)
 
 
 def _check(header: dict[str, Any], found: Sequence[dict[str, Any]]) -> None:

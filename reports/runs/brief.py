@@ -11,6 +11,7 @@ from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import assign
 from bodycheck.reports.quantities import count
 from bodycheck.reports.runs import comparison
+from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.differences import compare
 from bodycheck.reports.runs.findings import findings, measured
 from bodycheck.reports.runs.summary import broken, headline, limits, notices, tally, unsupported
@@ -60,6 +61,7 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
     lines = assign(verdict.key.over_cases for verdict in verdicts)
     first, *others = sets
     differences = compare(sets, shown) if others else None
+    demonstrations = demonstrated(comparison.header(sets), lines)
     failed = next(((case, verdict) for case in shown for verdict in case.verdicts if verdict.passed is False), None)
     return Brief(
         headline=differences.headline if differences else headline(first.results, verdicts),
@@ -71,6 +73,6 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
         steps=tuple(advice.lines(failed[1], failed[0].file(failed[1].label))) if failed else (),
         findings=(
             *(differences.findings if differences else ()),
-            *findings(measured(verdicts, lines), () if differences else first.parts, lines),
+            *findings(measured(verdicts, lines), () if differences else first.parts, lines, demonstrations),
         ),
     )

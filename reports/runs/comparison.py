@@ -88,12 +88,13 @@ def header(sets: Sequence[ResultSet]) -> Header:
         "packages": _merged_group({label: own["packages"] for label, own in headers.items()}),
         "engines": _merged_group({label: own["engines"] for label, own in headers.items()}),
         "missing": _merged_group({label: own["missing"] for label, own in headers.items()}),
-        "environments": _merged_locks([own.get("environments", {}) for own in headers.values()]),
+        "environments": _merged_by_engine([own["environments"] for own in headers.values()]),
+        "demonstrations": _merged_by_engine([own["demonstrations"] for own in headers.values()]),
     }
 
 
-def _merged_locks(groups: Sequence[Mapping[str, Mapping[str, str]]]) -> dict[str, dict[str, str]]:
-    """The packages of each engine in all sets; where sets have other releases of a package, all of them are there."""
+def _merged_by_engine(groups: Sequence[Mapping[str, Mapping[str, str]]]) -> dict[str, dict[str, str]]:
+    """What sets say of each engine; where sets have other releases of its packages, all of them are there."""
     engines = dict.fromkeys(engine for own in groups for engine in own)
     return {engine: {k: v for own in groups for k, v in own.get(engine, {}).items()} for engine in engines}
 

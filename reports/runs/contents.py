@@ -18,6 +18,7 @@ from bodycheck.reports.runs.brief import brief
 from bodycheck.reports.runs.commands import Command, command
 from bodycheck.reports.runs.comparison import Shown
 from bodycheck.reports.runs.curves import Curves
+from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.matrix import Matrix, matrices
 from bodycheck.reports.runs.origins import Origins, origins
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback, playback
@@ -142,11 +143,13 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     lines = assign(verdict.key.over_cases for verdict in verdicts)
     points = max(2, min(MOST_POINTS, MOST_NUMBERS // max(1, 4 * len(verdicts))))
     room = MOST_CHARACTERS // max(1, len(shown))
+    header = comparison.header(sets)
+    demonstrations = demonstrated(header, lines)
     anchors = {verdict.key: f"run-{case.name}-{place}" for case in shown for place, verdict in enumerate(case.verdicts, 1)}
-    sections = tuple(_section(case, lines, anchors, points, room) for case in shown)
+    sections = tuple(_section(case, lines, anchors, demonstrations, points, room) for case in shown)
     told = brief(sets)
     return Contents(
-        header=comparison.header(sets),
+        header=header,
         complete=all(one.results.complete for one in sets),
         headline=told.headline,
         tally=told.tally,
@@ -158,7 +161,12 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
         ),
         lines=tuple(lines.values()),
         matrices=matrices(
-            {case.name: case.case for case in shown}, verdicts, lines, anchors, {one.name: one.curves.drawn for one in sections}
+            {case.name: case.case for case in shown},
+            verdicts,
+            lines,
+            anchors,
+            {one.name: one.curves.drawn for one in sections},
+            demonstrations,
         ),
         sections=sections,
         plotted=tuple(QUANTITIES[name] for name in PLOTTED if any(name in section.curves.drawn for section in sections)),
@@ -170,7 +178,14 @@ def _failure(case: Shown, verdict: Verdict, lines: Mapping[RunKey, Line]) -> Fai
     return Failure(verdict.run.case, label, failure_status(verdict), verdict.reason, steps)
 
 
-def _section(shown: Shown, lines: Mapping[RunKey, Line], anchors: Mapping[RunKey, str], points: int, room: int) -> Section:
+def _section(
+    shown: Shown,
+    lines: Mapping[RunKey, Line],
+    anchors: Mapping[RunKey, str],
+    demonstrations: Mapping[RunKey, str],
+    points: int,
+    room: int,
+) -> Section:
     case, verdicts = shown.case, shown.verdicts
     timesteps = dict.fromkeys(verdict.run.method.timestep for verdict in verdicts)
     truths = {(one.label, timestep): one.results.truth(case.name, timestep) for one in shown.sets for timestep in timesteps}
@@ -189,7 +204,7 @@ def _section(shown: Shown, lines: Mapping[RunKey, Line], anchors: Mapping[RunKey
         source=case.source,
         tags=case.tags,
         facts=facts,
-        table=run_table(verdicts, anchors, drawn.drawn) if verdicts else None,
+        table=run_table(verdicts, anchors, drawn.drawn, demonstrations) if verdicts else None,
         commands=tuple(
             Command(
                 anchors[verdict.key],

@@ -1,8 +1,8 @@
 """Findings about the runs of a report: sentences made of measurements, the most telling first."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 from bodycheck.judging.attribution import Attribution
@@ -27,6 +27,9 @@ NEAR = 1e-2
 
 #: Relative drifts below this are rounding and are not reported.
 ROUNDING = 1e-12
+
+#: The subjects of findings that compare all methods, so that they are wrong where some are left out.
+OF_ALL_METHODS = ("Position", "Attitude", "Closest", "Angular momentum")
 
 
 @dataclass(frozen=True)
@@ -62,11 +65,44 @@ def measured(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> list[
     ]
 
 
-def findings(runs: Sequence[Measured], parts: Sequence[Attribution], lines: Mapping[RunKey, Line]) -> tuple[Finding, ...]:
+def findings(
+    runs: Sequence[Measured],
+    parts: Sequence[Attribution],
+    lines: Mapping[RunKey, Line],
+    demonstrations: Collection[RunKey] = (),
+) -> tuple[Finding, ...]:
     """Return findings about the completed runs and about the parts of their contact discrepancies.
 
-    The largest errors come first, then the method with the smallest errors, then the causes.
+    The largest errors come first, then the method with the smallest errors, then the causes. Demonstrations are left out, which
+    the findings say, unless nothing else was run.
+
+    Parameters
+    ----------
+    runs
+        The completed runs.
+    parts
+        The parts of their contact discrepancies.
+    lines
+        The lines of all methods.
+    demonstrations
+        Methods that are there to demonstrate something.
     """
+    shown = {lines[key] for key in demonstrations}
+    if chosen := [run for run in runs if run.line not in shown]:
+        parts = [part for part in parts if lines[part.key.over_cases] not in shown]
+        found = _findings(chosen, parts, lines)
+        return tuple(map(_apart, found)) if len(chosen) < len(runs) else found
+    return _findings(runs, parts, lines)
+
+
+def _apart(finding: Finding) -> Finding:
+    """Return a finding that says that it is not about demonstrations, if it is about all methods."""
+    if finding.subject not in OF_ALL_METHODS:
+        return finding
+    return replace(finding, before=f"Demonstrations apart, {finding.before[0].lower()}{finding.before[1:]}")
+
+
+def _findings(runs: Sequence[Measured], parts: Sequence[Attribution], lines: Mapping[RunKey, Line]) -> tuple[Finding, ...]:
     if not runs:
         return ()
     # In contact the model matters more than the integrator, so that methods are compared by flights alone.

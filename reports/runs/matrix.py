@@ -104,12 +104,17 @@ class Cell:
 
 @dataclass(frozen=True)
 class Column:
-    """One method at all time steps. `results` is the label of the set of results, empty if there is only one set."""
+    """One method at all time steps.
+
+    `results` is the label of the set of results, empty if there is only one set. `demonstrates` says whether the method is
+    there to demonstrate something.
+    """
 
     engine: str
     integrator: str
     results: str
     colour: str
+    demonstrates: bool
 
 
 @dataclass(frozen=True)
@@ -167,10 +172,12 @@ def matrices(
     lines: Mapping[RunKey, Line],
     anchors: Mapping[RunKey, str],
     drawn: Mapping[str, Collection[str]],
+    demonstrations: Collection[RunKey] = (),
 ) -> tuple[Matrix, ...]:
     """Return a matrix for each kind of which any case has a run, in the order of `KINDS`.
 
-    anchors: those of the commands that make the runs; drawn: the quantities that have curves, by case.
+    anchors: those of the commands that make the runs; drawn: the quantities that have curves, by case; demonstrations: the
+    methods that are there to demonstrate something.
     """
     kinds = {name: kind_of(case.scene) for name, case in cases.items()}
     found = []
@@ -183,7 +190,7 @@ def matrices(
                 curved = kind.quantity in drawn[verdict.run.case] and verdict.discrepancy is not None
                 link = curve_anchor(verdict.run.case, kind.quantity) if curved else f"case-{verdict.run.case}"
                 figures.setdefault(verdict.key.over_steps, []).append(_figure(verdict, kind, link, anchors[verdict.key]))
-            found.append(_matrix(kind, members, own, lines, figures))
+            found.append(_matrix(kind, members, own, lines, figures, demonstrations))
     return tuple(found)
 
 
@@ -193,12 +200,14 @@ def _matrix(
     verdicts: Sequence[Verdict],
     lines: Mapping[RunKey, Line],
     by_cell: Mapping[RunKey, Sequence[Figure]],
+    demonstrations: Collection[RunKey],
 ) -> Matrix:
     used = {verdict.key.over_cases for verdict in verdicts}
     columns: dict[RunKey, Column] = {}
     for key, line in lines.items():
         if key in used:
-            columns.setdefault(key.over_steps, Column(line.engine, line.integrator, line.results, line.colour))
+            column = Column(line.engine, line.integrator, line.results, line.colour, key in demonstrations)
+            columns.setdefault(key.over_steps, column)
     steps = Counter(verdict.run.method.timestep for verdict in verdicts)
     common = max(steps, key=lambda step: (steps[step], step))
     rows = tuple(

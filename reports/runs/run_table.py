@@ -25,7 +25,12 @@ MARGINS = (
 WITHIN_TRUTH = "≤ marks an error within the truth's own error, which is the number shown."
 
 
-def run_table(verdicts: Sequence[Verdict], anchors: Mapping[RunKey, str], drawn: Collection[str]) -> Table:
+def run_table(
+    verdicts: Sequence[Verdict],
+    anchors: Mapping[RunKey, str],
+    drawn: Collection[str],
+    demonstrations: Mapping[RunKey, str],
+) -> Table:
     """Return the table of the runs of one case: a row for each, with its figures.
 
     What would be the same in every row is left out: the status where all runs completed, expectations where none were set.
@@ -38,6 +43,8 @@ def run_table(verdicts: Sequence[Verdict], anchors: Mapping[RunKey, str], drawn:
         The anchors of the commands that make the runs.
     drawn
         Names of the quantities that have curves.
+    demonstrations
+        What methods are there to demonstrate.
     """
     rows = [verdict.row() for verdict in verdicts]
     quantities = [QUANTITIES[name] for name in TABLED if any(name in row for row in rows)]
@@ -52,9 +59,15 @@ def run_table(verdicts: Sequence[Verdict], anchors: Mapping[RunKey, str], drawn:
     every = (*keys, "Status", "Expectation", "Margin", *labels, COST, "Reason")
     columns = tuple(name for name in every if told.get(name, True))
     bounded = any(quantity.within_truth(row) is not None for quantity in quantities for row in rows)
-    notes = (*((WITHIN_TRUTH,) if bounded else ()), *((MARGINS,) if told["Margin"] else ()))
+    notes = (
+        *((WITHIN_TRUTH,) if bounded else ()),
+        *((MARGINS,) if told["Margin"] else ()),
+        *_demonstration_notes(verdicts, demonstrations),
+    )
     cells = [
-        _entries(verdict, row, quantities, anchors[verdict.key], drawn) for verdict, row in zip(verdicts, rows, strict=True)
+        _entries(verdict, row, quantities, anchors[verdict.key], drawn)
+        | {"Integrator": _integrator(verdict, anchors[verdict.key], demonstrations)}
+        for verdict, row in zip(verdicts, rows, strict=True)
     ]
     own = _own_errors(rows, quantities)
     return Table(
@@ -96,7 +109,6 @@ def _entries(
     leads = {name: curve_anchor(verdict.run.case, name) if name in drawn else anchor for name in (q.name for q in quantities)}
     return {
         "Engine": Entry(f"{row['engine']} {row['version']}".rstrip()),
-        "Integrator": Entry(row["integrator"], meaning="the command that makes this run", link=anchor),
         "Set": Entry(verdict.label),
         "Time step": Entry(milliseconds(row["timestep"])),
         "Status": Entry(row["status"]),
@@ -106,6 +118,21 @@ def _entries(
         COST: Entry("–") if time_per_step is None else Entry(number(1e6 * time_per_step, 3), 1e6 * time_per_step, link=anchor),
         "Reason": Entry(row["reason"]),
     }
+
+
+def _integrator(verdict: Verdict, anchor: str, demonstrations: Mapping[RunKey, str]) -> Entry:
+    marked = " (demonstration)" if verdict.key.over_cases in demonstrations else ""
+    return Entry(f"{verdict.run.method.name}{marked}", meaning="the command that makes this run", link=anchor)
+
+
+def _demonstration_notes(verdicts: Sequence[Verdict], demonstrations: Mapping[RunKey, str]) -> tuple[str, ...]:
+    """Return a sentence on each integrator that is there to demonstrate something."""
+    told = {
+        f"{verdict.run.engine} {verdict.run.method.integrator} is there to demonstrate {demonstrations[key]}."
+        for verdict in verdicts
+        if (key := verdict.key.over_cases) in demonstrations
+    }
+    return tuple(sorted(told))
 
 
 def _margin(margins: Sequence[Margin]) -> Entry:

@@ -90,10 +90,10 @@ def test_an_expectation_of_a_release_binds_it_to_its_environment(
 
 
 def test_an_environment_that_is_removed_meanwhile_fails_its_runs_alone(two_releases: None, tmp_path: Path) -> None:
-    tasks = plan([STEADY_SPIN], engines.describe(["toy@1.0", "mujoco"])[0], ("closed-form", "RK4"), (0.1,))
+    records, _ = engines.describe(["toy@1.0", "mujoco"])
+    tasks = plan([STEADY_SPIN], records, ("closed-form", "RK4"), (0.1,))
     assert environments.remove("toy", ["1.0"]) == ("1.0",)
-    versions = {"toy@1.0": "1.0", "mujoco": "4.0.0"}
-    with campaign.results(tasks, tmp_path / "out", campaign.header([], versions, {}), 1) as results:
+    with campaign.results(tasks, tmp_path / "out", campaign.header([], records, {}), 1) as results:
         outcomes = {run.engine: run.outcome for run in results.runs()}
     assert outcomes["mujoco"].status == "ok"
     assert "toy@1.0 is not installed" in outcomes["toy@1.0"].reason

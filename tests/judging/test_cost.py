@@ -33,7 +33,7 @@ def written(folder: Path, *names: str, expectation: str = "") -> Results:
     """Results of MuJoCo's methods on shipped cases, cut short, with an expectation."""
     cases = [parse(shortened(load(name), 1.0, 11).text.partition("[[expect]]")[0] + expectation, name) for name in names]
     records = {"mujoco": registry.load("mujoco").engine}
-    head = campaign.header(["test"], {"mujoco": records["mujoco"].version}, {})
+    head = campaign.header(["test"], {"mujoco": records["mujoco"]}, {})
     tasks = plan(cases, records, ("RK4", "Euler"), () if expectation else (0.02,))
     with calls_here(), campaign.results(tasks, folder, head):
         pass

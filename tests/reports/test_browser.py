@@ -247,7 +247,7 @@ def test_rows_are_filtered(visit: Visit) -> None:
     field = page.locator("#case-intermediate-axis-flip").get_by_label("Filter rows").first
     total = len(rows(page, TABLE, "Integrator"))
     field.fill("PINOCCHIO rk4")
-    assert [text for _, text in rows(page, TABLE, "Integrator")] == ["rk4", "rk4-naive"]
+    assert [text for _, text in rows(page, TABLE, "Integrator")] == ["rk4", "rk4-naive (demonstration)"]
     assert page.locator("output", has_text=f"2 of {total}").count() == 1
     field.fill("")
     assert len(rows(page, TABLE, "Integrator")) == total

@@ -13,6 +13,7 @@ from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import CaseFaults, parse, parse_stored
 from bodycheck.judging import baseline, judgement
 from bodycheck.running import store
+from bodycheck.running.header import LATER
 from bodycheck.running.plan import Task
 from tests.support import campaigns, journals
 from tests.support.commands import call
@@ -38,6 +39,8 @@ def results(tmp_path: Path) -> store.Results:
     for record in lines:
         if record.get("integrator") == NEW:
             record["integrator"] = OLD
+        for later in LATER:
+            record.pop(later, None)
         for entry in record.get("cases", ()):
             entry["text"] = TEXT + EXPECT.format(OLD)
     journals.write_without_checksums(records, lines)

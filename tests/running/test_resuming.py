@@ -186,7 +186,7 @@ steps = (0.1, 0.05, 0.04, 0.02)
 tasks = plan([load("osrf-boxes-simple")], records, (), steps)
 tasks = [task for task in tasks if task.engine != "segfaulting" or task.method.timestep == steps[0]]
 random.Random(1).shuffle(tasks)
-head = campaign.header([], {name: record.version for name, record in records.items()}, {})
+head = campaign.header([], records, {})
 with campaign.results(tasks, Path(sys.argv[1]), head, jobs=2):
     pass
 """

@@ -28,7 +28,7 @@ COMMAND = ("bodycheck", "run")
 
 def header(*engines: str, command: Sequence[str] = COMMAND) -> dict[str, Any]:
     """The header of results of some engines, of which none is missing."""
-    return campaign.header(command, {name: record.version for name, record in records(*engines).items()}, {})
+    return campaign.header(command, records(*engines), {})
 
 
 def results(tasks: Sequence[Task], folder: Path, jobs: int = 0, command: Sequence[str] = COMMAND, **options: Any) -> Results:

@@ -17,6 +17,7 @@ HEADER = {
     "engines": {"mujoco": "1.0 to 3.0"},
     "missing": {},
     "environments": {},
+    "demonstrations": {},
     "versions": ["1.0", "2.0", "3.0"],
     "cases": {"spin": "0"},
     "unmeasured": {},

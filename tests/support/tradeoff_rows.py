@@ -22,6 +22,7 @@ HEADER = {
     "engines": {"mujoco": "4", "pinocchio": "4"},
     "missing": {},
     "environments": {},
+    "demonstrations": {},
 }
 
 

@@ -42,7 +42,7 @@ def extremes(
     loaded = [case for case in load_cases(cases) if cases or case.extremes]
     engines = load_engines(engine)
     planned = study.prepare(loaded, engines.records, integrator)
-    head = campaign.header(sys.argv, engines.versions, engines.missing)
+    head = campaign.header(sys.argv, engines.records, engines.missing)
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
         progress = stack.enter_context(terminal.progress("pushing", planned.size, quiet))

@@ -69,7 +69,7 @@ def recommend(
     engines = load_engines(engine)
     planned = study.prepare(loaded, engines.records, integrator, quantity, error)
     known = study.reused(store.read(reuse), planned) if reuse is not None else []
-    head = campaign.header(sys.argv, engines.versions, engines.missing)
+    head = campaign.header(sys.argv, engines.records, engines.missing)
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
         progress = stack.enter_context(terminal.progress("searching", len(planned.searches), quiet))

@@ -120,7 +120,7 @@ def recommend(
     """
     used = engines.describe(registry.names())[0] if records is None else records
     planned = prepare(case, used, integrators, quantity, error)
-    head = campaign.header(sys.argv, {name: record.version for name, record in used.items()}, {})
+    head = campaign.header(sys.argv, used, {})
     with temporary_folder() as folder, results(planned, folder, head, jobs, known=known) as found:
         return found
 

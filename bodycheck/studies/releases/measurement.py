@@ -45,7 +45,7 @@ def _answer(engine: str, question: Question, jobs: int) -> Answer:
     tasks = _tasks(question, loaded, engine, record, lacking)
     if not tasks:
         return Answer(offered, lacking)
-    head = campaign.header(sys.argv, {engine: record.version}, {})
+    head = campaign.header(sys.argv, {engine: record}, {})
     with temporary_folder() as folder, campaign.results(tasks, folder, head, jobs) as results:
         verdicts = judgement.judge(results)
         if question.kind == "figures":

@@ -155,7 +155,8 @@ def _header(
     unmeasured = {version: str(one) for version, one in obtained.items() if isinstance(one, Unobtainable)}
     unmeasured |= {version: answer.failure for (version, _), answer in answers.items() if answer.failure}
     return {
-        **campaign.header(sys.argv, {engine: " to ".join(dict.fromkeys((versions[0], versions[-1])))}, {}),
+        **campaign.header(sys.argv, {}, {}),
+        "engines": {engine: " to ".join(dict.fromkeys((versions[0], versions[-1])))},
         "versions": versions,
         "unmeasured": unmeasured,
         "notices": list(notices),

@@ -16,6 +16,7 @@ from bodycheck.judging.judgement import Breach, Judged, Verdict
 from bodycheck.reference.requirements import requirements
 from bodycheck.reports.lines import assign
 from bodycheck.reports.runs import markdown_report
+from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.findings import findings, measured
 from bodycheck.reports.runs.matrix import KINDS, Matrix, decade, kind_of, matrices
 from bodycheck.reports.runs.summary import broken, expectation_status, headline, tally
@@ -190,6 +191,26 @@ def test_what_is_said_of_flights_is_not_said_of_every_case() -> None:
         lines = assign(verdict.key.over_cases for verdict in verdicts)
         told = {finding.subject: finding.text for finding in findings(measured(verdicts, lines), (), lines)}
         assert f"The attitude error {words} is smallest with mujoco b: at most 1e-6 rad" in told["Closest"]
+
+
+def test_findings_are_about_demonstrations_only_where_nothing_else_was_run() -> None:
+    """A sentence on all methods says that they are left out, also where it says that no error is large."""
+    runs = [
+        ran(FLIP, "pinocchio", "naive:model=a", attitude_error=2.0, position_error=17.0, angular_momentum_drift=0.5),
+        *(ran(FLIP, integrator=name, attitude_error=e, position_error=1e-9) for name, e in (("a", 1e-3), ("b", 1e-6))),
+    ]
+    header: Any = {"demonstrations": {"pinocchio": {"naive": "what goes wrong"}}}
+
+    def told(*verdicts: Verdict) -> dict[str, str]:
+        lines = assign(verdict.key.over_cases for verdict in verdicts)
+        found = findings(measured(verdicts, lines), (), lines, demonstrated(header, lines))
+        return {finding.subject: finding.text for finding in found}
+
+    assert "naive" not in str(told(*runs))
+    assert told(*runs)["Position"] == "Demonstrations apart, no completed run has a position error of more than 1e-9 m."
+    assert told(*runs)["Attitude"].startswith("Demonstrations apart, the largest attitude error is 0.001 rad, with mujoco a")
+    assert "17 m, with pinocchio naive" in told(runs[0])["Position"]
+    assert "apart" not in str(told(*runs[1:])) + str(told(runs[0]))
 
 
 def test_rounding_is_not_compared_between_engines() -> None:

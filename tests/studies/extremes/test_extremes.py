@@ -22,7 +22,7 @@ from bodycheck.casefile.case import shipped
 from bodycheck.errors import BadInput
 from bodycheck.reference.scene import State
 from bodycheck.reference.truth import NoTruth
-from bodycheck.running import campaign, journal
+from bodycheck.running import journal
 from bodycheck.running.outcome import Completed
 from bodycheck.studies.extremes import study as extremes
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose
@@ -274,7 +274,7 @@ def test_the_report_begins_with_what_engines_take_for_healthy() -> None:
         Limit(case.name, "pinocchio", "1", "rk4", 1.0, 3.2, 3.2, 3.3),
         Limit(case.name, "a", "1", "b", 1.0, None, None, 1e-3),
     ]
-    report = present(campaign.header([], {"pinocchio": "1"}, {}), rows, limits)
+    report = present(header("pinocchio"), rows, limits)
     believed = sum(row.believed for row in rows)
     assert report.headline == f"In {believed} of {len(rows)} runs the engine reported no problem although the result is wrong"
     assert report.findings[0].subject == "Unreported errors"

@@ -1,0 +1,21 @@
+"""Methods that an adapter offers to demonstrate something, and that users do not choose."""
+
+from collections.abc import Iterable, Mapping
+
+from bodycheck.running.header import Header
+from bodycheck.running.key import RunKey
+
+
+def demonstrated(header: Header, keys: Iterable[RunKey]) -> Mapping[RunKey, str]:
+    """Return what methods are there to demonstrate, without those that users choose.
+
+    Parameters
+    ----------
+    header
+        The header of the results, or of all sets of results together.
+    keys
+        The methods over all cases; see `RunKey.over_cases`.
+    """
+    named = header["demonstrations"]
+    told = {key: named.get(key.engine, {}).get(key.method.integrator, "") for key in keys}
+    return {key: text for key, text in told.items() if text}
