@@ -1,0 +1,40 @@
+"""The adapter of Exudyn, a C++ engine of flexible multibody dynamics that computes in double precision.
+
+The module `engine` is the adapter, `formulations` has the coordinates of the body's rotation, `stepping` the settings and the
+loop of the solvers, and `contact` the contacts of a brick. Steps are taken in C++, many a call.
+
+The integrators are Exudyn's dynamic solvers: explicit Runge-Kutta methods (`ExplicitEuler`, `ExplicitMidpoint`, `RK33`, `RK44`,
+`RK67`, `ODE23`, `DOPRI5`) and `VelocityVerlet`, and the implicit `GeneralizedAlpha`, which is Exudyn's default, and
+`TrapezoidalIndex2`. `ODE23` and `DOPRI5` adapt their step by default and are stepped at a fixed one here. `DVERK6` is in
+Exudyn's list, but no solver of 1.13 accepts it. Generalized alpha with `useNewmark` is the trapezoidal rule, and so is that
+with a spectral radius of 1: their states were the same, so that Newmark is no method of its own. Exudyn calls `VelocityVerlet`
+a method of order 2 under development; its rotation and its drag are of order 1, because these depend on velocities.
+
+The option `formulation` selects the coordinates of the rotation:
+
+- `RotVecLG`, the rotation vector on the Lie group (Holzinger, Arnold and Gerstmayr 2023, doi 10.21203/rs.3.rs-2715112/v1); the
+  default here with all solvers. The velocities are the angular velocity in the body frame. A body at rest that starts to turn
+  by less than 1e-8 rad a step stays where it is, because of how Exudyn composes rotations.
+- `EP`, Euler parameters, with their norm as an algebraic constraint, for implicit solvers alone; the default of Exudyn's own
+  functions that create bodies. `GeneralizedAlpha` keeps the norm in every step, but without numerical damping accelerations
+  of alternating sign grow until Newton's method fails, after some seconds; it therefore has them by default in
+  `settings=engine` alone. `TrapezoidalIndex2` keeps only the rate of the norm, which drifts.
+- `Rxyz`, angles about x, y and z. They meet gimbal lock: errors of order one, or the solver stops.
+
+The linear velocity is in the world frame. Euler parameters are normalised here; the other formulations have no quaternions.
+Drag is a force that Exudyn evaluates in every stage of a step, so that every solver keeps its order; a Python function computes
+it, which takes most of the time of a step.
+
+Switched off are numerical damping (the spectral radius is 1), the halving of steps in which Newton's method fails, and adaptive
+steps. `GeneralizedAlpha:settings=engine` has Exudyn's defaults: Euler parameters, a spectral radius of 0.9, halved steps, and
+on a plane friction that is proportional to the velocity below 1 mm/s. In all other methods that speed is the least with which
+no step reverses the sliding. Newton's method is full instead of modified, so that states do not depend on where they are
+sampled; its tolerances are Exudyn's, and limit implicit solvers to errors of some 1e-6 rad in a second.
+
+A brick on a plane has `GeneralContact`, at its four corners; the module `contact` says how stiff it is. A cylinder has none.
+"""
+
+from bodycheck.adapters.installation import Installation
+
+#: What the engine is installed from.
+INSTALLATION = Installation("exudyn")

@@ -1,0 +1,133 @@
+"""The adapter of Exudyn; see the package for what the methods are."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn
+import numpy as np
+from exudyn import itemInterface
+
+from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported, Simulation, choice
+from bodycheck.adapters.exudyn import INSTALLATION, contact, formulations, stepping
+from bodycheck.adapters.exudyn.formulations import FORMULATIONS
+from bodycheck.adapters.stepping import Normalised
+from bodycheck.reference.inertia import inertia_tensor
+from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.trajectory import Array
+
+# Exudyn prints warnings and errors, and writes errors to a file, besides raising them.
+exudyn.config.printToConsole = exudyn.special.exceptions.writeErrorsToLogFile = False
+
+#: The orders that Exudyn claims, and the numbers of evaluations in a step, of the explicit solvers.
+ORDERS = {
+    "ExplicitEuler": (1, 1),
+    "ExplicitMidpoint": (2, 2),
+    "RK33": (3, 3),
+    "RK44": (4, 4),
+    "RK67": (6, 7),
+    "ODE23": (3, 4),
+    "DOPRI5": (5, 7),
+    "VelocityVerlet": (2, 1),
+}
+
+VARIANTS = ("RK44:formulation=Rxyz", "GeneralizedAlpha:settings=engine", "TrapezoidalIndex2:formulation=EP")
+
+
+def integrators() -> tuple[Integrator, ...]:
+    """Return the explicit solvers, then the implicit ones."""
+    explicit = {"formulation": choice("Rxyz")}
+    implicit = {"formulation": choice("EP", "Rxyz")}
+    return (
+        *(Integrator(name, *ORDERS[name], options=explicit) for name in ORDERS),
+        Integrator("GeneralizedAlpha", 2, options={**implicit, "settings": choice("engine")}),
+        Integrator("TrapezoidalIndex2", 2, options=implicit),
+    )
+
+
+engine = Engine(
+    name="exudyn",
+    distribution=INSTALLATION.distribution,
+    version=str(exudyn.__version__),
+    integrators=integrators(),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    variants={"flight": VARIANTS, "drag": VARIANTS, "plane": VARIANTS[1:]},
+)
+
+#: The functions of Exudyn that steps call from Python; force functions are called by Exudyn.
+calls = tuple((kind, "SolveSteps") for kind in (exudyn.MainSolverExplicit, exudyn.MainSolverImplicitSecondOrder))
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A model of a scene with its initialised solver.
+
+    Parameters
+    ----------
+    stepper
+        The simulation.
+    contacts
+        Exudyn's contacts; None without a plane.
+    """
+
+    stepper: stepping.Stepper
+    contacts: "exudyn.GeneralContact | None"
+
+
+def prepare(scenes: Sequence[Scene], method: Method) -> Simulation:
+    """Return the simulation of one scene, as `Adapter.prepare` does."""
+    (scene,) = scenes
+    simulation = model(scene, method).stepper
+    # Only the Euler parameters can have another norm; the quaternions of the others are made here.
+    return Normalised(simulation) if simulation.formulation is FORMULATIONS["EP"] else simulation
+
+
+def model(scene: Scene, method: Method) -> Model:
+    """Return the model of a scene for a method. Raises `SceneUnsupported`."""
+    name = method.option("formulation") or ("EP" if method.option("settings") == "engine" else "RotVecLG")
+    formulation = FORMULATIONS[name]
+    container = exudyn.SystemContainer()
+    system = container.AddSystem()
+    body = add_body(system, system.AddNode(formulations.node(formulation, scene.initial)), scene)
+    contacts = None if scene.plane is None else contact.add(system, body, scene, scene.plane, method)
+    system.Assemble()
+    settings, solver = stepping.settings(method), stepping.solver(method)
+    if not solver.InitializeSolver(system, settings):
+        raise SceneUnsupported(f"Exudyn refuses the model: {' '.join(solver.GetErrorString().split())}")
+    return Model(stepping.Stepper(container, system, solver, settings, formulation, method.timestep), contacts)
+
+
+def add_body(system: "exudyn.MainSystem", node: Any, scene: Scene) -> Any:
+    """Add to a system the body of a scene on a node, with its weight and its drag, and return its number."""
+    tensor = inertia_tensor(scene.body)
+    inertia = [*np.diag(tensor), tensor[1, 2], tensor[0, 2], tensor[0, 1]]
+    body = system.AddObject(itemInterface.ObjectRigidBody(nodeNumber=node, mass=scene.body.mass, inertia=inertia))
+    mass = system.AddMarker(itemInterface.MarkerBodyMass(bodyNumber=body))
+    system.AddLoad(itemInterface.LoadMassProportional(markerNumber=mass, loadVector=[0.0, 0.0, -scene.gravity]))
+    if not scene.drag:
+        return body
+
+    def force(system: "exudyn.MainSystem", time: float, load: Sequence[float]) -> list[float]:
+        velocity = system.GetNodeOutput(node, exudyn.OutputVariableType.Velocity)
+        return [float(part) for part in -scene.drag * np.linalg.norm(velocity) * velocity]
+
+    centre = system.AddMarker(itemInterface.MarkerBodyPosition(bodyNumber=body))
+    system.AddLoad(itemInterface.LoadForceVector(markerNumber=centre, loadVectorUserFunction=force))
+    return body
+
+
+def contact_law(scene: Scene, method: Method) -> Plane | None:
+    """Return the friction law of a method's contacts, which is that of rigid corners."""
+    return contact.law(scene)
+
+
+def contact_load(scene: Scene, method: Method, steps: int) -> Array:
+    """Return the normal force (n,), in N, in each of n steps, as Exudyn's last evaluation in the step had it."""
+    made = model(scene, method)
+    assert made.contacts is not None  # the caller asks for scenes with a plane
+    made.contacts.computeContactForces = True
+    load = np.empty(steps)
+    for step in range(steps):
+        made.stepper.advance(np.array([1]))
+        load[step] = made.contacts.GetSystemODE2RhsContactForces(copy=True)[2]
+    return load

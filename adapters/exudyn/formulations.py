@@ -1,0 +1,127 @@
+"""The formulations of a rigid body's rotation in Exudyn: the coordinates of its node, and what they mean.
+
+Each has three coordinates of the position along the axes of the world, then those of the rotation. The velocities are the rates
+of the coordinates, except for the rotation vector, whose velocities are the angular velocity in the body frame.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from exudyn import itemInterface
+
+from bodycheck.adapters.contract import SceneUnsupported, states
+from bodycheck.reference.kinematics import conjugate, multiply
+from bodycheck.reference.scene import State
+from bodycheck.reference.trajectory import Array
+
+#: How near to 1/2 half the sine of the second angle is at which its cosine has lost half of the digits.
+GIMBAL_LOCK = 1e-16
+
+
+@dataclass(frozen=True)
+class Formulation:
+    """A formulation of the rotation of a body.
+
+    Parameters
+    ----------
+    node
+        Exudyn's class of nodes.
+    reference
+        The reference rotation, to which initial and current coordinates are relative.
+    start
+        Returns rotation and its velocities at a state.
+    meaning
+        Returns quaternions (n, 4) and angular velocities (n, 3) in the body frame, from rotations and velocities of n states.
+    """
+
+    node: Callable[..., Any]
+    reference: tuple[float, ...]
+    start: Callable[[Array, Array], tuple[Array, Array]]
+    meaning: Callable[[Array, Array], tuple[Array, Array]]
+
+
+def node(formulation: Formulation, initial: State) -> Any:
+    """Return a node of a formulation at an initial state."""
+    rotation, rates = formulation.start(np.array(initial.quaternion), np.array(initial.angular_velocity))
+    return formulation.node(
+        referenceCoordinates=[0.0, 0.0, 0.0, *formulation.reference],
+        initialCoordinates=[*initial.position, *(rotation - np.array(formulation.reference))],
+        initialVelocities=[*initial.velocity, *rates],
+    )
+
+
+def rows(formulation: Formulation, seen: Array) -> Array:
+    """Return the rows (n, 13) of states from Exudyn's coordinates, which are relative to the reference, and velocities."""
+    coordinates, velocities = np.split(seen, 2, axis=1)
+    quaternion, angular_velocity = formulation.meaning(coordinates[:, 3:] + np.array(formulation.reference), velocities[:, 3:])
+    return states(coordinates[:, :3], quaternion, velocities[:, :3], angular_velocity)
+
+
+def euler_parameters_at(quaternion: Array, angular_velocity: Array) -> tuple[Array, Array]:
+    """Return a quaternion (4,) and its rates, q (0, w) / 2."""
+    return quaternion, multiply(quaternion, np.array([0.0, *angular_velocity])) / 2
+
+
+def of_euler_parameters(parameters: Array, rates: Array) -> tuple[Array, Array]:
+    """Return quaternions of any norm, and the angular velocities 2 q* dq/dt."""
+    return parameters, 2 * multiply(conjugate(parameters), rates)[:, 1:]
+
+
+def rotation_vector_at(quaternion: Array, angular_velocity: Array) -> tuple[Array, Array]:
+    """Return the rotation vector (3,), rad, of at most a half turn, and the angular velocity."""
+    w, vector = quaternion[0], quaternion[1:]
+    size = float(np.linalg.norm(vector))
+    angle = 2 * np.arctan2(size, abs(w))
+    return (np.copysign(angle / size, w) * vector if size else np.zeros(3)), angular_velocity
+
+
+def of_rotation_vector(vectors: Array, angular_velocity: Array) -> tuple[Array, Array]:
+    """Return the quaternions of rotation vectors, and the angular velocities."""
+    half = np.linalg.norm(vectors, axis=1, keepdims=True) / 2
+    return np.hstack([np.cos(half), vectors / 2 * np.sinc(half / np.pi)]), angular_velocity
+
+
+def angles_at(quaternion: Array, angular_velocity: Array) -> tuple[Array, Array]:
+    """Return the angles of turns about x, then y, then z of the body, and their rates.
+
+    Raises `SceneUnsupported` in gimbal lock, where the turns about x and z are about one axis.
+    """
+    w, x, y, z = quaternion
+    if abs(w * y + x * z) > 0.5 - GIMBAL_LOCK:
+        raise SceneUnsupported("Rxyz has no rates at this attitude, which is in gimbal lock")
+    angles = np.array(
+        [
+            np.arctan2(2 * (w * x - y * z), 1 - 2 * (x * x + y * y)),
+            np.arcsin(np.clip(2 * (w * y + x * z), -1, 1)),
+            np.arctan2(2 * (w * z - x * y), 1 - 2 * (y * y + z * z)),
+        ]
+    )
+    return angles, np.linalg.solve(rates_to_velocity(angles[None])[0], angular_velocity)
+
+
+def of_angles(angles: Array, rates: Array) -> tuple[Array, Array]:
+    """Return the quaternions of angles, and the angular velocities."""
+    half, nothing = angles.T / 2, np.zeros(len(angles))
+    cosine, sine = np.cos(half), np.sin(half)
+    about_x = np.stack([cosine[0], sine[0], nothing, nothing], axis=1)
+    about_y = np.stack([cosine[1], nothing, sine[1], nothing], axis=1)
+    about_z = np.stack([cosine[2], nothing, nothing, sine[2]], axis=1)
+    quaternion = multiply(multiply(about_x, about_y), about_z)
+    return quaternion, np.einsum("nij,nj->ni", rates_to_velocity(angles), rates)
+
+
+def rates_to_velocity(angles: Array) -> Array:
+    """Return the matrices (n, 3, 3) from rates of angles (n, 3) to angular velocities in the body frame."""
+    (c2, c3), (s2, s3) = np.cos(angles[:, 1:]).T, np.sin(angles[:, 1:]).T
+    nothing, one = np.zeros(len(angles)), np.ones(len(angles))
+    return np.stack([c2 * c3, s3, nothing, -c2 * s3, c3, nothing, s2, nothing, one], axis=1).reshape(-1, 3, 3)
+
+
+#: All formulations by the names of Exudyn's nodes, without the words that these have in common.
+FORMULATIONS = {
+    "EP": Formulation(itemInterface.NodeRigidBodyEP, (1.0, 0.0, 0.0, 0.0), euler_parameters_at, of_euler_parameters),
+    "RotVecLG": Formulation(itemInterface.NodeRigidBodyRotVecLG, (0.0, 0.0, 0.0), rotation_vector_at, of_rotation_vector),
+    "Rxyz": Formulation(itemInterface.NodeRigidBodyRxyz, (0.0, 0.0, 0.0), angles_at, of_angles),
+}

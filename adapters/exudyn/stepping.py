@@ -1,0 +1,100 @@
+"""Settings of Exudyn's solvers for a fixed time step, and the loop over strides, whose steps are taken in C++."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn
+import numpy as np
+
+from bodycheck.adapters.contract import EngineDiverged, Method, Strides, single
+from bodycheck.adapters.exudyn import formulations
+from bodycheck.adapters.exudyn.formulations import Formulation
+from bodycheck.reference.trajectory import Array
+
+#: Exudyn's solvers that take explicit steps.
+EXPLICIT = ("ExplicitEuler", "ExplicitMidpoint", "RK33", "RK44", "RK67", "ODE23", "DOPRI5", "VelocityVerlet")
+
+#: A tolerance of the error of a step that every step keeps, so that a solver that adapts its step takes the largest.
+NO_TOLERANCE = 1e100
+
+
+@dataclass
+class Stepper:
+    """A simulation of one body.
+
+    Parameters
+    ----------
+    container, system
+        Exudyn's system and the container that owns it.
+    solver, settings
+        The initialised solver with its settings.
+    formulation
+        The formulation of the body's rotation.
+    timestep
+        The time step (s).
+    taken
+        The number of steps taken so far.
+    """
+
+    container: "exudyn.SystemContainer"
+    system: "exudyn.MainSystem"
+    solver: Any
+    settings: "exudyn.SimulationSettings"
+    formulation: Formulation
+    timestep: float
+    taken: int = 0
+
+    def advance(self, strides: Strides) -> Array:
+        """Return the states (1, n, 1, 13) after each of n strides, as `Simulation.advance` does."""
+        seen = []
+        for stride in strides.tolist():
+            failed = self.failed(stride) if stride else None
+            data = self.system.systemData
+            seen.append(np.concatenate([data.GetODE2Coordinates(), data.GetODE2Coordinates_t()]))
+            if failed is not None:
+                signal = EngineDiverged(failed)
+                signal.states = single(formulations.rows(self.formulation, np.array(seen)))
+                raise signal
+        return single(formulations.rows(self.formulation, np.array(seen)))
+
+    def failed(self, steps: int) -> str | None:
+        """Take a number of steps, at least one, and return what the solver says if it fails; None if it does not."""
+        iteration, adaptive = self.solver.it, self.settings.timeIntegration.adaptiveStep
+        # The loop ends after the first step that reaches the end. Where Exudyn may change steps, it shortens the last one to
+        # end there; where they are fixed, the end lies half a step back, so that rounding adds or omits no step.
+        iteration.startTime = self.taken * self.timestep
+        self.taken += steps
+        iteration.endTime = (self.taken if adaptive else self.taken - 0.5) * self.timestep
+        try:
+            if self.solver.SolveSteps(self.system, self.settings):
+                return None
+        except Exception as error:  # Exudyn raises what its messages of errors are, of several types
+            return f"Exudyn stops: {' '.join(str(error).split())}"
+        return f"Exudyn's solver fails: {' '.join(self.solver.GetErrorString().split())}"
+
+
+def settings(method: Method) -> "exudyn.SimulationSettings":
+    """Return the settings with which a solver takes the fixed steps of a method, writes no file and prints nothing."""
+    made = exudyn.SimulationSettings()
+    made.solution.file.write = False
+    time = made.timeIntegration
+    time.verboseMode = 0
+    time.numberOfSteps, time.endTime = 1, method.timestep
+    time.automaticStepSize = False
+    time.absoluteTolerance = time.relativeTolerance = NO_TOLERANCE
+    time.explicit.computeEndOfStepAccelerations = False  # no step depends on them
+    # Modified Newton keeps a Jacobian over many steps, until the end of a stride: states would depend on where they are seen.
+    time.newton.useModifiedNewton = False
+    if method.option("settings") != "engine":
+        time.adaptiveStep = False
+        time.generalizedAlpha.spectralRadius = 1.0
+    time.solverType = getattr(exudyn.DynamicSolverType, method.integrator)
+    if method.integrator == "TrapezoidalIndex2":
+        # What Exudyn's own function for this solver sets.
+        time.generalizedAlpha.useNewmark = time.generalizedAlpha.useIndex2Constraints = True
+    return made
+
+
+def solver(method: Method) -> Any:
+    """Return Exudyn's solver of a method."""
+    return exudyn.MainSolverExplicit() if method.integrator in EXPLICIT else exudyn.MainSolverImplicitSecondOrder()
