@@ -24,6 +24,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(ADAPTER_OPTION, metavar="ENGINE", help="Test the adapter of this engine alone.")
 
 
+@pytest.fixture(scope="session", autouse=True)
+def no_engines_apart(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Hides the engines that this user has installed apart, except from the tests that install some, which keep them."""
+    with pytest.MonkeyPatch.context() as patch:
+        if not set(request.config.getoption("-m").split()) <= {"slow", "engines", "or"}:
+            patch.setenv("BODYCHECK_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
 @pytest.fixture
 def miniatures(monkeypatch: pytest.MonkeyPatch) -> Path:
     """Puts the miniature engines on the path, where the registry finds them by their entry points."""

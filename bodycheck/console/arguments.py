@@ -70,12 +70,15 @@ class Engines:
         The records of the engines by name.
     missing
         Why engines that are installed cannot be used, by their names.
+    broken
+        Those of the missing engines that fail when they are imported.
     named
         Whether the user named the engines.
     """
 
     records: "dict[str, Engine]"
     missing: dict[str, str]
+    broken: frozenset[str]
     named: bool
 
     def absence(self, name: str) -> "Absence | None":
@@ -90,9 +93,7 @@ class Engines:
 
     def failed(self, cases: "Iterable[Case]" = ()) -> bool:
         """Return whether an engine fails that the user named, or of which cases expect something if the user named none."""
-        return bool(
-            self.missing if self.named else self.missing.keys() & {e.engine for case in cases for e in case.expectations}
-        )
+        return bool(self.broken if self.named else self.broken & {e.engine for case in cases for e in case.expectations})
 
 
 def load_engines(names: tuple[str, ...], expected: "Mapping[str, bool] | None" = None) -> Engines:
@@ -125,14 +126,15 @@ def load_engines(names: tuple[str, ...], expected: "Mapping[str, bool] | None" =
     records, faults = engines.describe(wanted)
     if lacking := next((fault for name, fault in faults.items() if name in needed and not fault.broken), None):
         raise BadInput(lacking.reason)
-    broken = {name: fault.reason for name, fault in faults.items() if fault.broken}
-    for reason in broken.values():
+    missing = {name: fault.reason for name, fault in faults.items() if fault.broken or registry.installed(name) is not None}
+    for reason in missing.values():
         print(f"bodycheck: {reason}; continuing without it", file=sys.stderr)
     if not records:
         raise Failed("no engine can be used") if names else BadInput("no engine can be used")
     return Engines(
         records=records,
-        missing=broken,
+        missing=missing,
+        broken=frozenset(name for name, fault in faults.items() if fault.broken),
         named=bool(names),
     )
 

@@ -120,7 +120,7 @@ def test_what_is_not_modelled_yet_is_unsupported(calls_here: None, short: Path) 
     ("arguments", "words"),
     [
         (("run", "nobody"), "no such file, and no shipped case of this name"),
-        (("run", "--engine", "nobody"), "there is no engine 'nobody'; there are: mujoco, pinocchio"),
+        (("run", "--engine", "nobody"), "there is no engine 'nobody'; there are: "),
         (("run", "--integrator", "rk5"), "no engine has an integrator 'rk5'"),
         (("run", "free-brick", "--integrator", "RK4:drag=fluid"), "nothing to run"),
         (("run", "--timestep", "-1"), "must be positive"),

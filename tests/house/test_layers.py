@@ -24,8 +24,23 @@ FLOORS = (
     {"__main__", "__init__"},
 )
 
-#: The package of each engine, by the folder of its adapter: imported there and nowhere else.
-ENGINES = {"mujoco": "mujoco", "pinocchio": "pinocchio"}
+#: The packages of engines, and the folders of the adapters that import them, which nothing else does.
+ENGINES = {
+    "brax": {"brax"},
+    "dartpy": {"dart"},
+    "exudyn": {"exudyn"},
+    "jax": {"brax", "mjx", "mjx32"},
+    "mujoco": {"mjx", "mjx32", "mujoco", "mujoco_warp"},
+    "mujoco_warp": {"mujoco_warp"},
+    "newton": {"newton"},
+    "opensim": {"simbody"},
+    "pinocchio": {"pinocchio"},
+    "pybullet": {"pybullet"},
+    "pydrake": {"drake"},
+    "rapier3d": {"rapier"},
+    "sapien": {"sapien"},
+    "warp": {"mujoco_warp", "newton"},
+}
 
 
 def rooms(root: Path) -> dict[str, Path]:
@@ -76,7 +91,7 @@ def faults(root: Path) -> list[str]:
                 other = rest.partition(".")[0]
                 if package == "bodycheck" and other != room and other in places and floor(other) >= floor(room):
                     found.append(f"{path}: imports {module}")
-                if package in ENGINES.values() and path.parent.name != package:
+                if package in ENGINES and path.parent.name not in ENGINES[package]:
                     found.append(f"{path}: imports the engine {package}")
     return found
 

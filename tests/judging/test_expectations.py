@@ -5,6 +5,7 @@ from datetime import date
 import pytest
 
 from bodycheck import Case, CaseFaults, load, simulate
+from bodycheck.adapters import registry
 from bodycheck.casefile.case import parse, parse_stored
 from bodycheck.casefile.expectation import Limit
 from bodycheck.casefile.values import MAX_EXPECTATIONS
@@ -132,7 +133,8 @@ def test_an_engine_that_nobody_knows_is_a_fault_and_a_version_is_none() -> None:
         parse(text.replace('"mujoco"', '"mujocco"'), "f")
     (fault,) = caught.value.faults
     assert (fault.key, fault.position) == ("expect[1].engine", (BEGINNING.count("\n") + 2, 1))
-    assert fault.message == "read 'mujocco'; there is no such engine; allowed: mujoco, pinocchio; did you mean 'mujoco'?"
+    known = ", ".join(registry.names())
+    assert fault.message == f"read 'mujocco'; there is no such engine; allowed: {known}; did you mean 'mujoco'?"
     (expectation,) = parse(text.replace('"mujoco"', '"mujoco@3.17.0"'), "f").expectations
     assert expectation.engine == "mujoco@3.17.0"
 
