@@ -1,0 +1,42 @@
+"""The adapter of MJX, which is MuJoCo written in JAX, in double precision on the CPU.
+
+The module `engine` is the adapter, `simulation` builds and steps a model, and `compiled` has the loop of steps that JAX
+compiles. The adapter of the engine in single precision, `bodycheck.adapters.mjx32`, shares them: JAX fixes its precision when a
+process begins, so that each precision is an engine of its own.
+
+MJX reads MuJoCo's model. The XML is that of the adapter of MuJoCo, with a free joint for a body in flight, and MuJoCo's own
+contact for a body on a plane. The methods are the integrators of MJX:
+
+- `Euler` is semi-implicit Euler in the velocities of the free joint.
+- `RK4` is the classical Runge-Kutta scheme, whose last turn follows the mean of the velocities of the stages. It is of second
+  order in the attitude of a tumbling body, as MuJoCo's was before version 4, and of fourth order where the body does not
+  tumble.
+- `implicitfast` treats damping and actuators implicitly. A body without them takes the same steps as with `Euler`, because the
+  derivative of the gyroscopic torque, which MuJoCo includes, is not part of MJX.
+
+Nothing has to be switched off: MJX has no damping, no sleeping, no limits of speed and no substeps of its own, so that there is
+no method with other settings. The parameters of contact are the engine's own.
+
+Drag is a force (`xfrc_applied`) that is computed at the start of each step and kept for the step, also by RK4, so that every
+integrator is of first order in it. `drag=fluid` selects MuJoCo's fluid model as in the adapter of MuJoCo; MJX does not have it
+with `implicitfast`.
+
+A free joint has the position and the velocity of the centre of mass in the world frame, a quaternion w x y z, and the angular
+velocity in the body frame. MJX normalises the quaternion in each step. It gives no warnings: a run that diverges ends in states
+that are not numbers.
+
+XLA compiles the steps of each integrator and kind of scene, which takes seconds, when the first simulation of that sort is
+built in a process. The code is kept in the engine's environment.
+"""
+
+from bodycheck.adapters.installation import Installation
+
+#: What the engine is installed from.
+INSTALLATION = Installation(
+    "mujoco-mjx",
+    variables={
+        "JAX_PLATFORMS": "cpu",
+        "JAX_ENABLE_X64": "true",
+        "JAX_COMPILATION_CACHE_DIR": "{environment}/jax-cache",
+    },
+)

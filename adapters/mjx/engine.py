@@ -1,0 +1,9 @@
+"""The adapter of MJX in double precision; see `bodycheck.adapters.mjx`."""
+
+from functools import partial
+
+from bodycheck.adapters.mjx import INSTALLATION, simulation
+
+engine = simulation.record("mjx", INSTALLATION.distribution, "float64")
+prepare = partial(simulation.prepare, engine)
+contact_law, contact_load = simulation.contact_law, partial(simulation.contact_load, engine)

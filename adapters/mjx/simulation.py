@@ -1,0 +1,93 @@
+"""Step a model of MuJoCo in MJX, in the precision of the process."""
+
+import contextlib
+import io
+from collections.abc import Sequence
+from importlib import metadata
+from typing import Any, Literal
+
+import numpy as np
+from jax import numpy as jnp
+
+from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported, choice, kind_of
+from bodycheck.adapters.mjx.compiled import Compiled, check_precision, strider
+from bodycheck.adapters.mujoco import contact
+from bodycheck.adapters.mujoco import engine as mujoco
+from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.trajectory import Array
+
+with contextlib.redirect_stdout(io.StringIO()):  # MJX prints that the package of its other backend, Warp, is not installed
+    from mujoco import mjx
+
+#: MuJoCo's contact options. MJX has no noslip solver.
+CONTACT_OPTIONS = {key: option for key, option in contact.OPTIONS.items() if key != "noslip"}
+
+
+def record(name: str, distribution: str, precision: Literal["float64", "float32"]) -> Engine:
+    """Return the record of MJX in one precision."""
+    fluid = {"drag": choice("fluid", kinds=frozenset({"drag"}))}
+    return Engine(
+        name=name,
+        distribution=distribution,
+        version=metadata.version(distribution),
+        integrators=(
+            Integrator("Euler", order=1, evaluations=1, options={**CONTACT_OPTIONS, **fluid}),
+            Integrator("RK4", order=4, evaluations=4, options={**CONTACT_OPTIONS, **fluid}),
+            Integrator("implicitfast", order=1, evaluations=1, options=CONTACT_OPTIONS),
+        ),
+        models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+        variants={"drag": ("Euler:drag=fluid", "RK4:drag=fluid"), "plane": ("Euler:cone=elliptic",)},
+        precision=precision,
+    )
+
+
+def prepare(engine: Engine, scenes: Sequence[Scene], method: Method) -> Compiled:
+    """Return the simulation of one scene, as `Adapter.prepare` does.
+
+    Raises `SceneUnsupported`, and `RuntimeError` in a process whose precision is not that of the engine.
+    """
+    (scene,) = scenes
+    check_precision(engine)
+    xml, joints = mujoco.description(scene, method, "six-coordinates" if scene.plane is None else "contact")
+    compiled = mujoco.compiled_model(xml)
+    try:
+        model, data = mjx.put_model(compiled), mjx.make_data(compiled)
+    except NotImplementedError as error:
+        raise SceneUnsupported(f"MJX refuses the model: {error}") from error
+    data = data.replace(qpos=jnp.array(joints.qpos), qvel=jnp.array(joints.qvel))
+    dragged = kind_of(scene) == "drag" and method.option("drag") != "fluid"
+    return Compiled(TAKE, (model, scene.drag if dragged else None), data, lambda seen: seen[:, :13])
+
+
+def step(system: tuple[Any, Any], data: Any) -> Any:
+    """Return MJX's data after one step of a model with a coefficient of drag (kg/m), or with None for no force of drag."""
+    model, drag = system
+    if drag is not None:
+        velocity = data.qvel[:3]
+        force = -drag * jnp.linalg.norm(velocity) * velocity
+        data = data.replace(xfrc_applied=data.xfrc_applied.at[1, :3].set(force))
+    return mjx.step(model, data)
+
+
+def seen(data: Any) -> Any:
+    """Return the coordinates and velocities of a free joint, and the vertical force of all contacts in the last step (14,).
+
+    For RK4 the force is that of the last stage.
+    """
+    return jnp.concatenate([data.qpos, data.qvel, data.qfrc_constraint[2:3]])
+
+
+#: Takes strides of a model; compiled once for each structure of a model.
+TAKE = strider(step, seen)
+
+
+def contact_law(scene: Scene, method: Method) -> Plane | None:
+    """Return the friction law of a method's contacts, which are those of MuJoCo; None if the reference has no such law."""
+    return mujoco.contact_law(scene, method)
+
+
+def contact_load(engine: Engine, scene: Scene, method: Method, steps: int) -> Array | None:
+    """Return the normal force (n,), in N, in each of n steps, for RK4 that of the last stage; None without a plane."""
+    if scene.plane is None:
+        return None
+    return prepare(engine, [scene], method).seen(np.ones(steps, dtype=np.int64))[:, 13]

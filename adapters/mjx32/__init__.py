@@ -1,0 +1,17 @@
+"""The adapter of MJX in single precision, which is the precision of JAX unless it is told otherwise, on the CPU.
+
+Everything else is as in `bodycheck.adapters.mjx`, whose modules it shares. The states are numbers of single precision: a length
+of 100 m is known to 4 micrometres, and a step adds a rounding error to every coordinate.
+"""
+
+from bodycheck.adapters.installation import Installation
+
+#: What the engine is installed from.
+INSTALLATION = Installation(
+    "mujoco-mjx",
+    variables={
+        "JAX_PLATFORMS": "cpu",
+        "JAX_ENABLE_X64": "false",
+        "JAX_COMPILATION_CACHE_DIR": "{environment}/jax-cache",
+    },
+)

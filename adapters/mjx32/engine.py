@@ -1,0 +1,10 @@
+"""The adapter of MJX in single precision; see `bodycheck.adapters.mjx32`."""
+
+from functools import partial
+
+from bodycheck.adapters.mjx import simulation
+from bodycheck.adapters.mjx32 import INSTALLATION
+
+engine = simulation.record("mjx32", INSTALLATION.distribution, "float32")
+prepare = partial(simulation.prepare, engine)
+contact_law, contact_load = simulation.contact_law, partial(simulation.contact_load, engine)
