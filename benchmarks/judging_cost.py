@@ -63,7 +63,7 @@ class Cost:
 def original(folder: Path) -> None:
     """Write a results folder of one run."""
     engine = registry.load("mujoco").engine
-    head = campaign.header(("benchmark",), {"mujoco": engine.version}, {})
+    head = campaign.header(("benchmark",), {"mujoco": engine}, {})
     case = load(CASE)
     case = replace(case, expectations=())
     with campaign.results((Task(case, "mujoco", Method.parse("RK4", TIMESTEP)),), folder, head):

@@ -85,7 +85,7 @@ def copy(case: str, place: int) -> str:
 def large_report(folder: Path) -> Path:
     """Write a report of `CASES` times `METHODS` runs and its data into an empty folder, and return the report's path."""
     records, _ = engines.describe(("mujoco", "pinocchio"))
-    head = campaign.header((), {name: engine.version for name, engine in records.items()}, {})
+    head = campaign.header((), records, {})
     with campaign.results(plan.plan(tuple(map(load, NAMES)), records, (), (0.002,)), folder, head):
         pass
     source = store.read(folder)
