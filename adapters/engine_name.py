@@ -38,6 +38,11 @@ class EngineName:
         return self.adapter if self.version is None else f"{self.adapter}@{self.version}"
 
 
+def adapter_of(engine: str) -> str:
+    """Return the name of the adapter in the name of an engine, which may be any text where results come from strangers."""
+    return engine.partition("@")[0]
+
+
 def in_words(engine: str, version: str) -> str:
     """Return an engine, which may be named with a version, and the version that is meant, as `mujoco 4.0.0`."""
-    return f"{engine.partition('@')[0]} {version}"
+    return f"{adapter_of(engine)} {version}"

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from zlib import crc32
 
-from bodycheck.adapters.engine_name import EngineName
+from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.reports.quantities import milliseconds
 from bodycheck.running.key import RunKey
 
@@ -128,7 +128,7 @@ def _places(given: Sequence[RunKey]) -> dict[RunKey, tuple[str, int]]:
     taken: dict[str, int] = {}
     places: dict[RunKey, tuple[str, int]] = {}
     for engine, methods in by_engine.items():
-        adapter = EngineName.parse(engine).adapter
+        adapter = adapter_of(engine)
         for own in methods.values():
             place = taken.get(adapter, 0)
             taken[adapter] = place + 1
