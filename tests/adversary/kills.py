@@ -32,7 +32,10 @@ COMMANDS: dict[str, tuple[tuple[object, ...], tuple[str, ...]]] = {
 }
 
 #: Columns that are different whenever something is run again.
-CHANGING = {*TIMINGS, "time_per_step_low", "time_per_step_high", "cost", "evaluations"}
+CHANGING = {
+    *(*TIMINGS, "time_per_step_low", "time_per_step_high", "cost", "evaluations"),
+    *("processor_time_per_step", "setup_time", "engine_share"),
+}
 
 #: What a process that is to end with its parent has for it (s); a busy machine takes a while.
 ENDING_S = 60.0
