@@ -1,0 +1,66 @@
+"""The coordinates of Simbody's free joint: a quaternion or three angles, then the position of the centre of mass.
+
+A state has seven coordinates in either case; with angles the last one is not used.
+"""
+
+import ctypes
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import opensim
+
+from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.reference.kinematics import multiply
+from bodycheck.reference.scene import State
+from bodycheck.reference.trajectory import Array
+
+#: The number of coordinates of a free joint.
+COORDINATES = 7
+
+#: C++ functions of Simbody, by their names in its libraries: `SimbodyMatterSubsystem::setUseEulerAngles(State&, bool) const`
+#: and `System::realizeModel(State&) const`.
+USE_ANGLES = ("libSimTKsimbody", "_ZNK5SimTK22SimbodyMatterSubsystem17setUseEulerAnglesERNS_5StateEb")
+REALIZE = ("libSimTKcommon", "_ZNK5SimTK6System12realizeModelERNS_5StateE")
+
+
+def function(library: str, name: str, *arguments: Any) -> Any:
+    """Return a C++ function without a result from a library of the package; the library is loaded already.
+
+    Raises `SceneUnsupported` if there is no such function.
+    """
+    files = sorted(Path(opensim.__file__).parent.glob(f"{library}.*"))
+    try:
+        found = getattr(ctypes.CDLL(str(files[0])), name)
+    except (IndexError, OSError, AttributeError) as error:
+        text = "quaternions: this release of OpenSim lacks Simbody's function that switches them on; settings=engine has angles"
+        raise SceneUnsupported(text) from error
+    found.argtypes, found.restype = arguments, None
+    return found
+
+
+def use_quaternions(model: Any, state: Any) -> None:
+    """Give a state of a model, which OpenSim has just made, quaternions in place of angles. Raises `SceneUnsupported`."""
+    use_angles = function(*USE_ANGLES, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_bool)
+    realize = function(*REALIZE, ctypes.c_void_p, ctypes.c_void_p)
+    use_angles(int(model.getMatterSubsystem().this), int(state.this), False)
+    realize(int(model.getMultibodySystem()), int(state.this))
+
+
+def coordinates(initial: State, quaternions: bool) -> list[float]:
+    """Return the seven coordinates of a state, with a quaternion or with angles."""
+    if quaternions:
+        return [*initial.quaternion, *initial.position]
+    angles = opensim.Rotation(opensim.Quaternion(*initial.quaternion)).convertRotationToBodyFixedXYZ()
+    return [*(angles.get(axis) for axis in range(3)), *initial.position, 0.0]
+
+
+def poses(seen: Array, quaternions: bool) -> tuple[Array, Array]:
+    """Return positions (n, 3) and quaternions (n, 4), of any norm, from coordinates (n, 7)."""
+    if quaternions:
+        return seen[:, 4:], seen[:, :4]
+    turns = np.zeros((3, len(seen), 4))
+    for axis in range(3):
+        turns[axis, :, 0], turns[axis, :, 1 + axis] = np.cos(seen[:, axis] / 2), np.sin(seen[:, axis] / 2)
+    about_x, about_y, about_z = turns
+    return seen[:, 3:6], multiply(multiply(about_x, about_y), about_z)
