@@ -106,8 +106,8 @@ def _unbroken(text: str) -> Markup:
 
 
 def _breakable(name: str) -> Markup:
-    """Return the name of an integrator that a narrow column may break after its marks: rk4-naive, Euler:cone=elliptic."""
-    return Markup(re.sub(r"[-:,=]", r"\g<0><wbr>", str(escape(name))))
+    """Return the name of an integrator that a narrow column may break after its marks: rk4-naive, runge_kutta4."""
+    return Markup(re.sub(r"[-_:,=]", r"\g<0><wbr>", str(escape(name))))
 
 
 def _dashes(line: Line) -> str:

@@ -28,7 +28,7 @@ class Brief:
     limits
         The notices without those on unsupported runs.
     unsupported
-        How many runs are unsupported and why, in one line; empty if none are. The notices say it in sentences.
+        How many runs are unsupported and why, in one line; empty if none are. The notices say it in several.
     broken
         A sentence about the failed runs; None if there are none.
     steps

@@ -1,7 +1,7 @@
 """The contents of the report of runs, before they are laid out; every writer uses the same."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from bodycheck.reports.runs.run_table import run_table
 from bodycheck.reports.runs.scenes import Fact, describe
 from bodycheck.reports.runs.step_charts import over_steps
 from bodycheck.reports.runs.summary import failure_status
+from bodycheck.reports.runs.unsupported import with_place
 from bodycheck.reports.study import Chart
 from bodycheck.reports.tables import Table
 from bodycheck.reports.time_limit import TookTooLong, limited
@@ -42,6 +43,10 @@ MOST_POINTS = 256
 DRAWING_LIMIT_S = 120.0
 
 
+#: Why a case has no runs to show.
+NONE_FINISHED, ALL_REFUSED = "No run of this case finished.", "No engine supports a run of this case."
+
+
 @dataclass(frozen=True)
 class Section:
     """One case.
@@ -53,7 +58,9 @@ class Section:
     facts
         The case in words.
     table
-        The runs; None if none finished.
+        The runs; None if there are none to show.
+    absence
+        Why there are none.
     commands
         The commands that make the runs.
     steps
@@ -72,6 +79,7 @@ class Section:
     tags: tuple[str, ...]
     facts: tuple[Fact, ...]
     table: Table | None
+    absence: str
     commands: tuple[Command, ...]
     steps: tuple[Chart, ...]
     origins: Origins | None
@@ -109,7 +117,7 @@ class Contents:
     failures
         The failed runs.
     lines
-        The line of each method.
+        The line of each method that has a place in tables.
     matrices
         Cases by methods.
     sections
@@ -138,15 +146,21 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
 
     What is computed from states that are too large, or that are not numbers, is not finite: it is shown as a dash, or left out.
     """
-    shown = comparison.shown(sets)
+    every = comparison.shown(sets)
+    lines = assign(verdict.key.over_cases for case in every for verdict in case.verdicts)
+    shown = tuple(replace(case, verdicts=with_place(case.verdicts)) for case in every)
     verdicts = [verdict for case in shown for verdict in case.verdicts]
-    lines = assign(verdict.key.over_cases for verdict in verdicts)
     points = max(2, min(MOST_POINTS, MOST_NUMBERS // max(1, 4 * len(verdicts))))
     room = MOST_CHARACTERS // max(1, len(shown))
+    placed = {verdict.key.over_cases for verdict in verdicts}
     header = comparison.header(sets)
     demonstrations = demonstrated(header, lines)
     anchors = {verdict.key: f"run-{case.name}-{place}" for case in shown for place, verdict in enumerate(case.verdicts, 1)}
-    sections = tuple(_section(case, lines, anchors, demonstrations, points, room) for case in shown)
+    refused = {case.name for case in every if case.verdicts}
+    absences = {case.name: ALL_REFUSED if case.name in refused else NONE_FINISHED for case in shown if not case.verdicts}
+    sections = tuple(
+        _section(case, absences.get(case.name, ""), lines, anchors, demonstrations, points, room) for case in shown
+    )
     told = brief(sets)
     return Contents(
         header=header,
@@ -159,7 +173,7 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
         failures=tuple(
             _failure(case, verdict, lines) for case in shown for verdict in case.verdicts if verdict.passed is False
         ),
-        lines=tuple(lines.values()),
+        lines=tuple(line for key, line in lines.items() if key in placed),
         matrices=matrices(
             {case.name: case.case for case in shown},
             verdicts,
@@ -180,6 +194,7 @@ def _failure(case: Shown, verdict: Verdict, lines: Mapping[RunKey, Line]) -> Fai
 
 def _section(
     shown: Shown,
+    absence: str,
     lines: Mapping[RunKey, Line],
     anchors: Mapping[RunKey, str],
     demonstrations: Mapping[RunKey, str],
@@ -204,6 +219,7 @@ def _section(
         source=case.source,
         tags=case.tags,
         facts=facts,
+        absence=absence,
         table=run_table(verdicts, anchors, drawn.drawn, demonstrations) if verdicts else None,
         commands=tuple(
             Command(

@@ -63,9 +63,27 @@ def _matrix(matrix: Matrix) -> str:
     amounts = f"{count(len(matrix.rows), 'case')}, {count(matrix.methods, 'method')}."
     unless = ", unless another is given" if matrix.several_steps else ""
     size = f"{amounts} The time step is {milliseconds(matrix.timestep)}{unless}."
+    if matrix.by_method:
+        return "\n\n".join(filter(None, (f"### {title}", size, *_by_method(matrix))))
     rows = [(row.case, *(_cell(cell, matrix.timestep) for cell in row.cells)) for row in matrix.rows]
     head = ("Case", *(f"{column.engine} {column.integrator} {column.results}".rstrip() for column in matrix.columns))
     return f"### {title}\n\n{size}\n\n{grid(head, rows, numeric_from=1)}"
+
+
+def _by_method(matrix: Matrix) -> Iterator[str]:
+    """Yield a table of the default and the best method of each engine, and one of all others, which is folded."""
+    head = ("Engine", "Integrator", *(row.case for row in matrix.rows))
+    shown: list[tuple[str, ...]] = []
+    folded: list[tuple[str, ...]] = []
+    for group in matrix.groups:
+        for row in group.rows:
+            cells = (_cell(cell, matrix.timestep) for cell in row.cells)
+            method = f"{row.column.integrator} {row.column.results}".rstrip()
+            (folded if row.folded else shown).append((group.engine, method, *cells))
+    yield grid(head, shown, numeric_from=2)
+    if folded:
+        others = sum(group.folded for group in matrix.groups)
+        yield details(count(others, "more method"), grid(head, folded, numeric_from=2))
 
 
 def _cell(cell: Cell | None, common: float) -> str:
@@ -82,7 +100,7 @@ def _cell(cell: Cell | None, common: float) -> str:
 def _section(section: Section) -> str:
     facts = [f"- {fact.term}: {escape(fact.text)}" for fact in section.facts]
     source = [f"- Source: {escape(section.source)}"] if section.source else []
-    body = "No run of this case finished." if section.table is None else table_with_notes(section.table)
+    body = section.absence if section.table is None else table_with_notes(section.table)
     origins = (
         () if section.origins is None else ("Origins of the contact discrepancies:", table_with_notes(section.origins.table))
     )

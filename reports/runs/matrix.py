@@ -1,4 +1,7 @@
-"""Matrices of cases by methods: one for each kind of scene, with the quantity that shows the discrepancies best there."""
+"""Matrices of cases by methods: one for each kind of scene, with the quantity that shows the discrepancies best there.
+
+The rows are cases, or methods where there are more methods than cases.
+"""
 
 import math
 from collections import Counter
@@ -67,8 +70,10 @@ class Figure:
         Explanation that appears at the pointer.
     timestep
         Time step (s).
+    error
+        The error, or the truth's own if that is larger; None without a number.
     decade
-        Exponent of the number from -12 to 0, by which the cell is shaded; None without a number.
+        Exponent of the error from -12 to 0, by which the cell is shaded; None for an error within the truth's own.
     failed
         Whether the run failed.
     link
@@ -80,6 +85,7 @@ class Figure:
     text: str
     meaning: str
     timestep: float
+    error: float | None
     decade: int | None
     failed: bool
     link: str
@@ -127,6 +133,35 @@ class Row:
 
 
 @dataclass(frozen=True)
+class MethodRow:
+    """One method with its cells, one for each case. `folded` says whether the row is seen only if the reader asks for it."""
+
+    column: Column
+    cells: tuple[Cell | None, ...]
+    folded: bool
+
+
+@dataclass(frozen=True)
+class EngineRows:
+    """The methods of one engine, with its name and colour."""
+
+    engine: str
+    colour: str
+    rows: tuple[MethodRow, ...]
+
+    @property
+    def folded(self) -> int:
+        """Return the number of methods whose rows are folded."""
+        return len({row.column.integrator for row in self.rows if row.folded})
+
+    @property
+    def failed(self) -> int:
+        """Return the number of failed runs in folded rows."""
+        cells = [cell for row in self.rows if row.folded for cell in row.cells if cell is not None]
+        return sum(figure.failed for cell in cells for figure in cell.figures)
+
+
+@dataclass(frozen=True)
 class Matrix:
     """All cases of one kind by all methods that any of them was run with. `timestep` is the most common one (s)."""
 
@@ -155,9 +190,46 @@ class Matrix:
         return len({(column.engine, column.integrator) for column in self.columns})
 
     @property
+    def by_method(self) -> bool:
+        """Return whether the rows are methods, because there are more methods than cases."""
+        return self.methods > len(self.rows)
+
+    @property
+    def groups(self) -> tuple[EngineRows, ...]:
+        """Return the methods as rows, engine by engine; all but the default and the best method of an engine are folded."""
+        found = []
+        for engine, _, colour in self.engines:
+            own = [
+                (column, tuple(row.cells[place] for row in self.rows))
+                for place, column in enumerate(self.columns)
+                if column.engine == engine
+            ]
+            shown = {own[0][0].integrator, best(own)}
+            rows = tuple(MethodRow(column, cells, column.integrator not in shown) for column, cells in own)
+            found.append(EngineRows(engine, colour, rows))
+        return tuple(found)
+
+    @property
     def several_steps(self) -> bool:
         """Return whether any run has a time step other than the common one."""
         return any(cell.others for row in self.rows for cell in row.cells if cell is not None)
+
+
+def best(methods: Sequence[tuple[Column, Sequence[Cell | None]]]) -> str:
+    """Return the integrator, with its options, that completed the most cases and whose largest error in them is smallest.
+
+    Of a case that was run with several time steps, the common one counts. Demonstrations are the best only if there is nothing
+    else. methods: methods of one engine with their cells, one for each case.
+    """
+    cells: dict[str, list[Cell | None]] = {}
+    for column, own in [one for one in methods if not one[0].demonstrates] or methods:
+        cells.setdefault(column.integrator, []).extend(own)
+
+    def rank(integrator: str) -> tuple[int, float]:
+        errors = [cell.figures[0].error if cell is not None else None for cell in cells[integrator]]
+        return errors.count(None), max((error for error in errors if error is not None), default=math.inf)
+
+    return min(cells, key=rank)
 
 
 def kind_of(scene: Scene) -> Kind:
@@ -230,17 +302,18 @@ def _cell(figures: Sequence[Figure], common: float) -> Cell | None:
 
 def _figure(verdict: Verdict, kind: Kind, link: str, run: str) -> Figure:
     timestep, failed = verdict.run.method.timestep, verdict.passed is False
-    at, shade = f"at {milliseconds(timestep)}", None
+    at, shade, size = f"at {milliseconds(timestep)}", None, None
     if verdict.discrepancy is None:
         text, meaning = verdict.outcome.status, verdict.reason
     else:
         maxima, quantity = verdict.discrepancy.maxima(), QUANTITIES[kind.quantity]
         error, own = maxima[quantity.name], quantity.within_truth(maxima)
+        size = error if own is None else own
         if own is not None:
             text, meaning = f"≤ {bound(own, 2)}", quantity.told_within(own)
         else:
             text, meaning, shade = number(error, 2), quantity.with_unit(error), decade(error)
-    return Figure(text, f"{at}: {meaning}", timestep, shade, failed, link, run)
+    return Figure(text, f"{at}: {meaning}", timestep, size, shade, failed, link, run)
 
 
 def decade(error: float) -> int:

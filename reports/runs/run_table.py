@@ -108,7 +108,7 @@ def _entries(
     time_per_step = row.get("time_per_step")
     leads = {name: curve_anchor(verdict.run.case, name) if name in drawn else anchor for name in (q.name for q in quantities)}
     return {
-        "Engine": Entry(f"{row['engine']} {row['version']}".rstrip()),
+        "Engine": Entry(row["engine"] if "@" in row["engine"] else f"{row['engine']} {row['version']}".rstrip()),
         "Set": Entry(verdict.label),
         "Time step": Entry(milliseconds(row["timestep"])),
         "Status": Entry(row["status"]),

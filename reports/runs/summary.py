@@ -8,8 +8,8 @@ from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.notices import missing_engines
-from bodycheck.reports.notices import unsupported as unsupported_notices
 from bodycheck.reports.quantities import count, verb
+from bodycheck.reports.runs.unsupported import is_unsupported, not_supported
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Unsupported
 from bodycheck.running.store import Results
@@ -21,7 +21,7 @@ def headline(results: Results, verdicts: Sequence[Verdict]) -> str:
     runs, failed = len(verdicts), sum(verdict.passed is False for verdict in verdicts)
     tolerated = sum(map(_tolerated, verdicts))
     held = sum(verdict.passed is True for verdict in verdicts) - tolerated
-    refused = sum(_unsupported(verdict) for verdict in verdicts)
+    refused = sum(is_unsupported(verdict) for verdict in verdicts)
     if not runs:
         text = "No run finished"
     elif failed:
@@ -50,7 +50,7 @@ def tally(verdicts: Sequence[Verdict], unchecked: Sequence[Unchecked] = ()) -> t
     passed = Counter(verdict.passed for verdict in verdicts)
     completed, refused = statuses.pop(Completed.status, 0), statuses.pop(Unsupported.status, 0)
     asked = [("runs", len(verdicts)), ("completed", completed), ("passed", passed[True]), ("failed", passed[False])]
-    unasked = sum(verdict.passed is None and not _unsupported(verdict) for verdict in verdicts)
+    unasked = sum(verdict.passed is None and not is_unsupported(verdict) for verdict in verdicts)
     more = [
         ("known discrepancies", sum(map(_tolerated, verdicts))),
         ("without expectations", unasked),
@@ -60,9 +60,8 @@ def tally(verdicts: Sequence[Verdict], unchecked: Sequence[Unchecked] = ()) -> t
 
 
 def notices(one: ResultSet) -> tuple[str, ...]:
-    """Return sentences on what limits a set of results: an interruption, missing engines, unsupported runs."""
-    reasons = (verdict.outcome.reason for verdict in one.verdicts if _unsupported(verdict))
-    return (*limits(one), *(_labelled(one, text) for text in unsupported_notices(reasons)))
+    """Return sentences on what limits a set of results: an interruption, missing engines, what engines do not support."""
+    return (*limits(one), *(_labelled(one, text) for text in not_supported(one.verdicts)))
 
 
 def limits(one: ResultSet) -> tuple[str, ...]:
@@ -83,10 +82,9 @@ def _labelled(one: ResultSet, text: str) -> str:
 
 
 def unsupported(verdicts: Sequence[Verdict]) -> str:
-    """Return why runs are not supported by their engines, with their numbers, in one line; empty if all are supported."""
-    reasons = Counter(verdict.outcome.reason for verdict in verdicts if _unsupported(verdict))
-    told = "; ".join(f"{reason} ({count(amount, 'run')})" for reason, amount in reasons.most_common())
-    return f"unsupported: {told}" if reasons else ""
+    """Return how many runs their engines do not support, and why, in one line; empty if all are supported."""
+    amount, told = sum(map(is_unsupported, verdicts)), " ".join(not_supported(verdicts))
+    return f"{count(amount, 'run')} unsupported. {told}" if amount else ""
 
 
 def expectation_status(verdict: Verdict) -> str:
@@ -117,7 +115,3 @@ def broken(verdicts: Sequence[Verdict], lines: Mapping[RunKey, Line]) -> Finding
 def _tolerated(verdict: Verdict) -> bool:
     """Return whether a run breaks an expectation in a way that is listed as known, and therefore passes."""
     return verdict.passed is True and any(one.breaches for one in verdict.judged)
-
-
-def _unsupported(verdict: Verdict) -> bool:
-    return isinstance(verdict.outcome, Unsupported)

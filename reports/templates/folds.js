@@ -41,6 +41,22 @@
     index.querySelector("nav").append(line);
   }
 
+  // Of an engine with many methods, those that are neither its default nor its best are seen when the reader asks for them.
+  for (const note of document.querySelectorAll("[data-folds]")) note.hidden = false;
+  for (const head of document.querySelectorAll("tr[data-more]")) {
+    const body = head.parentElement;
+    const button = document.createElement("button");
+    const fold = (folded) => {
+      body.classList.toggle("folded", folded);
+      button.setAttribute("aria-expanded", String(!folded));
+      button.textContent = folded ? head.dataset.more : "fewer methods";
+    };
+    button.type = "button";
+    button.addEventListener("click", () => fold(!body.classList.contains("folded")));
+    head.querySelector("span").append(" ", button);
+    fold(true);
+  }
+
   // The index marks the section that the reader has come to.
   const links = new Map([...index.querySelectorAll("a")].map((link) => [named(link.hash), link]));
   const places = [...links.keys()];

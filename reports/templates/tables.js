@@ -43,22 +43,31 @@
     head.setAttribute("aria-sort", direction > 0 ? "ascending" : "descending");
   };
 
-  // Show the rows that contain all words of the field.
+  // What a field filters: rows, with those beside them in other pieces, and in a table that has them the columns with words.
+  const itemsOf = (scope) => {
+    const others = scope.matches("table") ? piecesOf(scope).filter((table) => table !== scope) : [];
+    const rows = [...scope.querySelectorAll(scope.matches("table") ? "tbody > tr" : "tbody > tr[data-words]")];
+    const columns = [...scope.querySelectorAll("thead th[data-words]")];
+    return [
+      ...rows.map((row) => [row, ...others.map((table) => beside.get(table).get(beside.get(row)))]),
+      ...columns.map((head) => [head, ...[...head.closest("table").rows].map((row) => row.cells[head.cellIndex]).filter(Boolean)]),
+    ];
+  };
+
+  // Show what contains all words of the field.
   const filter = (field) => {
     const wanted = field.value.toLowerCase().split(/\s+/).filter(Boolean);
     const scope = document.getElementById(field.dataset.scope);
-    const rows = scope.querySelectorAll("tbody > tr");
-    const others = scope.matches("table") ? piecesOf(scope).filter((table) => table !== scope) : [];
+    const items = itemsOf(scope);
     let shown = 0;
-    for (const row of rows) {
-      const whole = [row, ...others.map((table) => beside.get(table).get(beside.get(row)))];
-      const text = (row.dataset.words ?? whole.map((piece) => piece.textContent).join(" ")).toLowerCase();
+    for (const whole of items) {
+      const text = (whole[0].dataset.words ?? whole.map((piece) => piece.textContent).join(" ")).toLowerCase();
       const hidden = !wanted.every((word) => text.includes(word));
       whole.forEach((piece) => { piece.hidden = hidden; });
       shown += !hidden;
     }
-    for (const part of scope.querySelectorAll("[data-part]")) part.hidden = !part.querySelector("tbody > tr:not([hidden])");
-    field.nextElementSibling.textContent = wanted.length ? `${shown} of ${rows.length}` : "";
+    for (const part of scope.querySelectorAll("[data-part]")) part.hidden = !part.querySelector("[data-words]:not([hidden])");
+    field.nextElementSibling.textContent = wanted.length ? `${shown} of ${items.length}` : "";
   };
 
   const searchable = (scope, label, before) => {

@@ -1,47 +1,24 @@
 """The matrix of a report and the verdict above it: each run once, by the figure that its kind of scene is told by."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
 import pytest
 
 from bodycheck import load
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import shipped
 from bodycheck.casefile.expectation import Expectation
-from bodycheck.judging.discrepancy import Discrepancy
 from bodycheck.judging.judgement import Breach, Judged, Verdict
 from bodycheck.reference.requirements import requirements
 from bodycheck.reports.lines import assign
 from bodycheck.reports.runs import markdown_report
 from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.findings import findings, measured
-from bodycheck.reports.runs.matrix import KINDS, Matrix, decade, kind_of, matrices
+from bodycheck.reports.runs.matrix import KINDS, decade, kind_of
 from bodycheck.reports.runs.summary import broken, expectation_status, headline, tally
-from bodycheck.running.outcome import Completed, Diverged, Run
-
-FLIP, FLIGHT, DRAG, SLIDE = "intermediate-axis-flip", "projectile", "football-drag", "sliding-brick"
-ERRORS = {"attitude_error": 3e-4, "position_error": 2e-2, "truth_error": 1e-14}
-
-
-def ran(case: str, engine: str = "mujoco", integrator: str = "Euler", timestep: float = 0.002, **figures: float) -> Verdict:
-    """A completed run, its errors growing to these figures."""
-    series = {name: np.array([0.0, value]) for name, value in (ERRORS | figures).items()}
-    outcome = Completed(None, 10, 1e-4)  # type: ignore[arg-type]  # nobody asks for the trajectory
-    run = Run(case, engine, "1", Method.parse(integrator, timestep), outcome)
-    return Verdict(run, outcome, Discrepancy(np.array([0.0, 1.0]), series, {}).summary(), None, "")
-
-
-def ended(verdict: Verdict, passed: bool | None, reason: str = "", **values: Any) -> Verdict:
-    return replace(verdict, passed=passed, reason=reason, **values)
-
-
-def matrices_of(*verdicts: Verdict) -> tuple[Matrix, ...]:
-    cases = {name: load(name) for name in dict.fromkeys(verdict.run.case for verdict in verdicts)}
-    anchors = {verdict.key: f"run-{place}" for place, verdict in enumerate(verdicts)}
-    return matrices(cases, verdicts, assign(verdict.key.over_cases for verdict in verdicts), anchors, dict.fromkeys(cases, ()))
+from bodycheck.running.outcome import Diverged
+from tests.support.measured_runs import DRAG, FLIGHT, FLIP, SLIDE, ended, matrices_of, ran
 
 
 @pytest.mark.parametrize("name", shipped())

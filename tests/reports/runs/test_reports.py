@@ -226,6 +226,21 @@ def test_nothing_finished(results: Results) -> None:
         assert text.count("No run of this case finished.") == 2
 
 
+def test_a_case_that_no_engine_supports_has_no_table(results: Results, verdicts: list[Verdict]) -> None:
+    refused = Unsupported("it does not turn")
+    flip = [
+        replace(one, run=replace(one.run, outcome=refused), outcome=refused, discrepancy=None, passed=None)
+        for one in verdicts
+        if one.run.case == FLIP
+    ]
+    contents = gather([ResultSet(results, [*flip, *(one for one in verdicts if one.run.case != FLIP)])])
+    assert {section.name: section.table is None for section in contents.sections} == {FLIP: True, FLIGHT: False}
+    assert [matrix.kind.name for matrix in contents.matrices] == ["translation"]
+    for text in (Page(html_report.render(contents)).text, markdown_report.render(contents)):
+        assert text.count("No engine supports a run of this case.") == 1
+        assert "Without results: rotation by mujoco and pinocchio (it does not turn)." in text
+
+
 def test_ways_to_fail(results: Results, verdicts: list[Verdict]) -> None:
     ends_of_runs = (
         Crashed("RuntimeError: <img src=x>\n| second line"),
@@ -261,8 +276,10 @@ def test_ways_to_fail(results: Results, verdicts: list[Verdict]) -> None:
     assert "img" not in seen.tags
     for text in (seen.text, markdown_report.render(contents)):
         assert "drake is not installed" in text
-        assert "1 run is not supported by the engine: it does not model drag" in text
+        assert "Without results: by mujoco in 1 of 4 runs (it does not model drag)." in text
         assert "stopped after 300 s" in text
+        assert "way-2" in text
+        assert "way-3" not in text, "what is unsupported has no row"
 
 
 def test_hostile_strings_show_as_text(results: Results, verdicts: list[Verdict], page: str) -> None:
@@ -298,7 +315,8 @@ def test_markdown_leaves_out_what_does_not_fit(contents: Contents) -> None:
     text = markdown_report.render(many)
     assert len(text) < 65_536
     left_out = int(re.findall(r"(\d+) tables were left out", text)[0])
-    assert text.count("<details>") + left_out == 121  # one for each section, and what to do about the failure
+    # One for each section, what to do about the failure, and the other methods of each matrix.
+    assert text.count("<details>") + left_out == 120 + 1 + len(contents.matrices)
 
 
 def test_a_large_report_stays_small(results: Results, verdicts: list[Verdict]) -> None:

@@ -1,0 +1,104 @@
+"""Many engines and methods in one report: methods as rows, of which an engine shows its first and its best."""
+
+from typing import Any
+
+import pytest
+
+from bodycheck.judging.judgement import Verdict
+from bodycheck.reports.runs import markdown_report
+from bodycheck.reports.runs.unsupported import not_supported, with_place
+from tests.support.measured_runs import DRAG, FLIP, SLIDE, ended, matrices_of, ran, refused
+
+BRICK = "free-brick"
+
+
+def folded(*verdicts: Verdict, **options: Any) -> dict[str, list[str]]:
+    """The folded methods of each engine in the only matrix."""
+    (matrix,) = matrices_of(*verdicts, **options)
+    assert matrix.by_method
+    return {group.engine: [row.column.integrator for row in group.rows if row.folded] for group in matrix.groups}
+
+
+def errors(engine: str, **sizes: float) -> list[Verdict]:
+    """A run of the flip with each of these methods and attitude errors (rad)."""
+    return [ran(FLIP, engine, name, attitude_error=size) for name, size in sizes.items()]
+
+
+def test_rows_are_methods_where_these_are_more_than_cases() -> None:
+    two = errors("mujoco", a=1e-3, b=1e-4)
+    (wide,) = matrices_of(*two)
+    (square,) = matrices_of(*two, ran(BRICK, integrator="a"))
+    assert (wide.by_method, square.by_method) == (True, False)
+    (group,) = wide.groups
+    assert [(row.column.integrator, [cell and cell.figures[0].text for cell in row.cells]) for row in group.rows] == [
+        ("a", ["0.001"]),
+        ("b", ["0.0001"]),
+    ]
+
+
+def test_an_engine_shows_its_first_method_and_its_best() -> None:
+    found = folded(*errors("mujoco", a=1e-2, b=1e-3, c=1e-5, d=1e-4), *errors("drake", e=1e-6, f=1e-3), *errors("dart", g=1.0))
+    assert found == {"mujoco": ["b", "d"], "drake": ["f"], "dart": []}
+
+
+def test_the_best_method_completes_the_most_cases_and_is_judged_by_its_worst() -> None:
+    """Not c, which has no run of the brick, nor d, which is best in one case and bad in the other."""
+    even = [
+        ran(name, integrator=way, attitude_error=size)
+        for name in (FLIP, BRICK)
+        for way, size in (("a", 1e-3), ("b", 9e-4), ("e", 1e-2))
+    ]
+    uneven = [ran(FLIP, integrator="d", attitude_error=1e-9), ran(BRICK, integrator="d", attitude_error=1.0)]
+    runs = [*even, ran(FLIP, integrator="c", attitude_error=1e-12), *uneven]
+    assert folded(*runs) == {"mujoco": ["e", "c", "d"]}
+
+
+def test_a_demonstration_is_not_the_best_of_its_engine() -> None:
+    runs = errors("mujoco", a=1e-2, b=1e-6, c=1e-4)
+    assert folded(*runs, demonstrations=[runs[1].key.over_cases]) == {"mujoco": ["b"]}
+
+
+def test_failed_runs_in_folded_rows_are_counted() -> None:
+    runs = errors("mujoco", a=1e-2, b=1e-6, c=1e-4, d=1e-3)
+    (matrix,) = matrices_of(*runs[:2], ended(runs[2], False, "no"), runs[3])
+    assert [(group.folded, group.failed) for group in matrix.groups] == [(2, 1)]
+
+
+def test_markdown_folds_them_too() -> None:
+    (matrix,) = matrices_of(*errors("mujoco", a=1e-2, b=1e-3, c=1e-5))
+    text, _, rest = markdown_report._matrix(matrix).partition("<details><summary>1 more method</summary>")
+    assert "| mujoco | a | 0.01 |" in text
+    assert "| mujoco | c | 1e-5 |" in text
+    assert "| mujoco | b | 0.001 |" in rest
+
+
+def test_what_engines_do_not_model_is_told_in_one_line() -> None:
+    refusals = [
+        *(
+            refused(SLIDE, name, f"{name} 1 does not model contact, friction", way)
+            for name in ("brax", "exudyn")
+            for way in "ab"
+        ),
+        refused(DRAG, "newton", "newton 1 does not model drag"),
+        refused(DRAG, "mujoco@3.17.0", "mujoco 1 does not model rotation"),
+    ]
+    assert not_supported([*refusals, ran(SLIDE), ran(DRAG)]) == (
+        "Not modelled: rotation by mujoco@3.17.0; drag by newton; contact by brax and exudyn.",
+    )
+    assert not_supported([ran(SLIDE)]) == ()
+
+
+def test_other_reasons_are_told_by_kind_of_scene_with_the_runs_that_they_concern() -> None:
+    slides = [refused(SLIDE, "mujoco", f"the friction is {place}", f"i{place}") for place in range(5)]
+    drag = refused(DRAG, "drake", "no such model")
+    assert not_supported([*slides, ran(SLIDE), drag]) == (
+        "Without results: drag by drake (no such model).",
+        "Without results: contact by mujoco in 1 of 6 runs (the friction is 0); by mujoco in 1 of 6 runs (the friction is 1); "
+        "by mujoco in 1 of 6 runs (the friction is 2); and for 2 other reasons.",
+    )
+
+
+@pytest.mark.parametrize(("passed", "seen"), [(None, 1), (True, 1), (False, 2)])
+def test_unsupported_runs_have_a_place_in_tables_only_where_they_failed(passed: bool | None, seen: int) -> None:
+    runs = [ran(FLIP), ended(refused(FLIP, "brax", "no"), passed)]
+    assert len(with_place(runs)) == seen
