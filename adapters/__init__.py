@@ -8,5 +8,6 @@
 - `offers` decides which methods an engine offers for a scene, and checks methods before they are run.
 - `stepping` contains the loop for engines that are stepped from Python, and normalises quaternions.
 - `flat_contact` checks that a body lies flat on its plane.
+- `quiet` keeps what engines write in C from the terminal.
 - `mujoco/` and `pinocchio/` contain one engine each; their module `engine` is the adapter.
 """

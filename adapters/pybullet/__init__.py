@@ -29,7 +29,7 @@ gets its contacts one by one: at time steps of 2 ms or more a disk that slides i
 Limits that cannot be changed: a body turns by at most pi/4 in a step, and the angular velocity of `maximal` is cut to that of
 pi/2 a step.
 
-The module `engine` is the adapter, and `quiet` keeps what PyBullet writes in C from the terminal.
+The module `engine` is the adapter.
 """
 
 from bodycheck.adapters.installation import Installation

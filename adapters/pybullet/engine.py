@@ -15,7 +15,7 @@ from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Scene
 from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.principal_axes import in_body_frame
 from bodycheck.adapters.pybullet import INSTALLATION
-from bodycheck.adapters.pybullet.quiet import no_stderr
+from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.principal_frame import along_principal_axes

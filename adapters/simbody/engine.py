@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from importlib import metadata
 from typing import Any
@@ -22,6 +23,7 @@ from bodycheck.adapters.contract import (
     single,
     states,
 )
+from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.simbody import INSTALLATION
 from bodycheck.adapters.simbody.attitude import coordinates, poses, use_quaternions
 from bodycheck.adapters.simbody.contact import add_contact
@@ -35,6 +37,9 @@ from bodycheck.reference.trajectory import Array
 opensim.Logger.setLevelString("Off")
 opensim.Logger.removeFileSink()
 
+#: The integrator that Simbody has from SUNDIALS. It writes its errors to standard error, and is offered in flight only.
+CPODES = "CPodes"
+
 #: Simbody's integrators by their names in OpenSim's `Manager`, with the orders that Simbody's documentation claims and the
 #: numbers of evaluations of the accelerations in one step.
 CLAIMS: dict[str, tuple[int | None, int | None]] = {
@@ -45,7 +50,7 @@ CLAIMS: dict[str, tuple[int | None, int | None]] = {
     "RungeKutta3": (3, 3),
     "RungeKuttaMerson": (4, 5),
     "RungeKuttaFeldberg": (5, 6),
-    "CPodes": (None, None),
+    CPODES: (None, None),
 }
 
 #: The most steps in one call. CPodes complains on stderr after 500 if it is not given one.
@@ -62,7 +67,7 @@ def integrators() -> tuple[Integrator, ...]:
     options = {"settings": choice("engine")}
     flight = KINDS - {"plane"}
     return tuple(
-        Integrator(name, *CLAIMS.get(name, (None, None)), kinds=flight if name == "CPodes" else KINDS, options=options)
+        Integrator(name, *CLAIMS.get(name, (None, None)), kinds=flight if name == CPODES else KINDS, options=options)
         for name in known
     )
 
@@ -106,6 +111,8 @@ class Simbody:
         The coefficient of drag (kg/m).
     actuators
         The forces on the coordinates x, y and z; none without drag.
+    complains
+        Whether the integrator writes on stderr in C what it also says in an exception.
     taken
         The number of steps taken.
     """
@@ -116,10 +123,15 @@ class Simbody:
     quaternions: bool
     drag: float
     actuators: Sequence[Any]
+    complains: bool
     taken: int = 0
 
     def advance(self, strides: Strides) -> Array:
         """Return the states (1, n, 1, 13) after each of n strides, as `Simulation.advance` does; quaternions have any norm."""
+        with no_stderr() if self.complains else nullcontext():
+            return self._advance(strides)
+
+    def _advance(self, strides: Strides) -> Array:
         seen = np.empty((len(strides), 13))
         for place, stride in enumerate(strides.tolist()):
             try:
@@ -177,7 +189,8 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Simulation:
     for records in (manager.setWriteToStorage, manager.setPerformAnalyses, manager.setRecordStatesTrajectory):
         records(False)
     manager.initialize(state)
-    return Normalised(Simbody(manager, model, method.timestep, quaternions, scene.drag, actuators))
+    complains = method.integrator == CPODES
+    return Normalised(Simbody(manager, model, method.timestep, quaternions, scene.drag, actuators, complains))
 
 
 def described(scene: Scene) -> tuple[Any, list[Any]]:
