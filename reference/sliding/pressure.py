@@ -8,7 +8,7 @@ which is the load that equal springs under the corners would carry.
 
 import numpy as np
 
-from bodycheck.reference.errors import WouldTip
+from bodycheck.reference.errors import OutOfReach, WouldTip
 from bodycheck.reference.sliding.footprint import Disk, Footprint, outline
 from bodycheck.reference.trajectory import Array
 
@@ -44,10 +44,18 @@ def balanced(loads: Array, directions: Array, coefficient: float, load: float, h
     -------
     Array
         (3,) the pressure. It is negative somewhere if the body would tip.
+
+    Raises
+    ------
+    OutOfReach
+        If the equations are singular in double precision, as for a face that is tiny beside the moment of friction.
     """
     matrix = loads.T.copy()
     matrix[1:] -= coefficient * height * directions[:, :2].T
-    return np.asarray(np.linalg.solve(matrix, np.array([load, 0.0, 0.0])))
+    try:
+        return np.asarray(np.linalg.solve(matrix, np.array([load, 0.0, 0.0])))
+    except np.linalg.LinAlgError as error:
+        raise OutOfReach("the equations of the load that balances friction are singular in double precision") from error
 
 
 def check(footprint: Footprint, pressure: Array) -> None:

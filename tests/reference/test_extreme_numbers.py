@@ -71,7 +71,24 @@ FASTEST_SPIN = {
     "run": {"duration": 7.5e-99, "samples": 2},
 }
 
-SCENES = [NEARLY_UNSTABLE, HEAVY_DRAG, SPINNING_SPECK, SPINNING_NEEDLE, SPINNING_BEAM, SPINNING_ROD, FASTEST_SPIN]
+#: A slide whose friction no load on its face balances, as its equations are singular in double precision.
+SLIDING_NEEDLE = {
+    "body": {"shape": "cylinder", "mass": 9.6e-69, "radius": 1e-75, "half_length": 3.8e64, "inertia": [1e75, 1.0, 1e75]},
+    "initial": {"velocity": [5.5e21, 0.0, 0.0], "angular_velocity": [0.0, 0.0, 1e-50]},
+    "scene": {"gravity": 0.0, "plane": {"friction": 1.5e68, "law": "area", "pressure": "balanced"}},
+    "run": {"duration": 1e-50, "samples": 101},
+}
+
+SCENES = [
+    SLIDING_NEEDLE,
+    NEARLY_UNSTABLE,
+    HEAVY_DRAG,
+    SPINNING_SPECK,
+    SPINNING_NEEDLE,
+    SPINNING_BEAM,
+    SPINNING_ROD,
+    FASTEST_SPIN,
+]
 
 
 @pytest.mark.parametrize("scene", SCENES)
