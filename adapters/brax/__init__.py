@@ -1,0 +1,44 @@
+"""The adapter of Brax, a JAX engine whose authors no longer develop its physics, in double precision on the CPU.
+
+The methods are the pipelines of Brax, each of which has one integrator:
+
+- `generalized` computes accelerations in the coordinates of a free joint and takes a semi-implicit Euler step. The inverse of
+  the mass matrix is updated by ten Newton-Schulz iterations, the engine's default. Contacts are those of MuJoCo's pyramidal
+  cones, solved by projected gradients.
+- `positional` is position-based dynamics: velocities are differences of positions over a step.
+- `spring` resolves contacts by impulses in the velocities.
+
+The pipeline `mjx` is not among them, because it calls the step of MJX, which has an adapter of its own.
+
+`positional` and `spring` know no gyroscopic torque: they keep the angular velocity in the world frame where there is no
+torque, so that a body tumbles like a sphere, and their attitude does not converge as the time step becomes small. In
+`positional` the rate is taken from the sine of half the turn of a step, and decays. Its friction compares an impulse with a
+speed, so that it is that of Coulomb's law for some mass near 1 kg alone, and grows with the mass. Both compute the impulse of
+each contact as if it were the only one, and apply their mean.
+
+Brax reads MuJoCo's XML. It has no damping, no sleeping and no substeps unless a model asks for them, and none is asked for, so
+that there is no method with other settings. Double precision (JAX_ENABLE_X64) shows the error of the schemes; Brax is used in
+the single precision of JAX otherwise.
+
+A pipeline takes no force from outside except those of actuators of joints. Gravity is an argument of a step, and for one body a
+force at the centre of mass is a change of gravity, so drag is given to a step in that way.
+
+The positions, attitudes and velocities of links are all in the world frame; the angular velocity at the start, in the
+coordinates of a free joint, is in the body frame. All pipelines normalise the quaternion in each step. Brax models no contact
+of a cylinder with a plane. It gives no warnings: a run that diverges ends in states that are not numbers.
+
+XLA compiles the steps of each pipeline and kind of scene, which takes seconds, when the first simulation of that sort is built
+in a process. The code is kept in the engine's environment.
+"""
+
+from bodycheck.adapters.installation import Installation
+
+#: What the engine is installed from.
+INSTALLATION = Installation(
+    "brax",
+    variables={
+        "JAX_PLATFORMS": "cpu",
+        "JAX_ENABLE_X64": "true",
+        "JAX_COMPILATION_CACHE_DIR": "{environment}/jax-cache",
+    },
+)

@@ -1,0 +1,152 @@
+"""The adapter of Brax; see `bodycheck.adapters.brax`."""
+
+import contextlib
+import io
+import warnings
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import lru_cache, partial
+from importlib import metadata
+from typing import Any
+
+import jax
+from jax import numpy as jnp
+
+from bodycheck.adapters.brax import INSTALLATION
+from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported
+from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.mjx.compiled import Compiled, check_precision, strider
+from bodycheck.adapters.mujoco.contact import body_geoms, numbers_written
+from bodycheck.reference.scene import Plane, Scene
+
+# MJX prints that the package of its other backend, Warp, is not installed, and packages that Brax imports warn of their age.
+with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
+    warnings.simplefilter("ignore")
+    from brax import math
+    from brax.generalized import pipeline as generalized
+    from brax.io import mjcf
+    from brax.positional import pipeline as positional
+    from brax.spring import pipeline as spring
+
+XML = """
+<mujoco>
+  <compiler balanceinertia="false" inertiafromgeom="false"/>
+  <option timestep="{timestep!r}" integrator="Euler"/>
+  {default}
+  <worldbody>
+    {plane}
+    <body name="body">
+      <freejoint/>
+      <inertial pos="0 0 0" mass="{mass!r}" quat="{axes}" diaginertia="{moments}"/>
+      {geom}
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+#: The friction of the body and of the plane, with MuJoCo's defaults for torsion and rolling, which Brax does not use.
+DEFAULT = '<default><geom friction="{friction!r} 0.005 0.0001"/></default>'
+
+#: Brax does not load a model without a shape; this one touches nothing.
+TOUCHES_NOTHING = '<geom type="sphere" size="1" contype="0" conaffinity="0"/>'
+
+PIPELINES = {"generalized": generalized, "positional": positional, "spring": spring}
+
+engine = Engine(
+    name="brax",
+    distribution=INSTALLATION.distribution,
+    version=metadata.version(INSTALLATION.distribution),
+    # The pipelines themselves call their schemes semi-implicit Euler.
+    integrators=tuple(Integrator(name, order=1, evaluations=1) for name in PIPELINES),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+)
+
+
+def prepare(scenes: Sequence[Scene], method: Method) -> Compiled:
+    """Return the simulation of one scene, as `Adapter.prepare` does."""
+    (scene,) = scenes
+    check_precision(engine)
+    name, initial = method.integrator, scene.initial
+    gravity, drag = jnp.array([0.0, 0.0, -scene.gravity]), scene.drag / scene.body.mass if scene.drag else None
+    q = jnp.array([*initial.position, *initial.quaternion])
+    qd = jnp.array([*initial.velocity, *initial.angular_velocity])
+    with warnings.catch_warnings():
+        # Brax warns at each model that it is no longer developed, and MJX that Brax uses names of older releases.
+        warnings.simplefilter("ignore")
+        system = loaded(description(scene, method.timestep))
+        return Compiled(TAKE[name], (system, gravity, drag), START[name](system, q, qd), lambda seen: seen)
+
+
+def description(scene: Scene, timestep: float) -> str:
+    """Return the XML of a scene. Raises `SceneUnsupported` for a contact that is not that of a flat body."""
+    default, plane, geom = "", "", TOUCHES_NOTHING
+    if scene.plane is not None:
+        (geom,) = body_geoms(lying_shape(scene), 0)
+        default, plane = DEFAULT.format(friction=scene.plane.friction), '<geom type="plane" size="0 0 1"/>'
+    return XML.format(
+        timestep=timestep,
+        default=default,
+        plane=plane,
+        mass=scene.body.mass,
+        axes=numbers_written(*scene.body.axes),
+        moments=numbers_written(*scene.body.moments),
+        geom=geom,
+    )
+
+
+@lru_cache(maxsize=8)
+def loaded(xml: str) -> Any:
+    """Return Brax's system of an XML text, without MuJoCo's model in it. Raises `SceneUnsupported` for what Brax refuses.
+
+    With MuJoCo's model, no system has the structure of another one, and none would share compiled code.
+    """
+    try:
+        system = mjcf.loads(xml)
+        mjcf.validate_model(system.mj_model)
+    except (ValueError, NotImplementedError) as error:
+        raise SceneUnsupported(f"Brax refuses the model: {' '.join(str(error).split())}") from error
+    return system.replace(mj_model=None)
+
+
+def step(pipeline: Any, given: tuple[Any, Any, Any], state: Any) -> Any:
+    """Return the state of a pipeline after one step.
+
+    Parameters
+    ----------
+    pipeline
+        The module of the pipeline.
+    given
+        The system, the acceleration of gravity (3,) in m/s^2, and the coefficient of drag over the mass (1/m) or None.
+    state
+        The state of the pipeline.
+    """
+    system, gravity, drag = given
+    if drag is not None:
+        velocity = state.xd.vel[0]
+        gravity = gravity - drag * jnp.linalg.norm(velocity) * velocity
+    return pipeline.step(system.replace(gravity=gravity), state, jnp.zeros(0))
+
+
+def seen(state: Any) -> Any:
+    """Return the state (13,) of the first link in the columns of the contract."""
+    pose, motion = state.x.take(0), state.xd.take(0)
+    return jnp.concatenate([pose.pos, pose.rot, motion.vel, math.inv_rotate(motion.ang, pose.rot)])
+
+
+#: For each pipeline, what takes its strides and what makes its initial state; compiled once for each structure of a system.
+TAKE = {name: strider(partial(step, pipeline), seen) for name, pipeline in PIPELINES.items()}
+START = {name: jax.jit(pipeline.init) for name, pipeline in PIPELINES.items()}
+
+
+def contact_law(scene: Scene, method: Method) -> Plane | None:
+    """Return the friction law of a method's contacts; None for the impulses of `positional` and `spring`, which have no law.
+
+    Both compute the impulse of each contact as if it were the only one, and apply their mean.
+    """
+    if scene.plane is None or method.integrator != "generalized":
+        return None
+    return replace(scene.plane, law="corners", pressure="balanced")
+
+
+def contact_load(scene: Scene, method: Method, steps: int) -> None:
+    """Return None: no pipeline reports the forces of its contacts apart from all others."""
