@@ -1,0 +1,139 @@
+"""The adapter of Newton; the package says which solvers its methods are, and what is switched off."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import newton
+import numpy as np
+import warp as wp
+
+from bodycheck.adapters.contract import Engine, Integrator, Method, states
+from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.mujoco_warp import graphs
+from bodycheck.adapters.newton import INSTALLATION
+from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, VARIANTS, Solver, keeps_damping
+from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.reference.inertia import inertia_tensor
+from bodycheck.reference.kinematics import conjugate, normalise, rotate
+from bodycheck.reference.scene import Brick, Plane, Scene
+from bodycheck.reference.trajectory import Array
+
+# Newton's kernels can be differentiated, which bodycheck does not need and which doubles the time of compiling them.
+wp.config.enable_backward = False
+
+engine = Engine(
+    name="newton",
+    distribution=INSTALLATION.distribution,
+    version=str(newton.__version__),
+    integrators=tuple(Integrator(name, own.order, own.evaluations, own.kinds, own.options) for name, own in SOLVERS.items()),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    variants=VARIANTS,
+    precision="float32",
+)
+
+calls = graphs.CALLS
+
+#: The number of contacts for which there is room; a body and a plane have at most 8. Kamino computes with matrices of this size
+#: in every step, and Newton's own estimate is a thousand.
+MOST_CONTACTS = 16
+
+
+def set_drag(drag: float, velocities: wp.array[wp.spatial_vector], forces: wp.array[wp.spatial_vector]) -> None:
+    """Set the force on a body, at its centre of mass, to the drag of its velocity. `drag` is the coefficient (kg/m).
+
+    Warp compiles this function as a kernel.
+    """
+    body = wp.tid()
+    velocity = wp.spatial_top(velocities[body])
+    forces[body] = wp.spatial_vector(-drag * wp.length(velocity) * velocity, wp.vec3())
+
+
+drag_kernel = wp.kernel(set_drag)
+
+
+def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
+    """Return the simulation of one scene, as `Adapter.prepare` does."""
+    (scene,) = scenes
+    own = SOLVERS[method.integrator]
+    model = built(scene, method)
+    state, following = model.state(), model.state()
+    step = stepper(scene, method, own, model, state, following)
+    graph = graphs.record(step)
+    pose, twist = state.body_q.numpy()[0], state.body_qd.numpy()[0]  # views of the arrays that are stepped
+    return Normalised(Loop(graph, graphs.replay, seen=lambda graph: np.concatenate([pose, twist]), rows=rows))
+
+
+def stepper(scene: Scene, method: Method, own: Solver, model: Any, state: Any, following: Any) -> Callable[[], None]:
+    """Return a function that takes a step of a state, for which another state is needed."""
+    solver, control = own.make(model, method), model.control()
+    pipeline = newton.CollisionPipeline(model) if scene.plane is not None and own.collides else None
+    contacts = pipeline.contacts() if pipeline is not None else None
+
+    def step() -> None:
+        state.clear_forces()
+        if scene.drag:
+            wp.launch(drag_kernel, dim=1, inputs=[scene.drag, state.body_qd], outputs=[state.body_f])
+        if pipeline is not None:
+            pipeline.collide(state, contacts)
+        solver.step(state, following, control, contacts, method.timestep)
+        state.assign(following)
+
+    return step
+
+
+def built(scene: Scene, method: Method) -> Any:
+    """Return Newton's model of a scene, whose default state is the initial one. Raises `SceneUnsupported`."""
+    builder = newton.ModelBuilder(gravity=(0.0, 0.0, -scene.gravity))
+    newton.solvers.SolverSteel.register_custom_attributes(builder)
+    initial = scene.initial
+    w, x, y, z = initial.quaternion
+    body = builder.add_body(
+        xform=wp.transform(initial.position, wp.quat(x, y, z, w)),
+        mass=scene.body.mass,
+        inertia=wp.mat33(*inertia_tensor(scene.body).ravel().tolist()),
+        lock_inertia=True,
+        custom_attributes={} if keeps_damping(method) else {STEEL_DAMPING: 0.0},
+    )
+    if scene.plane is not None:
+        add_contact(builder, body, scene, scene.plane)
+    twist = (*initial.velocity, *rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)).tolist())
+    builder.body_qd[body] = twist
+    builder.joint_qd[:] = twist
+    builder.color()
+    # The check of inertia would replace moments of which one is nearly the sum of the others.
+    model = builder.finalize(skip_validation_inertia=True)
+    model.rigid_contact_max = MOST_CONTACTS
+    return model
+
+
+def add_contact(builder: Any, body: int, scene: Scene, plane: Plane) -> None:
+    """Add the shape of a body and the plane z = 0, with Newton's own stiffness. Raises `SceneUnsupported`."""
+    shape, cfg = lying_shape(scene), newton.ModelBuilder.ShapeConfig(mu=plane.friction)
+    builder.add_ground_plane(cfg=cfg)
+    if isinstance(shape, Brick):
+        a, b, c = shape.semi_axes
+        builder.add_shape_box(body, hx=a, hy=b, hz=c, cfg=cfg)
+    else:
+        builder.add_shape_cylinder(body, radius=shape.radius, half_height=shape.half_length, cfg=cfg)
+
+
+def rows(seen: Array) -> Array:
+    """Return rows (n, 13) of states from poses and twists (n, 13).
+
+    A pose is position and quaternion x y z w, a twist the velocity of the centre of mass and the angular velocity (world).
+    """
+    quaternion = seen[:, [6, 3, 4, 5]]
+    spin = rotate(conjugate(normalise(quaternion)), seen[:, 10:])
+    return states(seen[:, :3], quaternion, seen[:, 7:10], spin)
+
+
+def contact_law(scene: Scene, method: Method) -> Plane | None:
+    """Return the friction law of a method's contacts: that of four corners for a brick, and none for a cylinder."""
+    if scene.plane is None or not isinstance(scene.body.shape, Brick):
+        return None
+    return replace(scene.plane, law="corners", pressure="balanced")
+
+
+def contact_load(scene: Scene, method: Method, steps: int) -> None:
+    """Return None, because most of Newton's solvers do not report the forces of contacts."""

@@ -1,0 +1,92 @@
+"""Newton's solvers of rigid bodies, by the names of the methods that use them."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from newton import solvers
+
+from bodycheck.adapters.contract import KINDS, Kind, Method, Option, choice
+
+#: The time-stepping schemes of the solver that hands a model over to MuJoCo Warp, as Newton spells them.
+OF_MUJOCO = ("euler", "rk4", "implicit", "implicitfast", "discrete")
+
+ON_PLANE: frozenset[Kind] = frozenset({"plane"})
+
+#: The name of the attribute of a body that sets its damping for `SolverSteel`.
+STEEL_DAMPING = "steel:rigid_body_angular_damping"
+
+
+@dataclass(frozen=True)
+class Solver:
+    """A solver of Newton.
+
+    Parameters
+    ----------
+    make
+        Returns the solver of a model for a method.
+    order, evaluations
+        As for `Integrator`.
+    kinds
+        The kinds of scene for which it is offered.
+    options
+        The options of a method.
+    collides
+        Whether Newton's collision detection runs before each step; otherwise the solver has its own.
+    """
+
+    make: Callable[[Any, Method], Any]
+    order: int | None = 1
+    evaluations: int | None = 1
+    kinds: frozenset[Kind] = KINDS
+    options: Mapping[str, Option] = field(default_factory=dict)
+    collides: bool = True
+
+
+def keeps_damping(method: Method) -> bool:
+    """Return whether a method has Newton's own damping."""
+    return method.option("settings") == "engine"
+
+
+def mujoco(scheme: str) -> Solver:
+    """Return the solver that hands a model over to MuJoCo Warp, with one of its integrators."""
+    stages = 4 if scheme == "rk4" else 1
+    return Solver(lambda model, method: solvers.SolverMuJoCo(model, integrator=scheme), stages, stages, collides=False)
+
+
+def kamino(scheme: str, kinds: frozenset[Kind], **chosen: Any) -> Solver:
+    """Return the solver Kamino with one of its schemes; the option `dynamics_solver` selects how it solves for contacts."""
+
+    def make(model: Any, method: Method) -> Any:
+        config = {"integrator": scheme, "dynamics_solver": method.option("dynamics_solver") or "padmm", **chosen}
+        return solvers.SolverKamino(model, solvers.SolverKamino.Config(**config))
+
+    return Solver(
+        make,
+        kinds=kinds,
+        options={"dynamics_solver": choice("padmm", "dvi", "lox", kinds=ON_PLANE)},
+        collides=not chosen.get("use_collision_detector"),
+    )
+
+
+SOLVERS: dict[str, Solver] = {
+    "SemiImplicit": Solver(
+        lambda model, method: solvers.SolverSemiImplicit(model, **({} if keeps_damping(method) else {"angular_damping": 0.0})),
+        options={"settings": choice("engine")},
+    ),
+    "Featherstone": Solver(lambda model, method: solvers.SolverFeatherstone(model)),
+    "XPBD": Solver(lambda model, method: solvers.SolverXPBD(model, angular_damping=0.0)),
+    "VBD": Solver(lambda model, method: solvers.SolverVBD(model)),
+    "Steel": Solver(lambda model, method: solvers.SolverSteel(model), options={"settings": choice("engine")}),
+    "Kamino-euler": kamino("euler", KINDS),
+    "Kamino-moreau": kamino("moreau", ON_PLANE, use_collision_detector=True),
+    **{f"MuJoCo-{scheme}": mujoco(scheme) for scheme in OF_MUJOCO},
+}
+
+#: Spellings of methods with options that are run besides, by kind of scene.
+DAMPED = ("SemiImplicit:settings=engine", "Steel:settings=engine")
+VARIANTS: dict[Kind, tuple[str, ...]] = {
+    "flight": DAMPED,
+    "drag": DAMPED,
+    "plane": (*DAMPED, "Kamino-euler:dynamics_solver=dvi", "Kamino-euler:dynamics_solver=lox"),
+}
