@@ -6,7 +6,7 @@ from typing import Any
 
 from bodycheck.casefile.axes import AXES
 from bodycheck.reports.finding import Finding
-from bodycheck.reports.notices import missing_engines, unsupported
+from bodycheck.reports.notices import Asked, missing_engines, not_supported
 from bodycheck.reports.quantities import count, listing, milliseconds, number, verb
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
@@ -63,7 +63,8 @@ def present(header: Header, rows: Sequence[Row], limits: Sequence[Limit]) -> Stu
 
 
 def _notices(header: Header, rows: Sequence[Row]) -> tuple[str, ...]:
-    return (*missing_engines(header), *unsupported(row.detail for row in rows if row.status == "unsupported"))
+    asked = (Asked(row.case, row.engine, row.version, row.detail if row.status == "unsupported" else "") for row in rows)
+    return (*missing_engines(header), *not_supported(asked))
 
 
 def _unreported(rows: Sequence[Row]) -> list[Finding]:

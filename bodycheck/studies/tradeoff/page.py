@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from bodycheck.judging.convergence import UNITS
 from bodycheck.reports.charts import ZOOMING
 from bodycheck.reports.lines import Line, assign
-from bodycheck.reports.notices import missing_engines, unsupported
+from bodycheck.reports.notices import Asked, missing_engines, not_supported
 from bodycheck.reports.quantities import Quantity, bound, count, listing, milliseconds, number
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
@@ -86,8 +86,11 @@ def _headline(cases: Sequence[CaseMeasurements], lines: Lines) -> str:
 
 
 def _notices(header: Header, rows: Sequence[Row]) -> tuple[str, ...]:
-    refused = (row["reason"] for row in rows if row["status"] == Unsupported.status)
-    return (*missing_engines(header), *unsupported(refused))
+    asked = (
+        Asked(row["case"], row["engine"], row["version"], row["reason"] if row["status"] == Unsupported.status else "")
+        for row in rows
+    )
+    return (*missing_engines(header), *not_supported(asked))
 
 
 def _part(case: CaseMeasurements, lines: Lines) -> Part:

@@ -5,6 +5,8 @@ from typing import Any
 import pytest
 
 from bodycheck.judging.judgement import Verdict
+from bodycheck.reports import notices
+from bodycheck.reports.notices import Asked
 from bodycheck.reports.runs import markdown_report
 from bodycheck.reports.runs.unsupported import not_supported, with_place
 from tests.support.measured_runs import DRAG, FLIP, SLIDE, ended, matrices_of, ran, refused
@@ -96,6 +98,16 @@ def test_other_reasons_are_told_by_kind_of_scene_with_the_runs_that_they_concern
         "Without results: contact by mujoco in 1 of 6 runs (the friction is 0); by mujoco in 1 of 6 runs (the friction is 1); "
         "by mujoco in 1 of 6 runs (the friction is 2); and for 2 other reasons.",
     )
+
+
+def test_where_only_cases_are_known_an_engine_that_refuses_all_runs_of_some_is_named_alone() -> None:
+    """As in studies, whose rows do not have the kind of the scene."""
+    asked = [
+        Asked(case, "brax", "1", f"brax 1 does not model {lack}")
+        for case, lack in (("a", "drag"), ("b", "drag"), ("c", "contact"))
+    ]
+    assert notices.not_supported([*asked, Asked("d", "brax", "1", "")]) == ("Not modelled: drag by brax; contact by brax.",)
+    assert notices.not_supported([*asked[:1], Asked("a", "brax", "1", "")]) == ("Not modelled: drag by brax in 1 of 2 runs.",)
 
 
 @pytest.mark.parametrize(("passed", "seen"), [(None, 1), (True, 1), (False, 2)])

@@ -155,7 +155,7 @@ def test_what_limits_the_study_is_said_first() -> None:
     report = present(HEADER | {"missing": {"dart": "dart is not installed"}}, rows, [])
     assert report.notices == (
         "The engine dart was not used: dart is not installed.",
-        "1 run is not supported by the engine: it does not model drag.",
+        "Without results: by drake (it does not model drag).",
     )
     for text in (Page(html.render_study(report)).text, markdown.render_study(report)):
         assert "dart is not installed" in text
