@@ -4,33 +4,19 @@ Starting a kernel from Python takes about 20 microseconds, and a step of an engi
 as a graph, with all their arguments, and replays the graph in a loop in C++: the same kernels on the same arrays.
 """
 
-import os
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from typing import Any
 
 import warp as wp
 
+from bodycheck.adapters.quiet import no_stderr
+
 #: The function by which a step is taken, looked up at each call.
 CALLS: tuple[tuple[Any, str], ...] = ((wp, "capture_launch"),)
 
-
-@contextmanager
-def no_standard_error() -> Iterator[None]:
-    """Discard what is written to standard error, also by C++."""
-    kept = os.dup(2)
-    with open(os.devnull, "wb") as nothing:
-        os.dup2(nothing.fileno(), 2)
-    try:
-        yield
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-
-
 # Otherwise Warp prints to standard output when it begins, and for every module that it compiles.
 wp.config.log_level = wp.LOG_WARNING
-with no_standard_error():  # on a machine without a GPU, a warning that there is none
+with no_stderr():  # on a machine without a GPU, a warning that there is none
     wp.init()
 # The device of all arrays, also where there is a GPU.
 wp.set_device("cpu")
