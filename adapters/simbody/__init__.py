@@ -5,7 +5,8 @@ error off. The methods are Simbody's integrators with the names that `Manager` g
 (two half steps in each step), Verlet, RungeKutta2, RungeKutta3, RungeKuttaMerson (order 4), RungeKuttaFeldberg (order 4 as
 observed, although Simbody's documentation says fifth), and CPodes. CPodes stays at order 1 where its step cannot change, and
 stops with an error where its own test of accuracy fails. It fails in the first steps of a contact, and is offered in flight
-only. The accuracy that ends iterations, of Verlet for instance, is Simbody's default.
+only. The accuracy that ends iterations, of Verlet for instance, is Simbody's default. SemiExplicitEuler2 reproduces Simbody's
+row of OSRF's box benchmark of 2015.
 
 - A method without options uses Simbody's quaternions, which are Simbody's own default. OpenSim switches them off, and its
   Python package has no function that switches them on again; the adapter calls that of Simbody's library by its C++ name.
