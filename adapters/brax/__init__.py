@@ -4,7 +4,8 @@ The methods are the pipelines of Brax, each of which has one integrator:
 
 - `generalized` computes accelerations in the coordinates of a free joint and takes a semi-implicit Euler step. The inverse of
   the mass matrix is updated by ten Newton-Schulz iterations, the engine's default. Contacts are those of MuJoCo's pyramidal
-  cones, solved by projected gradients.
+  cones, solved by a hundred steps of projected gradients. These do not converge for coefficients of friction below some 0.2,
+  with which a body is braked too little.
 - `positional` is position-based dynamics: velocities are differences of positions over a step.
 - `spring` resolves contacts by impulses in the velocities.
 
@@ -13,8 +14,8 @@ The pipeline `mjx` is not among them, because it calls the step of MJX, which ha
 `positional` and `spring` know no gyroscopic torque: they keep the angular velocity in the world frame where there is no
 torque, so that a body tumbles like a sphere, and their attitude does not converge as the time step becomes small. In
 `positional` the rate is taken from the sine of half the turn of a step, and decays. Its friction compares an impulse with a
-speed, so that it is that of Coulomb's law for some mass near 1 kg alone, and grows with the mass. Both compute the impulse of
-each contact as if it were the only one, and apply their mean.
+speed, so that it grows with the mass of the body, and is that of Coulomb's law for one mass alone. Both pipelines compute the
+impulse of each contact as if it were the only one, and apply their mean.
 
 Brax reads MuJoCo's XML. It has no damping, no sleeping and no substeps unless a model asks for them, and none is asked for, so
 that there is no method with other settings. Double precision (JAX_ENABLE_X64) shows the error of the schemes; Brax is used in

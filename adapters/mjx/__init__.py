@@ -8,9 +8,8 @@ MJX reads MuJoCo's model. The XML is that of the adapter of MuJoCo, with a free 
 contact for a body on a plane. The methods are the integrators of MJX:
 
 - `Euler` is semi-implicit Euler in the velocities of the free joint.
-- `RK4` is the classical Runge-Kutta scheme, whose last turn follows the mean of the velocities of the stages. It is of second
-  order in the attitude of a tumbling body, as MuJoCo's was before version 4, and of fourth order where the body does not
-  tumble.
+- `RK4` is the classical Runge-Kutta scheme, whose last turn follows the mean of the velocities of the stages. For a tumbling
+  body it is of fourth order in the angular velocity and of second order in the attitude, as MuJoCo's was before version 4.
 - `implicitfast` treats damping and actuators implicitly. A body without them takes the same steps as with `Euler`, because the
   derivative of the gyroscopic torque, which MuJoCo includes, is not part of MJX.
 
@@ -24,6 +23,8 @@ with `implicitfast`.
 A free joint has the position and the velocity of the centre of mass in the world frame, a quaternion w x y z, and the angular
 velocity in the body frame. MJX normalises the quaternion in each step. It gives no warnings: a run that diverges ends in states
 that are not numbers.
+
+Scenes are stepped one at a time. Scenes that JAX steps together (`jax.vmap`) differ from each alone by roundings.
 
 XLA compiles the steps of each integrator and kind of scene, which takes seconds, when the first simulation of that sort is
 built in a process. The code is kept in the engine's environment.
