@@ -23,6 +23,7 @@ from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
 from bodycheck.adapters.stepping import Loop
+from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.sliding.friction import friction
@@ -110,7 +111,7 @@ def unsupported_contact(scene: Scene, plane: Plane) -> str | None:
         return reason
     try:
         friction(scene.body, plane, scene.gravity)
-    except ValueError as error:
+    except (NotFlat, ValueError) as error:
         return f"this contact: {error}"
     return None
 

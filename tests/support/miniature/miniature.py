@@ -28,10 +28,10 @@ def exact(t: float, row: np.ndarray) -> np.ndarray:
 
 
 def wrong(t: float, row: np.ndarray) -> np.ndarray:
-    """Wrong from the first step on: the whole motion one metre aside, and every velocity doubled."""
+    """Wrong from the first step on: the whole motion one metre aside, and every velocity reversed."""
     if t > 0:
         row[0] += 1.0
-        row[7:] *= 2.0
+        row[7:] *= -1.0
     return row
 
 
