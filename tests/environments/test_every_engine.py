@@ -36,10 +36,12 @@ def short(name: str, folder: Path) -> Path:
 
 
 def rows(*arguments: object) -> list[Row]:
-    """The rows of `bodycheck run`, which must end well."""
+    """The rows of `bodycheck run`, in which no adapter fails. A scheme may diverge with a time step that is too large for it."""
     done = bodycheck("run", *arguments, "--json")
-    assert done.returncode == 0, done.stderr
+    assert done.returncode in (0, 1), done.stderr
     found: list[Row] = json.loads(done.stdout)
+    failed = [row for row in found if row["status"] not in ("ok", "unsupported", "diverged")]
+    assert not failed
     return found
 
 
