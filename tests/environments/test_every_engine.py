@@ -36,7 +36,7 @@ def short(name: str, folder: Path) -> Path:
 
 
 def rows(*arguments: object) -> list[Row]:
-    """The rows of `bodycheck run`, in which no adapter fails. A scheme may diverge with a time step that is too large for it."""
+    """The rows of `bodycheck run`, in which no adapter fails. A scheme may diverge at a time step that is too large."""
     done = bodycheck("run", *arguments, "--json")
     assert done.returncode in (0, 1), done.stderr
     found: list[Row] = json.loads(done.stdout)
