@@ -126,7 +126,7 @@ def load_engines(names: tuple[str, ...], expected: "Mapping[str, bool] | None" =
     records, faults = engines.describe(wanted)
     if lacking := next((fault for name, fault in faults.items() if name in needed and not fault.broken), None):
         raise BadInput(lacking.reason)
-    missing = {name: fault.reason for name, fault in faults.items() if fault.broken or registry.installed(name) is not None}
+    missing = {name: fault.reason for name, fault in faults.items() if fault.broken or _should_be_there(name)}
     for reason in missing.values():
         print(f"bodycheck: {reason}; continuing without it", file=sys.stderr)
     if not records:
@@ -137,6 +137,16 @@ def load_engines(names: tuple[str, ...], expected: "Mapping[str, bool] | None" =
         broken=frozenset(name for name, fault in faults.items() if fault.broken),
         named=bool(names),
     )
+
+
+def _should_be_there(name: str) -> bool:
+    """Return whether an engine, which cannot be imported, is installed beside bodycheck, or its adapter does not say so."""
+    from bodycheck.adapters import registry
+    from bodycheck.adapters.engine_name import EngineName
+
+    asked = EngineName.parse(name)
+    source = registry.known_installation(asked.adapter)
+    return asked.version is None and (source is None or registry.installed(asked.adapter) is not None)
 
 
 def check_engine(name: str) -> None:
