@@ -11,7 +11,9 @@ in the group `bodycheck.distributions`, with underscores in place of hyphens: `m
 
 import importlib
 import pkgutil
-from importlib.metadata import PackageNotFoundError, entry_points, metadata, version
+import sys
+from functools import cache
+from importlib.metadata import EntryPoint, PackageNotFoundError, entry_points, metadata, version
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -45,7 +47,7 @@ def names() -> tuple[str, ...]:
     An entry point whose name cannot be that of an engine is not one.
     """
     own = _own()
-    return tuple(own + [p.name for p in entry_points(group=ENGINE_GROUP) if p.name not in own and is_name(p.name)])
+    return (*own, *(point.name for point in _points(ENGINE_GROUP) if point.name not in own and is_name(point.name)))
 
 
 def installation(name: str) -> Installation:
@@ -57,7 +59,7 @@ def installation(name: str) -> Installation:
     if name in _own():
         found: Installation = importlib.import_module(f"bodycheck.adapters.{name}").INSTALLATION
         return found
-    for point in entry_points(group=DISTRIBUTION_GROUP, name=name):
+    for point in _points(DISTRIBUTION_GROUP, name):
         return Installation(point.value.partition(" ")[0].replace("_", "-"), tuple(point.extras))
     raise EngineMissing(
         f"{name} does not say what it is installed from: it has no entry point in the group {DISTRIBUTION_GROUP!r}"
@@ -77,8 +79,8 @@ def sources(name: str) -> list[Path]:
     """Return the source files of an engine's adapter, without importing it. Raises `EngineMissing` for an unknown engine."""
     _check_known(name)
     if name in _own():
-        return sorted(Path(bodycheck.adapters.__path__[0]).resolve().rglob("*.py"))
-    modules = {point.module.partition(".")[0] for point in entry_points(group=ENGINE_GROUP, name=name)}
+        return list(_own_sources())
+    modules = {point.module.partition(".")[0] for point in _points(ENGINE_GROUP, name)}
     return [file for module in sorted(modules) for file in _files_of(module)]
 
 
@@ -105,8 +107,8 @@ def load(name: str) -> Adapter:
     if asked.version is not None and (there := installed(name)) != asked.version:
         raise EngineMissing(f"{asked} is not installed: there is {there or 'none'}")
     try:
-        points = entry_points(group=ENGINE_GROUP, name=name)
-        adapter = next(iter(points)).load() if points else importlib.import_module(f"bodycheck.adapters.{name}.engine")
+        points = _points(ENGINE_GROUP, name)
+        adapter = points[0].load() if points else importlib.import_module(f"bodycheck.adapters.{name}.engine")
     except ModuleNotFoundError as error:
         missing = f"{name} is not installed: there is no Python package {error.name!r}"
         raise EngineMissing(missing + _extra(name)) from error
@@ -145,9 +147,27 @@ def _description(adapter: object) -> str:
     return str(getattr(adapter, "__name__", type(adapter).__name__))
 
 
-def _own() -> list[str]:
+@cache
+def _own() -> tuple[str, ...]:
     """Return the engines whose adapters are folders beside this file."""
-    return [module.name for module in pkgutil.iter_modules(bodycheck.adapters.__path__) if module.ispkg]
+    return tuple(module.name for module in pkgutil.iter_modules(bodycheck.adapters.__path__) if module.ispkg)
+
+
+@cache
+def _own_sources() -> tuple[Path, ...]:
+    """Return the source files beside this file."""
+    return tuple(sorted(Path(bodycheck.adapters.__path__[0]).resolve().rglob("*.py")))
+
+
+def _points(group: str, name: str | None = None) -> tuple[EntryPoint, ...]:
+    """Return the entry points of a group, or those of them with one name, on the present path of modules."""
+    return tuple(point for point in _all_points(tuple(sys.path)) if point.group == group and name in (None, point.name))
+
+
+@cache
+def _all_points(path: tuple[str, ...]) -> tuple[EntryPoint, ...]:
+    """Return the entry points that concern engines, for which the metadata of all packages are read: once for each path."""
+    return (*entry_points(group=ENGINE_GROUP), *entry_points(group=DISTRIBUTION_GROUP))
 
 
 def _check_known(name: str) -> None:

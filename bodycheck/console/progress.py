@@ -6,12 +6,14 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-from bodycheck.running.campaign import Advance
+if TYPE_CHECKING:
+    from bodycheck.running.campaign import Advance
 
 #: Time between two lines where stderr is not a terminal (s).
 INTERVAL_S = 10.0
@@ -54,7 +56,7 @@ class Count:
 
 
 @contextmanager
-def progress(title: str, total: int, quiet: bool = False) -> Iterator[Advance]:
+def progress(title: str, total: int, quiet: bool = False) -> "Iterator[Advance]":
     """Show progress on stderr while the context lasts.
 
     The context provides a function that counts what is done. Its arguments are a text about the last work, and the number of
@@ -81,7 +83,7 @@ def progress(title: str, total: int, quiet: bool = False) -> Iterator[Advance]:
 
 
 @contextmanager
-def _bar(title: str, total: int) -> Iterator[Advance]:
+def _bar(title: str, total: int) -> "Iterator[Advance]":
     columns = (TextColumn(title), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), TextColumn("{task.fields[last]}"))
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(title, total=total, last="")

@@ -10,10 +10,10 @@ from bodycheck.console.options import AS_USUAL, View
 from bodycheck.console.output import tell
 from bodycheck.console.progress import progress
 from bodycheck.console.tables import Column, Row, attribute, print_table, show
-from bodycheck.judging.expectation_writer import Change
 
 if TYPE_CHECKING:
     from bodycheck.judging.baseline import Difference
+    from bodycheck.judging.expectation_writer import Change
 
 __all__ = ["print_changes", "print_difference", "print_errors", "print_json", "print_requirements", "print_table", "progress"]
 
@@ -86,7 +86,7 @@ def requirement_columns(names: Iterable[str]) -> tuple[Column[Mapping[str, bool 
     return tuple(column(name, place) for place, name in enumerate(("case", *names)))
 
 
-def print_changes(changes: Sequence[Change], view: View = AS_USUAL) -> None:
+def print_changes(changes: "Sequence[Change]", view: View = AS_USUAL) -> None:
     """Print one line per measurement, saying whether its expectations were written."""
     show(WRITTEN, changes, view)
 

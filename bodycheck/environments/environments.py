@@ -17,6 +17,7 @@ import sysconfig
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from hashlib import sha256
 from importlib import metadata
 from pathlib import Path
@@ -295,10 +296,15 @@ def _folder(release: Release) -> Path:
 
 def _fit(source: Installation) -> str:
     """Return a name for what is installed with an engine, the running interpreter, and its packages that both must fit."""
-    versions = [f"{package} {metadata.version(package)}" for package in ("numpy", *making.NUMPY_DEPENDENTS)]
-    fits = repr((sys.prefix, making.site_folders(), versions, source.extras, source.others))
+    fits = repr((sys.prefix, making.site_folders(), _versions(), source.extras, source.others))
     abi = sysconfig.get_config_var("SOABI") or f"{sys.implementation.cache_tag}-{sysconfig.get_platform()}"
     return f"{abi}-{sha256(fits.encode()).hexdigest()[:12]}"
+
+
+@cache
+def _versions() -> list[str]:
+    """Return the versions of NumPy and of packages compiled against it, beside which engines are installed."""
+    return [f"{package} {metadata.version(package)}" for package in ("numpy", *making.NUMPY_DEPENDENTS)]
 
 
 def _lock(folder: Path) -> BaseFileLock:
