@@ -8,6 +8,7 @@
 - `offers` decides which methods an engine offers for a scene, and checks methods before they are run.
 - `stepping` contains the loop for engines that are stepped from Python, and normalises quaternions.
 - `flat_contact` checks that a body lies flat on its plane.
+- `principal_axes` converts the states of engines that have the principal axes as the frame of a body.
 - `quiet` keeps what engines write in C from the terminal.
-- `mujoco/` and `pinocchio/` contain one engine each; their module `engine` is the adapter.
+- Every folder contains one engine; its module `engine` is the adapter, and its first lines say what the methods are.
 """
