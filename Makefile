@@ -42,9 +42,10 @@ export FILES RUNS FOLDERS KILLS SEED
 slow: $(VENV)/.installed-for-development
 	$(BIN)/pytest -n auto --dist worksteal -m slow
 
-# Installs every engine that has an adapter in an environment of its own, and tests the adapters there.
+# Installs every engine that has an adapter in an environment of its own, and tests the adapters there. ENGINES="dart or drake"
+# does so for these alone.
 engines: $(VENV)/.installed-for-development
-	$(BIN)/pytest -m engines -v
+	$(BIN)/pytest -m engines -v -k "$(or $(ENGINES),engine or releases)"
 
 benchmarks: $(VENV)/.installed-for-development
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
