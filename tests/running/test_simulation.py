@@ -145,7 +145,7 @@ def test_an_adapter_without_its_record_is_missing(monkeypatch: pytest.MonkeyPatc
         def load(self) -> object:
             return object()
 
-    monkeypatch.setattr(registry, "entry_points", lambda **_: [Point()])
+    monkeypatch.setattr(registry, "_points", lambda group, name=None: (Point(),))
     with pytest.raises(registry.EngineMissing, match="halfway has no adapter: object lacks `engine` or `prepare`"):
         registry.load("halfway")
 
@@ -160,7 +160,8 @@ def test_an_entry_point_or_an_integrator_with_such_a_name_is_none(name: str, mon
             engine = Engine("fine", "fine", "1.0", (Integrator(name),), frozenset())
             return SimpleNamespace(engine=engine, prepare=len)
 
-    monkeypatch.setattr(registry, "entry_points", lambda **_: [Point("fine"), Point(name)])
+    points = (Point("fine"), Point(name))
+    monkeypatch.setattr(registry, "_points", lambda group, name=None: tuple(p for p in points if name in (None, p.name)))
     assert "fine" in registry.names()
     assert name not in registry.names()
     with pytest.raises(registry.EngineMissing, match="an integrator is named "):
