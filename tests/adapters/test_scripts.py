@@ -104,7 +104,7 @@ def printed(folder: Path, programs: Sequence[str]) -> list[Array]:
     return [states((folder / f"{number:03}.csv").read_text()) for number in range(len(programs))]
 
 
-@pytest.mark.parametrize("engine", registry.names())
+@pytest.mark.parametrize("engine", [name for name in registry.names() if registry.installed(name)])
 def test_a_script_makes_the_steps_of_the_run_to_the_last_bit(tmp_path: Path, engine: str) -> None:
     try:
         if not isinstance(registry.load(engine), Scripts):
