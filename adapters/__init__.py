@@ -9,6 +9,7 @@
 - `stepping` contains the loop for engines that are stepped from Python, and normalises quaternions.
 - `flat_contact` checks that a body lies flat on its plane.
 - `principal_axes` converts the states of engines that have the principal axes as the frame of a body.
+- `rotation_vectors` converts the attitudes of engines that keep them as rotation vectors.
 - `quiet` keeps what engines write in C from the terminal.
 - Every folder contains one engine; its module `engine` is the adapter, and its first lines say what the methods are.
 """

@@ -8,6 +8,7 @@ import numpy as np
 
 from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Method, states
 from bodycheck.adapters.dart import INSTALLATION, contact
+from bodycheck.adapters.rotation_vectors import quaternions, rotation_vector
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.inertia import inertia_tensor
 from bodycheck.reference.kinematics import conjugate, rotate
@@ -87,19 +88,8 @@ def model(scene: Scene, method: Method) -> Model:
 def rows(seen: Array) -> Array:
     """Return the rows (n, 13) of states from DART's coordinates and velocities (n, 12)."""
     turn, position, angular_velocity, velocity = np.split(seen, [3, 6, 9], axis=1)
-    half = np.linalg.norm(turn, axis=1, keepdims=True) / 2
-    quaternion = np.hstack([np.cos(half), turn / 2 * np.sinc(half / np.pi)])
+    quaternion = quaternions(turn)
     return states(position, quaternion, velocity, rotate(conjugate(quaternion), angular_velocity))
-
-
-def rotation_vector(quaternion: Array) -> Array:
-    """Return the rotation vector (3,), rad, of at most a half turn, of a unit quaternion (4,)."""
-    w, vector = quaternion[0], quaternion[1:]
-    size = float(np.linalg.norm(vector))
-    if size == 0.0:
-        return np.zeros(3)
-    angle = 2 * np.arctan2(size, abs(w))
-    return np.asarray(np.copysign(angle / size, w) * vector)
 
 
 def contact_law(scene: Scene, method: Method) -> Plane | None:

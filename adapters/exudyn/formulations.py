@@ -12,6 +12,7 @@ import numpy as np
 from exudyn import itemInterface
 
 from bodycheck.adapters.contract import SceneUnsupported, states
+from bodycheck.adapters.rotation_vectors import quaternions, rotation_vector
 from bodycheck.reference.kinematics import conjugate, multiply
 from bodycheck.reference.scene import State
 from bodycheck.reference.trajectory import Array
@@ -71,16 +72,12 @@ def of_euler_parameters(parameters: Array, rates: Array) -> tuple[Array, Array]:
 
 def rotation_vector_at(quaternion: Array, angular_velocity: Array) -> tuple[Array, Array]:
     """Return the rotation vector (3,), rad, of at most a half turn, and the angular velocity."""
-    w, vector = quaternion[0], quaternion[1:]
-    size = float(np.linalg.norm(vector))
-    angle = 2 * np.arctan2(size, abs(w))
-    return (np.copysign(angle / size, w) * vector if size else np.zeros(3)), angular_velocity
+    return rotation_vector(quaternion), angular_velocity
 
 
 def of_rotation_vector(vectors: Array, angular_velocity: Array) -> tuple[Array, Array]:
     """Return the quaternions of rotation vectors, and the angular velocities."""
-    half = np.linalg.norm(vectors, axis=1, keepdims=True) / 2
-    return np.hstack([np.cos(half), vectors / 2 * np.sinc(half / np.pi)]), angular_velocity
+    return quaternions(vectors), angular_velocity
 
 
 def angles_at(quaternion: Array, angular_velocity: Array) -> tuple[Array, Array]:
