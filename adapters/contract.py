@@ -1,10 +1,11 @@
 """The contract between bodycheck and the adapter of an engine: a module, or any object, with the attributes of `Adapter`.
 
-An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Four protocols are optional:
+An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Five protocols are optional:
 `Models` for an adapter that can model a scene in several ways, `Contact` for one that knows the friction law and the load of
-its contacts, `Scripts` for one that can write a run as a script for the engine alone, and `Calls` for one that names the
-functions of its engine which its steps call. `bodycheck.adapters.offers` handles for all adapters misspelled methods, scenes
-that an engine cannot model, and several scenes for an engine that steps one scene at a time.
+its contacts, `Scripts` for one that can write a run as a script for the engine alone, `Calls` for one that names the functions
+of its engine which its steps call, and `Links` for one that can give its engine a body as links welded together.
+`bodycheck.adapters.offers` handles for all adapters misspelled methods, scenes that an engine cannot model, and several scenes
+for an engine that steps one scene at a time.
 
 Scenes and states follow the conventions of `bodycheck.reference.scene`. An adapter converts them to and from the conventions
 of its engine. It imports its engine and this package, but nothing of cases, truth or reports.
@@ -19,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.adapters.method import Method as Method
-from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.scene import Plane, Quaternion, Scene, Vector
 from bodycheck.reference.trajectory import Array
 
 Strides = NDArray[np.int64]
@@ -137,6 +138,9 @@ class Engine:
         The precision and the device of the engine's arithmetic.
     batch
         The number of scenes per call of `prepare` from which batching pays off; 1 if the engine steps one scene at a time.
+    defaults
+        The engine's own choices where a user makes none, as read from the engine itself: "integrator", "timestep" and
+        "tolerance" with their values and units, such as {"timestep": "0.002 s"}, as far as it has them.
     """
 
     name: str
@@ -148,6 +152,7 @@ class Engine:
     precision: Literal["float64", "float32"] = "float64"
     device: Literal["cpu", "cuda"] = "cpu"
     batch: int = 1
+    defaults: Mapping[str, str] = field(default_factory=dict)
 
 
 class SceneUnsupported(Exception):
@@ -297,6 +302,61 @@ class Calls(Protocol):
     @property
     def calls(self) -> Sequence[tuple[Any, str]]:
         """Pairs of an object, which is a module or a class, and the name of a function in it that is looked up at each call."""
+        ...
+
+
+@dataclass(frozen=True)
+class Link:
+    """A part of a rigid body in a frame of its own, as files of robots describe it.
+
+    Parameters
+    ----------
+    mass
+        The mass (kg).
+    inertia
+        The components xx, yy, zz, xy, xz, yz of the inertia tensor about the link's centre of mass, along the axes of the
+        link's frame (kg m^2).
+    center_of_mass
+        The centre of mass, in the link's frame (m).
+    position
+        The origin of the link's frame, in the frame of the first link of the body (m).
+    quaternion
+        The unit quaternion (w, x, y, z) that rotates components in the link's frame to components in that of the first link.
+    """
+
+    mass: float
+    inertia: tuple[float, float, float, float, float, float]
+    center_of_mass: Vector = (0.0, 0.0, 0.0)
+    position: Vector = (0.0, 0.0, 0.0)
+    quaternion: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+@runtime_checkable
+class Links(Protocol):
+    """An adapter that can give its engine a body as one or several links, which are welded together."""
+
+    def prepare_links(self, links: Sequence[Link], scene: Scene, method: Method) -> Simulation:
+        """Return a simulation of a free body that is made of links, at t = 0.
+
+        The engine receives each link as it is: its tensor, its centre of mass and its weld are not converted to those of the
+        whole body. The states of the simulation are those of the frame of the first link: the position and the velocity of its
+        origin, its attitude, and the angular velocity along its axes.
+
+        Parameters
+        ----------
+        links
+            The links. The frame of the first is that of the body.
+        scene
+            The initial state of the frame of the first link, and gravity. There is neither plane nor drag, and the scene's body
+            counts for nothing.
+        method
+            The method, which the caller has checked as for `Adapter.prepare`.
+
+        Raises
+        ------
+        SceneUnsupported
+            If the engine cannot take a body in this form.
+        """
         ...
 
 

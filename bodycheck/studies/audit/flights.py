@@ -1,0 +1,112 @@
+"""Flights: short runs of one free body with one method, made in the process in which the engine lives."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.adapters import offers
+from bodycheck.adapters.contract import Adapter, EngineDiverged, Link, Links, Method, Normalising, SceneUnsupported, Simulation
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.trajectory import Array
+
+#: Unit roundoff of double and single precision, by the name of the precision.
+ROUNDOFF = {"float64": 2.0**-53, "float32": 2.0**-24}
+
+
+@dataclass(frozen=True)
+class Flight:
+    """A short run that a probe asks for.
+
+    Parameters
+    ----------
+    scene
+        The scene. With links, its initial state is that of the frame of the first link.
+    timestep
+        The time step (s).
+    strides
+        The numbers of steps from each state to the next, the first from the start.
+    links
+        The links by which the body is given to the engine; empty for the body of the scene.
+    """
+
+    scene: Scene
+    timestep: float
+    strides: tuple[int, ...]
+    links: tuple[Link, ...] = ()
+
+
+@dataclass(frozen=True)
+class Flown:
+    """The states of a flight.
+
+    Parameters
+    ----------
+    states
+        The states (n, 13) after each stride, in the columns of `Simulation.advance`.
+    quaternion_norm_error
+        The largest deviation from 1 of the norm of a quaternion, as the engine returned it.
+    """
+
+    states: Array
+    quaternion_norm_error: float
+
+
+@dataclass(frozen=True)
+class NotFlown:
+    """A flight that the engine refused or gave up, and why."""
+
+    reason: str
+
+
+#: What became of a flight.
+Result = Flown | NotFlown
+
+
+@dataclass(frozen=True)
+class Pilot:
+    """Makes flights with one integrator of one engine.
+
+    Parameters
+    ----------
+    adapter
+        The adapter of the engine.
+    integrator
+        The spelling of the method.
+    timestep
+        The time step (s) at which the method is audited; a probe may take others.
+    """
+
+    adapter: Adapter
+    integrator: str
+    timestep: float
+
+    @property
+    def roundoff(self) -> float:
+        """The unit roundoff of the precision that the adapter states; a probe may find another."""
+        return ROUNDOFF[self.adapter.engine.precision]
+
+    def fly(self, flight: Flight) -> Result:
+        """Make a flight. Exceptions other than the engine's refusal and its own signal are passed on."""
+        method = Method.parse(self.integrator, flight.timestep)
+        try:
+            simulation = self._simulation(flight, method)
+            states = np.array(simulation.advance(np.array(flight.strides, dtype=np.int64)), dtype=np.float64)[0, :, 0]
+        except (SceneUnsupported, EngineDiverged) as error:
+            return NotFlown(str(error))
+        norms = np.linalg.norm(states[:, 3:7], axis=1)
+        off = float(np.nan_to_num(np.abs(norms - 1), nan=np.inf).max(initial=0.0))
+        if isinstance(simulation, Normalising):
+            off = max(off, simulation.quaternion_norm_error)
+        return Flown(states, off)
+
+    def fly_all(self, flights: Sequence[Flight]) -> list[Result]:
+        """Make several flights in turn."""
+        return [self.fly(flight) for flight in flights]
+
+    def _simulation(self, flight: Flight, method: Method) -> Simulation:
+        if not flight.links:
+            return offers.prepare(self.adapter, [flight.scene], method)
+        if not isinstance(self.adapter, Links):
+            raise SceneUnsupported("the adapter cannot give the engine a body as links")
+        return self.adapter.prepare_links(flight.links, flight.scene, method)

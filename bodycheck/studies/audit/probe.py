@@ -1,0 +1,64 @@
+"""What a probe is: a function that makes flights and says which property of a method they show."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+from bodycheck.studies.audit.flights import Pilot
+
+#: The properties that an audit looks for, in the order in which they are printed.
+Property = Literal[
+    "single-precision",
+    "linear-damping",
+    "angular-damping",
+    "quadratic-damping",
+    "speed-limit",
+    "spin-limit",
+    "turn-limit",
+    "no-gyroscopic-torque",
+    "substeps",
+    "gravity-after-position",
+    "sleeping",
+    "frame",
+    "order",
+    "quaternion-norm",
+    "nondeterminism",
+    "time-base",
+    "silent-reset",
+    "energy-per-turn",
+    "scale-dependence",
+    "origin-dependence",
+    "representation",
+]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a probe says of one property of a method.
+
+    Parameters
+    ----------
+    property
+        The property.
+    probe
+        The name of the probe, and in words what it saw where the value alone does not say it.
+    verdict
+        "found", "none" where the method is as mechanics has it, or "not-probed" where the flights cannot tell.
+    value
+        The size of what was found, such as a coefficient or a limit; None where there is none.
+    unit
+        Its unit; empty for a pure number.
+    expected
+        What the value is of an engine that computes mechanics alone, as it is printed.
+    """
+
+    property: Property
+    probe: str
+    verdict: Literal["found", "none", "not-probed"]
+    value: float | None = None
+    unit: str = ""
+    expected: str = ""
+
+
+#: A probe: it makes flights by a pilot, and returns a finding for each property that it looks for.
+Probe = Callable[[Pilot], tuple[Finding, ...]]
