@@ -7,11 +7,9 @@ import numpy as np
 
 from bodycheck.adapters import offers
 from bodycheck.adapters.contract import Adapter, EngineDiverged, Link, Links, Method, Normalising, SceneUnsupported, Simulation
+from bodycheck.judging.scheme_rounding import ROUNDOFF
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
-
-#: Unit roundoff of double and single precision, by the name of the precision.
-ROUNDOFF = {"float64": 2.0**-53, "float32": 2.0**-24}
 
 
 @dataclass(frozen=True)

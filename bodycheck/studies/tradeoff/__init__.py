@@ -1,6 +1,6 @@
 """The study of accuracy and cost over time steps: `bodycheck tradeoff`.
 
 - `study` plans the runs, measures costs and observes orders. `ladder` chooses the time steps of a case.
-- `identification` finds the textbook scheme that a method agrees with. `front` finds the Pareto front.
+- `front` finds the Pareto front.
 - `page`, `findings`, `diagram` and `measurements` make the report. `command` and `printing` serve the command line.
 """

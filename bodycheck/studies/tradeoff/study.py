@@ -11,7 +11,9 @@ from bodycheck.adapters.offers import chosen, integrator_of
 from bodycheck.casefile.case import Case
 from bodycheck.judging import judgement
 from bodycheck.judging.convergence import observe_convergence
+from bodycheck.judging.identification import identify
 from bodycheck.judging.judgement import Verdict
+from bodycheck.judging.scheme_rounding import ROUNDOFF
 from bodycheck.reference.truth import Truth
 from bodycheck.running import campaign, csv_tables
 from bodycheck.running.key import RunKey
@@ -22,7 +24,6 @@ from bodycheck.running.store import Results
 from bodycheck.studies.cost import Measured, Stretch, measure, summarise
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.front import COLUMNS
-from bodycheck.studies.tradeoff.identification import identify
 from bodycheck.studies.tradeoff.ladder import ladder
 
 #: Columns after those of results: the interval of the time per step (s), the evaluations of the accelerations per step, the
@@ -98,7 +99,8 @@ def price(
     rows = judgement.records(verdicts)
     for row, verdict in zip(rows, verdicts, strict=True):
         found = costs.get(_task(results.cases[verdict.run.case], verdict))
-        row |= _costs(row, found if isinstance(found, Measured) else None, _claims(engines, verdict.run.key).evaluations)
+        claims = _claims(engines[verdict.run.engine], verdict.run.key)
+        row |= _costs(row, found if isinstance(found, Measured) else None, claims.evaluations)
         if isinstance(found, Crashed | TimedOut):
             row["reason"] = row["reason"] or f"its cost could not be measured: {found.reason}"
     return rows
@@ -119,9 +121,9 @@ def _stretch(task: Task, verdict: Verdict) -> Stretch:
     return Stretch(task.case.scene, task.engine, task.method, verdict.outcome.steps)
 
 
-def _claims(engines: Mapping[str, Engine], key: RunKey) -> Integrator:
+def _claims(engine: Engine, key: RunKey) -> Integrator:
     """Return the integrator of a run, with the order and the evaluations that its engine claims."""
-    own = integrator_of(engines[key.engine], key.method)
+    own = integrator_of(engine, key.method)
     assert own is not None  # it was run
     return own
 
@@ -180,17 +182,17 @@ def orders(
                 methods[verdict.run.key.over_steps].append(verdict)
         for key, runs in methods.items():
             runs.sort(key=lambda verdict: -verdict.run.method.timestep)
-            found += _orders_of(results, results.cases[name], runs, _claims(engines, key).order)
+            found += _orders_of(results, results.cases[name], runs, engines[key.engine])
         progress(f"{name} · orders")
     return found
 
 
-def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], claimed: int | None) -> Iterator[Order]:
+def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], engine: Engine) -> Iterator[Order]:
     """Yield the orders of one method from the verdicts on its completed runs, which begin with the largest time step."""
     coarsest = verdicts[0].run
     truth = results.truth(case.name, coarsest.method.timestep)
     assert isinstance(truth, Truth)  # its run has a discrepancy
-    named = identify(case, coarsest, truth)
+    named = identify(case, coarsest, truth, ROUNDOFF[engine.precision])
     runs = [(v.run.method.timestep, v.outcome.trajectory) for v in verdicts if isinstance(v.outcome, Completed)]
     maxima = [verdict.discrepancy.maxima() for verdict in verdicts if verdict.discrepancy is not None]
     errors = {
@@ -204,7 +206,7 @@ def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], claime
             order_low=convergence.low,
             order_high=convergence.high,
             floor=convergence.floor,
-            claimed=claimed,
+            claimed=_claims(engine, coarsest.key).order,
             scheme=named.scheme if named is not None else "",
             scheme_residual=named.residual if named is not None else None,
         )

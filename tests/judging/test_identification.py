@@ -9,6 +9,8 @@ import pytest
 
 from bodycheck import Case, compare, load, simulate, truth
 from bodycheck.adapters.contract import Method
+from bodycheck.judging.identification import SAME_ROUNDINGS, Identification, identify
+from bodycheck.judging.scheme_rounding import ROUNDOFF, STEP_ROUNDINGS, allowance
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import State
 from bodycheck.reference.schemes.formulations import Formulation, body_twist, world_velocity
@@ -18,8 +20,10 @@ from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Diverged, Run
 from bodycheck.running.simulation import sampling_steps
-from bodycheck.studies.tradeoff.identification import SAME_RAD, STEP_ROUNDING, Identification, allowance, identify
 from tests.support.cases import shortened
+
+DOUBLE = ROUNDOFF["float64"]
+SAME_RAD = SAME_ROUNDINGS * DOUBLE
 
 SEMI_IMPLICIT, LINEARLY_IMPLICIT = "semi-implicit Euler", "linearly implicit Euler"
 AVERAGED, MUNTHE_KAAS = "averaged Runge-Kutta 4", "Runge-Kutta-Munthe-Kaas 4"
@@ -49,7 +53,7 @@ def truth_of(case: Case) -> Truth:
 
 
 def found(case: Case, run: Run) -> Identification:
-    identification = identify(case, run, truth_of(case))
+    identification = identify(case, run, truth_of(case), DOUBLE)
     assert identification is not None
     return identification
 
@@ -237,7 +241,7 @@ def test_nor_does_a_scheme_that_leaves_a_tenth_of_the_discrepancy() -> None:
     assert identification.cannot_tell
     assert identification.early < SAME_RAD
     error = compare(truth_of(case), run).series["attitude_error"]
-    allowed = allowance(SCHEMES[MUNTHE_KAAS], case.scene, 0.002, run.outcome.trajectory)
+    allowed = allowance(SCHEMES[MUNTHE_KAAS], case.scene, 0.002, run.outcome.trajectory, DOUBLE)
     assert (error > allowed).any()
 
 
@@ -322,17 +326,18 @@ def test_schemes_that_fail_do_not_matter() -> None:
     failed = {candidate.scheme for candidate in identification.candidates if candidate.residual == np.inf}
     assert failed == {"explicit Euler", SEMI_IMPLICIT, "implicit midpoint"}
     # Where a scheme fails, rounding may be anything; no angle is more than half a turn.
-    assert allowance(semi_implicit_euler, case.scene, 0.2, run.outcome.trajectory)[-1] == np.pi
+    assert allowance(semi_implicit_euler, case.scene, 0.2, run.outcome.trajectory, DOUBLE)[-1] == np.pi
 
 
 def test_no_scheme_is_tried_on_a_plane() -> None:
     case = load("sliding-brick")
-    assert identify(case, simulate(case, "pinocchio", "law-force", 0.01), truth(case)) is None
+    assert identify(case, simulate(case, "pinocchio", "law-force", 0.01), truth(case), DOUBLE) is None
 
 
 def test_a_run_without_a_trajectory_is_refused() -> None:
+    run = Run(FLIP.name, "miniature", "1.0", Method.parse("own", 0.01), Diverged("not a number"))
     with pytest.raises(ValueError, match="its status is diverged: not a number"):
-        identify(FLIP, Run(FLIP.name, "miniature", "1.0", Method.parse("own", 0.01), Diverged("not a number")), truth_of(FLIP))
+        identify(FLIP, run, truth_of(FLIP), DOUBLE)
 
 
 @pytest.mark.parametrize("name", SCHEMES)
@@ -345,7 +350,7 @@ def test_rounding_stays_within_its_allowance(name: str) -> None:
     def noisy(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
         (position, attitude), (linear, angular) = SCHEMES[name](motion, pose, v, h)
         (a, b, c), (p, q, r) = directions = random.normal(size=(2, 3))
-        size = amplified * STEP_ROUNDING / np.linalg.norm(directions, axis=1)
+        size = amplified * STEP_ROUNDINGS * DOUBLE / np.linalg.norm(directions, axis=1)
         spin = float(np.linalg.norm(angular))
         attitude = turn(attitude, (size[0] * a, size[0] * b, size[0] * c))
         return (position, attitude), (linear, add_scaled(angular, spin * float(size[1]), (p, q, r)))
@@ -354,7 +359,7 @@ def test_rounding_stays_within_its_allowance(name: str) -> None:
     assert isinstance(plain, Completed)
     assert isinstance(rounded, Completed)
     apart = geodesic_angle(plain.trajectory.quaternion, rounded.trajectory.quaternion)
-    allowed = amplified * allowance(SCHEMES[name], case.scene, 0.01, plain.trajectory)
+    allowed = amplified * allowance(SCHEMES[name], case.scene, 0.01, plain.trajectory, DOUBLE)
     assert (apart <= allowed).all()
     # Nor is the bound an idle one: of the sum of 1000 errors, all in one direction and the worst, those in random directions
     # make about one part in the root of 1000, and the directions take about as much again.
