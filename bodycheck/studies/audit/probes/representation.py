@@ -1,0 +1,169 @@
+"""The probe of representations: whether one body moves alike however an engine is given it.
+
+The body tumbles freely and falls, given along its principal axes and in each of `representations`. All are flown with three
+time steps, the audited one and twice and four times that. For mechanics the motions are the same. For a scheme in
+the coordinates of the frame that it is given, they may differ by an error that vanishes with the time step. A difference that
+does not vanish is a fault.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, log2
+from typing import Literal
+
+import numpy as np
+
+from bodycheck.reference.kinematics import conjugate, multiply
+from bodycheck.reference.scene import Body, Scene, State
+from bodycheck.reference.trajectory import Array
+from bodycheck.studies.audit.flights import Flight, NotFlown, Pilot
+from bodycheck.studies.audit.probe import Finding
+from bodycheck.studies.audit.representations import Representation, along_principal_axes, representations, started
+
+#: A body with three moments that tumbles about no principal axis, falls, and turns by some 3 rad in 0.4 s.
+SCENE = Scene(
+    Body(2.0, (0.02, 0.035, 0.045)),
+    State((0.1, -0.2, 0.3), (0.5, -0.5, 0.5, 0.5), (1.0, -0.5, 2.0), (4.0, -5.0, 6.0)),
+    gravity=9.81,
+)
+
+#: Time steps in audited ones, and the number of the largest that a flight has. Few and large steps show a difference above
+#: rounding, which grows with their number.
+MULTIPLES = (4, 2, 1)
+LONGEST_STEPS, SAMPLES = 50, 5
+
+#: The roundings, of the size of a quantity and all with one sign, that one step may make. A step computes some hundred products
+#: and sums, whose roundings have either sign. The motion of `SCENE` makes an error of the start at most 1.4 times as large,
+#: measured against the same sizes (`differences`).
+ROUNDINGS_A_STEP = 16
+
+#: The least ratio of two differences, each without its part of first order, of which the second is at half the time step, if
+#: they vanish: they are of second order and shrink fourfold, and a difference that does not vanish does not shrink.
+LEAST_RATIO = 2.0
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How far a quantity of one motion is from that of another, at several instants with several time steps.
+
+    Parameters
+    ----------
+    unit
+        The unit of the quantity; "rad" is that of the attitude.
+    vectors
+        The differences (steps, instants, 3), the largest time step first.
+    rounding
+        The largest differences that rounding explains, for each time step (steps,).
+    """
+
+    unit: str
+    vectors: Array
+    rounding: Array
+
+    @property
+    def sizes(self) -> Array:
+        """The largest difference over all instants (steps,), in the unit."""
+        return _largest(self.vectors)
+
+    @property
+    def excess(self) -> float:
+        """The largest ratio of a difference to that which rounding explains."""
+        return float((self.sizes / self.rounding).max())
+
+    @property
+    def vanishes(self) -> bool:
+        """Whether the difference tends to zero with the time step, or to no more than rounding.
+
+        What is left of it without its part of first order, 2 D(h) - D(2h), is the limit and terms of higher order.
+        """
+        coarse, fine = _largest(2 * self.vectors[1:] - self.vectors[:-1]).tolist()
+        return bool(fine <= 3 * self.rounding[-1] or coarse >= LEAST_RATIO * fine)
+
+    @property
+    def order(self) -> float:
+        """The order at which it vanishes, observed at the smallest pair of time steps of which both show it."""
+        seen = self.sizes > self.rounding
+        coarse, fine = self.sizes[1:] if seen[1:].all() else self.sizes[:-1]
+        return log2(coarse / fine) if fine else inf
+
+
+def representation(pilot: Pilot) -> tuple[Finding, ...]:
+    """Return a finding for each representation other than that along the principal axes."""
+    plain = _flown(pilot, Representation("principal axes", SCENE.body))
+    return tuple(_finding(pilot, plain, given) for given in representations(SCENE.body))
+
+
+def _finding(pilot: Pilot, plain: Array | NotFlown, given: Representation) -> Finding:
+    if isinstance(plain, NotFlown):
+        return Finding("representation", f"representation: {given.name}: {plain.reason}", "not-probed")
+    there = _flown(pilot, given)
+    if isinstance(there, NotFlown):
+        return Finding("representation", f"representation: {given.name}: {there.reason}", "not-probed")
+    if not np.isfinite(plain).all():
+        return Finding("representation", f"representation: {given.name}: no motion to compare it with", "not-probed")
+    if not np.isfinite(there).all():
+        return Finding("representation", f"representation: {given.name}: its states are not numbers", "found", expected="0")
+    found = differences(there, plain, pilot.timestep, pilot.roundoff)
+    lasting = [difference for difference in found if difference.excess > 1 and not difference.vanishes]
+    vanishing = [difference for difference in found if difference.excess > 1 and difference.vanishes]
+    if lasting:
+        return _said(given, lasting[0], "found", "differs, and does not vanish with the time step")
+    if vanishing:
+        first = vanishing[0]
+        return _said(given, first, "found", f"differs, and vanishes with the time step with order {first.order:.1f}")
+    return _said(given, found[0], "none", "the same motion to rounding")
+
+
+def _said(given: Representation, difference: Difference, verdict: Literal["found", "none"], words: str) -> Finding:
+    """Return the finding of the difference at the audited time step."""
+    value = float(difference.sizes[-1])
+    return Finding("representation", f"representation: {given.name}: {words}", verdict, value, difference.unit, "0")
+
+
+def _flown(pilot: Pilot, given: Representation) -> Array | NotFlown:
+    """Return the states (steps, instants, 13) of the centre of mass and the principal axes, the largest time step first."""
+    scene, found = started(given, SCENE), []
+    for multiple in MULTIPLES:
+        strides = (LONGEST_STEPS // SAMPLES * MULTIPLES[0] // multiple,) * SAMPLES
+        result = pilot.fly(Flight(scene, multiple * pilot.timestep, strides, given.links))
+        if isinstance(result, NotFlown):
+            return result
+        found.append(along_principal_axes(given, result.states))
+    return np.array(found)
+
+
+def differences(one: Array, other: Array, timestep: float, roundoff: float) -> Sequence[Difference]:
+    """Return the differences of two motions, the one to show first: of attitude, position, velocity and angular velocity.
+
+    Parameters
+    ----------
+    one, other
+        States (steps, instants, 13) with the time steps `MULTIPLES`, in the columns of `Simulation.advance`.
+    timestep
+        The smallest time step (s).
+    roundoff
+        The unit roundoff of the engine. Rounding adds up to `ROUNDINGS_A_STEP` times it in each step, relative to the size of
+        a quantity and of what it is the integral of.
+    """
+    duration = LONGEST_STEPS * MULTIPLES[0] * timestep
+    relative = multiply(conjugate(other[..., 3:7]), one[..., 3:7])
+    half = np.linalg.norm(relative[..., 1:], axis=-1, keepdims=True)
+    angle = 2 * np.arctan2(half, np.abs(relative[..., :1]))
+    turn = np.sign(relative[..., :1]) * relative[..., 1:] * np.divide(angle, half, out=np.full_like(half, 2.0), where=half > 0)
+    lengths, speeds, rates = (
+        max(float(_largest(states[..., columns]).max()) for states in (one, other))
+        for columns in (slice(0, 3), slice(7, 10), slice(10, 13))
+    )
+    steps = LONGEST_STEPS * MULTIPLES[0] / np.array(MULTIPLES)
+    rounding = ROUNDINGS_A_STEP * roundoff * steps
+    return (
+        Difference("rad", turn, rounding * (1 + rates * duration)),
+        Difference("m", one[..., :3] - other[..., :3], rounding * (lengths + speeds * duration)),
+        Difference("m/s", one[..., 7:10] - other[..., 7:10], rounding * speeds),
+        Difference("rad/s", one[..., 10:] - other[..., 10:], rounding * rates),
+    )
+
+
+def _largest(vectors: Array) -> Array:
+    """Return the largest length of vectors (steps, instants, 3) for each time step (steps,)."""
+    return np.asarray(np.linalg.norm(vectors, axis=-1).max(axis=-1))

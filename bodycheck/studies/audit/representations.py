@@ -1,0 +1,143 @@
+"""Representations of one body: what is the same for mechanics, and may not be so for an engine.
+
+The principal frame of a body has its origin at the centre of mass and the principal axes as axes. A representation has a frame
+of its own, in which the engine is given the body and returns its states.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bodycheck.adapters.contract import Link, states
+from bodycheck.adapters.links import link_of
+from bodycheck.reference.inertia import inertia_tensor
+from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.principal_frame import IDENTITY
+from bodycheck.reference.scene import Body, Quaternion, Scene, State, Vector
+from bodycheck.reference.trajectory import Array
+
+#: How far apart the centres of mass of two links are: mu d^T S^-1 d of `split`, which is 1 where nothing else is left of them.
+SEPARATION_SQUARED = 0.5
+
+#: The frames of representations: a turn by about 80 degrees about an oblique axis, and lengths of the size of the body.
+TURN: Quaternion = (0.76, 0.4, -0.3, float(np.sqrt(1 - 0.76**2 - 0.4**2 - 0.3**2)))
+OFFSET: Vector = (0.11, -0.07, 0.05)
+#: The fraction of the mass that the second of two links has.
+SHARE = 0.375
+
+
+@dataclass(frozen=True)
+class Representation:
+    """A body in one of the forms in which an engine can be given it.
+
+    Parameters
+    ----------
+    name
+        The representation in words.
+    body
+        The body, for the engine where there are no links.
+    links
+        The links of which the body is made; empty where the engine is given the body itself.
+    axes
+        The quaternion (w, x, y, z) that rotates components along the principal axes to components in the frame of the states.
+    centre
+        The centre of mass, in the frame of the states (m).
+    """
+
+    name: str
+    body: Body
+    links: tuple[Link, ...] = ()
+    axes: Quaternion = IDENTITY
+    centre: Vector = (0.0, 0.0, 0.0)
+
+
+def representations(body: Body) -> tuple[Representation, ...]:
+    """Return representations of a body that is given along its principal axes.
+
+    All but the first are the same body. The first has twice the mass and the moments of inertia, and without forces other than
+    gravity it moves as that body does.
+    """
+    first, second, third = body.moments
+    heavy = replace(body, mass=2 * body.mass, moments=(2 * first, 2 * second, 2 * third))
+    turned = replace(body, axes=TURN)
+    aside = replace(link_of(body), center_of_mass=OFFSET)
+    return (
+        Representation("mass and moments of inertia times 2", heavy),
+        Representation("body frame turned against the principal axes", turned, axes=TURN),
+        Representation("full inertia tensor", body, (link_of(turned),), axes=TURN),
+        Representation("centre of mass off the origin", body, (aside,), centre=OFFSET),
+        Representation("two welded links", body, split(body, SHARE, OFFSET, TURN)),
+    )
+
+
+def split(body: Body, share: float, position: Vector, quaternion: Quaternion) -> tuple[Link, Link]:
+    """Return two links that make up a body when they are welded together.
+
+    The second moments S = tr(J) / 2 - J of the body, J being its tensor of inertia, are those of its two parts about their own
+    centres of mass and those of two points there, mu d d^T, with the distance d and the reduced mass mu. For any d with
+    mu d^T S^-1 d < 1, both parts are bodies that can exist; here it is `SEPARATION_SQUARED`.
+
+    Parameters
+    ----------
+    body
+        The body. Its frame is that of the first link.
+    share
+        The fraction of the mass that is the second link's, above 0 and below 1.
+    position, quaternion
+        The frame of the second link, as in `Link`.
+    """
+    tensor = inertia_tensor(body)
+    second_moments = np.trace(tensor) / 2 * np.eye(3) - tensor
+    reduced = share * (1 - share) * body.mass
+    apart = np.linalg.cholesky(second_moments / reduced) @ np.full(3, np.sqrt(SEPARATION_SQUARED / 3))
+    parts = second_moments - reduced * np.outer(apart, apart)
+    own = np.trace(parts) * np.eye(3) - parts
+    back = conjugate(normalise(np.array(quaternion)))
+    aside = rotate(back, (1 - share) * apart - np.array(position))
+    turned = rotate(back, rotate(back, share * own).T)
+    return (
+        Link((1 - share) * body.mass, _components((1 - share) * own), _vector(-share * apart)),
+        Link(share * body.mass, _components(turned), _vector(aside), position, quaternion),
+    )
+
+
+def started(given: Representation, scene: Scene) -> Scene:
+    """Return a scene with the body in a representation, from the scene with the body along its principal axes.
+
+    The initial state is that of the frame of the representation.
+    """
+    initial = scene.initial
+    attitude = normalise(multiply(np.array(initial.quaternion), conjugate(np.array(given.axes))))
+    spin = rotate(np.array(given.axes), np.array(initial.angular_velocity))
+    position = np.array(initial.position) - rotate(attitude, np.array(given.centre))
+    velocity = np.array(initial.velocity) - rotate(attitude, np.cross(spin, given.centre))
+    w, x, y, z = attitude.tolist()
+    state = State(_vector(position), (w, x, y, z), _vector(velocity), _vector(spin))
+    return replace(scene, body=given.body, initial=state)
+
+
+def along_principal_axes(given: Representation, rows: Array) -> Array:
+    """Return states (n, 13) of the centre of mass and the principal axes, from those of the frame of a representation.
+
+    The columns of both are those of `bodycheck.adapters.contract.Simulation.advance`.
+    """
+    attitude, spin = rows[:, 3:7], rows[:, 10:]
+    axes = np.tile(given.axes, (len(rows), 1))
+    centre = np.tile(given.centre, (len(rows), 1))
+    return states(
+        rows[:, :3] + rotate(attitude, centre),
+        multiply(attitude, axes),
+        rows[:, 7:10] + rotate(attitude, np.cross(spin, centre)),
+        rotate(conjugate(axes), spin),
+    )
+
+
+def _vector(components: Array) -> Vector:
+    x, y, z = components.tolist()
+    return x, y, z
+
+
+def _components(tensor: Array) -> tuple[float, float, float, float, float, float]:
+    """Return the components of a tensor (3, 3) as `Link.inertia` has them."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor.tolist()
+    return xx, yy, zz, xy, xz, yz
