@@ -1,0 +1,252 @@
+"""Classes of methods that are the same algorithm: their motions agree to the precision of their arithmetic.
+
+Two methods that err alike are not for that reason the same: their motions are compared with one another, state by state, and
+not with the truth. What rounding can explain is bounded by `scheme_rounding`, with the unit roundoff of the coarser of the two
+precisions.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+
+from bodycheck.judging.scheme_rounding import allowance, in_position
+from bodycheck.judging.scheme_runs import sampled, steps
+from bodycheck.reference.kinematics import geodesic_angle, normalise
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.schemes.formulations import world_velocity
+from bodycheck.reference.schemes.one_step import rosenbrock_euler, semi_implicit_euler
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import distance
+from bodycheck.running.key import RunKey
+
+#: Time from the start (s) in which motions are compared. Later on rounding grows, and hides more than it tells.
+EARLY_S = 2.0
+
+#: Attitude difference (rad) from which on rounding may explain so much that motions are no longer compared.
+MOST_ROUNDING_RAD = 1e-2
+
+#: A scene tells methods apart if the motions of two schemes that differ in the gyroscopic torque alone are so many times
+#: farther apart than rounding can explain. In a spin about a principal axis they are the same.
+TELLING = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """A completed run of a method.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    timestep
+        The time step (s).
+    method
+        The method, as the key of a run over all cases and time steps.
+    trajectory
+        The states.
+    roundoff
+        The unit roundoff of the engine's arithmetic, one of `scheme_rounding.ROUNDOFF`.
+    """
+
+    scene: Scene
+    timestep: float
+    method: RunKey
+    trajectory: Trajectory
+    roundoff: float
+
+    @cached_property
+    def early(self) -> Trajectory:
+        """The states in the first `EARLY_S`."""
+        return self.trajectory.part(self.trajectory.t <= EARLY_S)
+
+    @cached_property
+    def allowed(self) -> Array:
+        """The attitude differences (n,), in rad, that rounding can cause at the early instants.
+
+        They are those of semi-implicit Euler, in whose rates errors grow at least as fast as in the exact motion.
+        """
+        return allowance(semi_implicit_euler, self.scene, self.timestep, self.early, self.roundoff)
+
+    @cached_property
+    def tells(self) -> bool:
+        """Whether the scene tells methods apart.
+
+        A flight does if the gyroscopic torque matters. Of motions on a plane, those do in which a body slides and spins.
+        """
+        if self.scene.plane is not None:
+            return any(self.scene.initial.velocity) and any(self.scene.initial.angular_velocity)
+        ends = tuple(steps(self.early, self.timestep).tolist())
+        one, other = (
+            sampled(scheme, world_velocity, self.scene, self.timestep, ends)
+            for scheme in (semi_implicit_euler, rosenbrock_euler)
+        )
+        told = geodesic_angle(one[:, 3:7], other[:, 3:7]) > TELLING * self.allowed
+        return bool((told & (self.allowed <= MOST_ROUNDING_RAD)).any())
+
+
+@dataclass(frozen=True)
+class MethodClass:
+    """Methods that are the same algorithm.
+
+    Parameters
+    ----------
+    methods
+        The keys of the methods over all cases and time steps, in the order in which they were given.
+    distance
+        The largest difference of two of their motions: of attitudes in rad, and of positions, velocities and angular
+        velocities as a fraction of the largest so far. It is 0 for one method alone.
+    """
+
+    methods: tuple[RunKey, ...]
+    distance: float
+
+
+@dataclass(frozen=True)
+class _Difference:
+    """How far apart the motions of two methods are.
+
+    Attributes
+    ----------
+    distance
+        The largest difference, as in `MethodClass`.
+    ratio
+        The largest ratio of a difference to what rounding can explain.
+    roundoff
+        The coarser unit roundoff of the two.
+    told
+        Whether a scene tells methods apart.
+    """
+
+    distance: float
+    ratio: float
+    roundoff: float
+    told: bool
+
+    @property
+    def agrees(self) -> bool:
+        return self.told and self.ratio <= 1
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """The place among pairs that agree: those of finer precision first, and the nearest."""
+        return self.roundoff, self.ratio
+
+    def and_in(self, other: "_Difference") -> "_Difference":
+        """The difference of the same methods in further scenes."""
+        return _Difference(
+            max(self.distance, other.distance), max(self.ratio, other.ratio), self.roundoff, self.told or other.told
+        )
+
+
+def classes(motions: Iterable[Motion]) -> tuple[MethodClass, ...]:
+    """Return the classes of methods, from their motions in scenes of one kind.
+
+    Two methods agree if their motions do in every scene and at every time step with which both were run, and if one of these
+    scenes tells methods apart. The classes are the connected components of the methods that agree. A method in single
+    precision can agree with two methods in double precision that do not agree with each other: methods of finer precision are
+    therefore joined first, and are not joined by ones of coarser precision. A method that agrees with no other has a class of
+    its own; one that was run only where nothing is told apart has none.
+
+    Parameters
+    ----------
+    motions
+        The completed runs. Those of a scene with a time step have the same instants.
+    """
+    given = list(motions)
+    pairs = _differences(given)
+    agreeing = sorted((pair for pair, found in pairs.items() if found.agrees), key=lambda pair: pairs[pair].rank)
+    components = _joined(
+        {motion.method: motion.roundoff for motion in given if motion.tells},
+        [(*pair, pairs[pair].roundoff) for pair in agreeing],
+    )
+    return tuple(
+        MethodClass(tuple(own), max((pairs[pair].distance for pair in combinations(own, 2) if pair in pairs), default=0.0))
+        for own in components
+    )
+
+
+def _differences(motions: Sequence[Motion]) -> dict[tuple[RunKey, RunKey], _Difference]:
+    """Return the largest differences of all pairs of methods that were run together, in the order of the motions."""
+    places = {method: place for place, method in enumerate(dict.fromkeys(motion.method for motion in motions))}
+    found: dict[tuple[RunKey, RunKey], _Difference] = {}
+    for own in _together(motions):
+        for one, other in combinations(sorted(own, key=lambda motion: places[motion.method]), 2):
+            pair, new = (one.method, other.method), _difference(one, other)
+            found[pair] = found.get(pair, new).and_in(new)
+    return found
+
+
+def _together(motions: Sequence[Motion]) -> Iterator[list[Motion]]:
+    """Yield the motions of each scene with each time step."""
+    groups: dict[tuple[Scene, float], list[Motion]] = defaultdict(list)
+    for motion in motions:
+        groups[motion.scene, motion.timestep].append(motion)
+    yield from groups.values()
+
+
+def _difference(one: Motion, other: Motion) -> _Difference:
+    coarser = max(one.roundoff, other.roundoff)
+    allowed = np.maximum(one.allowed * (coarser / one.roundoff), other.allowed * (coarser / other.roundoff))
+    compared = allowed <= MOST_ROUNDING_RAD
+    mine, theirs, limit = one.early.part(compared), other.early.part(compared), allowed[compared]
+    largest, ratio = 0.0, 0.0
+    for apart, size, most in (
+        (geodesic_angle(normalise(mine.quaternion), normalise(theirs.quaternion)), np.ones(len(limit)), limit),
+        _apart(mine.angular_velocity, theirs.angular_velocity, limit),
+        _apart(mine.velocity, theirs.velocity, limit),
+        _apart_in_place(one, mine, theirs, limit, coarser),
+    ):
+        largest = max(largest, _largest_quotient(apart, size))
+        ratio = max(ratio, _largest_quotient(apart, most))
+    return _Difference(largest, ratio, coarser, one.tells and other.tells)
+
+
+def _apart(mine: Array, theirs: Array, limit: Array) -> tuple[Array, Array, Array]:
+    """Return the differences (n,) of vectors (n, 3), the largest length so far (n,), and what rounding explains (n,)."""
+    size = np.maximum.accumulate(np.maximum(*(np.linalg.norm(vectors, axis=1) for vectors in (mine, theirs))))
+    return distance(mine, theirs), size, limit * size
+
+
+def _apart_in_place(
+    one: Motion, mine: Trajectory, theirs: Trajectory, limit: Array, roundoff: float
+) -> tuple[Array, Array, Array]:
+    """Return the same for positions, whose rounding grows with the way as well."""
+    most = np.maximum(*(in_position(limit, trajectory, one.timestep, roundoff) for trajectory in (mine, theirs)))
+    apart, size, _ = _apart(mine.position, theirs.position, limit)
+    return apart, size, most
+
+
+def _largest_quotient(values: Array, limits: Array) -> float:
+    """Return the largest quotient of values (n,) and limits (n,); no difference is none of nothing."""
+    if not np.isfinite(values).all():
+        return np.inf
+    with np.errstate(divide="ignore"):
+        quotients = np.divide(values, limits, out=np.zeros_like(values), where=values > 0)
+    return float(quotients.max(initial=0.0))
+
+
+def _joined(methods: Mapping[RunKey, float], agreeing: Iterable[tuple[RunKey, RunKey, float]]) -> list[list[RunKey]]:
+    """Return the connected components of methods, and the methods in each, in the order in which the methods are given.
+
+    Components that both have methods of finer precision than a pair are not joined by it: they were compared more finely.
+
+    Parameters
+    ----------
+    methods
+        The unit roundoff of each method.
+    agreeing
+        Pairs of methods that agree, with the coarser unit roundoff of the two; those of finer precision come first.
+    """
+    component = {method: [method] for method in methods}
+    for one, other, roundoff in agreeing:
+        mine, theirs = component[one], component[other]
+        finer = all(min(methods[method] for method in own) < roundoff for own in (mine, theirs))
+        if mine is not theirs and not finer:
+            mine += theirs
+            component |= dict.fromkeys(theirs, mine)
+    order = list(methods)
+    return [sorted(own, key=order.index) for own in {id(own): own for own in component.values()}.values()]

@@ -1,0 +1,217 @@
+"""Classes of equal methods over engines: run every method on the scenes that tell methods apart, and name each class."""
+
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from bodycheck.adapters.contract import Engine, Kind, Method
+from bodycheck.adapters.offers import chosen
+from bodycheck.judging.classes import Motion, classes
+from bodycheck.judging.identification import identify
+from bodycheck.judging.scheme_rounding import ROUNDOFF
+from bodycheck.reference.truth import Truth
+from bodycheck.running import campaign, pool
+from bodycheck.running.campaign import TruthTask
+from bodycheck.running.engines import home
+from bodycheck.running.key import RunKey
+from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
+from bodycheck.running.plan import Task
+from bodycheck.studies.audit.trials import TRIALS, Trial
+
+#: The name of a class whose scheme is not known; a number follows.
+NOT_IDENTIFIED = "not identified"
+
+#: The columns of classes.csv.
+COLUMNS = ("kind", "class", "scheme", "engine", "version", "integrator", "distance", "scene_timestep")
+
+
+@dataclass(frozen=True)
+class ClassRow:
+    """A method, and the class that it is in on scenes of one kind.
+
+    Parameters
+    ----------
+    kind
+        The kind of the scenes.
+    name
+        The name of the class: its scheme, or "not identified" with a number. No other class of the kind has it.
+    scheme
+        The textbook scheme with which the class agrees; empty if there is none.
+    engine, version, integrator
+        The method.
+    distance
+        The largest difference of the motions of two methods in the class; see `judging.classes.MethodClass`.
+    scene_timestep
+        The time step (s) of the scenes.
+    """
+
+    kind: Kind
+    name: str
+    scheme: str
+    engine: str
+    version: str
+    integrator: str
+    distance: float
+    scene_timestep: float
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """The row by the columns of classes.csv."""
+        return {("class" if name == "name" else name): value for name, value in asdict(self).items()}
+
+
+@dataclass(frozen=True)
+class Unclassed:
+    """A method that is in no class of a kind of scene, because a run of it failed or was refused, and why."""
+
+    kind: Kind
+    engine: str
+    integrator: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Classes:
+    """The classes of methods: the rows class by class, the largest first, and the methods that are in none."""
+
+    rows: tuple[ClassRow, ...]
+    unclassed: tuple[Unclassed, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Flown:
+    """A completed run of a trial in an engine, and the truth of the scene."""
+
+    trial: Trial
+    engine: Engine
+    run: Run
+    motion: Motion
+    truth: Truth | None
+
+
+def tasks(engines: Mapping[str, Engine], integrators: Sequence[str] = ()) -> tuple[Task, ...]:
+    """Return the runs by which methods are classed: of every method of the engines, or of those named, on every scene."""
+    return tuple(
+        Task(trial.case, name, Method.parse(spelling, trial.timestep))
+        for trial in TRIALS
+        for name, engine in engines.items()
+        for spelling in chosen(engine, trial.case.scene, integrators)
+    )
+
+
+def measure(
+    engines: Mapping[str, Engine],
+    jobs: int,
+    integrators: Sequence[str] = (),
+    progress: Callable[[str], object] = lambda done: None,
+    limit: float = campaign.TIME_LIMIT_S,
+) -> Classes:
+    """Run methods on the scenes that tell them apart, in the processes of their engines, and return their classes.
+
+    Parameters
+    ----------
+    engines
+        The records of the engines by name.
+    jobs
+        The number of processes.
+    integrators
+        Spellings of methods; all that the engines offer if it is empty.
+    progress
+        A function that is called with a text after each of the runs, which `tasks` returns.
+    limit
+        The time limit of one run (s).
+    """
+    planned = tasks(engines, integrators)
+    truths: dict[str, Truth] = {}
+    runs: dict[Task, Run] = {}
+    wanted: list[TruthTask | Task] = [TruthTask(trial.case, (trial.timestep,)) for trial in TRIALS if trial.kind != "plane"]
+    asked = [*wanted, *planned]
+    with closing(pool.call_all(campaign.perform, asked, jobs, limit, group=campaign.group, home=home)) as answers:
+        for task, answer in answers:
+            match task, answer:
+                case TruthTask(case), dict():
+                    truths[case.name], *_ = answer.values()
+                case Task(), Run():
+                    runs[task] = answer
+                case Task(case, engine, method), Crashed() | TimedOut():
+                    runs[task] = Run(case.name, engine, engines[engine].version, method, answer)
+            if isinstance(task, Task):
+                progress(f"{task.engine} {task.method.name} · {task.case.name}")
+    return classed([runs[task] for task in planned], truths, engines)
+
+
+def classed(runs: Iterable[Run], truths: Mapping[str, Truth], engines: Mapping[str, Engine]) -> Classes:
+    """Return the classes from the runs of all trials.
+
+    Parameters
+    ----------
+    runs
+        The runs.
+    truths
+        The truths of the trials, by the name of the case; those on a plane need none, as no scheme is known there.
+    engines
+        The records of the engines by name.
+    """
+    trials = {trial.case.name: trial for trial in TRIALS}
+    by_kind: dict[Kind, list[Run]] = defaultdict(list)
+    for run in runs:
+        by_kind[trials[run.case].kind].append(run)
+    rows: list[ClassRow] = []
+    unclassed: list[Unclassed] = []
+    for kind, own in by_kind.items():
+        without = {
+            _method(run): Unclassed(kind, run.engine, run.method.name, run.outcome.reason)
+            for run in own
+            if not isinstance(run.outcome, Completed)
+        }
+        flown = [
+            _flown(run, trials[run.case], engines[run.engine], truths.get(run.case))
+            for run in own
+            if _method(run) not in without
+        ]
+        rows += _of_kind(kind, flown)
+        unclassed += without.values()
+    return Classes(tuple(rows), tuple(unclassed))
+
+
+def _method(run: Run) -> RunKey:
+    return run.key.over_cases.over_steps
+
+
+def _flown(run: Run, trial: Trial, engine: Engine, truth: Truth | None) -> _Flown:
+    assert isinstance(run.outcome, Completed)  # other runs are left out
+    trajectory, roundoff = run.outcome.trajectory, ROUNDOFF[engine.precision]
+    return _Flown(trial, engine, run, Motion(trial.case.scene, trial.timestep, _method(run), trajectory, roundoff), truth)
+
+
+def _of_kind(kind: Kind, flown: Sequence[_Flown]) -> Iterator[ClassRow]:
+    found = sorted(classes(one.motion for one in flown), key=lambda own: -len(own.methods))
+    schemes = [_scheme([one for one in flown if one.motion.method in own.methods]) for own in found]
+    for own, scheme, name in zip(found, schemes, _names(schemes), strict=True):
+        for key in own.methods:
+            one = next(one for one in flown if one.motion.method == key)
+            yield ClassRow(
+                kind, name, scheme, key.engine, one.engine.version, key.method.name, own.distance, one.trial.timestep
+            )
+
+
+def _scheme(flown: Sequence[_Flown]) -> str:
+    """Return the scheme of a class: the first that one of its runs agrees with, those in double precision first."""
+    for one in sorted(flown, key=lambda one: one.motion.roundoff):
+        found = None if one.truth is None else identify(one.trial.case, one.run, one.truth, one.motion.roundoff)
+        if found is not None and found.scheme:
+            return found.scheme
+    return ""
+
+
+def _names(schemes: Sequence[str]) -> list[str]:
+    """Return a name for each class: its scheme, with a number if it is not the first of that name."""
+    seen: Counter[str] = Counter()
+    names = []
+    for scheme in schemes:
+        seen[scheme] += 1
+        numbered = f"{NOT_IDENTIFIED} {seen[scheme]}" if not scheme else f"{scheme} ({seen[scheme]})"
+        names.append(scheme if scheme and seen[scheme] == 1 else numbered)
+    return names
