@@ -1,7 +1,7 @@
 """Flights: short runs of one free body with one method, made in the process in which the engine lives."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -73,11 +73,14 @@ class Pilot:
         The spelling of the method.
     timestep
         The time step (s) at which the method is audited; a probe may take others.
+    log
+        The flights that `recall` has made, and what became of them.
     """
 
     adapter: Adapter
     integrator: str
     timestep: float
+    log: dict[Flight, Result] = field(default_factory=dict, compare=False, repr=False)
 
     @property
     def roundoff(self) -> float:
@@ -97,6 +100,12 @@ class Pilot:
         if isinstance(simulation, Normalising):
             off = max(off, simulation.quaternion_norm_error)
         return Flown(states, off)
+
+    def recall(self, flight: Flight) -> Result:
+        """Return what became of a flight, which is made once by a pilot, because several probes look at the same one."""
+        if flight not in self.log:
+            self.log[flight] = self.fly(flight)
+        return self.log[flight]
 
     def fly_all(self, flights: Sequence[Flight]) -> list[Result]:
         """Make several flights in turn."""

@@ -1,1 +1,35 @@
 """The probes of the audit: each asks one question of a method by flights with one obvious answer."""
+
+from collections.abc import Mapping
+
+from bodycheck.studies.audit.probe import Probe
+from bodycheck.studies.audit.probes.damping import damping
+from bodycheck.studies.audit.probes.energy import energy
+from bodycheck.studies.audit.probes.gravity import gravity
+from bodycheck.studies.audit.probes.gyroscopic import gyroscopic
+from bodycheck.studies.audit.probes.limits import limits
+from bodycheck.studies.audit.probes.precision import precision
+from bodycheck.studies.audit.probes.representation import representation
+from bodycheck.studies.audit.probes.resets import resets
+from bodycheck.studies.audit.probes.returned_states import returned_states
+from bodycheck.studies.audit.probes.scales import scales
+from bodycheck.studies.audit.probes.sleeping import sleeping
+from bodycheck.studies.audit.probes.time_base import time_base
+from bodycheck.studies.audit.probes.turning import turning
+
+#: The probes by name, in the order in which they are made.
+PROBES: Mapping[str, Probe] = {
+    "precision": precision,
+    "damping": damping,
+    "limits": limits,
+    "turning": turning,
+    "gyroscopic": gyroscopic,
+    "gravity": gravity,
+    "sleeping": sleeping,
+    "returned-states": returned_states,
+    "time-base": time_base,
+    "resets": resets,
+    "energy": energy,
+    "scales": scales,
+    "representation": representation,
+}

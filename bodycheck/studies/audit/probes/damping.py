@@ -1,0 +1,119 @@
+"""The probe of damping: how fast a sphere in uniform motion loses speed and spin.
+
+The speed u of a sphere that nothing acts on is constant. By a law of damping du/dt = -(c + k u) u the rate -d(ln u)/dt is
+c + k u, and it is measured at two speeds. What a scheme loses by its truncation error vanishes with the time step, and what is
+lost by a law of damping does not; so the rates are measured with half the time step too, and extrapolated to none.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from bodycheck.reference.trajectory import Array
+from bodycheck.studies.audit.flights import Flight, NotFlown, Pilot
+from bodycheck.studies.audit.probe import Finding, Property
+from bodycheck.studies.audit.probes.answers import not_probed, watch
+from bodycheck.studies.audit.probes.precision import roundoff
+from bodycheck.studies.audit.probes.scenes import coast
+
+#: Speeds in m/s, and spins in rad/s, of the launches.
+SLOW, FAST = 1.0, 8.0
+
+#: The number of steps at the audited time step.
+STEPS = 32
+
+#: The relative change of a speed in a step, in units of roundoff, that rounding explains: that of some dozen operations.
+ROUNDINGS = 16
+
+#: The part of a rate that the extrapolation may leave of a truncation error.
+LEFT = 0.005
+
+#: The columns of the velocity and the angular velocity.
+Columns = Literal["velocity", "angular velocity"]
+PLACES: dict[Columns, slice] = {"velocity": slice(7, 10), "angular velocity": slice(10, 13)}
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law of damping: the coefficients c (1/s) and k (1/m or 1/rad), 0 where it has no such term.
+
+    Parameters
+    ----------
+    linear, quadratic
+        The coefficients, extrapolated to a time step of 0.
+    stepped
+        The coefficients with the audited time step, which are those of what a scheme makes of the law.
+    """
+
+    linear: float = 0.0
+    quadratic: float = 0.0
+    stepped: tuple[float, float] = (0.0, 0.0)
+
+    def loss(self, speeds: Array, times: Array) -> float:
+        """Return the fall of the logarithm of a speed, given at instants (n,), with the audited time step."""
+        return float(np.trapezoid(self.stepped[0] + self.stepped[1] * speeds, times))
+
+
+def damping(pilot: Pilot) -> tuple[Finding, ...]:
+    """Return findings of linear-damping, angular-damping, and quadratic-damping of the velocity and the angular velocity."""
+    return (
+        *_findings(pilot, "velocity", "linear-damping", "1/m"),
+        *_findings(pilot, "angular velocity", "angular-damping", "1/rad"),
+    )
+
+
+def law(pilot: Pilot, of: Columns) -> Law | NotFlown:
+    """Return the law by which a method damps the velocity or the angular velocity."""
+    here = _rates(pilot, of, 1)
+    if isinstance(here, NotFlown):
+        return here
+    allowed = ROUNDINGS * roundoff(pilot) / pilot.timestep
+    if float(np.abs(here[0]).max()) <= allowed:
+        return Law()
+    finer = _rates(pilot, of, 2)
+    if isinstance(finer, NotFlown):
+        return finer
+    rates, speeds = 2 * finer - here
+    linear, quadratic = _coefficients(rates, speeds)
+    # The rates of half steps have twice the rounding, and twice them less the others five times.
+    least = max(5 * allowed, LEFT * float(np.abs([*here[0], *finer[0]]).max()))
+    linear = linear if abs(linear) > least else 0.0
+    quadratic = quadratic if abs(quadratic * speeds[1]) > least else 0.0
+    return Law(linear, quadratic, _coefficients(*here)) if linear or quadratic else Law()
+
+
+def _coefficients(rates: Array, speeds: Array) -> tuple[float, float]:
+    """Return c and k of the rates c + k u (2,) at two speeds u (2,); without k where a limit makes the speeds the same."""
+    if abs(speeds[1] - speeds[0]) < 0.1 * speeds[1]:
+        return float(rates.mean()), 0.0
+    quadratic = float((rates[1] - rates[0]) / (speeds[1] - speeds[0]))
+    return float(rates[0]) - quadratic * float(speeds[0]), quadratic
+
+
+def _rates(pilot: Pilot, of: Columns, parts: int) -> Array | NotFlown:
+    """Return the rates (1/s) at the two speeds, and the mean speeds, (2, 2), with steps of a part of the audited one."""
+    found, timestep = [], pilot.timestep / parts
+    for speed in (SLOW, FAST):
+        states = watch(pilot, Flight(coast(speed, speed), timestep, (parts,) * STEPS))
+        if isinstance(states, NotFlown):
+            return states
+        speeds = np.linalg.norm(states[:, PLACES[of]], axis=1)
+        if not speeds.min() > 0.0:
+            return NotFlown(f"the {of} vanishes")
+        duration = (STEPS - 1) * pilot.timestep
+        found.append((-np.log(speeds[-1] / speeds[0]) / duration, np.trapezoid(speeds) / (STEPS - 1)))
+    return np.array(found).T
+
+
+def _findings(pilot: Pilot, of: Columns, linear: Property, unit: str) -> tuple[Finding, ...]:
+    own, name = law(pilot, of), f"damping: of the {of}"
+    if isinstance(own, NotFlown):
+        return not_probed(name, own.reason, linear, "quadratic-damping")
+    return (_finding(linear, name, own.linear, "1/s"), _finding("quadratic-damping", name, own.quadratic, unit))
+
+
+def _finding(which: Property, name: str, coefficient: float, unit: str) -> Finding:
+    if not coefficient:
+        return Finding(which, name, "none", expected="0")
+    return Finding(which, name, "found", coefficient, unit, "0")

@@ -1,0 +1,53 @@
+"""The probe of resets: whether a body that flies very far or very fast is put back to its start without a word.
+
+An engine that says that it started over ends the flight, which is no silent reset.
+"""
+
+import numpy as np
+
+from bodycheck.studies.audit.flights import Flight, NotFlown, Pilot
+from bodycheck.studies.audit.probe import Finding
+from bodycheck.studies.audit.probes.answers import not_probed, watch
+from bodycheck.studies.audit.probes.bisection import threshold
+from bodycheck.studies.audit.probes.scenes import DIRECTION, coast
+
+#: Speeds (m/s) of the launches between which the one is looked for from which on a body is put back.
+SLOW, FAST = 1e3, 1e13
+
+STEPS = 3
+
+#: The part of the way that it came, or comes in a step, within which of its start a body is back.
+BACK = 1e-2
+
+
+def resets(pilot: Pilot) -> tuple[Finding, ...]:
+    """Return a finding of silent-reset: the distance (m) or the speed (m/s) from which on a body is put back."""
+    back = _put_back(pilot, FAST, pilot.timestep)
+    if isinstance(back, NotFlown):
+        return not_probed("resets", back.reason, "silent-reset")
+    expected = "none"
+    if not back:
+        return (Finding("silent-reset", "resets", "none", expected=expected),)
+
+    def flies(speed: float) -> bool:
+        return _put_back(pilot, speed, pilot.timestep) is False
+
+    if not flies(SLOW):
+        return (Finding("silent-reset", f"resets: at {SLOW:g} m/s", "found", None, "m/s", expected),)
+    speed = threshold(flies, SLOW, FAST)
+    # In steps of an eighth it comes less than half as far.
+    by_speed = _put_back(pilot, 1.1 * speed, pilot.timestep / 8) is True
+    if by_speed:
+        return (Finding("silent-reset", "resets: by the speed", "found", speed, "m/s", expected),)
+    distance = speed * pilot.timestep * STEPS
+    return (Finding("silent-reset", "resets: by the distance", "found", distance, "m", expected),)
+
+
+def _put_back(pilot: Pilot, speed: float, timestep: float) -> bool | NotFlown:
+    """Return whether a body is at or near its start after some step, although it flew on before or has its speed."""
+    states = watch(pilot, Flight(coast(speed, 0.0), timestep, (1,) * STEPS))
+    if isinstance(states, NotFlown):
+        return states
+    way = states[:, :3] @ np.array(DIRECTION)
+    step = np.linalg.norm(states[:, 7:10], axis=1) * timestep
+    return bool((way <= BACK * np.maximum(step, np.maximum.accumulate(way))).any())
