@@ -26,8 +26,14 @@ STEPS = 32
 #: The relative change of a speed in a step, in units of roundoff, that rounding explains: that of some dozen operations.
 ROUNDINGS = 16
 
-#: The part of a rate that the extrapolation may leave of a truncation error.
-LEFT = 0.005
+#: The least rate (1/s) that counts as damping: a loss of 3 % a year. Solvers that iterate leave smaller ones.
+LEAST = 1e-9
+
+#: The part of one rate that a term of the law must make: the means of speeds over a flight are not exact.
+SHARE = 0.002
+
+#: The part of a coefficient that is left with half the time step. It is 1 of a law, and half or less of a truncation error.
+LASTS = 0.6
 
 #: The columns of the velocity and the angular velocity.
 Columns = Literal["velocity", "angular velocity"]
@@ -74,13 +80,14 @@ def law(pilot: Pilot, of: Columns) -> Law | NotFlown:
     finer = _rates(pilot, of, 2)
     if isinstance(finer, NotFlown):
         return finer
-    rates, speeds = 2 * finer - here
-    linear, quadratic = _coefficients(rates, speeds)
     # The rates of half steps have twice the rounding, and twice them less the others five times.
-    least = max(5 * allowed, LEFT * float(np.abs([*here[0], *finer[0]]).max()))
-    linear = linear if abs(linear) > least else 0.0
-    quadratic = quadratic if abs(quadratic * speeds[1]) > least else 0.0
-    return Law(linear, quadratic, _coefficients(*here)) if linear or quadratic else Law()
+    least = max(5 * allowed, LEAST, SHARE * float(np.abs(here[0]).max()))
+    coarse, fine, speeds = _coefficients(*here), _coefficients(*finer), (1.0, float(here[1].max()))
+    linear, quadratic = (
+        2 * b - a if abs(2 * b - a) * speed > least and b / a > LASTS else 0.0
+        for a, b, speed in zip(coarse, fine, speeds, strict=True)
+    )
+    return Law(linear, quadratic, coarse) if linear or quadratic else Law()
 
 
 def _coefficients(rates: Array, speeds: Array) -> tuple[float, float]:
