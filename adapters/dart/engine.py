@@ -2,16 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import dartpy as dart
 import numpy as np
 
-from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Method, states
+from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Link, Method, states
 from bodycheck.adapters.dart import INSTALLATION, contact
+from bodycheck.adapters.links import links_of, tensor
 from bodycheck.adapters.rotation_vectors import quaternions, rotation_vector
 from bodycheck.adapters.stepping import Loop
-from bodycheck.reference.inertia import inertia_tensor
-from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -27,6 +28,7 @@ engine = Engine(
     integrators=(Integrator(INTEGRATOR, order=1, evaluations=1, options=contact.OPTIONS),),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
     variants={"plane": tuple(f"{INTEGRATOR}:{own}" for own in ("solver=pgs", "solver=nsgs", "solver=fbf", "settings=engine"))},
+    defaults={"timestep": f"{dart.simulation.World().getTimeStep():g} s"},
 )
 
 #: The functions of DART that steps call from Python.
@@ -50,8 +52,17 @@ class Model:
 def prepare(scenes: Sequence[Scene], method: Method) -> Loop[None]:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
-    made = model(scene, method)
-    world, skeleton, body, drag = made.world, made.skeleton, made.body, scene.drag
+    return loop(model(scene, method), scene.drag)
+
+
+def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[None]:
+    """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
+    return loop(model(scene, method, links))
+
+
+def loop(made: Model, drag: float = 0.0) -> Loop[None]:
+    """Return the simulation of a body with the drag -c |v| v, c in kg/m, of the state at the beginning of each step."""
+    world, skeleton, body = made.world, made.skeleton, made.body
 
     def step(state: None) -> None:
         if drag:
@@ -67,15 +78,20 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Loop[None]:
     return Loop(None, step, seen, rows)
 
 
-def model(scene: Scene, method: Method) -> Model:
-    """Return the body of a scene on a free joint, in its initial state. Raises `SceneUnsupported`."""
+def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
+    """Return the body of a scene, or links in its place, on a free joint, in its initial state. Raises `SceneUnsupported`."""
     initial = scene.initial
     world = dart.simulation.World()
     world.setGravity([0.0, 0.0, -scene.gravity])
     world.setTimeStep(method.timestep)
     skeleton = dart.dynamics.Skeleton("body")
+    first, *others = links_of(scene, links)
     _, body = skeleton.createFreeJointAndBodyNodePair()
-    body.setInertia(dart.dynamics.Inertia(scene.body.mass, np.zeros(3), inertia_tensor(scene.body)))
+    body.setInertia(inertia(first))
+    for link in others:
+        joint, part = skeleton.createWeldJointAndBodyNodePair(body)
+        part.setInertia(inertia(link))
+        joint.setTransformFromParentBodyNode(pose(link))
     if scene.plane is not None:
         contact.add(world, body, scene, scene.plane, method)
     world.addSkeleton(skeleton)
@@ -83,6 +99,19 @@ def model(scene: Scene, method: Method) -> Model:
     skeleton.setPositions(np.array([*rotation_vector(attitude), *initial.position]))
     skeleton.setVelocities(np.array([*rotate(attitude, np.array(initial.angular_velocity)), *initial.velocity]))
     return Model(world, skeleton, body)
+
+
+def inertia(link: Link) -> "dart.dynamics.Inertia":
+    """Return the mass, the centre of mass and the inertia of a link."""
+    return dart.dynamics.Inertia(link.mass, link.center_of_mass, tensor(link))
+
+
+def pose(link: Link) -> Any:
+    """Return the pose of a link's frame in that of the first link."""
+    made = dart.math.Isometry3()
+    made.set_translation(link.position)
+    made.set_quaternion(dart.math.Quaternion(*normalise(np.array(link.quaternion)).tolist()))
+    return made
 
 
 def rows(seen: Array) -> Array:

@@ -6,10 +6,10 @@ from dataclasses import replace
 from importlib import metadata
 
 import numpy as np
-from pydrake.multibody.plant import DiscreteContactApproximation
-from pydrake.systems.analysis import GetIntegrationSchemes, Simulator
+from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlantConfig
+from pydrake.systems.analysis import GetIntegrationSchemes, Simulator, SimulatorConfig
 
-from bodycheck.adapters.contract import KINDS, Engine, EngineDiverged, Integrator, Method, states
+from bodycheck.adapters.contract import KINDS, Engine, EngineDiverged, Integrator, Link, Method, states
 from bodycheck.adapters.drake import INSTALLATION
 from bodycheck.adapters.drake.contact import ON_PLANE, OPTIONS, contact_of
 from bodycheck.adapters.drake.models import Model, build
@@ -64,6 +64,16 @@ def integrators() -> tuple[Integrator, ...]:
     ) + tuple(Integrator(name, 1, None, KINDS if name == DEFAULT else ON_PLANE, OPTIONS) for name in APPROXIMATIONS)
 
 
+def defaults() -> dict[str, str]:
+    """Return the choices of Drake's own configurations of a plant, which is discrete, and of a simulator for a continuous one."""
+    plant, simulator = MultibodyPlantConfig(), SimulatorConfig()
+    return {
+        "integrator": f"{plant.discrete_contact_approximation}, {simulator.integration_scheme} of a continuous plant",
+        "timestep": f"{plant.time_step:g} s, at most {simulator.max_step_size:g} s of a continuous plant",
+        "tolerance": f"{simulator.accuracy:g} of a continuous plant",
+    }
+
+
 engine = Engine(
     name="drake",
     distribution=INSTALLATION.distribution,
@@ -71,6 +81,7 @@ engine = Engine(
     integrators=integrators(),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
     variants={"plane": (*(f"{name}:contact=points" for name in APPROXIMATIONS), f"{DEFAULT}:settings=engine")},
+    defaults=defaults(),
 )
 
 
@@ -108,6 +119,11 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
     return Normalised(loop(build(scene, method, APPROXIMATIONS), method.timestep))
+
+
+def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
+    """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
+    return Normalised(loop(build(scene, method, APPROXIMATIONS, links), method.timestep))
 
 
 def loop(model: Model, timestep: float) -> Loop[int]:

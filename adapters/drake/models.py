@@ -1,20 +1,23 @@
 """Build Drake's model of a scene: a plant with one body, in a diagram where it has contact or drag, and its simulator."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RigidTransform
 from pydrake.multibody.plant import AddMultibodyPlant, ApplyMultibodyPlantConfig, MultibodyPlant, MultibodyPlantConfig
 from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
-from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.adapters.contract import Link, Method, SceneUnsupported
 from bodycheck.adapters.drake.contact import add_contact, contact_of
-from bodycheck.reference.inertia import inertia_tensor
-from bodycheck.reference.kinematics import rotate
-from bodycheck.reference.scene import Body, Scene
+from bodycheck.adapters.links import links_of
+from bodycheck.reference.kinematics import normalise, rotate
+from bodycheck.reference.scene import Scene
 
 #: The integrator that Drake offers only for a plant of this name, in a diagram, with a scene graph.
 CENIC, PLANT = "cenic", "plant"
@@ -67,7 +70,7 @@ class Drag(LeafSystem):  # type: ignore[misc]  # Drake has no types here
         force.SetFromVector([0.0, 0.0, 0.0, slowing * x, slowing * y, slowing * z])
 
 
-def build(scene: Scene, method: Method, approximations: tuple[str, ...]) -> Model:
+def build(scene: Scene, method: Method, approximations: tuple[str, ...], links: Sequence[Link] = ()) -> Model:
     """Return the model of a scene for a method, at its initial state.
 
     Parameters
@@ -76,6 +79,8 @@ def build(scene: Scene, method: Method, approximations: tuple[str, ...]) -> Mode
         The scene and the method.
     approximations
         The names of the integrators that are approximations of contact of the discrete plant.
+    links
+        The links that take the place of the scene's body; empty for that body.
 
     Raises
     ------
@@ -96,7 +101,7 @@ def build(scene: Scene, method: Method, approximations: tuple[str, ...]) -> Mode
     else:
         plant, _ = AddMultibodyPlant(config, builder)
     plant.set_name(PLANT)
-    body = add_body(plant, scene.body)
+    body = add_body(plant, links_of(scene, links))
     plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -scene.gravity])
     if scene.plane is not None:
         add_contact(plant, body, scene, scene.plane, contact_of(method))
@@ -108,15 +113,23 @@ def build(scene: Scene, method: Method, approximations: tuple[str, ...]) -> Mode
     return started(scene, method, plant if alone else builder.Build(), plant, scheme not in approximations)
 
 
-def add_body(plant: Any, body: Body) -> Any:
-    """Add a free body, whose origin is its centre of mass, to a plant. Raises `SceneUnsupported` if Drake refuses it."""
-    inertia = inertia_tensor(body)
-    entries = [inertia[row, column] for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+def add_body(plant: Any, links: Sequence[Link]) -> Any:
+    """Add a free body of links to a plant, and return its first link. Raises `SceneUnsupported` if Drake refuses one."""
+    bodies = [add_link(plant, "body", links[0])]
+    for number, link in enumerate(links[1:], 1):
+        bodies.append(add_link(plant, f"link {number}", link))
+        pose = RigidTransform(Quaternion(normalise(np.array(link.quaternion))), link.position)
+        plant.WeldFrames(bodies[0].body_frame(), bodies[-1].body_frame(), pose)
+    return bodies[0]
+
+
+def add_link(plant: Any, name: str, link: Link) -> Any:
+    """Add a link to a plant, and return it. Raises `SceneUnsupported` if Drake refuses it."""
     try:
-        spatial = SpatialInertia.MakeFromCentralInertia(body.mass, [0.0, 0.0, 0.0], RotationalInertia(*entries))
+        inertia = SpatialInertia.MakeFromCentralInertia(link.mass, link.center_of_mass, RotationalInertia(*link.inertia))
     except RuntimeError as error:
         raise SceneUnsupported(f"Drake refuses the body: {' '.join(str(error).split())}") from error
-    return plant.AddRigidBody("body", spatial)
+    return plant.AddRigidBody(name, inertia)
 
 
 def started(scene: Scene, method: Method, system: Any, plant: Any, continuous: bool) -> Model:
