@@ -65,7 +65,7 @@ def integrators() -> tuple[Integrator, ...]:
 
 
 def defaults() -> dict[str, str]:
-    """Return the choices of Drake's own configurations of a plant, which is discrete, and of a simulator for a continuous one."""
+    """Return the choices of Drake's configurations of a plant, which is discrete, and of a simulator of a continuous one."""
     plant, simulator = MultibodyPlantConfig(), SimulatorConfig()
     return {
         "integrator": f"{plant.discrete_contact_approximation}, {simulator.integration_scheme} of a continuous plant",

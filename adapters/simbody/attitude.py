@@ -4,15 +4,15 @@ A state has seven coordinates in either case; with angles the last one is not us
 """
 
 import ctypes
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import opensim
 
 from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.adapters.simbody.libraries import function
 from bodycheck.reference.kinematics import multiply
-from bodycheck.reference.scene import State
+from bodycheck.reference.scene import Quaternion, State
 from bodycheck.reference.trajectory import Array
 
 #: The number of coordinates of a free joint.
@@ -24,35 +24,28 @@ USE_ANGLES = ("libSimTKsimbody", "_ZNK5SimTK22SimbodyMatterSubsystem17setUseEule
 REALIZE = ("libSimTKcommon", "_ZNK5SimTK6System12realizeModelERNS_5StateE")
 
 
-def function(library: str, name: str, *arguments: Any) -> Any:
-    """Return a C++ function without a result from a library of the package; the library is loaded already.
-
-    Raises `SceneUnsupported` if there is no such function.
-    """
-    files = sorted(Path(opensim.__file__).parent.glob(f"{library}.*"))
-    try:
-        found = getattr(ctypes.CDLL(str(files[0])), name)
-    except (IndexError, OSError, AttributeError) as error:
-        text = "quaternions: this release of OpenSim lacks Simbody's function that switches them on; settings=engine has angles"
-        raise SceneUnsupported(text) from error
-    found.argtypes, found.restype = arguments, None
-    return found
-
-
 def use_quaternions(model: Any, state: Any) -> None:
     """Give a state of a model, which OpenSim has just made, quaternions in place of angles. Raises `SceneUnsupported`."""
-    use_angles = function(*USE_ANGLES, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_bool)
-    realize = function(*REALIZE, ctypes.c_void_p, ctypes.c_void_p)
+    use_angles = function(*USE_ANGLES, (ctypes.c_void_p, ctypes.c_void_p, ctypes.c_bool))
+    realize = function(*REALIZE, (ctypes.c_void_p, ctypes.c_void_p))
+    if use_angles is None or realize is None:
+        text = "quaternions: this release of OpenSim lacks Simbody's function that switches them on; settings=engine has angles"
+        raise SceneUnsupported(text)
     use_angles(int(model.getMatterSubsystem().this), int(state.this), False)
     realize(int(model.getMultibodySystem()), int(state.this))
+
+
+def angles(quaternion: Quaternion) -> list[float]:
+    """Return the angles of turns about the x, y and z axes of a body in turn, which a quaternion is."""
+    made = opensim.Rotation(opensim.Quaternion(*quaternion)).convertRotationToBodyFixedXYZ()
+    return [made.get(axis) for axis in range(3)]
 
 
 def coordinates(initial: State, quaternions: bool) -> list[float]:
     """Return the seven coordinates of a state, with a quaternion or with angles."""
     if quaternions:
         return [*initial.quaternion, *initial.position]
-    angles = opensim.Rotation(opensim.Quaternion(*initial.quaternion)).convertRotationToBodyFixedXYZ()
-    return [*(angles.get(axis) for axis in range(3)), *initial.position, 0.0]
+    return [*angles(initial.quaternion), *initial.position, 0.0]
 
 
 def poses(seen: Array, quaternions: bool) -> tuple[Array, Array]:

@@ -1,5 +1,6 @@
 """The adapter of Simbody by OpenSim: the model of a scene, and the loop of its steps."""
 
+import ctypes
 import math
 from collections.abc import Sequence
 from contextlib import nullcontext
@@ -15,8 +16,8 @@ from bodycheck.adapters.contract import (
     Engine,
     EngineDiverged,
     Integrator,
+    Link,
     Method,
-    SceneUnsupported,
     Simulation,
     Strides,
     choice,
@@ -25,10 +26,10 @@ from bodycheck.adapters.contract import (
 )
 from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.simbody import INSTALLATION
-from bodycheck.adapters.simbody.attitude import coordinates, poses, use_quaternions
-from bodycheck.adapters.simbody.contact import add_contact
+from bodycheck.adapters.simbody.attitude import poses
+from bodycheck.adapters.simbody.libraries import function
+from bodycheck.adapters.simbody.models import described, started
 from bodycheck.adapters.stepping import Normalised
-from bodycheck.reference.inertia import inertia_tensor
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
@@ -59,6 +60,9 @@ STEP_LIMIT = 2**31 - 1
 #: What the names of integrators begin with in `Manager`.
 PREFIX = "IntegratorMethod_"
 
+#: The C++ function `Integrator::getAccuracyInUse() const` of Simbody, by its name in its library.
+ACCURACY = ("libSimTKmath", "_ZNK5SimTK10Integrator16getAccuracyInUseEv")
+
 
 def integrators() -> tuple[Integrator, ...]:
     """Return the integrators of the installed release."""
@@ -72,6 +76,18 @@ def integrators() -> tuple[Integrator, ...]:
     )
 
 
+def defaults() -> dict[str, str]:
+    """Return the integrator of a manager for which none is chosen, and its accuracy where its library tells it."""
+    model = opensim.Model()
+    state = model.initSystem()
+    manager = opensim.Manager(model)
+    manager.initialize(state)  # Simbody has no accuracy before it
+    names = {getattr(opensim.Manager, PREFIX + own.name): own.name for own in integrators()}
+    accuracy = function(*ACCURACY, (ctypes.c_void_p,), ctypes.c_double)
+    tolerance = {} if accuracy is None else {"tolerance": f"{accuracy(int(manager.getIntegrator())):g}"}
+    return {"integrator": names[manager.getIntegratorMethod()], **tolerance}
+
+
 engine = Engine(
     name="simbody",
     distribution=INSTALLATION.distribution,
@@ -79,6 +95,7 @@ engine = Engine(
     integrators=integrators(),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
     variants={"flight": tuple(f"{own.name}:settings=engine" for own in integrators())},
+    defaults=defaults(),
 )
 
 
@@ -177,7 +194,17 @@ class Simbody:
 def prepare(scenes: Sequence[Scene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
-    model, actuators = described(scene)
+    return simulation(scene, method)
+
+
+def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simulation:
+    """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
+    return simulation(scene, method, links)
+
+
+def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Normalised:
+    """Return the simulation of a scene with its body, or with links in its place. Raises `SceneUnsupported`."""
+    model, actuators = described(scene, links)
     quaternions = method.option("settings") != "engine"
     state = started(scene, model, quaternions)
     for actuator in actuators:
@@ -191,44 +218,3 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Simulation:
     manager.initialize(state)
     complains = method.integrator == CPODES
     return Normalised(Simbody(manager, model, method.timestep, quaternions, scene.drag, actuators, complains))
-
-
-def described(scene: Scene) -> tuple[Any, list[Any]]:
-    """Return OpenSim's model of a scene, and its forces on the coordinates x, y and z, which there are only with drag.
-
-    Raises `SceneUnsupported` if OpenSim refuses the body, or has no such contact.
-    """
-    inertia = inertia_tensor(scene.body)
-    entries = [float(inertia[row, column]) for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
-    model = opensim.Model()
-    model.setGravity(opensim.Vec3(0.0, 0.0, -scene.gravity))
-    try:
-        body = opensim.Body("body", scene.body.mass, opensim.Vec3(0.0), opensim.Inertia(*entries))
-    except RuntimeError as error:
-        raise SceneUnsupported(f"OpenSim refuses the body: {' '.join(str(error).split())}") from error
-    joint = opensim.FreeJoint("joint", model.getGround(), body)
-    model.addBody(body)
-    model.addJoint(joint)
-    if scene.plane is not None:
-        add_contact(model, body, scene, scene.plane)
-    actuators = []
-    for axis in range(3) if scene.drag else ():
-        actuators.append(opensim.CoordinateActuator(joint.getCoordinate(3 + axis).getName()))
-        actuators[-1].setName(f"drag_{axis}")
-        model.addForce(actuators[-1])
-    return model, actuators
-
-
-def started(scene: Scene, model: Any, quaternions: bool) -> Any:
-    """Return a model's state at the initial state of a scene, with quaternions or with angles."""
-    state = model.initSystem()
-    if quaternions:
-        use_quaternions(model, state)
-    initial = scene.initial
-    spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity))
-    q, u = state.updQ(), state.updU()
-    for place, number in enumerate(coordinates(initial, quaternions)):
-        q.set(place, number)
-    for place, number in enumerate([*spin.tolist(), *initial.velocity]):
-        u.set(place, number)
-    return state

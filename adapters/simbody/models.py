@@ -1,0 +1,79 @@
+"""Build OpenSim's model of a scene: a body on a free joint, with contact or drag where the scene has them."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import opensim
+
+from bodycheck.adapters.contract import Link, SceneUnsupported
+from bodycheck.adapters.links import links_of
+from bodycheck.adapters.simbody.attitude import angles, coordinates, use_quaternions
+from bodycheck.adapters.simbody.contact import add_contact
+from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.scene import Scene
+
+
+def described(scene: Scene, links: Sequence[Link] = ()) -> tuple[Any, list[Any]]:
+    """Return OpenSim's model of a scene, and its forces on the coordinates x, y and z, which there are only with drag.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    links
+        The links that take the place of the scene's body; empty for that body.
+
+    Raises
+    ------
+    SceneUnsupported
+        If OpenSim refuses the body, or has no such contact.
+    """
+    model = opensim.Model()
+    model.setGravity(opensim.Vec3(0.0, 0.0, -scene.gravity))
+    first, *others = links_of(scene, links)
+    body = added(model, "body", first)
+    joint = opensim.FreeJoint("joint", model.getGround(), body)
+    model.addJoint(joint)
+    for number, link in enumerate(others, 1):
+        weld(model, number, body, link)
+    if scene.plane is not None:
+        add_contact(model, body, scene, scene.plane)
+    actuators = []
+    for axis in range(3) if scene.drag else ():
+        actuators.append(opensim.CoordinateActuator(joint.getCoordinate(3 + axis).getName()))
+        actuators[-1].setName(f"drag_{axis}")
+        model.addForce(actuators[-1])
+    return model, actuators
+
+
+def added(model: Any, name: str, link: Link) -> Any:
+    """Add a link to a model, and return it. Raises `SceneUnsupported` if OpenSim refuses it."""
+    try:
+        body = opensim.Body(name, link.mass, opensim.Vec3(*link.center_of_mass), opensim.Inertia(*link.inertia))
+    except RuntimeError as error:
+        raise SceneUnsupported(f"OpenSim refuses the body: {' '.join(str(error).split())}") from error
+    model.addBody(body)
+    return body
+
+
+def weld(model: Any, number: int, body: Any, link: Link) -> None:
+    """Add a link to a model, welded to a body of it. Raises `SceneUnsupported` if OpenSim refuses it."""
+    place, turn, nothing = opensim.Vec3(*link.position), opensim.Vec3(*angles(link.quaternion)), opensim.Vec3(0.0)
+    part = added(model, f"link_{number}", link)
+    model.addJoint(opensim.WeldJoint(f"weld_{number}", body, place, turn, part, nothing, nothing))
+
+
+def started(scene: Scene, model: Any, quaternions: bool) -> Any:
+    """Return a model's state at the initial state of a scene, with quaternions or with angles."""
+    state = model.initSystem()
+    if quaternions:
+        use_quaternions(model, state)
+    initial = scene.initial
+    spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity))
+    q, u = state.updQ(), state.updU()
+    for place, number in enumerate(coordinates(initial, quaternions)):
+        q.set(place, number)
+    for place, number in enumerate([*spin.tolist(), *initial.velocity]):
+        u.set(place, number)
+    return state
