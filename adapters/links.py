@@ -6,7 +6,8 @@ import numpy as np
 
 from bodycheck.adapters.contract import Link
 from bodycheck.reference.inertia import inertia_tensor
-from bodycheck.reference.scene import Body, Scene
+from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.trajectory import Array
 
 
@@ -26,3 +27,14 @@ def tensor(link: Link) -> Array:
     """Return the inertia tensor (3, 3), kg m^2, of a link about its centre of mass, along the axes of its frame."""
     xx, yy, zz, xy, xz, yz = link.inertia
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def state_of(link: Link, first: State) -> State:
+    """Return the state of the frame of a link, from that of the frame of the first link of its body."""
+    attitude, spin, arm = np.array(first.quaternion), np.array(first.angular_velocity), np.array(link.position)
+    turn = normalise(np.array(link.quaternion))
+    px, py, pz = (np.array(first.position) + rotate(attitude, arm)).tolist()
+    vx, vy, vz = (np.array(first.velocity) + rotate(attitude, np.cross(spin, arm))).tolist()
+    w, x, y, z = multiply(attitude, turn).tolist()
+    wx, wy, wz = rotate(conjugate(turn), spin).tolist()
+    return State((px, py, pz), (w, x, y, z), (vx, vy, vz), (wx, wy, wz))

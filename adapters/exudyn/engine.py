@@ -6,13 +6,13 @@ from typing import Any
 
 import exudyn
 import numpy as np
-from exudyn import itemInterface
+from exudyn import itemInterface, utilities
 
-from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported, Simulation, choice
+from bodycheck.adapters.contract import Engine, Integrator, Link, Method, SceneUnsupported, Simulation, choice
 from bodycheck.adapters.exudyn import INSTALLATION, contact, formulations, stepping
-from bodycheck.adapters.exudyn.formulations import FORMULATIONS
+from bodycheck.adapters.exudyn.formulations import FORMULATIONS, Formulation
+from bodycheck.adapters.links import links_of, state_of, tensor
 from bodycheck.adapters.stepping import Normalised
-from bodycheck.reference.inertia import inertia_tensor
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -45,6 +45,16 @@ def integrators() -> tuple[Integrator, ...]:
     )
 
 
+def defaults() -> dict[str, str]:
+    """Return the choices of Exudyn's settings of simulations."""
+    time = exudyn.SimulationSettings().timeIntegration
+    return {
+        "integrator": time.solverType.name,
+        "timestep": f"{time.endTime / time.numberOfSteps:g} s",
+        "tolerance": f"{time.newton.relativeTolerance:g} relative, {time.newton.absoluteTolerance:g} absolute",
+    }
+
+
 engine = Engine(
     name="exudyn",
     distribution=INSTALLATION.distribution,
@@ -52,6 +62,7 @@ engine = Engine(
     integrators=integrators(),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
     variants={"flight": VARIANTS, "drag": VARIANTS, "plane": VARIANTS[1:]},
+    defaults=defaults(),
 )
 
 #: The functions of Exudyn that steps call from Python; force functions are called by Exudyn.
@@ -77,35 +88,53 @@ class Model:
 def prepare(scenes: Sequence[Scene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
-    simulation = model(scene, method).stepper
+    return normalised(model(scene, method))
+
+
+def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simulation:
+    """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
+    return normalised(model(scene, method, links))
+
+
+def normalised(made: Model) -> Simulation:
+    """Return the simulation of a model, whose quaternions have the norm 1."""
     # Only the Euler parameters can have another norm; the quaternions of the others are made here.
-    return Normalised(simulation) if simulation.formulation is FORMULATIONS["EP"] else simulation
+    return Normalised(made.stepper) if made.stepper.formulation is FORMULATIONS["EP"] else made.stepper
 
 
-def model(scene: Scene, method: Method) -> Model:
-    """Return the model of a scene for a method. Raises `SceneUnsupported`."""
+def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
+    """Return the model of a scene with its body, or with links in its place, for a method. Raises `SceneUnsupported`."""
     name = method.option("formulation") or ("EP" if method.option("settings") == "engine" else "RotVecLG")
     formulation = FORMULATIONS[name]
     container = exudyn.SystemContainer()
     system = container.AddSystem()
-    body = add_body(system, system.AddNode(formulations.node(formulation, scene.initial)), scene)
+    body = add_body(system, formulation, links_of(scene, links), scene)
     contacts = None if scene.plane is None else contact.add(system, body, scene, scene.plane, method)
     system.Assemble()
     settings, solver = stepping.settings(method), stepping.solver(method)
-    if not solver.InitializeSolver(system, settings):
-        raise SceneUnsupported(f"Exudyn refuses the model: {' '.join(solver.GetErrorString().split())}")
+    try:
+        refusal = "" if solver.InitializeSolver(system, settings) else solver.GetErrorString()
+    except exudyn.exudynCPP.ModelError as error:  # explicit solvers raise it where links are welded by a joint
+        refusal = str(error).partition(" [Python file")[0]
+    if refusal:
+        raise SceneUnsupported(f"Exudyn refuses the model: {' '.join(refusal.split())}")
     return Model(stepping.Stepper(container, system, solver, settings, formulation, method.timestep), contacts)
 
 
-def add_body(system: "exudyn.MainSystem", node: Any, scene: Scene) -> Any:
-    """Add to a system the body of a scene on a node, with its weight and its drag, and return its number."""
-    tensor = inertia_tensor(scene.body)
-    inertia = [*np.diag(tensor), tensor[1, 2], tensor[0, 2], tensor[0, 1]]
-    body = system.AddObject(itemInterface.ObjectRigidBody(nodeNumber=node, mass=scene.body.mass, inertia=inertia))
-    mass = system.AddMarker(itemInterface.MarkerBodyMass(bodyNumber=body))
-    system.AddLoad(itemInterface.LoadMassProportional(markerNumber=mass, loadVector=[0.0, 0.0, -scene.gravity]))
+def add_body(system: "exudyn.MainSystem", formulation: Formulation, links: Sequence[Link], scene: Scene) -> Any:
+    """Add to a system a body of links with the weight and the drag of a scene, and return the number of its first link."""
+    body = add_link(system, formulation, links[0], scene)
+    for link in links[1:]:
+        part = add_link(system, formulation, link, scene)
+        welded = [
+            system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=number, localPosition=place))
+            for number, place in ((body, link.position), (part, (0.0, 0.0, 0.0)))
+        ]
+        turn = utilities.EulerParameters2RotationMatrix(link.quaternion)
+        system.AddObject(itemInterface.GenericJoint(markerNumbers=welded, rotationMarker0=turn))
     if not scene.drag:
         return body
+    node = system.GetObjectParameter(body, "nodeNumber")
 
     def force(system: "exudyn.MainSystem", time: float, load: Sequence[float]) -> list[float]:
         velocity = system.GetNodeOutput(node, exudyn.OutputVariableType.Velocity)
@@ -113,6 +142,23 @@ def add_body(system: "exudyn.MainSystem", node: Any, scene: Scene) -> Any:
 
     centre = system.AddMarker(itemInterface.MarkerBodyPosition(bodyNumber=body))
     system.AddLoad(itemInterface.LoadForceVector(markerNumber=centre, loadVectorUserFunction=force))
+    return body
+
+
+def add_link(system: "exudyn.MainSystem", formulation: Formulation, link: Link, scene: Scene) -> Any:
+    """Add to a system a link with its weight, where the initial state of a scene places it, and return its number."""
+    # Exudyn takes the tensor about the origin of the link; this is its own conversion.
+    inertia = utilities.RigidBodyInertia(link.mass, tensor(link), link.center_of_mass, inertiaTensorAtCOM=True)
+    body = system.AddObject(
+        itemInterface.ObjectRigidBody(
+            nodeNumber=system.AddNode(formulations.node(formulation, state_of(link, scene.initial))),
+            mass=inertia.Mass(),
+            inertia=inertia.GetInertia6D(),
+            centerOfMass=inertia.COM(),
+        )
+    )
+    mass = system.AddMarker(itemInterface.MarkerBodyMass(bodyNumber=body))
+    system.AddLoad(itemInterface.LoadMassProportional(markerNumber=mass, loadVector=[0.0, 0.0, -scene.gravity]))
     return body
 
 

@@ -53,11 +53,16 @@ def node(formulation: Formulation, initial: State) -> Any:
     )
 
 
+def coordinates(formulation: Formulation) -> int:
+    """Return the number of coordinates of a link."""
+    return 3 + len(formulation.reference)
+
+
 def rows(formulation: Formulation, seen: Array) -> Array:
     """Return the rows (n, 13) of states from Exudyn's coordinates, which are relative to the reference, and velocities."""
-    coordinates, velocities = np.split(seen, 2, axis=1)
-    quaternion, angular_velocity = formulation.meaning(coordinates[:, 3:] + np.array(formulation.reference), velocities[:, 3:])
-    return states(coordinates[:, :3], quaternion, velocities[:, :3], angular_velocity)
+    place, velocities = np.split(seen, 2, axis=1)
+    quaternion, angular_velocity = formulation.meaning(place[:, 3:] + np.array(formulation.reference), velocities[:, 3:])
+    return states(place[:, :3], quaternion, velocities[:, :3], angular_velocity)
 
 
 def euler_parameters_at(quaternion: Array, angular_velocity: Array) -> tuple[Array, Array]:

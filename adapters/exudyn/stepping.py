@@ -50,7 +50,9 @@ class Stepper:
         for stride in strides.tolist():
             failed = self.failed(stride) if stride else None
             data = self.system.systemData
-            seen.append(np.concatenate([data.GetODE2Coordinates(), data.GetODE2Coordinates_t()]))
+            # Those of the first link come first.
+            count = formulations.coordinates(self.formulation)
+            seen.append(np.concatenate([data.GetODE2Coordinates()[:count], data.GetODE2Coordinates_t()[:count]]))
             if failed is not None:
                 signal = EngineDiverged(failed)
                 signal.states = single(formulations.rows(self.formulation, np.array(seen)))
