@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from bodycheck.adapters.contract import Link
 from bodycheck.reference.inertia import inertia_tensor
@@ -29,12 +30,34 @@ def tensor(link: Link) -> Array:
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-def state_of(link: Link, first: State) -> State:
-    """Return the state of the frame of a link, from that of the frame of the first link of its body."""
-    attitude, spin, arm = np.array(first.quaternion), np.array(first.angular_velocity), np.array(link.position)
-    turn = normalise(np.array(link.quaternion))
-    px, py, pz = (np.array(first.position) + rotate(attitude, arm)).tolist()
-    vx, vy, vz = (np.array(first.velocity) + rotate(attitude, np.cross(spin, arm))).tolist()
-    w, x, y, z = multiply(attitude, turn).tolist()
-    wx, wy, wz = rotate(conjugate(turn), spin).tolist()
-    return State((px, py, pz), (w, x, y, z), (vx, vy, vz), (wx, wy, wz))
+def carried(rows: Array, position: ArrayLike, quaternion: ArrayLike) -> Array:
+    """Return the states of a frame from those of another frame that is fixed to the same body.
+
+    Parameters
+    ----------
+    rows
+        The states (n, 13) of the other frame in the columns of `bodycheck.adapters.contract.Simulation.advance`; quaternions
+        may have any norm, which they keep.
+    position
+        The origin (3,) of the frame in the other one (m).
+    quaternion
+        The quaternion (4,), of any norm, that rotates components in the frame to components in the other one.
+
+    Returns
+    -------
+    The states (n, 13): position and velocity of the frame's origin, its attitude, and the angular velocity along its axes.
+    """
+    place, attitude, velocity, spin = np.split(rows, (3, 7, 10), axis=1)
+    arm = np.broadcast_to(np.asarray(position, dtype=float), place.shape)
+    turn = np.broadcast_to(normalise(np.asarray(quaternion, dtype=float)), attitude.shape)
+    turned = normalise(attitude)
+    place = place + rotate(turned, arm)
+    velocity = velocity + rotate(turned, np.cross(spin, arm))
+    return np.concatenate([place, multiply(attitude, turn), velocity, rotate(conjugate(turn), spin)], axis=1)
+
+
+def state_in(frame: tuple[ArrayLike, ArrayLike], other: State) -> State:
+    """Return the state of a frame, given by its position and quaternion in another one, from the state of that one."""
+    row = np.array([*other.position, *other.quaternion, *other.velocity, *other.angular_velocity])
+    place, attitude, velocity, spin = np.split(carried(row[None], *frame)[0], (3, 7, 10))
+    return State(*(tuple(part.tolist()) for part in (place, attitude, velocity, spin)))

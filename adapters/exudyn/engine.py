@@ -11,7 +11,7 @@ from exudyn import itemInterface, utilities
 from bodycheck.adapters.contract import Engine, Integrator, Link, Method, SceneUnsupported, Simulation, choice
 from bodycheck.adapters.exudyn import INSTALLATION, contact, formulations, stepping
 from bodycheck.adapters.exudyn.formulations import FORMULATIONS, Formulation
-from bodycheck.adapters.links import links_of, state_of, tensor
+from bodycheck.adapters.links import links_of, state_in, tensor
 from bodycheck.adapters.stepping import Normalised
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
@@ -149,9 +149,10 @@ def add_link(system: "exudyn.MainSystem", formulation: Formulation, link: Link, 
     """Add to a system a link with its weight, where the initial state of a scene places it, and return its number."""
     # Exudyn takes the tensor about the origin of the link; this is its own conversion.
     inertia = utilities.RigidBodyInertia(link.mass, tensor(link), link.center_of_mass, inertiaTensorAtCOM=True)
+    initial = state_in((link.position, link.quaternion), scene.initial)
     body = system.AddObject(
         itemInterface.ObjectRigidBody(
-            nodeNumber=system.AddNode(formulations.node(formulation, state_of(link, scene.initial))),
+            nodeNumber=system.AddNode(formulations.node(formulation, initial)),
             mass=inertia.Mass(),
             inertia=inertia.GetInertia6D(),
             centerOfMass=inertia.COM(),

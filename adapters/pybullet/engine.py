@@ -11,29 +11,37 @@ from importlib.metadata import version
 
 import numpy as np
 
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, choice, states
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, SceneUnsupported, choice, states
 from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.links import carried, state_in
 from bodycheck.adapters.principal_axes import in_body_frame
 from bodycheck.adapters.pybullet import INSTALLATION
 from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.principal_frame import along_principal_axes
-from bodycheck.reference.scene import Brick, Plane, Scene
+from bodycheck.reference.scene import Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Array
 
 # PyBullet writes when it was built to standard error, in C, whenever it is imported.
 with no_stderr():
     import pybullet
 
-#: The index of the base of a body, for functions that take a link.
-BASE = -1
+    from bodycheck.adapters.pybullet.links import BASE, load, weld
 
 #: Half the length of the ground, in m, which is far beyond the end of any slide, and half its height.
 GROUND_HALF_LENGTH_M, GROUND_HALF_HEIGHT_M = 1e4, 1.0
 
 #: The method with PyBullet's own damping and limits.
 ENGINE_SETTINGS = "multibody:settings=engine"
+
+def defaults() -> dict[str, str]:
+    """Return the time step of a new physics server."""
+    client = pybullet.connect(pybullet.DIRECT)
+    parameters = pybullet.getPhysicsEngineParameters(physicsClientId=client)
+    pybullet.disconnect(client)
+    return {"timestep": f"{parameters['fixedTimeStep']:.6g} s"}
+
 
 engine = Engine(
     name="pybullet",
@@ -45,6 +53,7 @@ engine = Engine(
     ),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
     variants=dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)),
+    defaults=defaults(),
 )
 
 #: The functions of PyBullet that steps call from Python.
@@ -72,19 +81,44 @@ class World:
 def prepare(scenes: Sequence[Scene], method: Method) -> Loop[World]:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
-    world = built(scene, method)
+    return Loop(
+        built(scene, method),
+        resisted_step(scene.drag) if scene.drag else step,
+        seen,
+        lambda seen: in_body_frame(scene, rows(seen)),
+    )
 
-    def seen(world: World) -> Array:
-        position, quaternion = pybullet.getBasePositionAndOrientation(world.body, physicsClientId=world.client)
-        velocity, angular_velocity = pybullet.getBaseVelocity(world.body, physicsClientId=world.client)
-        return np.array([*position, *quaternion, *velocity, *angular_velocity])
 
-    def rows(seen: Array) -> Array:
-        quaternion = seen[:, [6, 3, 4, 5]]
-        spin = rotate(conjugate(quaternion), seen[:, 10:])
-        return in_body_frame(scene, states(seen[:, :3], quaternion, seen[:, 7:10], spin))
+def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[World]:
+    """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
+    maximal, client = method.integrator == "maximal", connected(scene, method)
+    flags = 0 if method.option("settings") == "engine" else pybullet.URDF_USE_INERTIA_FROM_FILE
+    bodies = load(client, links, maximal, flags)
+    first = bodies[0]
+    world = World(client, first.body)
+    weakref.finalize(world, pybullet.disconnect, client)
+    for body, link in zip(bodies, links if maximal else links[:1], strict=True):
+        pybullet.changeDynamics(body.body, BASE, physicsClientId=client, **switched_off(method))
+        initial = state_in((link.position, link.quaternion), scene.initial)
+        set_state(World(client, body.body), state_in((body.position, body.quaternion), initial))
+    if maximal:
+        weld(client, bodies, links)
+    back = conjugate(np.array(first.quaternion))
+    origin = -rotate(back, np.array(first.position))
+    return Loop(world, step, seen, lambda seen: carried(rows(seen), origin, back))
 
-    return Loop(world, resisted_step(scene.drag) if scene.drag else step, seen, rows)
+
+def seen(world: World) -> Array:
+    """Return position, quaternion x y z w, velocity and angular velocity (13,), all in the world frame."""
+    position, quaternion = pybullet.getBasePositionAndOrientation(world.body, physicsClientId=world.client)
+    velocity, angular_velocity = pybullet.getBaseVelocity(world.body, physicsClientId=world.client)
+    return np.array([*position, *quaternion, *velocity, *angular_velocity])
+
+
+def rows(seen: Array) -> Array:
+    """Return the rows (n, 13) of states of Bullet's frame of a body from what is seen (n, 13)."""
+    quaternion = seen[:, [6, 3, 4, 5]]
+    return states(seen[:, :3], quaternion, seen[:, 7:10], rotate(conjugate(quaternion), seen[:, 10:]))
 
 
 def step(world: World) -> World:
@@ -110,12 +144,7 @@ def resisted_step(drag: float) -> Callable[[World], World]:
 def built(scene: Scene, method: Method) -> World:
     """Return a world with the body of a scene in its initial state. Raises `SceneUnsupported`."""
     collision = collision_shape(scene) if scene.plane is not None else None
-    client = pybullet.connect(pybullet.DIRECT)
-    if client < 0:
-        raise SceneUnsupported("PyBullet starts no further physics server in this process")
-    maximal = method.integrator == "maximal"
-    pybullet.setTimeStep(method.timestep, physicsClientId=client)
-    pybullet.setGravity(0, 0, -scene.gravity, physicsClientId=client)
+    client, maximal = connected(scene, method), method.integrator == "maximal"
     if scene.plane is not None:
         add_ground(client, maximal)
     shape = pybullet.createCollisionShape(**collision, physicsClientId=client) if collision is not None else -1
@@ -123,8 +152,18 @@ def built(scene: Scene, method: Method) -> World:
     world = World(client, body)
     weakref.finalize(world, pybullet.disconnect, client)
     set_properties(world, scene, method)
-    set_state(world, scene)
+    set_state(world, along_principal_axes(scene).initial)
     return world
+
+
+def connected(scene: Scene, method: Method) -> int:
+    """Return the connection to a new physics server with a scene's gravity. Raises `SceneUnsupported`."""
+    client: int = pybullet.connect(pybullet.DIRECT)
+    if client < 0:
+        raise SceneUnsupported("PyBullet starts no further physics server in this process")
+    pybullet.setTimeStep(method.timestep, physicsClientId=client)
+    pybullet.setGravity(0, 0, -scene.gravity, physicsClientId=client)
+    return client
 
 
 def collision_shape(scene: Scene) -> dict[str, object]:
@@ -149,11 +188,9 @@ def add_ground(client: int, maximal: bool) -> None:
 
 def set_properties(world: World, scene: Scene, method: Method) -> None:
     """Set the inertia and the friction of the body, and switch off what the scene does not have unless the method keeps it."""
-    own = {}
+    own = switched_off(method)
     if scene.plane is not None:
         own["lateralFriction"] = scene.plane.friction
-    if method.option("settings") != "engine":
-        own |= {"linearDamping": 0.0, "angularDamping": 0.0, "maxJointVelocity": math.inf}
     pybullet.changeDynamics(
         world.body,
         BASE,
@@ -164,9 +201,15 @@ def set_properties(world: World, scene: Scene, method: Method) -> None:
     )
 
 
-def set_state(world: World, scene: Scene) -> None:
-    """Set the initial pose and velocities; the pose comes first, because setting it ends all motion."""
-    initial = along_principal_axes(scene).initial
+def switched_off(method: Method) -> dict[str, float]:
+    """Return the arguments of `changeDynamics` that end damping and limits, unless a method keeps them."""
+    if method.option("settings") == "engine":
+        return {}
+    return {"linearDamping": 0.0, "angularDamping": 0.0, "maxJointVelocity": math.inf}
+
+
+def set_state(world: World, initial: State) -> None:
+    """Set the pose and the velocities of Bullet's frame of a body; the pose comes first, because setting it ends all motion."""
     w, x, y, z = initial.quaternion
     spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)).tolist()
     pybullet.resetBasePositionAndOrientation(world.body, initial.position, (x, y, z, w), physicsClientId=world.client)

@@ -1,0 +1,79 @@
+"""Load links into PyBullet, which takes an inertia tensor from a URDF file only."""
+
+import os
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pybullet
+
+from bodycheck.adapters.contract import Link
+from bodycheck.adapters.urdf import urdf
+from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.scene import Quaternion, Vector
+
+#: The index of the base of a body, for functions that take a link.
+BASE = -1
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A body of PyBullet, which is one link or several.
+
+    Parameters
+    ----------
+    body
+        The number of the body.
+    position, quaternion
+        The pose of Bullet's frame of its base, which is at the centre of mass and along the principal axes that Bullet found,
+        in the frame of the link (m; w x y z).
+    """
+
+    body: int
+    position: Vector
+    quaternion: Quaternion
+
+
+def load(client: int, links: Sequence[Link], maximal: bool, flags: int) -> list[Loaded]:
+    """Load links as PyBullet's bodies at the origin of the world: as one body, or as one each in maximal coordinates."""
+    alone = [[link] for link in links]
+    return [_loaded(client, urdf(part), maximal, flags) for part in (alone if maximal else [links])]
+
+
+def weld(client: int, bodies: Sequence[Loaded], links: Sequence[Link]) -> None:
+    """Weld bodies in maximal coordinates to the first one, where the links say."""
+    first = bodies[0]
+    for body, link in zip(bodies[1:], links[1:], strict=True):
+        here, there = _seen_from(first, link.position, link.quaternion), _seen_from(body, (0, 0, 0), (1, 0, 0, 0))
+        pybullet.createConstraint(
+            first.body,
+            BASE,
+            body.body,
+            BASE,
+            pybullet.JOINT_FIXED,
+            (0, 0, 0),
+            here[0],
+            there[0],
+            here[1],
+            there[1],
+            physicsClientId=client,
+        )
+
+
+def _loaded(client: int, text: str, maximal: bool, flags: int) -> Loaded:
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "body.urdf")
+        with open(file, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        body = pybullet.loadURDF(file, useMaximalCoordinates=maximal, flags=flags, physicsClientId=client)
+    # The link's frame is that of the world here. The function that tells of frames knows none in maximal coordinates.
+    position, (x, y, z, w) = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
+    return Loaded(body, position, (w, x, y, z))
+
+
+def _seen_from(body: Loaded, position: Vector, quaternion: Quaternion) -> tuple[list[float], list[float]]:
+    """Return a pose in the frame of a link as position and quaternion (x y z w) in Bullet's frame of its body."""
+    turn = conjugate(np.array(body.quaternion))
+    w, x, y, z = multiply(turn, normalise(np.array(quaternion, dtype=float))).tolist()
+    return rotate(turn, np.array(position) - np.array(body.position)).tolist(), [x, y, z, w]

@@ -1,0 +1,46 @@
+"""Links as a URDF file, for engines whose own functions take a link's tensor from such a file only."""
+
+import math
+from collections.abc import Sequence
+
+from bodycheck.adapters.contract import Link
+from bodycheck.reference.scene import Quaternion
+
+
+def urdf(links: Sequence[Link]) -> str:
+    """Return a URDF file of a body whose links are joined to the first one by fixed joints.
+
+    The links are named link_0, link_1 and so on, and have no shapes. Numbers are written with all their digits; a turn is
+    rounded, because URDF has angles for it.
+    """
+    parts = [_link(number, link) for number, link in enumerate(links)]
+    joints = [_joint(number, link) for number, link in enumerate(links[1:], 1)]
+    return "\n".join(['<?xml version="1.0"?>', '<robot name="body">', *parts, *joints, "</robot>", ""])
+
+
+def angles(quaternion: Quaternion) -> tuple[float, float, float]:
+    """Return the angles (rad) of turns about the fixed axes x, y and z in turn, which a unit quaternion is."""
+    w, x, y, z = quaternion
+    sine, cosine = 2 * (w * y - x * z), math.hypot(w * w + x * x - y * y - z * z, 2 * (x * y + w * z))
+    roll = math.atan2(2 * (w * x + y * z), w * w - x * x - y * y + z * z)
+    return roll, math.atan2(sine, cosine), math.atan2(2 * (x * y + w * z), w * w + x * x - y * y - z * z)
+
+
+def _link(number: int, link: Link) -> str:
+    moments = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), link.inertia, strict=True)
+    inertia = " ".join(f'{name}="{_spaced([value])}"' for name, value in moments)
+    return (
+        f'<link name="link_{number}"><inertial><origin xyz="{_spaced(link.center_of_mass)}" rpy="0 0 0"/>'
+        f'<mass value="{_spaced([link.mass])}"/><inertia {inertia}/></inertial></link>'
+    )
+
+
+def _joint(number: int, link: Link) -> str:
+    return (
+        f'<joint name="weld_{number}" type="fixed"><parent link="link_0"/><child link="link_{number}"/>'
+        f'<origin xyz="{_spaced(link.position)}" rpy="{_spaced(angles(link.quaternion))}"/></joint>'
+    )
+
+
+def _spaced(numbers: Sequence[float]) -> str:
+    return " ".join(repr(float(number)) for number in numbers)
