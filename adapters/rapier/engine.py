@@ -10,12 +10,14 @@ from importlib.metadata import version
 
 import numpy as np
 import rapier3d
+from rapier3d.loaders import urdf as loader
 
 from bodycheck.adapters.contract import (
     KINDS,
     Engine,
     EngineReset,
     Integrator,
+    Link,
     Method,
     choice,
     states,
@@ -24,6 +26,7 @@ from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.principal_axes import in_body_frame
 from bodycheck.adapters.rapier import INSTALLATION
 from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.adapters.urdf import urdf
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.principal_frame import along_principal_axes
 from bodycheck.reference.scene import Brick, Scene
@@ -44,6 +47,7 @@ engine = Engine(
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
     variants={**dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)), "plane": (COULOMB, ENGINE_SETTINGS)},
     precision="float32",
+    defaults={"timestep": f"{rapier3d.IntegrationParameters().dt:.6g} s"},
 )
 
 #: The functions of Rapier that steps call from Python.
@@ -66,12 +70,39 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
 
-    def rows(seen: Array) -> Array:
-        quaternion = seen[:, [6, 3, 4, 5]]
-        spin = rotate(conjugate(normalise(quaternion)), seen[:, 10:])
-        return in_body_frame(scene, states(seen[:, :3], quaternion, seen[:, 7:10], spin))
+    stepped = resisted_step(scene.drag) if scene.drag else step
+    return Normalised(Loop(built(scene, method), stepped, seen, lambda seen: in_body_frame(scene, rows(seen))))
 
-    return Normalised(Loop(built(scene, method), resisted_step(scene.drag) if scene.drag else step, seen, rows))
+
+def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
+    """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
+    world, initial = new_world(scene, method), scene.initial
+    blueprint = loader.UrdfLoaderOptions(rigid_body_blueprint=unlimited(rapier3d.RigidBody.dynamic(), method))
+    robot, _ = loader.UrdfRobot.from_str(urdf(links), blueprint)
+    robot.append_transform(rapier3d.Isometry3(initial.position, rapier3d.Rotation3(*initial.quaternion)))
+    # Rapier sets no velocity of a body in reduced coordinates.
+    handles = robot.insert_using_impulse_joints(world.rigid_bodies, world.colliders, world.impulse_joints)
+    bodies = [world.rigid_bodies[link.body] for link in handles.links]
+    spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity))
+    for body in bodies:
+        body.recompute_mass_properties_from_colliders(world.colliders)
+        arm = np.array([*body.center_of_mass]) - np.array(initial.position)
+        body.angvel, body.linvel = spin.tolist(), (np.array(initial.velocity) + np.cross(spin, arm)).tolist()
+    centre = np.array([*bodies[0].local_center_of_mass])
+
+    def at_origin(numbers: Array) -> Array:
+        """Return the rows of states of the link's frame; Rapier's velocity is that of the centre of mass."""
+        made = rows(numbers)
+        made[:, 7:10] -= rotate(normalise(made[:, 3:7]), np.cross(made[:, 10:], centre))
+        return made
+
+    return Normalised(Loop(World(world, bodies[0]), step, seen, at_origin))
+
+
+def rows(seen: Array) -> Array:
+    """Return the rows (n, 13) of states, with quaternions of any norm, from what is seen (n, 13)."""
+    quaternion = seen[:, [6, 3, 4, 5]]
+    return states(seen[:, :3], quaternion, seen[:, 7:10], rotate(conjugate(normalise(quaternion)), seen[:, 10:]))
 
 
 def seen(world: World) -> Array:
@@ -105,14 +136,8 @@ def resisted_step(drag: float) -> Callable[[World], World]:
 
 def built(scene: Scene, method: Method) -> World:
     """Return a world with the body of a scene in its initial state. Raises `SceneUnsupported`."""
-    own_settings = method.option("settings") == "engine"
     shape = collider(scene) if scene.plane is not None else None
-    world = rapier3d.PhysicsWorld(gravity=(0, 0, -scene.gravity))
-    world.integration_parameters.dt = method.timestep
-    if not own_settings:
-        switch_off(world.integration_parameters)
-    if method.option("friction") == "coulomb":
-        world.integration_parameters.friction_model = rapier3d.FrictionModel.COULOMB
+    world = new_world(scene, method)
     if scene.plane is not None:
         world.add_collider(rapier3d.Collider.halfspace((0, 0, 1)).friction(scene.plane.friction))
     initial = along_principal_axes(scene).initial
@@ -125,10 +150,24 @@ def built(scene: Scene, method: Method) -> World:
         .angvel(spin)
         .additional_mass_properties(inertia)
     )
-    if not own_settings:
-        body = body.can_sleep(False).allow_fast_rotation(True)
-    handle = world.add_body(body, [shape] if shape is not None else None)
+    handle = world.add_body(unlimited(body, method), [shape] if shape is not None else None)
     return World(world, world.rigid_bodies[handle])
+
+
+def new_world(scene: Scene, method: Method) -> "rapier3d.PhysicsWorld":
+    """Return an empty world with the gravity of a scene and the settings of a method."""
+    world = rapier3d.PhysicsWorld(gravity=(0, 0, -scene.gravity))
+    world.integration_parameters.dt = method.timestep
+    if method.option("settings") != "engine":
+        switch_off(world.integration_parameters)
+    if method.option("friction") == "coulomb":
+        world.integration_parameters.friction_model = rapier3d.FrictionModel.COULOMB
+    return world
+
+
+def unlimited(body: "rapier3d.RigidBodyBuilder", method: Method) -> "rapier3d.RigidBodyBuilder":
+    """Return a body that neither sleeps nor is limited in its rotation, unless a method keeps Rapier's settings."""
+    return body if method.option("settings") == "engine" else body.can_sleep(False).allow_fast_rotation(True)
 
 
 def switch_off(parameters: "rapier3d.IntegrationParameters") -> None:
