@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 from bodycheck.adapters.contract import Link
 from bodycheck.reference.inertia import inertia_tensor
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
-from bodycheck.reference.scene import Body, Scene, State
+from bodycheck.reference.principal_frame import IDENTITY
+from bodycheck.reference.scene import Body, Scene, State, Vector
 from bodycheck.reference.trajectory import Array
 
 
@@ -61,3 +62,16 @@ def state_in(frame: tuple[ArrayLike, ArrayLike], other: State) -> State:
     row = np.array([*other.position, *other.quaternion, *other.velocity, *other.angular_velocity])
     place, attitude, velocity, spin = np.split(carried(row[None], *frame)[0], (3, 7, 10))
     return State(*(tuple(part.tolist()) for part in (place, attitude, velocity, spin)))
+
+
+def velocity_to_origin(rows: Array, centre: ArrayLike) -> Array:
+    """Return states (n, 13) of a link's frame, from rows in which the velocity is that of its centre of mass (3,), m."""
+    attitude, spin = normalise(rows[:, 3:7]), rows[:, 10:]
+    made = rows.copy()
+    made[:, 7:10] -= rotate(attitude, np.cross(spin, np.asarray(centre, dtype=float)))
+    return made
+
+
+def velocity_of(place: ArrayLike, frame: State) -> Vector:
+    """Return the velocity (m/s, world) of a place (3,), m, in a frame."""
+    return state_in((place, IDENTITY), frame).velocity

@@ -35,6 +35,7 @@ GROUND_HALF_LENGTH_M, GROUND_HALF_HEIGHT_M = 1e4, 1.0
 #: The method with PyBullet's own damping and limits.
 ENGINE_SETTINGS = "multibody:settings=engine"
 
+
 def defaults() -> dict[str, str]:
     """Return the time step of a new physics server."""
     client = pybullet.connect(pybullet.DIRECT)

@@ -23,6 +23,7 @@ from bodycheck.adapters.contract import (
     states,
 )
 from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.links import state_in, velocity_of, velocity_to_origin
 from bodycheck.adapters.principal_axes import in_body_frame
 from bodycheck.adapters.rapier import INSTALLATION
 from bodycheck.adapters.stepping import Loop, Normalised
@@ -83,20 +84,14 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normal
     # Rapier sets no velocity of a body in reduced coordinates.
     handles = robot.insert_using_impulse_joints(world.rigid_bodies, world.colliders, world.impulse_joints)
     bodies = [world.rigid_bodies[link.body] for link in handles.links]
-    spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity))
-    for body in bodies:
+    spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)).tolist()
+    for body, link in zip(bodies, links, strict=True):
         body.recompute_mass_properties_from_colliders(world.colliders)
-        arm = np.array([*body.center_of_mass]) - np.array(initial.position)
-        body.angvel, body.linvel = spin.tolist(), (np.array(initial.velocity) + np.cross(spin, arm)).tolist()
-    centre = np.array([*bodies[0].local_center_of_mass])
-
-    def at_origin(numbers: Array) -> Array:
-        """Return the rows of states of the link's frame; Rapier's velocity is that of the centre of mass."""
-        made = rows(numbers)
-        made[:, 7:10] -= rotate(normalise(made[:, 3:7]), np.cross(made[:, 10:], centre))
-        return made
-
-    return Normalised(Loop(World(world, bodies[0]), step, seen, at_origin))
+        frame = state_in((link.position, link.quaternion), initial)
+        body.angvel, body.linvel = spin, velocity_of([*body.local_center_of_mass], frame)
+    centre = [*bodies[0].local_center_of_mass]
+    placed = World(world, bodies[0])
+    return Normalised(Loop(placed, step, seen, lambda seen: velocity_to_origin(rows(seen), centre)))
 
 
 def rows(seen: Array) -> Array:

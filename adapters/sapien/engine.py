@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, choice, states
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, choice, states
 from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.links import velocity_of, velocity_to_origin
 from bodycheck.adapters.principal_axes import in_body_frame
 from bodycheck.adapters.sapien import INSTALLATION
 from bodycheck.adapters.stepping import Loop, Normalised
@@ -28,14 +29,20 @@ with warnings.catch_warnings():
     import sapien
     from sapien import physx
 
-#: A speed that is no limit: PhysX's own for the velocity, whose square it forms in single precision.
-NO_LIMIT = 1e16
+    from bodycheck.adapters.sapien.links import first_link, load, place, switch_off
 
 #: The rotation that turns the x axis, which is the normal of PhysX's planes and the axis of its cylinders, to the z axis.
 X_TO_Z = (math.sqrt(0.5), 0.0, -math.sqrt(0.5), 0.0)
 
 OPTIONS = {"settings": choice("engine")}
 SOLVERS = ("PGS", "TGS")
+
+
+def defaults() -> dict[str, str]:
+    """Return the solver and the time step of a new PhysX scene."""
+    solver = "TGS" if physx.get_scene_config().enable_tgs else "PGS"
+    return {"integrator": solver, "timestep": f"{physx.PhysxCpuSystem().timestep:.6g} s"}
+
 
 engine = Engine(
     name="sapien",
@@ -45,6 +52,7 @@ engine = Engine(
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
     variants=dict.fromkeys(sorted(KINDS), tuple(f"{name}:settings=engine" for name in SOLVERS)),
     precision="float32",
+    defaults=defaults(),
 )
 
 #: The functions of SAPIEN that steps call from Python.
@@ -65,11 +73,29 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
 
-    def rows(seen: Array) -> Array:
-        spin = rotate(conjugate(normalise(seen[:, 3:7])), seen[:, 10:])
-        return in_body_frame(scene, states(seen[:, :3], seen[:, 3:7], seen[:, 7:10], spin))
+    stepped = resisted_step(scene.drag) if scene.drag else step
+    return Normalised(Loop(built(scene, method), stepped, seen, lambda seen: in_body_frame(scene, rows(seen))))
 
-    return Normalised(Loop(built(scene, method), resisted_step(scene.drag) if scene.drag else step, seen, rows))
+
+def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
+    """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
+    system = new_system(scene, method)
+    whole = sapien.Scene([system])
+    loaded = load(whole, links)
+    if method.option("settings") != "engine":
+        switch_off(loaded)
+    body, initial = first_link(loaded), scene.initial
+    centre = body.cmass_local_pose.p
+    spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity))
+    place(loaded, sapien.Pose(initial.position, initial.quaternion), velocity_of(centre, initial), spin.tolist())
+    world = World(whole, system, body.entity, body)
+    return Normalised(Loop(world, step, seen, lambda seen: velocity_to_origin(rows(seen), centre)))
+
+
+def rows(seen: Array) -> Array:
+    """Return the rows (n, 13) of states, with quaternions of any norm, from what is seen (n, 13)."""
+    spin = rotate(conjugate(normalise(seen[:, 3:7])), seen[:, 10:])
+    return states(seen[:, :3], seen[:, 3:7], seen[:, 7:10], spin)
 
 
 def seen(world: World) -> Array:
@@ -109,17 +135,14 @@ def built(scene: Scene, method: Method) -> World:
     body.set_mass(scene.body.mass)
     body.set_cmass_local_pose(sapien.Pose())
     body.set_inertia(np.array(scene.body.moments))
-    if method.option("settings") != "engine":
-        body.set_angular_damping(0.0)
-        body.set_max_angular_velocity(NO_LIMIT)
-        body.set_sleep_threshold(0.0)
     initial = along_principal_axes(scene).initial
     entity = sapien.Entity()
     entity.add_component(body)
-    entity.set_pose(sapien.Pose(initial.position, initial.quaternion))
     whole.add_entity(entity)
-    body.set_linear_velocity(initial.velocity)
-    body.set_angular_velocity(rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)))
+    if method.option("settings") != "engine":
+        switch_off(entity)
+    spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity))
+    place(entity, sapien.Pose(initial.position, initial.quaternion), initial.velocity, spin)
     return World(whole, system, entity, body)
 
 
