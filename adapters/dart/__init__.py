@@ -28,6 +28,9 @@ defaults: sleeping, and the detector FCL. In flight no default differs. What can
 of contacts (constraint force mixing 1e-5, error reduction 0.01 of a penetration in a step, at most 1 mm/s), and that DART
 removes lateral and tilting velocities below 0.2 mm/s and 0.5 mrad/s that a contact caused.
 
+Links are bodies on weld joints. The velocity of the free joint is that of the origin of the first link's frame, so that a step
+of a centre of mass that is elsewhere has an error of first order, even without forces.
+
 Where accelerations overflow, DART sets them to zero and goes on. The adapter signals this as a divergence.
 """
 

@@ -28,6 +28,9 @@ Drag is a system in Python that Drake evaluates wherever it evaluates forces, so
 Frames, found by experiment: positions are the quaternion w x y z, then the position of the body's origin; velocities are the
 angular velocity, then that of the origin, both in the world frame. The arithmetic is in double precision.
 
+Links are bodies of the plant that are welded to the first one. The first link's frame is that of the quaternion joint, whose
+coordinates are the position of its origin. An integrator's error of a centre of mass that is elsewhere is of its order.
+
 Drake's integrators treat a quaternion as four numbers and never normalise it, except cenic, which does so in every step. Drake
 divides by the norm where it uses a quaternion, and the velocities do not depend on it. The adapter hands over unit quaternions,
 and the largest deviation of the norm as `quaternion_norm_error`.

@@ -31,6 +31,11 @@ on a plane friction that is proportional to the velocity below 1 mm/s. In all ot
 no step reverses the sliding. Newton's method is full instead of modified, so that states do not depend on where they are
 sampled; its tolerances are Exudyn's, and limit implicit solvers to errors of some 1e-6 rad in a second.
 
+Links have a node each, at the origin of their frames. They are welded by Exudyn's generic joint with all axes locked, which is
+a constraint: explicit solvers refuse it. `GeneralizedAlpha` has it on positions, and without numerical damping the velocities
+of a welded body alternate, the more the smaller the step, or Newton's method fails. With `settings=engine`, and on velocities
+in `TrapezoidalIndex2`, the constraint costs an error of second order.
+
 A brick on a plane has `GeneralContact`, at its four corners; the module `contact` says how stiff it is. A cylinder has none.
 """
 

@@ -126,12 +126,12 @@ def add_body(system: "exudyn.MainSystem", formulation: Formulation, links: Seque
     body = add_link(system, formulation, links[0], scene)
     for link in links[1:]:
         part = add_link(system, formulation, link, scene)
-        welded = [
-            system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=number, localPosition=place))
-            for number, place in ((body, link.position), (part, (0.0, 0.0, 0.0)))
-        ]
         turn = utilities.EulerParameters2RotationMatrix(link.quaternion)
-        system.AddObject(itemInterface.GenericJoint(markerNumbers=welded, rotationMarker0=turn))
+        there = system.AddMarker(
+            itemInterface.MarkerBodyRigid(bodyNumber=body, localHT=exudyn.HT(rotation=turn, translation=[*link.position]))
+        )
+        here = system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=part))
+        system.AddObject(itemInterface.GenericJoint(markerNumbers=[there, here]))
     if not scene.drag:
         return body
     node = system.GetObjectParameter(body, "nodeNumber")

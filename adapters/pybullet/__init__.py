@@ -26,6 +26,15 @@ PyBullet sets: 50 iterations, an error reduction of 0.08, and an implicit fricti
 spin about the vertical stops as the friction of four corners demands for `maximal`, but 5 % later for `multibody`. A cylinder
 gets its contacts one by one: at time steps of 2 ms or more a disk that slides is tilted, and rises by some millimetres.
 
+Links are read from a URDF file, because no other function of PyBullet takes an inertia tensor.
+
+- PyBullet uses the inertia of the file only with the flag `URDF_USE_INERTIA_FROM_FILE`. With `settings=engine` there is none,
+  and PyBullet computes the inertia from the shapes; of links without shapes it makes a cube of 2 mm.
+- Bullet diagonalises a tensor by rotations, of which the last one is made when less than a millionth of the trace is off the
+  diagonal, so that some 1e-10 of it may remain there.
+- The links of `multibody` are one body with fixed joints. Those of `maximal` are bodies of their own in a fixed constraint, in
+  which PyBullet ignores how its two frames are turned: links whose principal axes are not parallel are turned until they are.
+
 Limits that cannot be changed: a body turns by at most pi/4 in a step, and the angular velocity of `maximal` is cut to that of
 pi/2 a step.
 

@@ -21,6 +21,9 @@ each other; a pure spin stops as with four corners. The option `friction=coulomb
 impulse that would stop the corner is cut to the cone, and it is not parallel to the velocity. A brick that slides straight then
 ends 4 to 25 % too far, depending on its proportions and its direction, even with many iterations and short time steps.
 
+Links are read from a URDF file, whose tensors Rapier diagonalises in single precision. They are joined by fixed joints between
+bodies in maximal coordinates, because Rapier takes no initial velocity of bodies in reduced coordinates.
+
 Rapier quarantines a body whose state is no longer finite, which the adapter reports as a reset. Rapier's bodies in reduced
 coordinates need a joint between two bodies, which a free body does not have.
 """

@@ -23,6 +23,9 @@ A brick touches the plane by OpenSim's `HuntCrossleyForce` on a small sphere at 
 default for the stiffness: the spheres sink in by a hundredth of the body's half-height under its weight, and the damping is
 the critical one. Friction is viscous below OpenSim's default transition speed of 0.01 m/s.
 
+Links are bodies that are joined to the first one by weld joints. The coordinates are the position of the first link's origin,
+and an integrator's error of a centre of mass that is elsewhere is of its order.
+
 Frames, found by experiment: velocities are the angular velocity, then that of the centre of mass, both in the world frame.
 Simbody normalises a quaternion only where its norm is off by more than 1e-4; the adapter hands over unit quaternions, and the
 deviation as `quaternion_norm_error`. The arithmetic is in double precision.

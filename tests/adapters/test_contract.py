@@ -14,7 +14,7 @@ import pytest
 
 from bodycheck import load
 from bodycheck.adapters import offers, registry
-from bodycheck.adapters.contract import KINDS, Contact, Method, Models, kind_of
+from bodycheck.adapters.contract import KINDS, Contact, Link, Links, Method, Models, SceneUnsupported, kind_of
 from bodycheck.errors import BadInput
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.requirements import Requirements
@@ -44,6 +44,12 @@ def methods() -> Iterator[tuple[str, str, str]]:
 
 METHODS = list(methods())
 
+#: Two parts of a body, neither of which has its centre of mass at its origin or its principal axes along its frame.
+LINKS = (
+    Link(1.5, (0.03, 0.04, 0.05, 0.002, -0.003, 0.001), (0.1, -0.05, 0.02)),
+    Link(0.5, (0.02, 0.01, 0.015, -0.001, 0.002, 0.003), (-0.03, 0.04, 0.1), (0.2, 0.1, -0.3), (0.7, 0.1, 0.5, -0.5)),
+)
+
 
 def scene_of(kind: str) -> Scene:
     return load(SCENES[kind]).scene
@@ -57,6 +63,8 @@ def test_the_record_of_an_engine_says_what_it_must(name: str) -> None:
     assert engine.version
     assert engine.integrators
     assert engine.batch >= 1
+    assert set(engine.defaults) <= {"integrator", "timestep", "tolerance"}
+    assert all(type(value) is str and value for value in engine.defaults.values())
     assert engine.models <= set(Requirements.__dataclass_fields__)
     names = [integrator.name for integrator in engine.integrators]
     assert len(set(names)) == len(names)
@@ -116,6 +124,28 @@ def test_it_begins_at_the_state_of_the_scene(name: str, kind: str, method: str) 
     np.testing.assert_allclose(row[:3], initial.position, rtol=0, atol=rounding)
     assert geodesic_angle(row[3:7], np.array(initial.quaternion)) < rounding
     np.testing.assert_allclose(row[7:], [*initial.velocity, *initial.angular_velocity], rtol=0, atol=10 * rounding)
+
+
+@pytest.mark.parametrize(("name", "method"), [(name, method) for name, kind, method in METHODS if kind == "flight"])
+@pytest.mark.parametrize("count", [1, 2])
+def test_links_begin_with_the_state_of_the_first_one(name: str, method: str, count: int) -> None:
+    """And stepping them in pieces is stepping them at once, to the last bit."""
+    adapter, scene = registry.load(name), scene_of("flight")
+    if not isinstance(adapter, Links):
+        pytest.skip("its adapter takes no links")
+    initial = scene.initial
+    try:
+        one, other = (adapter.prepare_links(LINKS[:count], scene, Method.parse(method, 1e-4)) for _ in range(2))
+    except SceneUnsupported as error:
+        pytest.skip(str(error))
+    row = one.advance(np.array([0]))[0, 0, 0]
+    # As for the state of a scene; the velocities are converted to those of centres of mass and back, with arms below one metre.
+    rounding = 45 * float(np.finfo(adapter.engine.precision).eps)
+    np.testing.assert_allclose(row[:3], initial.position, rtol=0, atol=rounding)
+    assert geodesic_angle(row[3:7], np.array(initial.quaternion)) < rounding
+    np.testing.assert_allclose(row[7:], [*initial.velocity, *initial.angular_velocity], rtol=0, atol=10 * rounding)
+    pieces = [one.advance(np.array([3])), one.advance(np.array([5, 0]))]
+    np.testing.assert_array_equal(np.concatenate(pieces, axis=1), other.advance(np.array([3, 5, 0])))
 
 
 @pytest.mark.parametrize(("name", "kind", "method"), METHODS)
