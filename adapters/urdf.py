@@ -19,11 +19,15 @@ def urdf(links: Sequence[Link]) -> str:
 
 
 def angles(quaternion: Quaternion) -> tuple[float, float, float]:
-    """Return the angles (rad) of turns about the fixed axes x, y and z in turn, which a unit quaternion is."""
+    """Return the angles (rad) of turns about the fixed axes x, y and z in turn, which a unit quaternion is.
+
+    Half the sum and half the difference of the first and the third one are the angles of two complex numbers, one of which is
+    zero in gimbal lock; then both angles are of one size.
+    """
     w, x, y, z = quaternion
-    sine, cosine = 2 * (w * y - x * z), math.hypot(w * w + x * x - y * y - z * z, 2 * (x * y + w * z))
-    roll = math.atan2(2 * (w * x + y * z), w * w - x * x - y * y + z * z)
-    return roll, math.atan2(sine, cosine), math.atan2(2 * (x * y + w * z), w * w + x * x - y * y - z * z)
+    half_sum, half_difference = math.atan2(x + z, w - y), math.atan2(x - z, w + y)
+    about_y = 2 * math.atan2(math.hypot(w + y, x - z), math.hypot(w - y, x + z)) - math.pi / 2
+    return half_sum + half_difference, about_y, half_sum - half_difference
 
 
 def _link(number: int, link: Link) -> str:
