@@ -23,8 +23,8 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import distance
 from bodycheck.running.key import RunKey
 
-#: Time from the start (s) in which motions are compared. Later on rounding grows, and hides more than it tells.
-EARLY_S = 2.0
+#: Time from the start (s), and number of steps, in which motions are compared. Later on rounding hides more than it tells.
+EARLY_S, EARLY_STEPS = 2.0, 100
 
 #: Attitude difference (rad) from which on rounding may explain so much that motions are no longer compared.
 MOST_ROUNDING_RAD = 1e-2
@@ -47,7 +47,7 @@ class Motion:
     method
         The method, as the key of a run over all cases and time steps.
     trajectory
-        The states.
+        The states; those of its `beginning` are enough.
     roundoff
         The unit roundoff of the engine's arithmetic, one of `scheme_rounding.ROUNDOFF`.
     """
@@ -60,8 +60,8 @@ class Motion:
 
     @cached_property
     def early(self) -> Trajectory:
-        """The states in the first `EARLY_S`."""
-        return self.trajectory.part(self.trajectory.t <= EARLY_S)
+        """The states in the time in which motions are compared."""
+        return beginning(self.trajectory, self.timestep)
 
     @cached_property
     def allowed(self) -> Array:
@@ -140,6 +140,11 @@ class _Difference:
         return _Difference(
             max(self.distance, other.distance), max(self.ratio, other.ratio), self.roundoff, self.told or other.told
         )
+
+
+def beginning(trajectory: Trajectory, timestep: float) -> Trajectory:
+    """Return the states of a trajectory in the time in which motions with a time step (s) are compared."""
+    return trajectory.part((trajectory.t <= EARLY_S) & (steps(trajectory, timestep) <= EARLY_STEPS))
 
 
 def classes(motions: Iterable[Motion]) -> tuple[MethodClass, ...]:

@@ -8,10 +8,13 @@ from pathlib import Path
 
 import numpy as np
 
+from bodycheck.adapters.contract import Kind
 from bodycheck.errors import BadInput
 from bodycheck.judging import attribution, judgement, result_files
 from bodycheck.judging.attribution import Attribution
+from bodycheck.judging.classes import MethodClass
 from bodycheck.judging.judgement import Verdict
+from bodycheck.judging.run_classes import classes_of
 from bodycheck.running import origin
 from bodycheck.running.store import Results
 
@@ -50,6 +53,11 @@ class ResultSet:
         for verdict in self.verdicts:
             found[verdict.run.case].append(verdict)
         return found
+
+    @cached_property
+    def classes(self) -> Mapping[Kind, tuple[MethodClass, ...]]:
+        """The methods that are the same algorithm, by the kind of scene. Their motions are read from the results."""
+        return classes_of(self.results, [verdict.run for verdict in self.verdicts])
 
     @cached_property
     def parts_by_case(self) -> Mapping[str, Sequence[Attribution]]:

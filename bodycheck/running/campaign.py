@@ -81,6 +81,7 @@ def header(command: Sequence[str], records: Mapping[str, Engine], missing: Mappi
         "missing": dict(missing),
         "environments": locks(records),
         "demonstrations": {name: own for name, record in records.items() if (own := demonstrations(record))},
+        "precisions": {name: record.precision for name, record in records.items()},
     }
 
 

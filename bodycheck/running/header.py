@@ -21,10 +21,11 @@ class Header(TypedDict):
         dict[str, dict[str, str]],
         "For each engine, the integrators that its adapter offers to demonstrate something, and what.",
     ]
+    precisions: Annotated[dict[str, str], "For each engine, the precision of its arithmetic: float64 or float32."]
 
 
-#: The entries that results of earlier versions lack, which had neither.
-LATER: dict[str, dict[str, dict[str, str]]] = {"environments": {}, "demonstrations": {}}
+#: The entries that results of earlier versions lack.
+LATER: dict[str, dict[str, dict[str, str]]] = {"environments": {}, "demonstrations": {}, "precisions": {}}
 
 
 class StoredCase(TypedDict):

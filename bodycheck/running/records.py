@@ -49,6 +49,7 @@ class HeaderRecord:
     missing: dict[str, str]
     environments: dict[Printable, dict[Printable, Printable]] = field(default_factory=dict)
     demonstrations: dict[Printable, dict[Printable, Printable]] = field(default_factory=dict)
+    precisions: dict[Printable, Literal["float64", "float32"]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

@@ -73,6 +73,12 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
         steps=tuple(advice.lines(failed[1], failed[0].file(failed[1].label))) if failed else (),
         findings=(
             *(differences.findings if differences else ()),
-            *findings(measured(verdicts, lines), () if differences else first.parts, lines, demonstrations),
+            *findings(
+                measured(verdicts, lines),
+                () if differences else first.parts,
+                lines,
+                demonstrations,
+                {} if differences else first.classes,
+            ),
         ),
     )

@@ -90,6 +90,7 @@ def header(sets: Sequence[ResultSet]) -> Header:
         "missing": _merged_group({label: own["missing"] for label, own in headers.items()}),
         "environments": _merged_by_engine([own["environments"] for own in headers.values()]),
         "demonstrations": _merged_by_engine([own["demonstrations"] for own in headers.values()]),
+        "precisions": _merged_group({label: own["precisions"] for label, own in headers.items()}),
     }
 
 

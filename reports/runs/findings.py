@@ -5,12 +5,15 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
+from bodycheck.adapters.contract import Kind
 from bodycheck.judging.attribution import Attribution
+from bodycheck.judging.classes import MethodClass
 from bodycheck.judging.discrepancy import Summary
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reports.finding import COMPARABLE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, bound, count, listing, number
+from bodycheck.reports.same_algorithm import alike, same_algorithm
 from bodycheck.running.key import RunKey
 
 #: Attitude errors (rad) below this may be the rounding of thousands of steps and are not compared between engines.
@@ -27,6 +30,10 @@ NEAR = 1e-2
 
 #: Relative drifts below this are rounding and are not reported.
 ROUNDING = 1e-12
+
+#: Classes of methods that are the same algorithm, by kind of scene.
+Classes = Mapping[Kind, Sequence[MethodClass]]
+NO_CLASSES: Classes = {}
 
 #: The subjects of findings that compare all methods, so that they are wrong where some are left out.
 OF_ALL_METHODS = ("Position", "Attitude", "Closest", "Angular momentum")
@@ -70,6 +77,7 @@ def findings(
     parts: Sequence[Attribution],
     lines: Mapping[RunKey, Line],
     demonstrations: Collection[RunKey] = (),
+    classes: Classes = NO_CLASSES,
 ) -> tuple[Finding, ...]:
     """Return findings about the completed runs and about the parts of their contact discrepancies.
 
@@ -86,13 +94,15 @@ def findings(
         The lines of all methods.
     demonstrations
         Methods that are there to demonstrate something.
+    classes
+        The classes of methods that are the same algorithm, by kind of scene.
     """
     shown = {lines[key] for key in demonstrations}
     if chosen := [run for run in runs if run.line not in shown]:
         parts = [part for part in parts if lines[part.key.over_cases] not in shown]
-        found = _findings(chosen, parts, lines)
+        found = _findings(chosen, parts, lines, classes)
         return tuple(map(_apart, found)) if len(chosen) < len(runs) else found
-    return _findings(runs, parts, lines)
+    return _findings(runs, parts, lines, classes)
 
 
 def _apart(finding: Finding) -> Finding:
@@ -102,7 +112,9 @@ def _apart(finding: Finding) -> Finding:
     return replace(finding, before=f"Demonstrations apart, {finding.before[0].lower()}{finding.before[1:]}")
 
 
-def _findings(runs: Sequence[Measured], parts: Sequence[Attribution], lines: Mapping[RunKey, Line]) -> tuple[Finding, ...]:
+def _findings(
+    runs: Sequence[Measured], parts: Sequence[Attribution], lines: Mapping[RunKey, Line], classes: Classes
+) -> tuple[Finding, ...]:
     if not runs:
         return ()
     # In contact the model matters more than the integrator, so that methods are compared by flights alone.
@@ -116,7 +128,8 @@ def _findings(runs: Sequence[Measured], parts: Sequence[Attribution], lines: Map
         _closest(flight, everywhere) if flight else None,
         _contact(parts, lines),
         _angular_momentum(runs),
-        _alike(flight) if flight else None,
+        same_algorithm(classes),
+        _alike(flight, classes) if flight else None,
     )
     return tuple(finding for finding in found if finding is not None)
 
@@ -224,11 +237,16 @@ def _closest(runs: Sequence[Measured], everywhere: str) -> Finding | None:
     )
 
 
-def _alike(runs: Sequence[Measured]) -> Finding | None:
-    """Return two methods of different engines that have the same errors, which then come from the integration scheme."""
+def _alike(runs: Sequence[Measured], classes: Classes) -> Finding | None:
+    """Return two methods of different engines that have the same errors, which then come from the integration scheme.
+
+    Methods that are the same algorithm are not among them, because another finding says more of these.
+    """
     by_line = _by_line(runs)
     pairs = [
-        (one, other, found) for one, other in combinations(by_line, 2) if (found := _scheme_difference(by_line, one, other))
+        (one, other, found)
+        for one, other in combinations(by_line, 2)
+        if not alike(classes, one.key.over_steps, other.key.over_steps) and (found := _scheme_difference(by_line, one, other))
     ]
     if not pairs:
         return None

@@ -14,7 +14,7 @@ from bodycheck.figures.definition import Column
 from bodycheck.judging import judgement
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.runs.contents import Contents
-from bodycheck.running.header import DESCRIPTIONS, LATER
+from bodycheck.running.header import DESCRIPTIONS
 from bodycheck.running.outcome import Completed, Outcome
 
 #: Version of the format.
@@ -68,7 +68,7 @@ def schema() -> str:
     text: Schema = {"type": "string"}
     versions: Schema = {"type": "object", "additionalProperties": text}
     kinds: dict[str, Schema] = {"bodycheck": text, "command": _list(text), "started": text | {"format": "date-time"}}
-    kinds |= {name: {"type": "object", "additionalProperties": versions} for name in LATER}
+    kinds |= {name: {"type": "object", "additionalProperties": versions} for name in ("environments", "demonstrations")}
     header = {name: kinds.get(name, versions) | {"description": description} for name, description in DESCRIPTIONS.items()}
     finding = {
         "subject": text | {"description": "Subject of the sentence."},

@@ -18,6 +18,7 @@ HEADER = {
     "missing": {},
     "environments": {},
     "demonstrations": {},
+    "precisions": {},
     "versions": ["1.0", "2.0", "3.0"],
     "cases": {"spin": "0"},
     "unmeasured": {},

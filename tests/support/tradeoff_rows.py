@@ -23,6 +23,7 @@ HEADER = {
     "missing": {},
     "environments": {},
     "demonstrations": {},
+    "precisions": {},
 }
 
 

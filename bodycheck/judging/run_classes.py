@@ -1,0 +1,29 @@
+"""Classes of equal methods among stored runs."""
+
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Mapping
+
+from bodycheck.adapters.contract import Kind, kind_of
+from bodycheck.judging.classes import MethodClass, Motion, beginning, classes
+from bodycheck.judging.scheme_rounding import ROUNDOFF
+from bodycheck.running.outcome import Completed, Run
+from bodycheck.running.store import Results
+
+
+def classes_of(results: Results, runs: Iterable[Run]) -> Mapping[Kind, tuple[MethodClass, ...]]:
+    """Return the classes of methods by the kind of scene, as far as the cases that were run tell methods apart.
+
+    Left out are runs that did not complete, engines whose precision is not known, as in results of earlier versions, and cases
+    that were run with one method alone.
+    """
+    precisions = results.header["precisions"]
+    known = [run for run in runs if run.engine in precisions]
+    together = Counter((run.case, run.method.timestep) for run in known if isinstance(run.outcome, Completed))
+    motions: dict[Kind, list[Motion]] = defaultdict(list)
+    for run in known:
+        if not isinstance(run.outcome, Completed) or together[run.case, run.method.timestep] < 2:
+            continue
+        scene, timestep, method = results.cases[run.case].scene, run.method.timestep, run.key.over_cases.over_steps
+        trajectory = beginning(run.outcome.trajectory, timestep)
+        motions[kind_of(scene)].append(Motion(scene, timestep, method, trajectory, ROUNDOFF[precisions[run.engine]]))
+    return {kind: classes(own) for kind, own in motions.items()}

@@ -1,0 +1,55 @@
+"""What a report says of methods that are the same algorithm."""
+
+from collections.abc import Mapping, Sequence
+
+from bodycheck.adapters.contract import Kind
+from bodycheck.judging.classes import MethodClass
+from bodycheck.reports.finding import Finding
+from bodycheck.reports.quantities import bound, listing, verb
+from bodycheck.running.key import RunKey
+
+#: The kinds of scenes in sentences.
+WORDS: Mapping[Kind, str] = {"flight": "in flight", "drag": "against drag", "plane": "on a plane"}
+
+#: Most classes of a kind, and most methods of a class, that a sentence names.
+MOST_CLASSES, MOST_METHODS = 4, 6
+
+
+def same_algorithm(classes: Mapping[Kind, Sequence[MethodClass]]) -> Finding | None:
+    """Return a finding about the methods that are the same algorithm, by kind of scene; None if no two of them are.
+
+    Kinds with the same classes are told together.
+    """
+    by_members: dict[tuple[tuple[RunKey, ...], ...], list[Kind]] = {}
+    largest: dict[tuple[RunKey, ...], float] = {}
+    for kind, own in classes.items():
+        several = sorted((one for one in own if len(one.methods) > 1), key=lambda one: -len(one.methods))
+        for one in several:
+            largest[one.methods] = max(one.distance, largest.get(one.methods, 0.0))
+        if several:
+            by_members.setdefault(tuple(one.methods for one in several), []).append(kind)
+    if not by_members:
+        return None
+    told = [f"{listing([WORDS[kind] for kind in kinds])}, {_told(members, largest)}" for members, kinds in by_members.items()]
+    return Finding("Same algorithm", " ".join(f"{text[0].upper()}{text[1:]}." for text in told))
+
+
+def alike(classes: Mapping[Kind, Sequence[MethodClass]], one: RunKey, other: RunKey) -> bool:
+    """Return whether two methods, over all cases and time steps, are in one class of any kind of scene."""
+    return any({one, other} <= set(own.methods) for members in classes.values() for own in members)
+
+
+def _told(members: Sequence[tuple[RunKey, ...]], largest: Mapping[tuple[RunKey, ...], float]) -> str:
+    (first, apart), *others = [(_names(own), bound(largest[own], 1)) for own in members[:MOST_CLASSES]]
+    left = len(members) - len(others) - 1
+    return "; ".join(
+        [
+            f"{first} are one algorithm: their motions agree to rounding ({apart})",
+            *(f"so are {names} ({apart})" for names, apart in others),
+            *([f"and so are those of {left} more {verb(left, 'class', 'classes')}"] if left else []),
+        ]
+    )
+
+
+def _names(methods: Sequence[RunKey]) -> str:
+    return listing([f"{key.engine} {key.method.name}" for key in methods], MOST_METHODS, "method")
