@@ -8,6 +8,10 @@ from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import bound, listing, verb
 from bodycheck.running.key import RunKey
 
+#: Classes of methods by kind of scene.
+Classes = Mapping[Kind, Sequence[MethodClass]]
+NO_CLASSES: Classes = {}
+
 #: The kinds of scenes in sentences.
 WORDS: Mapping[Kind, str] = {"flight": "in flight", "drag": "against drag", "plane": "on a plane"}
 
@@ -15,7 +19,7 @@ WORDS: Mapping[Kind, str] = {"flight": "in flight", "drag": "against drag", "pla
 MOST_CLASSES, MOST_METHODS = 4, 6
 
 
-def same_algorithm(classes: Mapping[Kind, Sequence[MethodClass]]) -> Finding | None:
+def same_algorithm(classes: Classes) -> Finding | None:
     """Return a finding about the methods that are the same algorithm, by kind of scene; None if no two of them are.
 
     Kinds with the same classes are told together.
@@ -34,9 +38,17 @@ def same_algorithm(classes: Mapping[Kind, Sequence[MethodClass]]) -> Finding | N
     return Finding("Same algorithm", " ".join(f"{text[0].upper()}{text[1:]}." for text in told))
 
 
-def alike(classes: Mapping[Kind, Sequence[MethodClass]], one: RunKey, other: RunKey) -> bool:
+def alike(classes: Classes, one: RunKey, other: RunKey) -> bool:
     """Return whether two methods, over all cases and time steps, are in one class of any kind of scene."""
     return any({one, other} <= set(own.methods) for members in classes.values() for own in members)
+
+
+def firsts(classes: Sequence[MethodClass]) -> dict[RunKey, str]:
+    """Return for each method that is the same algorithm as one before it the name of the first one.
+
+    The keys are those of the methods over all cases and time steps.
+    """
+    return {key: _name(own.methods[0]) for own in classes for key in own.methods[1:]}
 
 
 def _told(members: Sequence[tuple[RunKey, ...]], largest: Mapping[tuple[RunKey, ...], float]) -> str:
@@ -52,4 +64,8 @@ def _told(members: Sequence[tuple[RunKey, ...]], largest: Mapping[tuple[RunKey, 
 
 
 def _names(methods: Sequence[RunKey]) -> str:
-    return listing([f"{key.engine} {key.method.name}" for key in methods], MOST_METHODS, "method")
+    return listing(list(map(_name, methods)), MOST_METHODS, "method")
+
+
+def _name(key: RunKey) -> str:
+    return f"{key.engine} {key.method.name}"

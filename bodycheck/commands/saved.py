@@ -15,6 +15,7 @@ from bodycheck.errors import BadFolder
 from bodycheck.figures import revisions
 from bodycheck.figures.columns import COLUMNS
 from bodycheck.files import reading
+from bodycheck.judging.run_classes import classes_of
 from bodycheck.reports.study import StudyReport
 from bodycheck.running import csv_tables, journal, records, store
 from bodycheck.running.header import Header
@@ -116,7 +117,8 @@ def _tradeoff(results: Results) -> StudyReport:
     rows = _rows(results.folder / "tradeoff.csv", parsers | TRADEOFF_PARSERS)
     _check(results, "tradeoff.csv", {RunKey.of_row(row) for row in rows}, {RunKey.of_row(run) for run in _runs(results)})
     orders = _rows(results.folder / "orders.csv", csv_tables.parsers_of(Order))
-    report = tradeoff.present(results.header, rows, [records.typed(Order, order) for order in orders])
+    classes = classes_of(results, results.runs())
+    report = tradeoff.present(results.header, rows, [records.typed(Order, order) for order in orders], classes)
     return _dated(report, results.header, {name for row in rows for name, value in row.items() if value is not None})
 
 

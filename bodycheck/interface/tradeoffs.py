@@ -12,6 +12,7 @@ from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Cases, Names, Numbers
 from bodycheck.interface.results import StudyResults, Table
 from bodycheck.judging import judgement
+from bodycheck.judging.run_classes import classes_of
 from bodycheck.running import origin
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff import study
@@ -106,7 +107,7 @@ def tradeoff(
         verdicts = judgement.judge(made.results)
         rows = study.price(made.results, verdicts, made.engines)
         orders = study.orders(made.results, verdicts, made.engines)
-        report = present(made.results.header, rows, orders)
+        report = present(made.results.header, rows, orders, classes_of(made.results, made.results.runs()))
         if folder is not None:
             study.write(rows, orders, folder, [origin.stored(made.results.header)])
             reports.write_study(report, folder)

@@ -15,6 +15,7 @@ from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.differences import compare
 from bodycheck.reports.runs.findings import findings, measured
 from bodycheck.reports.runs.summary import broken, headline, limits, notices, tally, unsupported
+from bodycheck.reports.same_algorithm import NO_CLASSES
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ def brief(sets: Sequence[ResultSet]) -> Brief:
                 () if differences else first.parts,
                 lines,
                 demonstrations,
-                {} if differences else first.classes,
+                NO_CLASSES if differences else first.classes,
             ),
         ),
     )

@@ -27,6 +27,7 @@ from bodycheck.reports.runs.scenes import Fact, describe
 from bodycheck.reports.runs.step_charts import over_steps
 from bodycheck.reports.runs.summary import failure_status
 from bodycheck.reports.runs.unsupported import with_place
+from bodycheck.reports.same_algorithm import NO_CLASSES
 from bodycheck.reports.study import Chart
 from bodycheck.reports.tables import Table
 from bodycheck.reports.time_limit import TookTooLong, limited
@@ -181,6 +182,7 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
             anchors,
             {one.name: one.curves.drawn for one in sections},
             demonstrations,
+            sets[0].classes if len(sets) == 1 else NO_CLASSES,
         ),
         sections=sections,
         plotted=tuple(QUANTITIES[name] for name in PLOTTED if any(name in section.curves.drawn for section in sections)),

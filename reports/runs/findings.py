@@ -5,15 +5,13 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
-from bodycheck.adapters.contract import Kind
 from bodycheck.judging.attribution import Attribution
-from bodycheck.judging.classes import MethodClass
 from bodycheck.judging.discrepancy import Summary
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reports.finding import COMPARABLE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, bound, count, listing, number
-from bodycheck.reports.same_algorithm import alike, same_algorithm
+from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, alike, same_algorithm
 from bodycheck.running.key import RunKey
 
 #: Attitude errors (rad) below this may be the rounding of thousands of steps and are not compared between engines.
@@ -30,10 +28,6 @@ NEAR = 1e-2
 
 #: Relative drifts below this are rounding and are not reported.
 ROUNDING = 1e-12
-
-#: Classes of methods that are the same algorithm, by kind of scene.
-Classes = Mapping[Kind, Sequence[MethodClass]]
-NO_CLASSES: Classes = {}
 
 #: The subjects of findings that compare all methods, so that they are wrong where some are left out.
 OF_ALL_METHODS = ("Position", "Attitude", "Closest", "Angular momentum")

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from bodycheck.reports.markdown import code, details, escape, findings_list, fitted, grid, opening, table_with_notes
 from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.runs.contents import Contents, Failure, Section
-from bodycheck.reports.runs.matrix import Cell, Matrix
+from bodycheck.reports.runs.matrix import Cell, Column, Matrix
 from bodycheck.reports.runs.run_table import WITHIN_TRUTH
 
 #: Failed runs that the table of failures lists.
@@ -62,11 +62,12 @@ def _matrix(matrix: Matrix) -> str:
     title = f"{matrix.kind.title}: largest {matrix.quantity.title.lower()}, {matrix.quantity.unit}"
     amounts = f"{count(len(matrix.rows), 'case')}, {count(matrix.methods, 'method')}."
     unless = ", unless another is given" if matrix.several_steps else ""
-    size = f"{amounts} The time step is {milliseconds(matrix.timestep)}{unless}."
+    same = " A method marked “= A” is the same algorithm as A." if any(own.same_as for own in matrix.columns) else ""
+    size = f"{amounts} The time step is {milliseconds(matrix.timestep)}{unless}.{same}"
     if matrix.by_method:
         return "\n\n".join(filter(None, (f"### {title}", size, *_by_method(matrix))))
     rows = [(row.case, *(_cell(cell, matrix.timestep) for cell in row.cells)) for row in matrix.rows]
-    head = ("Case", *(f"{column.engine} {column.integrator} {column.results}".rstrip() for column in matrix.columns))
+    head = ("Case", *(f"{column.engine} {_method(column)}" for column in matrix.columns))
     return f"### {title}\n\n{size}\n\n{grid(head, rows, numeric_from=1)}"
 
 
@@ -78,12 +79,17 @@ def _by_method(matrix: Matrix) -> Iterator[str]:
     for group in matrix.groups:
         for row in group.rows:
             cells = (_cell(cell, matrix.timestep) for cell in row.cells)
-            method = f"{row.column.integrator} {row.column.results}".rstrip()
+            method = _method(row.column)
             (folded if row.folded else shown).append((group.engine, method, *cells))
     yield grid(head, shown, numeric_from=2)
     if folded:
         others = sum(group.folded for group in matrix.groups)
         yield details(count(others, "more method"), grid(head, folded, numeric_from=2))
+
+
+def _method(column: Column) -> str:
+    same = f" (= {column.same_as})" if column.same_as else ""
+    return f"{column.integrator}{same} {column.results}".rstrip()
 
 
 def _cell(cell: Cell | None, common: float) -> str:

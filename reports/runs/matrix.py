@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from bodycheck.adapters.contract import kind_of as scene_kind
 from bodycheck.casefile.case import Case
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.requirements import requirements
@@ -15,6 +16,7 @@ from bodycheck.reference.scene import Scene
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound, milliseconds, number
 from bodycheck.reports.runs.commands import curve_anchor
+from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, firsts
 from bodycheck.running.key import RunKey
 
 
@@ -113,7 +115,7 @@ class Column:
     """One method at all time steps.
 
     `results` is the label of the set of results, empty if there is only one set. `demonstrates` says whether the method is
-    there to demonstrate something.
+    there to demonstrate something. `same_as` names the first method that is the same algorithm; empty if there is none before.
     """
 
     engine: str
@@ -121,6 +123,7 @@ class Column:
     results: str
     colour: str
     demonstrates: bool
+    same_as: str = ""
 
 
 @dataclass(frozen=True)
@@ -245,11 +248,12 @@ def matrices(
     anchors: Mapping[RunKey, str],
     drawn: Mapping[str, Collection[str]],
     demonstrations: Collection[RunKey] = (),
+    classes: Classes = NO_CLASSES,
 ) -> tuple[Matrix, ...]:
     """Return a matrix for each kind of which any case has a run, in the order of `KINDS`.
 
     anchors: those of the commands that make the runs; drawn: the quantities that have curves, by case; demonstrations: the
-    methods that are there to demonstrate something.
+    methods that are there to demonstrate something; classes: those of methods that are the same algorithm.
     """
     kinds = {name: kind_of(case.scene) for name, case in cases.items()}
     found = []
@@ -262,7 +266,8 @@ def matrices(
                 curved = kind.quantity in drawn[verdict.run.case] and verdict.discrepancy is not None
                 link = curve_anchor(verdict.run.case, kind.quantity) if curved else f"case-{verdict.run.case}"
                 figures.setdefault(verdict.key.over_steps, []).append(_figure(verdict, kind, link, anchors[verdict.key]))
-            found.append(_matrix(kind, members, own, lines, figures, demonstrations))
+            same = firsts([one for case in members.values() for one in classes.get(scene_kind(case.scene), ())])
+            found.append(_matrix(kind, members, own, lines, figures, demonstrations, same))
     return tuple(found)
 
 
@@ -273,12 +278,14 @@ def _matrix(
     lines: Mapping[RunKey, Line],
     by_cell: Mapping[RunKey, Sequence[Figure]],
     demonstrations: Collection[RunKey],
+    same: Mapping[RunKey, str],
 ) -> Matrix:
     used = {verdict.key.over_cases for verdict in verdicts}
     columns: dict[RunKey, Column] = {}
     for key, line in lines.items():
         if key in used:
-            column = Column(line.engine, line.integrator, line.results, line.colour, key in demonstrations)
+            named = (line.engine, line.integrator, line.results)
+            column = Column(*named, line.colour, key in demonstrations, same.get(key.over_steps, ""))
             columns.setdefault(key.over_steps, column)
     steps = Counter(verdict.run.method.timestep for verdict in verdicts)
     common = max(steps, key=lambda step: (steps[step], step))

@@ -12,6 +12,7 @@ from bodycheck.judging.discrepancy import Discrepancy
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reports.lines import assign
 from bodycheck.reports.runs.matrix import Matrix, kind_of, matrices
+from bodycheck.reports.same_algorithm import NO_CLASSES, Classes
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Run, Unsupported
 
@@ -33,12 +34,14 @@ def ended(verdict: Verdict, passed: bool | None, reason: str = "", **values: Any
     return replace(verdict, passed=passed, reason=reason, **values)
 
 
-def matrices_of(*verdicts: Verdict, demonstrations: Collection[RunKey] = ()) -> tuple[Matrix, ...]:
+def matrices_of(
+    *verdicts: Verdict, demonstrations: Collection[RunKey] = (), classes: Classes = NO_CLASSES
+) -> tuple[Matrix, ...]:
     """The matrices of runs of shipped cases."""
     cases = {name: load(name) for name in dict.fromkeys(verdict.run.case for verdict in verdicts)}
     anchors = {verdict.key: f"run-{place}" for place, verdict in enumerate(verdicts)}
     lines = assign(verdict.key.over_cases for verdict in verdicts)
-    return matrices(cases, verdicts, lines, anchors, dict.fromkeys(cases, ()), demonstrations)
+    return matrices(cases, verdicts, lines, anchors, dict.fromkeys(cases, ()), demonstrations, classes)
 
 
 def refused(case: str, engine: str, reason: str, integrator: str = "Euler") -> Verdict:

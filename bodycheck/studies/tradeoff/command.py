@@ -45,6 +45,7 @@ def tradeoff(
     from bodycheck.console.output import say_where
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging import judgement
+    from bodycheck.judging.run_classes import classes_of
     from bodycheck.running import origin
     from bodycheck.studies.tradeoff import printing, study
     from bodycheck.studies.tradeoff.page import present
@@ -59,7 +60,8 @@ def tradeoff(
             orders = study.orders(results, verdicts, engines, progress)
         if out is not None:
             study.write(rows, orders, out, [origin.stored(results.header)])
-            reports.write_study(present(results.header, rows, orders), out, figures)
+            classes = classes_of(results, results.runs())
+            reports.write_study(present(results.header, rows, orders, classes), out, figures)
     if json:
         terminal.print_json({"rows": rows, "orders": [asdict(order) for order in orders]})
     elif not quiet:

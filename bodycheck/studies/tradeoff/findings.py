@@ -7,6 +7,7 @@ from bodycheck.judging.convergence import UNITS
 from bodycheck.reports.finding import COMPARABLE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import bound, count, listing, milliseconds, number, verb
+from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, same_algorithm
 from bodycheck.running.key import RunKey
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.front import Measured
@@ -43,9 +44,13 @@ Identified = tuple[str, float, float]
 Floor = tuple[RunKey, float, float]
 
 
-def findings(cases: Sequence[CaseMeasurements], lines: Lines) -> tuple[Finding, ...]:
-    """Return the findings on orders, schemes, floors and the cheapest methods. Lines are by engine and integrator."""
-    return (*_orders(cases, lines), *_schemes(cases, lines), *_floors(cases, lines), *_cheapest(cases, lines))
+def findings(cases: Sequence[CaseMeasurements], lines: Lines, classes: Classes = NO_CLASSES) -> tuple[Finding, ...]:
+    """Return the findings on orders, equal methods, schemes, floors and the cheapest methods.
+
+    Lines are by engine and integrator, and classes are those of methods that are the same algorithm.
+    """
+    same = filter(None, (same_algorithm(classes),))
+    return (*_orders(cases, lines), *same, *_schemes(cases, lines), *_floors(cases, lines), *_cheapest(cases, lines))
 
 
 def falls_short(case: CaseMeasurements, order: Order) -> bool:

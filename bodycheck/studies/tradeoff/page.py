@@ -8,6 +8,7 @@ from bodycheck.reports.charts import ZOOMING
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.notices import Asked, missing_engines, not_supported
 from bodycheck.reports.quantities import Quantity, bound, count, listing, milliseconds, number
+from bodycheck.reports.same_algorithm import NO_CLASSES, Classes
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.running.header import Header
@@ -43,7 +44,7 @@ READING = (
 )
 
 
-def present(header: Header, rows: Sequence[Row], orders: Sequence[Order]) -> StudyReport:
+def present(header: Header, rows: Sequence[Row], orders: Sequence[Order], classes: Classes = NO_CLASSES) -> StudyReport:
     """Return the contents of the report.
 
     Parameters
@@ -54,6 +55,8 @@ def present(header: Header, rows: Sequence[Row], orders: Sequence[Order]) -> Stu
         The rows of the study, one for each run.
     orders
         The orders of its methods on its cases.
+    classes
+        The classes of methods that are the same algorithm.
     """
     by_case: dict[str, list[Row]] = defaultdict(list)
     for row in rows:
@@ -68,7 +71,7 @@ def present(header: Header, rows: Sequence[Row], orders: Sequence[Order]) -> Stu
         headline=_headline(cases, lines),
         header=header,
         notices=_notices(header, rows),
-        findings=tradeoff_summary.findings(cases, lines),
+        findings=tradeoff_summary.findings(cases, lines, classes),
         parts=tuple(_part(case, lines) for case in cases),
         reading=READING,
     )

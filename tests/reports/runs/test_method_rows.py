@@ -4,11 +4,13 @@ from typing import Any
 
 import pytest
 
+from bodycheck.judging.classes import MethodClass
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reports import notices
 from bodycheck.reports.notices import Asked
 from bodycheck.reports.runs import markdown_report
 from bodycheck.reports.runs.unsupported import not_supported, with_place
+from bodycheck.running.key import RunKey
 from tests.support.measured_runs import DRAG, FLIP, SLIDE, ended, matrices_of, ran, refused
 
 BRICK = "free-brick"
@@ -72,6 +74,14 @@ def test_markdown_folds_them_too() -> None:
     assert "| mujoco | a | 0.01 |" in text
     assert "| mujoco | c | 1e-5 |" in text
     assert "| mujoco | b | 0.001 |" in rest
+
+
+def test_a_method_is_marked_that_is_the_same_algorithm_as_one_before() -> None:
+    same = MethodClass((RunKey.of_method("mujoco", "a"), RunKey.of_method("drake", "c")), 1e-15)
+    runs = [*errors("mujoco", a=1e-2, b=1e-3), *errors("drake", c=1e-2)]
+    (matrix,) = matrices_of(*runs, classes={"flight": (same,), "plane": (MethodClass(same.methods[::-1], 0.0),)})
+    assert [column.same_as for column in matrix.columns] == ["", "", "mujoco a"]
+    assert "| drake | c (= mujoco a) | 0.01 |" in markdown_report._matrix(matrix)
 
 
 def test_what_engines_do_not_model_is_told_in_one_line() -> None:

@@ -12,6 +12,7 @@ from bodycheck import load, reports
 from bodycheck.adapters import offers
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.judging import judgement
+from bodycheck.judging.run_classes import classes_of
 from bodycheck.reports import html, markdown
 from bodycheck.reports.quantities import bound, milliseconds, number
 from bodycheck.reports.study import Part, StudyReport
@@ -64,7 +65,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     verdicts = judgement.judge(results)
     rows = [timed_once(own, engines) for own in judgement.records(verdicts)]
     orders = tradeoff.orders(results, verdicts, engines)
-    return Study(rows, orders, present(results.header, rows, orders))
+    return Study(rows, orders, present(results.header, rows, orders, classes_of(results, results.runs())))
 
 
 @pytest.fixture(scope="session")
@@ -151,6 +152,11 @@ def test_nothing_dominates_a_front(study: Study) -> None:
                     assert not (cheaper and (other.cost < kept.cost or nearer < kept.error))
             for point in case.points(quantity):
                 assert any(kept.cost <= point.cost and kept.error <= max(point.error, least) * (1 + 1e-3) for kept in front)
+
+
+def test_methods_that_are_the_same_algorithm_are_told_together(study: Study) -> None:
+    (told,) = study.told("Same algorithm").split("; ")
+    assert told.startswith("In flight, mujoco Euler and pinocchio semi-implicit-euler are one algorithm")
 
 
 def test_findings_have_the_measured_numbers(study: Study) -> None:
