@@ -18,9 +18,10 @@ from bodycheck.reference.trajectory import Array
 #: Position, quaternion, velocity (world) and angular velocity (body).
 Motion = tuple[Vector, Quaternion, Vector, Vector]
 
-#: The schemes. "linear" is semi-implicit Euler with a linear update of the quaternion, and "steady" the one of which rotation
-#: keeps its energy to rounding: implicit midpoint for the angular velocity, semi-implicit Euler for all else.
-SCHEMES = ("semi-implicit", "explicit", "rk4", "midpoint", "linear", "steady")
+#: The schemes. "linear" is semi-implicit Euler with a linear update of the quaternion. "positional" is the same with velocities
+#: that are differences of poses, as in position-based dynamics, with the sine of half a turn for its half. "steady" is the one
+#: of which rotation keeps its energy to rounding: implicit midpoint for the angular velocity, semi-implicit Euler for all else.
+SCHEMES = ("semi-implicit", "explicit", "rk4", "midpoint", "linear", "positional", "steady")
 
 
 @dataclass(frozen=True)
@@ -147,7 +148,19 @@ class Stepper:
         turn = plus(times(h * (1 - weight), old_spin), h * weight, w)
         if (angle := size(turn)) > self.own.turn_of_attitude / self.own.substeps:
             turn = times(self.own.turn_of_attitude / self.own.substeps / angle, turn)
-        return x, turned(q, turn, self.scheme == "linear"), v, w
+        new = turned(q, turn, self.scheme in ("linear", "positional"))
+        return (x, new, *self._differences(self.motion, x, new, h)) if self.scheme == "positional" else (x, new, v, w)
+
+    def _differences(self, before: Motion, x: Vector, q: Quaternion, h: float) -> tuple[Vector, Vector]:
+        """The velocity and the angular velocity as differences of poses, which are in the precision of the engine."""
+        if self.own.single:
+            (x1, x2, x3), (a, b, c, d) = array("f", x), array("f", q)
+        else:
+            (x1, x2, x3), (a, b, c, d) = x, q
+        w, i, j, k = before[1]
+        velocity = times(1 / h, plus((x1, x2, x3), -1, before[0]))
+        turn = (w * b - i * a - j * d + k * c, w * c + i * d - j * a - k * b, w * d - i * c + j * b - k * a)
+        return velocity, times(2 / h, turn)
 
     def _slowed(self, x: Vector, v: Vector, w: Vector, h: float) -> tuple[Vector, Vector]:
         own = self.own

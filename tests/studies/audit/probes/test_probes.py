@@ -129,6 +129,8 @@ def test_nothing_is_found_in_a_clean_engine_but_what_its_scheme_does(scheme: str
     # The energy of an implicit midpoint rule is constant, and RK4 loses less than single precision does.
     true |= set() if scheme in ("midpoint", "steady") or (scheme == "rk4" and single) else {"energy-per-turn"}
     true |= {"gravity-after-position"} if scheme == "explicit" else set()
+    # Far from the origin a difference of positions has few digits.
+    true |= {"origin-dependence"} if scheme == "positional" else set()
     seen = findings(Defaults(single=single), scheme, timestep)
     properties = {one.property for one in seen if one.verdict == "found"}
     # The loss of RK4, of fifth order in the step, is below rounding with small steps.
