@@ -12,7 +12,8 @@ import pytest
 
 from bodycheck import compare, load, simulate, truth
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Method
+from bodycheck.adapters.contract import Link, Method
+from bodycheck.adapters.links import link_of
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
 from bodycheck.reference.sliding.motion import slide
@@ -128,6 +129,35 @@ def test_a_box_stands_on_the_ground_whatever_its_principal_axes_are_called(integ
     one, other = (rows(scene, integrator, 1e-3, [100])[0] for scene in (plain, named))
     np.testing.assert_allclose(one[:3], other[:3], atol=1e-4)
     assert other[2] == pytest.approx(0.05, abs=2e-5)
+
+
+def test_the_inertia_of_a_urdf_file_counts_only_with_pybullets_flag() -> None:
+    """Without it a link without shapes is a cube of 2 mm, which spins steadily, but for the damping."""
+    turned = link_of(replace(TUMBLING.body, axes=(0.76, 0.4, -0.3, 0.4)))
+    spins = {}
+    for links in ((link_of(TUMBLING.body),), (turned,)):
+        for spelling in ("multibody", "multibody:settings=engine"):
+            simulation = PYBULLET.prepare_links(links, TUMBLING, Method.parse(spelling, 1e-3))
+            row = simulation.advance(np.array([100]))[0, 0, 0]
+            spins[links[0] is turned, spelling] = rotate(row[3:7], row[10:])
+    expected = rows(TUMBLING, "multibody", 1e-3, [100])[0]
+    np.testing.assert_array_equal(spins[False, "multibody"], rotate(expected[3:7], expected[10:]))
+    for tensor in (False, True):
+        # The damping keeps the direction.
+        steady = spins[tensor, "multibody:settings=engine"]
+        np.testing.assert_allclose(np.cross(steady, TUMBLING.initial.angular_velocity), 0, atol=1e-12)
+
+
+@pytest.mark.parametrize("turn", [(1.0, 0.0, 0.0, 0.0), (0.8, 0.6, 0.0, 0.0)])
+def test_pybullet_ignores_how_the_frames_of_a_fixed_constraint_are_turned(turn: tuple[float, float, float, float]) -> None:
+    """Of two equal bodies at rest in one place, each turns by half of the angle between them."""
+    part = Link(1.0, (0.03, 0.04, 0.06, 0.0, 0.0, 0.0))
+    scene = Scene(Body(2.0, (1.0, 1.0, 1.0)), State())
+    simulation = PYBULLET.prepare_links((part, replace(part, quaternion=turn)), scene, Method.parse("maximal", 1e-3))
+    row = simulation.advance(np.array([200]))[0, 0, 0]
+    # After 200 steps, each of which corrects a tenth of the error or more, 1e-9 of it is left; the arc cosine takes half of the
+    # digits.
+    assert 2 * math.acos(min(1.0, abs(row[3]))) == pytest.approx(math.acos(turn[0]), abs=1e-7)
 
 
 def test_pybullet_is_imported_without_a_word() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from bodycheck import load
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Method
+from bodycheck.adapters.contract import Link, Method
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.scene import Body, Brick, Scene, State
 from bodycheck.reference.trajectory import Array
@@ -97,3 +97,18 @@ def test_sapiens_global_settings_are_put_back() -> None:
     after = physx.get_scene_config()
     assert after.enable_tgs == before.enable_tgs
     np.testing.assert_array_equal(after.gravity, before.gravity)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_an_articulation_has_limits_and_damping_of_its_own(solver: str) -> None:
+    part = Link(1.0, (0.03, 0.04, 0.06, 0.0, 0.0, 0.0))
+    links, h, initial = (part, part), 1e-3, State(velocity=(20.0, 0.0, 0.0))
+    scene = Scene(Body(2.0, (1.0, 1.0, 1.0)), initial)
+    free, own = (
+        SAPIEN.prepare_links(links, scene, Method.parse(solver + settings, h)).advance(np.array([1, 10]))[0, :, 0, 7]
+        for settings in ("", ":settings=engine")
+    )
+    assert free.tolist() == [20.0, 20.0]
+    # Below the limit there is only the damping; ten roundings in single precision are some 1e-6.
+    assert own[0] < 10.0
+    assert own[1] / own[0] == pytest.approx((1 - 0.05 * h) ** 10, abs=3e-6)
