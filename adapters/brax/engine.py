@@ -1,6 +1,7 @@
 """The adapter of Brax; see `bodycheck.adapters.brax`."""
 
 import contextlib
+import inspect
 import io
 import warnings
 from collections.abc import Sequence
@@ -13,16 +14,18 @@ import jax
 from jax import numpy as jnp
 
 from bodycheck.adapters.brax import INSTALLATION
-from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported
+from bodycheck.adapters.contract import Engine, Integrator, Link, Method, SceneUnsupported
 from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, strider
 from bodycheck.adapters.mujoco.contact import body_geoms, numbers_written
+from bodycheck.adapters.mujoco.links import inertial, welded
 from bodycheck.reference.scene import Plane, Scene
 
 # MJX prints that the package of its other backend, Warp, is not installed, and packages that Brax imports warn of their age.
 with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
     warnings.simplefilter("ignore")
     from brax import math
+    from brax.envs.base import PipelineEnv
     from brax.generalized import pipeline as generalized
     from brax.io import mjcf
     from brax.positional import pipeline as positional
@@ -37,12 +40,14 @@ XML = """
     {plane}
     <body name="body">
       <freejoint/>
-      <inertial pos="0 0 0" mass="{mass!r}" quat="{axes}" diaginertia="{moments}"/>
-      {geom}
+      {inertial}
+      {shapes}
     </body>
   </worldbody>
 </mujoco>
 """
+
+INERTIAL = '<inertial pos="0 0 0" mass="{mass!r}" quat="{axes}" diaginertia="{moments}"/>'
 
 #: The friction of the body and of the plane, with MuJoCo's defaults for torsion and rolling, which Brax does not use.
 DEFAULT = '<default><geom friction="{friction!r} 0.005 0.0001"/></default>'
@@ -52,6 +57,15 @@ TOUCHES_NOTHING = '<geom type="sphere" size="1" contype="0" conaffinity="0"/>'
 
 PIPELINES = {"generalized": generalized, "positional": positional, "spring": spring}
 
+
+def defaults() -> dict[str, str]:
+    """Return the pipeline of Brax's environments, and the time step of MuJoCo, whose XML Brax reads."""
+    return {
+        "integrator": str(inspect.signature(PipelineEnv).parameters["backend"].default),
+        "timestep": f"{mjcf.mujoco.MjOption().timestep:g} s",
+    }
+
+
 engine = Engine(
     name="brax",
     distribution=INSTALLATION.distribution,
@@ -59,12 +73,26 @@ engine = Engine(
     # The pipelines themselves call their schemes semi-implicit Euler.
     integrators=tuple(Integrator(name, order=1, evaluations=1) for name in PIPELINES),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    defaults=defaults(),
 )
 
 
 def prepare(scenes: Sequence[Scene], method: Method) -> Compiled:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
+    return started(description(scene, method.timestep), scene, method)
+
+
+def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Compiled:
+    """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
+    xml = XML.format(
+        timestep=method.timestep, default="", plane="", inertial=inertial(links[0]), shapes=TOUCHES_NOTHING + welded(links[1:])
+    )
+    return started(xml, scene, method)
+
+
+def started(xml: str, scene: Scene, method: Method) -> Compiled:
+    """Return the simulation of an XML text, with gravity, drag and the initial state of a scene. Raises `SceneUnsupported`."""
     check_precision(engine)
     name, initial = method.integrator, scene.initial
     gravity, drag = jnp.array([0.0, 0.0, -scene.gravity]), scene.drag / scene.body.mass if scene.drag else None
@@ -73,7 +101,7 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Compiled:
     with warnings.catch_warnings():
         # Brax warns at each model that it is no longer developed, and MJX that Brax uses names of older releases.
         warnings.simplefilter("ignore")
-        system = loaded(description(scene, method.timestep))
+        system = loaded(xml)
         return Compiled(TAKE[name], (system, gravity, drag), START[name](system, q, qd), lambda seen: seen)
 
 
@@ -87,10 +115,10 @@ def description(scene: Scene, timestep: float) -> str:
         timestep=timestep,
         default=default,
         plane=plane,
-        mass=scene.body.mass,
-        axes=numbers_written(*scene.body.axes),
-        moments=numbers_written(*scene.body.moments),
-        geom=geom,
+        inertial=INERTIAL.format(
+            mass=scene.body.mass, axes=numbers_written(*scene.body.axes), moments=numbers_written(*scene.body.moments)
+        ),
+        shapes=geom,
     )
 
 

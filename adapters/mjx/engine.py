@@ -5,5 +5,5 @@ from functools import partial
 from bodycheck.adapters.mjx import INSTALLATION, simulation
 
 engine = simulation.record("mjx", INSTALLATION.distribution, "float64")
-prepare = partial(simulation.prepare, engine)
+prepare, prepare_links = partial(simulation.prepare, engine), partial(simulation.prepare_links, engine)
 contact_law, contact_load = simulation.contact_law, partial(simulation.contact_load, engine)

@@ -9,10 +9,11 @@ from typing import Any, Literal
 import numpy as np
 from jax import numpy as jnp
 
-from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported, choice, kind_of
+from bodycheck.adapters.contract import Engine, Integrator, Link, Method, SceneUnsupported, choice, kind_of
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, strider
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as mujoco
+from bodycheck.adapters.mujoco.models import Joints
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -38,6 +39,7 @@ def record(name: str, distribution: str, precision: Literal["float64", "float32"
         models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
         variants={"drag": ("Euler:drag=fluid", "RK4:drag=fluid"), "plane": ("Euler:cone=elliptic",)},
         precision=precision,
+        defaults=mujoco.defaults(),
     )
 
 
@@ -47,16 +49,29 @@ def prepare(engine: Engine, scenes: Sequence[Scene], method: Method) -> Compiled
     Raises `SceneUnsupported`, and `RuntimeError` in a process whose precision is not that of the engine.
     """
     (scene,) = scenes
-    check_precision(engine)
     xml, joints = mujoco.description(scene, method, "six-coordinates" if scene.plane is None else "contact")
+    dragged = kind_of(scene) == "drag" and method.option("drag") != "fluid"
+    return started(engine, xml, joints, scene.drag if dragged else None)
+
+
+def prepare_links(engine: Engine, links: Sequence[Link], scene: Scene, method: Method) -> Compiled:
+    """Return the simulation of a free body that is made of links, as `Links.prepare_links` does.
+
+    Raises as `prepare` does.
+    """
+    return started(engine, *mujoco.description_of_links(links, scene, method), None)
+
+
+def started(engine: Engine, xml: str, joints: Joints, drag: float | None) -> Compiled:
+    """Return the simulation of an XML text with a coefficient of drag (kg/m); None for no force of drag."""
+    check_precision(engine)
     compiled = mujoco.compiled_model(xml)
     try:
         model, data = mjx.put_model(compiled), mjx.make_data(compiled)
     except NotImplementedError as error:
         raise SceneUnsupported(f"MJX refuses the model: {error}") from error
     data = data.replace(qpos=jnp.array(joints.qpos), qvel=jnp.array(joints.qvel))
-    dragged = kind_of(scene) == "drag" and method.option("drag") != "fluid"
-    return Compiled(TAKE, (model, scene.drag if dragged else None), data, lambda seen: seen[:, :13])
+    return Compiled(TAKE, (model, drag), data, lambda seen: seen[:, :13])
 
 
 def step(system: tuple[Any, Any], data: Any) -> Any:

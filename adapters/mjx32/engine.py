@@ -6,5 +6,5 @@ from bodycheck.adapters.mjx import simulation
 from bodycheck.adapters.mjx32 import INSTALLATION
 
 engine = simulation.record("mjx32", INSTALLATION.distribution, "float32")
-prepare = partial(simulation.prepare, engine)
+prepare, prepare_links = partial(simulation.prepare, engine), partial(simulation.prepare_links, engine)
 contact_law, contact_load = simulation.contact_law, partial(simulation.contact_load, engine)

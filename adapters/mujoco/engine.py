@@ -22,8 +22,8 @@ import mujoco
 import numpy as np
 
 from bodycheck.adapters import flat_contact
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Model, SceneUnsupported, Strides, choice
-from bodycheck.adapters.mujoco import INSTALLATION, contact, exporting
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, Model, SceneUnsupported, Strides, choice
+from bodycheck.adapters.mujoco import INSTALLATION, contact, exporting, links
 from bodycheck.adapters.mujoco import models as scene_models
 from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
 from bodycheck.reference.requirements import requirements
@@ -41,13 +41,15 @@ XML = """
     {parts.plane}
     <body name="body" pos="{origin}">
       {joints}
-      <inertial pos="0 0 0" mass="{mass!r}" quat="{axes}" diaginertia="{moments}"/>
+      {inertial}
       {parts.geoms}
     </body>
   </worldbody>
   {parts.sensors}
 </mujoco>
 """
+
+INERTIAL = '<inertial pos="0 0 0" mass="{mass!r}" quat="{axes}" diaginertia="{moments}"/>'
 
 #: The integrators of the newest known release, as its XML spells them.
 KNOWN_INTEGRATORS = ("Euler", "RK4", "implicit", "implicitfast", "discrete")
@@ -76,6 +78,16 @@ def integrators() -> tuple[Integrator, ...]:
     )
 
 
+def defaults() -> dict[str, str]:
+    """Return what MuJoCo does where a model has no element `option`."""
+    option = mujoco.MjOption()
+    return {
+        "integrator": available()[option.integrator],
+        "timestep": f"{option.timestep:g} s",
+        "tolerance": f"{option.tolerance:g} of the constraint solver",
+    }
+
+
 engine = Engine(
     name="mujoco",
     distribution=INSTALLATION.distribution,
@@ -86,6 +98,7 @@ engine = Engine(
         "drag": tuple(f"{name}:drag=fluid" for name in available()),
         "plane": ("Euler:cone=elliptic", "Euler:cone=elliptic,pads=4", "Euler:model=planar"),
     },
+    defaults=defaults(),
 )
 
 
@@ -141,16 +154,25 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Stepper:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
     model = model_of(scene, method)
-    xml, joints = description(scene, method, model)
+    simulation = started(*description(scene, method, model))
+    if scene.plane is not None and model not in scene_models.MODELS_WITH_CONTACT:
+        simulation.force = scene_models.friction_force(scene, scene.plane, method.timestep, simulation.data)
+    elif scene.drag and method.option("drag") != "fluid" and model != "rotation":
+        simulation.force = scene_models.drag_force(scene.drag, simulation.data)
+    return simulation
+
+
+def prepare_links(given: Sequence[Link], scene: Scene, method: Method) -> Stepper:
+    """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
+    return started(*description_of_links(given, scene, method))
+
+
+def started(xml: str, joints: scene_models.Joints) -> Stepper:
+    """Return the simulation of a model in its initial state, without an external force. Raises `SceneUnsupported`."""
     compiled = compiled_model(xml)
     data = mujoco.MjData(compiled)
     data.qpos[:], data.qvel[:] = joints.qpos, joints.qvel
-    force = None
-    if scene.plane is not None and model not in scene_models.MODELS_WITH_CONTACT:
-        force = scene_models.friction_force(scene, scene.plane, method.timestep, data)
-    elif scene.drag and method.option("drag") != "fluid" and model != "rotation":
-        force = scene_models.drag_force(scene.drag, data)
-    return Stepper(compiled, data, joints, force)
+    return Stepper(compiled, data, joints)
 
 
 def script(scene: Scene, method: Method, duration: float, samples: int) -> str:
@@ -179,10 +201,30 @@ def description(scene: Scene, method: Method, model: str) -> tuple[str, scene_mo
         density=fluid_density(scene) if method.option("drag") == "fluid" else 0.0,
         origin=contact.numbers_written(*joints.origin),
         joints=joints.xml,
-        mass=scene.body.mass,
-        axes=scene_models.principal_axes(scene, joints),
-        moments=contact.numbers_written(*scene.body.moments),
+        inertial=INERTIAL.format(
+            mass=scene.body.mass,
+            axes=scene_models.principal_axes(scene, joints),
+            moments=contact.numbers_written(*scene.body.moments),
+        ),
         parts=scene_models.parts(scene, model, parts),
+    )
+    return xml, joints
+
+
+def description_of_links(given: Sequence[Link], scene: Scene, method: Method) -> tuple[str, scene_models.Joints]:
+    """Return the XML of a body of links on a free joint, and that joint. Raises `SceneUnsupported` for another model."""
+    if (asked := method.option("model") or "six-coordinates") != "six-coordinates":
+        raise SceneUnsupported(f"links with the model {asked!r}, whose joints are those of a body about its centre of mass")
+    joints = scene_models.free_joint(scene)
+    xml = XML.format(
+        timestep=method.timestep,
+        integrator=method.integrator,
+        gravity=-scene.gravity,
+        density=0.0,
+        origin=contact.numbers_written(*joints.origin),
+        joints=joints.xml,
+        inertial=links.inertial(given[0]),
+        parts=contact.Parts(geoms=links.welded(given[1:])),
     )
     return xml, joints
 

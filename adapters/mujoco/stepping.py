@@ -87,7 +87,7 @@ class Stepper:
         An external force; None if there is none.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: Joints, force: Force | None) -> None:
+    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: Joints, force: Force | None = None) -> None:
         self.model, self.data, self.joints, self.force = model, data, joints, force
         self.pool: Any = None if Rollout is None else Rollout(nthread=0)
         # Row 0 is the state before a rollout, the other rows are those of the rollout. Filling them allocates the memory before

@@ -6,11 +6,13 @@ from typing import Any
 import mujoco_warp as mjw
 import numpy as np
 import warp as wp
+from mujoco import MjModel
 
-from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported
+from bodycheck.adapters.contract import Engine, Integrator, Link, Method, SceneUnsupported
 from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as mujoco
+from bodycheck.adapters.mujoco.stepping import Stepper
 from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.scene import Plane, Scene
@@ -29,6 +31,16 @@ def integrators() -> tuple[Integrator, ...]:
     )
 
 
+def defaults() -> dict[str, str]:
+    """Return what MuJoCo Warp does with a model that has no element `option`."""
+    option = mjw.put_model(MjModel.from_xml_string("<mujoco/>")).opt
+    return {
+        "integrator": mujoco.available()[int(option.integrator)],
+        "timestep": f"{option.timestep.numpy()[0]:g} s",
+        "tolerance": f"{option.tolerance.numpy()[0]:g} of the constraint solver",
+    }
+
+
 engine = Engine(
     name="mujoco_warp",
     distribution=INSTALLATION.distribution,
@@ -37,6 +49,7 @@ engine = Engine(
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
     variants={"plane": ("Euler:cone=elliptic",)},
     precision="float32",
+    defaults=defaults(),
 )
 
 calls = graphs.CALLS
@@ -60,7 +73,16 @@ drag_kernel = wp.kernel(add_drag)
 def prepare(scenes: Sequence[Scene], method: Method) -> Loop[Any]:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
-    model, data, rows = started(scene, method)
+    return stepped(*started(scene, method))
+
+
+def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[Any]:
+    """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
+    return stepped(*handed_over(mujoco.prepare_links(links, scene, method)))
+
+
+def stepped(model: Any, data: Any, rows: Any) -> Loop[Any]:
+    """Return the simulation of MuJoCo Warp's model, data and conversion of coordinates to rows."""
     qpos, qvel = data.qpos.numpy(), data.qvel.numpy()  # views of the arrays that are stepped
     graph = graphs.record(lambda: mjw.step(model, data))
     return Loop(graph, graphs.replay, seen=lambda graph: np.concatenate([qpos[0], qvel[0]]), rows=rows)
@@ -73,18 +95,22 @@ def started(scene: Scene, method: Method) -> tuple[Any, Any, Any]:
     """
     if scene.plane is not None:
         lying_shape(scene)
-    original = mujoco.prepare([scene], method)
+    model, data, rows = handed_over(mujoco.prepare([scene], method))
+    if scene.drag:
+        model.callback.passive = lambda model, data: wp.launch(
+            drag_kernel, dim=1, inputs=[scene.drag, data.qvel], outputs=[data.qfrc_passive]
+        )
+    return model, data, rows
+
+
+def handed_over(original: Stepper) -> tuple[Any, Any, Any]:
+    """Return what `started` does, from a simulation of MuJoCo and without drag."""
     try:
         model = mjw.put_model(original.model)
     except NotImplementedError as error:
         raise SceneUnsupported(f"MuJoCo Warp refuses the model: {error}") from error
     # With room for no constraint at all (njmax = 0), most integrators of MuJoCo Warp 4.0.0 ignore all forces.
-    data = mjw.put_data(original.model, original.data)
-    if scene.drag:
-        model.callback.passive = lambda model, data: wp.launch(
-            drag_kernel, dim=1, inputs=[scene.drag, data.qvel], outputs=[data.qfrc_passive]
-        )
-    return model, data, original.joints.rows
+    return model, mjw.put_data(original.model, original.data), original.joints.rows
 
 
 def contact_law(scene: Scene, method: Method) -> Plane | None:

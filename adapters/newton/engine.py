@@ -2,21 +2,22 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import newton
 import numpy as np
 import warp as wp
 
-from bodycheck.adapters.contract import Engine, Integrator, Method, states
+from bodycheck.adapters.contract import Engine, Integrator, Link, Method, states
 from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.links import links_of, tensor
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.newton import INSTALLATION
 from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, VARIANTS, Solver, keeps_damping
 from bodycheck.adapters.stepping import Loop, Normalised
-from bodycheck.reference.inertia import inertia_tensor
-from bodycheck.reference.kinematics import conjugate, normalise, rotate
-from bodycheck.reference.scene import Brick, Plane, Scene
+from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.scene import Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Array
 
 # Newton's kernels can be differentiated, which bodycheck does not need and which doubles the time of compiling them.
@@ -55,13 +56,24 @@ drag_kernel = wp.kernel(set_drag)
 def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
-    own = SOLVERS[method.integrator]
-    model = built(scene, method)
+    return started(links_of(scene), scene, method)
+
+
+def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
+    """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
+    return started(links, scene, method)
+
+
+def started(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
+    """Return the simulation of a body of links, of which the first is in the initial state of a scene."""
+    model = built(links, scene, method)
     state, following = model.state(), model.state()
-    step = stepper(scene, method, own, model, state, following)
+    step = stepper(scene, method, SOLVERS[method.integrator], model, state, following)
     graph = graphs.record(step)
     pose, twist = state.body_q.numpy()[0], state.body_qd.numpy()[0]  # views of the arrays that are stepped
-    return Normalised(Loop(graph, graphs.replay, seen=lambda graph: np.concatenate([pose, twist]), rows=rows))
+    return Normalised(
+        Loop(graph, graphs.replay, seen=lambda graph: np.concatenate([pose, twist]), rows=partial(rows, links[0]))
+    )
 
 
 def stepper(scene: Scene, method: Method, own: Solver, model: Any, state: Any, following: Any) -> Callable[[], None]:
@@ -82,29 +94,52 @@ def stepper(scene: Scene, method: Method, own: Solver, model: Any, state: Any, f
     return step
 
 
-def built(scene: Scene, method: Method) -> Any:
-    """Return Newton's model of a scene, whose default state is the initial one. Raises `SceneUnsupported`."""
+def built(links: Sequence[Link], scene: Scene, method: Method) -> Any:
+    """Return Newton's model of a body of links, whose default state is the initial one of a scene.
+
+    The first link has a free joint, and a fixed joint to each of the others, which every solver treats in its own way. Raises
+    `SceneUnsupported`.
+    """
     builder = newton.ModelBuilder(gravity=(0.0, 0.0, -scene.gravity))
     newton.solvers.SolverSteel.register_custom_attributes(builder)
-    initial = scene.initial
-    w, x, y, z = initial.quaternion
-    body = builder.add_body(
-        xform=wp.transform(initial.position, wp.quat(x, y, z, w)),
-        mass=scene.body.mass,
-        inertia=wp.mat33(*inertia_tensor(scene.body).ravel().tolist()),
-        lock_inertia=True,
-        custom_attributes={} if keeps_damping(method) else {STEEL_DAMPING: 0.0},
-    )
+    bodies = [add_link(builder, link, scene.initial, method) for link in links]
+    joints = [builder.add_joint_free(bodies[0])]
+    for body, link in zip(bodies[1:], links[1:], strict=True):
+        joints.append(builder.add_joint_fixed(bodies[0], body, parent_xform=transform(link.position, link.quaternion)))
+    builder.add_articulation(joints)
     if scene.plane is not None:
-        add_contact(builder, body, scene, scene.plane)
-    twist = (*initial.velocity, *rotate(np.array(initial.quaternion), np.array(initial.angular_velocity)).tolist())
-    builder.body_qd[body] = twist
-    builder.joint_qd[:] = twist
+        add_contact(builder, bodies[0], scene, scene.plane)
+    builder.joint_qd[:] = builder.body_qd[bodies[0]]
     builder.color()
     # The check of inertia would replace moments of which one is nearly the sum of the others.
     model = builder.finalize(skip_validation_inertia=True)
     model.rigid_contact_max = MOST_CONTACTS
     return model
+
+
+def add_link(builder: Any, link: Link, initial: State, method: Method) -> int:
+    """Add a link without a joint, as it is where the first link is in the initial state, and return its number."""
+    attitude, spin = np.array(initial.quaternion), np.array(initial.angular_velocity)
+    turn = np.array(link.quaternion)
+    centre = np.array(link.position) + rotate(turn, np.array(link.center_of_mass))
+    place = np.array(initial.position) + rotate(attitude, np.array(link.position))
+    body: int = builder.add_link(
+        xform=transform(place, multiply(attitude, turn)),
+        com=wp.vec3(*link.center_of_mass),
+        mass=link.mass,
+        inertia=wp.mat33(*tensor(link).ravel().tolist()),
+        lock_inertia=True,
+        custom_attributes={} if keeps_damping(method) else {STEEL_DAMPING: 0.0},
+    )
+    velocity = np.array(initial.velocity) + rotate(attitude, np.cross(spin, centre))
+    builder.body_qd[body] = (*velocity.tolist(), *rotate(attitude, spin).tolist())
+    return body
+
+
+def transform(position: Any, quaternion: Any) -> Any:
+    """Return Warp's transform of a position (3,), in m, and a quaternion (4,), w x y z."""
+    w, x, y, z = map(float, quaternion)
+    return wp.transform(wp.vec3(*map(float, position)), wp.quat(x, y, z, w))
 
 
 def add_contact(builder: Any, body: int, scene: Scene, plane: Plane) -> None:
@@ -118,14 +153,17 @@ def add_contact(builder: Any, body: int, scene: Scene, plane: Plane) -> None:
         builder.add_shape_cylinder(body, radius=shape.radius, half_height=shape.half_length, cfg=cfg)
 
 
-def rows(seen: Array) -> Array:
-    """Return rows (n, 13) of states from poses and twists (n, 13).
+def rows(link: Link, seen: Array) -> Array:
+    """Return rows (n, 13) of states of a link's frame from its poses and twists (n, 13).
 
-    A pose is position and quaternion x y z w, a twist the velocity of the centre of mass and the angular velocity (world).
+    A pose is position and quaternion x y z w of the frame, a twist the velocity of the link's centre of mass and the angular
+    velocity (world).
     """
     quaternion = seen[:, [6, 3, 4, 5]]
-    spin = rotate(conjugate(normalise(quaternion)), seen[:, 10:])
-    return states(seen[:, :3], quaternion, seen[:, 7:10], spin)
+    attitude = normalise(quaternion)
+    spin = rotate(conjugate(attitude), seen[:, 10:])
+    velocity = seen[:, 7:10] - rotate(attitude, np.cross(spin, link.center_of_mass))
+    return states(seen[:, :3], quaternion, velocity, spin)
 
 
 def contact_law(scene: Scene, method: Method) -> Plane | None:

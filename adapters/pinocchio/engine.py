@@ -17,7 +17,7 @@ import numpy as np
 import pinocchio as pin
 
 from bodycheck.adapters import flat_contact
-from bodycheck.adapters.contract import Engine, Integrator, Method, Model, SceneUnsupported, choice
+from bodycheck.adapters.contract import Engine, Integrator, Link, Method, Model, SceneUnsupported, choice
 from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting
 from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
@@ -72,6 +72,13 @@ def integrators() -> tuple[Integrator, ...]:
     )
 
 
+def defaults() -> dict[str, str]:
+    """Return the tolerance of Pinocchio's contact solver. It has neither an integrator nor a time step of its own."""
+    if not contact.HAS_POINT_CONTACTS:
+        return {}
+    return {"tolerance": f"{pin.ADMMSolverSettings().absolute_feasibility_tol:g} of the contact solver"}
+
+
 engine = Engine(
     name="pinocchio",
     distribution=INSTALLATION.distribution,
@@ -79,6 +86,7 @@ engine = Engine(
     integrators=integrators(),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
     variants={"plane": ("law-force:model=planar-joint",)},
+    defaults=defaults(),
 )
 
 
@@ -175,6 +183,16 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Loop[tuple[Array, Array]
             step, joints, scene.body.shape, 0.0 if touches else scene_models.FAR_PLANE_DEPTH_M
         )
     return loop(scene_models.with_all_terms(step, joints) if model == "everything" else step, joints)
+
+
+def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[tuple[Array, Array]]:
+    """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
+    scheme, body_twist = SCHEMES[method.integrator]
+    model = method.option("model") or ("six-coordinates" if body_twist else "translation-and-rotation")
+    if model not in scene_models.OF_LINKS:
+        raise SceneUnsupported(f"links with the model {model!r}; there are: {', '.join(scene_models.OF_LINKS)}")
+    joints = scene_models.OF_LINKS[model](scene, scene.gravity, links)
+    return loop(flight_step(scene, scheme, joints, method.timestep), joints)
 
 
 def script(scene: Scene, method: Method, duration: float, samples: int) -> str:

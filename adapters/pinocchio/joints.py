@@ -7,17 +7,17 @@ Pinocchio's planar joint, with the twist in the body frame. Pinocchio's quaterni
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pinocchio as pin
 
-from bodycheck.adapters.contract import states
-from bodycheck.reference.inertia import inertia_tensor
+from bodycheck.adapters.contract import Link, states
+from bodycheck.adapters.links import links_of, tensor
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.planar import planar_state
-from bodycheck.reference.scene import Body, Scene, State
+from bodycheck.reference.scene import Quaternion, Scene
 from bodycheck.reference.trajectory import Array
 
 #: A function that returns q and v one time step after given q and v.
@@ -60,7 +60,9 @@ def translation(scene: Scene, gravity: float) -> Joints:
     def rows(q: Array, v: Array) -> Array:
         return states(q, np.tile(initial.quaternion, (len(q), 1)), v, np.zeros((len(q), 3)))
 
-    model, joint = body_on_joints(scene.body, gravity, [pin.JointModelTranslation()], attitude=to_pinocchio(initial).matrix())
+    model, joint = body_on_joints(
+        links_of(scene), gravity, [pin.JointModelTranslation()], to_pinocchio(initial.quaternion).matrix()
+    )
     return Joints(model, joint, np.array(initial.position), np.array(initial.velocity), rows)
 
 
@@ -71,15 +73,15 @@ def rotation(scene: Scene, gravity: float) -> Joints:
     def rows(q: Array, v: Array) -> Array:
         return states(np.tile(initial.position, (len(q), 1)), q[:, [3, 0, 1, 2]], np.zeros((len(q), 3)), v)
 
-    model, joint = body_on_joints(scene.body, gravity, [pin.JointModelSpherical()])
-    return Joints(model, joint, to_pinocchio(initial).coeffs(), np.array(initial.angular_velocity), rows)
+    model, joint = body_on_joints(links_of(scene), gravity, [pin.JointModelSpherical()])
+    return Joints(model, joint, to_pinocchio(initial.quaternion).coeffs(), np.array(initial.angular_velocity), rows)
 
 
-def translation_and_rotation(scene: Scene, gravity: float) -> Joints:
-    """Return a translation joint and a spherical joint."""
+def translation_and_rotation(scene: Scene, gravity: float, links: Sequence[Link] = ()) -> Joints:
+    """Return a translation joint and a spherical joint; with links, the body is made of them."""
     initial = scene.initial
-    model, joint = body_on_joints(scene.body, gravity, [pin.JointModelTranslation(), pin.JointModelSpherical()])
-    q = np.concatenate([initial.position, to_pinocchio(initial).coeffs()])
+    model, joint = body_on_joints(links_of(scene, links), gravity, [pin.JointModelTranslation(), pin.JointModelSpherical()])
+    q = np.concatenate([initial.position, to_pinocchio(initial.quaternion).coeffs()])
     v = np.array([*initial.velocity, *initial.angular_velocity])
 
     def rows(q: Array, v: Array) -> Array:
@@ -88,11 +90,11 @@ def translation_and_rotation(scene: Scene, gravity: float) -> Joints:
     return Joints(model, joint, q, v, rows, lambda q: (float(q[6] ** 2 - q[5] ** 2), float(2 * q[6] * q[5])))
 
 
-def free_flyer(scene: Scene, gravity: float) -> Joints:
-    """Return one free-flyer joint."""
+def free_flyer(scene: Scene, gravity: float, links: Sequence[Link] = ()) -> Joints:
+    """Return one free-flyer joint; with links, the body is made of them."""
     initial = scene.initial
-    model, joint = body_on_joints(scene.body, gravity, [pin.JointModelFreeFlyer()])
-    attitude = to_pinocchio(initial)
+    model, joint = body_on_joints(links_of(scene, links), gravity, [pin.JointModelFreeFlyer()])
+    attitude = to_pinocchio(initial.quaternion)
     q = np.concatenate([initial.position, attitude.coeffs()])
     v = np.concatenate([attitude.matrix().T @ np.array(initial.velocity), initial.angular_velocity])
 
@@ -109,7 +111,7 @@ def prismatic_and_revolute(scene: Scene, gravity: float) -> Joints:
     joints = pin.JointModelComposite()
     for part in (pin.JointModelPX(), pin.JointModelPY(), pin.JointModelRZ()):
         joints.addJoint(part)
-    model, joint = body_on_joints(scene.body, gravity, [joints])
+    model, joint = body_on_joints(links_of(scene), gravity, [joints])
 
     def rows(q: Array, v: Array) -> Array:
         return flat_states(height, q[:, :2], q[:, 2], v[:, :2], v[:, 2])
@@ -123,7 +125,7 @@ def planar_joint(scene: Scene, gravity: float) -> Joints:
     Raises `NotFlat` for a body that does not lie flat.
     """
     start, height = planar_state(scene), scene.initial.position[2]
-    model, joint = body_on_joints(scene.body, gravity, [pin.JointModelPlanar()])
+    model, joint = body_on_joints(links_of(scene), gravity, [pin.JointModelPlanar()])
     x, y, yaw, vx, vy, w = start.tolist()
     cosine, sine = math.cos(yaw), math.sin(yaw)
 
@@ -137,14 +139,14 @@ def planar_joint(scene: Scene, gravity: float) -> Joints:
 
 
 def body_on_joints(
-    body: Body, gravity: float, joints: list[pin.JointModel], attitude: Array | None = None
+    links: Sequence[Link], gravity: float, joints: list[pin.JointModel], attitude: Array | None = None
 ) -> tuple[pin.Model, int]:
     """Return the model of a body on a chain of joints, and the index of the last joint.
 
     Parameters
     ----------
-    body
-        The body, which is fixed to the last joint.
+    links
+        The links of the body, which are fixed to the last joint. Pinocchio adds up their inertia.
     gravity
         The gravitational acceleration (m/s^2) along -z.
     joints
@@ -157,14 +159,17 @@ def body_on_joints(
     joint = UNIVERSE
     for number, kind in enumerate(joints):
         joint = model.addJoint(joint, kind, pin.SE3.Identity(), f"joint {number}")
-    inertia = pin.Inertia(body.mass, np.zeros(3), inertia_tensor(body))
-    model.appendBodyToJoint(joint, inertia, pin.SE3(np.eye(3) if attitude is None else attitude, np.zeros(3)))
+    turn = np.eye(3) if attitude is None else attitude
+    for link in links:
+        inertia = pin.Inertia(link.mass, np.array(link.center_of_mass), tensor(link))
+        place = pin.SE3(to_pinocchio(link.quaternion).matrix(), np.array(link.position))
+        model.appendBodyToJoint(joint, inertia, pin.SE3(turn, np.zeros(3)) * place)
     return model, joint
 
 
-def to_pinocchio(state: State) -> pin.Quaternion:
-    """Return the attitude of a state as Pinocchio's quaternion."""
-    w, x, y, z = state.quaternion
+def to_pinocchio(quaternion: Quaternion) -> pin.Quaternion:
+    """Return a quaternion (w, x, y, z) as Pinocchio's."""
+    w, x, y, z = quaternion
     return pin.Quaternion(w, x, y, z)
 
 

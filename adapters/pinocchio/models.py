@@ -46,6 +46,12 @@ JOINTS = {
     "everything": scene_joints.free_flyer,
 }
 
+#: The functions that build the joints of each model of a body of links, of which the first has its origin anywhere.
+OF_LINKS = {
+    "translation-and-rotation": scene_joints.translation_and_rotation,
+    "six-coordinates": scene_joints.free_flyer,
+}
+
 #: The functions that build the joints of each model on a plane.
 JOINTS_ON_PLANE = JOINTS | {
     "planar": scene_joints.prismatic_and_revolute,

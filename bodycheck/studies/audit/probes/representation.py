@@ -102,7 +102,11 @@ def _finding(pilot: Pilot, plain: Array | NotFlown, given: Representation) -> Fi
     if not np.isfinite(plain).all():
         return Finding("representation", f"representation: {given.name}: no motion to compare it with", "not-probed")
     if not np.isfinite(there).all():
-        return Finding("representation", f"representation: {given.name}: its states are not numbers", "found", expected="0")
+        steps = (
+            multiple * pilot.timestep for multiple, rows in zip(MULTIPLES, there, strict=True) if not np.isfinite(rows).all()
+        )
+        words = f"its states are not numbers with steps of {', '.join(f'{step:g} s' for step in steps)}"
+        return Finding("representation", f"representation: {given.name}: {words}", "found", expected="0")
     found = differences(there, plain, pilot.timestep, pilot.roundoff)
     lasting = [difference for difference in found if difference.excess > 1 and not difference.vanishes]
     vanishing = [difference for difference in found if difference.excess > 1 and difference.vanishes]
