@@ -74,10 +74,13 @@ class Difference:
     def vanishes(self) -> bool:
         """Whether the difference tends to zero with the time step, or to no more than rounding.
 
-        What is left of it without its part of first order, 2 D(h) - D(2h), is the limit and terms of higher order.
+        What is left of it without its part of first order, 2 D(h) - D(2h), is the limit and terms of higher order. A term of
+        higher order is opposed to the difference, and shrinks slowly where the order grows from 1 to 2 within the time steps.
         """
-        coarse, fine = _largest(2 * self.vectors[1:] - self.vectors[:-1]).tolist()
-        return bool(fine <= 3 * self.rounding[-1] or coarse >= LEAST_RATIO * fine)
+        left = 2 * self.vectors[1:] - self.vectors[:-1]
+        coarse, fine = _largest(left).tolist()
+        opposed = float((left[-1] * self.vectors[-1]).sum()) < 0
+        return bool(fine <= 3 * self.rounding[-1] or coarse >= LEAST_RATIO * fine or opposed)
 
     @property
     def order(self) -> float:

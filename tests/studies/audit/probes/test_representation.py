@@ -15,7 +15,7 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.studies.audit.flights import Pilot
 from bodycheck.studies.audit.probe import Finding
 from bodycheck.studies.audit.probes.representation import LONGEST_STEPS, MULTIPLES, SCENE, representation
-from tests.support.welded import Spoil, Welder, rotation, stiffer, unturned, without_centres, without_products
+from tests.support.welded import Spoil, Welder, rotation, settling, stiffer, unturned, without_centres, without_products
 
 HEAVY, TURNED = "mass and moments of inertia times 2", "body frame turned against the principal axes"
 TENSOR, ASIDE, WELDED = "full inertia tensor", "centre of mass off the origin", "two welded links"
@@ -66,6 +66,13 @@ def test_a_difference_that_vanishes_is_found_with_its_order(
         # At finite steps and beside rounding an order is observed to within its first decimal.
         assert float(said[1]) == pytest.approx(order, abs=0.15)
     assert {found[name].verdict for name in (HEAVY, TURNED)} == {"none"}
+
+
+def test_a_difference_whose_order_grows_from_first_to_second_vanishes() -> None:
+    found = flown(Welder(settling))
+    assert {re.sub(r" [\d.]+$", "", found[name].probe.split(": ")[2]) for name in (TENSOR, ASIDE, WELDED)} == {
+        "differs, and vanishes with the time step with order"
+    }
 
 
 def test_the_value_is_the_largest_difference_at_the_audited_step() -> None:
