@@ -11,13 +11,13 @@ import warp as wp
 
 from bodycheck.adapters.contract import Engine, Integrator, Link, Method, states
 from bodycheck.adapters.flat_contact import lying_shape
-from bodycheck.adapters.links import links_of, tensor
+from bodycheck.adapters.links import links_of, state_in, tensor, velocity_of, velocity_to_origin
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.newton import INSTALLATION
 from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, VARIANTS, Solver, keeps_damping
 from bodycheck.adapters.stepping import Loop, Normalised
-from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
-from bodycheck.reference.scene import Brick, Plane, Scene, State
+from bodycheck.reference.kinematics import conjugate, normalise, rotate
+from bodycheck.reference.scene import Brick, Plane, Quaternion, Scene, State, Vector
 from bodycheck.reference.trajectory import Array
 
 # Newton's kernels can be differentiated, which bodycheck does not need and which doubles the time of compiling them.
@@ -119,27 +119,24 @@ def built(links: Sequence[Link], scene: Scene, method: Method) -> Any:
 
 def add_link(builder: Any, link: Link, initial: State, method: Method) -> int:
     """Add a link without a joint, as it is where the first link is in the initial state, and return its number."""
-    attitude, spin = np.array(initial.quaternion), np.array(initial.angular_velocity)
-    turn = np.array(link.quaternion)
-    centre = np.array(link.position) + rotate(turn, np.array(link.center_of_mass))
-    place = np.array(initial.position) + rotate(attitude, np.array(link.position))
+    own = state_in((link.position, link.quaternion), initial)
     body: int = builder.add_link(
-        xform=transform(place, multiply(attitude, turn)),
+        xform=transform(own.position, own.quaternion),
         com=wp.vec3(*link.center_of_mass),
         mass=link.mass,
         inertia=wp.mat33(*tensor(link).ravel().tolist()),
         lock_inertia=True,
         custom_attributes={} if keeps_damping(method) else {STEEL_DAMPING: 0.0},
     )
-    velocity = np.array(initial.velocity) + rotate(attitude, np.cross(spin, centre))
-    builder.body_qd[body] = (*velocity.tolist(), *rotate(attitude, spin).tolist())
+    spin = rotate(np.array(own.quaternion), np.array(own.angular_velocity))
+    builder.body_qd[body] = (*velocity_of(link.center_of_mass, own), *spin.tolist())
     return body
 
 
-def transform(position: Any, quaternion: Any) -> Any:
-    """Return Warp's transform of a position (3,), in m, and a quaternion (4,), w x y z."""
-    w, x, y, z = map(float, quaternion)
-    return wp.transform(wp.vec3(*map(float, position)), wp.quat(x, y, z, w))
+def transform(position: Vector, quaternion: Quaternion) -> Any:
+    """Return Warp's transform of a position (m) and a quaternion (w, x, y, z)."""
+    w, x, y, z = quaternion
+    return wp.transform(position, wp.quat(x, y, z, w))
 
 
 def add_contact(builder: Any, body: int, scene: Scene, plane: Plane) -> None:
@@ -160,10 +157,8 @@ def rows(link: Link, seen: Array) -> Array:
     velocity (world).
     """
     quaternion = seen[:, [6, 3, 4, 5]]
-    attitude = normalise(quaternion)
-    spin = rotate(conjugate(attitude), seen[:, 10:])
-    velocity = seen[:, 7:10] - rotate(attitude, np.cross(spin, link.center_of_mass))
-    return states(seen[:, :3], quaternion, velocity, spin)
+    spin = rotate(conjugate(normalise(quaternion)), seen[:, 10:])
+    return velocity_to_origin(states(seen[:, :3], quaternion, seen[:, 7:10], spin), link.center_of_mass)
 
 
 def contact_law(scene: Scene, method: Method) -> Plane | None:

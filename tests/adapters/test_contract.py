@@ -244,23 +244,16 @@ def test_one_link_about_its_centre_of_mass_is_the_body(name: str, method: str) -
 
 @pytest.mark.parametrize(("name", "method"), LINKED)
 def test_a_centre_of_mass_off_the_origin_moves_on_a_straight_line(name: str, method: str) -> None:
-    """Which shows that states, at the start and later, are those of the origin of the link's frame."""
+    """Which shows that later states are those of the origin of the link's frame, as the first one is."""
     adapter, own = registry.load(name), Method.parse(method, 1e-3)
     whole = Scene(Body(2.0, (0.3, 0.4, 0.5)), State((1.0, 2.0, 3.0), OBLIQUE, (1.0, -2.0, 0.5), (3.0, 4.0, -5.0)))
     aside = Representation("", whole.body, (replace(link_of(whole.body), center_of_mass=ASIDE),), centre=ASIDE)
     scene = started(aside, whole)
-    rows = prepared_links(adapter, aside.links, scene, own).advance(np.array([0, 100]))[0, :, 0]
-    state = scene.initial
-    rounding = 45 * float(np.finfo(adapter.engine.precision).eps)
-    np.testing.assert_allclose(rows[0, :3], state.position, rtol=0, atol=rounding)
-    np.testing.assert_allclose(rows[0, 7:], [*state.velocity, *state.angular_velocity], rtol=0, atol=10 * rounding)
-    assert geodesic_angle(rows[0, 3:7], np.array(state.quaternion)) < rounding
-    centre = along_principal_axes(aside, rows)
+    rows = prepared_links(adapter, aside.links, scene, own).advance(np.array([100]))[0, :, 0]
+    (centre,) = along_principal_axes(aside, rows)
     # A scheme of first order is some millimetres off in 0.1 s; the velocity of another point would be 0.2 m off.
-    np.testing.assert_allclose(
-        centre[1, :3], np.array(whole.initial.position) + 0.1 * np.array(whole.initial.velocity), atol=0.02
-    )
-    np.testing.assert_allclose(centre[1, 7:10], whole.initial.velocity, atol=0.1)
+    np.testing.assert_allclose(centre[:3], np.array(whole.initial.position) + 0.1 * np.array(whole.initial.velocity), atol=0.02)
+    np.testing.assert_allclose(centre[7:10], whole.initial.velocity, atol=0.1)
 
 
 def prepared_links(adapter: Adapter, links: Sequence[Link], scene: Scene, method: Method) -> Simulation:

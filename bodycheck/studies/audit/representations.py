@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bodycheck.adapters.contract import Link, states
-from bodycheck.adapters.links import link_of
+from bodycheck.adapters.contract import Link
+from bodycheck.adapters.links import carried, link_of, state_in
 from bodycheck.reference.inertia import inertia_tensor
-from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.principal_frame import IDENTITY
-from bodycheck.reference.scene import Body, Quaternion, Scene, State, Vector
+from bodycheck.reference.scene import Body, Quaternion, Scene, Vector
 from bodycheck.reference.trajectory import Array
 
 #: How far apart the centres of mass of two links are: mu d^T S^-1 d of `split`, which is 1 where nothing else is left of them.
@@ -106,14 +106,8 @@ def started(given: Representation, scene: Scene) -> Scene:
 
     The initial state is that of the frame of the representation.
     """
-    initial = scene.initial
-    attitude = normalise(multiply(np.array(initial.quaternion), conjugate(np.array(given.axes))))
-    spin = rotate(np.array(given.axes), np.array(initial.angular_velocity))
-    position = np.array(initial.position) - rotate(attitude, np.array(given.centre))
-    velocity = np.array(initial.velocity) - rotate(attitude, np.cross(spin, given.centre))
-    w, x, y, z = attitude.tolist()
-    state = State(_vector(position), (w, x, y, z), _vector(velocity), _vector(spin))
-    return replace(scene, body=given.body, initial=state)
+    back = conjugate(normalise(np.array(given.axes)))
+    return replace(scene, body=given.body, initial=state_in((-rotate(back, np.array(given.centre)), back), scene.initial))
 
 
 def along_principal_axes(given: Representation, rows: Array) -> Array:
@@ -121,15 +115,7 @@ def along_principal_axes(given: Representation, rows: Array) -> Array:
 
     The columns of both are those of `bodycheck.adapters.contract.Simulation.advance`.
     """
-    attitude, spin = rows[:, 3:7], rows[:, 10:]
-    axes = np.tile(given.axes, (len(rows), 1))
-    centre = np.tile(given.centre, (len(rows), 1))
-    return states(
-        rows[:, :3] + rotate(attitude, centre),
-        multiply(attitude, axes),
-        rows[:, 7:10] + rotate(attitude, np.cross(spin, centre)),
-        rotate(conjugate(axes), spin),
-    )
+    return carried(rows, given.centre, given.axes)
 
 
 def _vector(components: Array) -> Vector:
