@@ -1,6 +1,6 @@
 """Identify the textbook scheme that produces an engine's trajectory, and the number of digits to which it agrees.
 
-The reference integrates the exact equations of motion by every scheme that it knows (`reference.schemes.one_step`), with the
+The reference integrates the exact equations of motion by every scheme that it knows (`reference.schemes.catalogue`), with the
 engine's time step (`scheme_runs`). Two programs of the same scheme differ only by rounding, and that difference has a bound
 (`scheme_rounding`).
 """
@@ -14,12 +14,16 @@ from numpy.typing import NDArray
 from bodycheck.casefile.case import Case
 from bodycheck.judging.discrepancy import compare
 from bodycheck.judging.scheme_rounding import allowance, in_position
-from bodycheck.judging.scheme_runs import differences
-from bodycheck.reference.schemes.formulations import FORMULATIONS, world_velocity
-from bodycheck.reference.schemes.one_step import SCHEMES
-from bodycheck.reference.trajectory import Array
+from bodycheck.judging.scheme_runs import differences, steps
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.schemes.catalogue import CATALOGUE
+from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Run
+
+#: Number of steps from the start over which all schemes are compared with a run, and the factor by which it grows for those
+#: that remain.
+FIRST_STEPS, LONGER = 50, 4
 
 #: Time from the start in which rounding errors have hardly grown, so that schemes are distinguished best.
 EARLY_S = 2.0
@@ -28,7 +32,12 @@ EARLY_S = 2.0
 #: In double precision it is 1e-11 rad.
 SAME_ROUNDINGS = 1e-11 * 2.0**53
 
-#: Largest allowed ratio of a scheme's difference to that of every other scheme, for the scheme to be named.
+#: Difference of two programs at the start, in units of roundoff. A turn by an angle that is found from its cosine has an error
+#: of one unit divided by the angle: the first turns of an attitude that is kept as a rotation vector are some milliradians.
+START_ROUNDINGS = 1000
+
+#: Largest allowed ratio of a scheme's difference to that of every other scheme, for the scheme to be named, and to the error of
+#: the run, for the scheme to be near.
 MAX_UNEXPLAINED_FRACTION = 0.01
 
 
@@ -61,6 +70,8 @@ class Identification:
     scheme
         The name of the scheme; empty if none is named. The name is followed by "on the body twist" if only that formulation has
         the position of the run, and by "in rotation" if no formulation has it.
+    nearest
+        The name, or else the closest scheme if it leaves at most a hundredth of the run's error; empty if none is that close.
     early, residual
         The largest attitude difference (rad) from the closest scheme in the first 2 s and in the whole run.
     allowed
@@ -68,10 +79,12 @@ class Identification:
     position_residual
         The largest distance (m) from the closest scheme, in the closer formulation.
     candidates
-        All schemes, the closest first. If several fit, it is the one with the smallest position_residual.
+        All schemes, the closest first. If several fit, it is the one with the smallest position_residual. The differences of
+        schemes that are far off at first are those until then.
     """
 
     scheme: str
+    nearest: str
     early: float
     residual: float
     allowed: float
@@ -116,40 +129,88 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     error = compare(truth, run).series
     early = trajectory.t <= EARLY_S
 
-    turned = {name: differences(scheme, world_velocity, scene, timestep, trajectory)[0] for name, scheme in SCHEMES.items()}
-    order = sorted(turned, key=lambda name: (turned[name][early].max(), turned[name].max()))
-    allowed = allowance(SCHEMES[order[0]], scene, timestep, trajectory, roundoff)
-    fitting = [name for name in order if (turned[name] <= allowed).all()]
+    turned, allowed = _turned(scene, timestep, trajectory, roundoff, error["attitude_error"])
+    order = sorted(turned, key=lambda name: (len(turned[name]) < len(early), *_sizes(turned[name], early)))
+    fitting = [name for name in order if len(turned[name]) == len(early) and (turned[name] <= allowed).all()]
     moved = {
-        (name, formulation): differences(SCHEMES[name], motion, scene, timestep, trajectory)[1]
+        (name, words): differences(CATALOGUE[name].scheme, motion, scene, timestep, trajectory)[1]
         for name in fitting or order[:1]
-        for formulation, motion in FORMULATIONS.items()
+        for words, motion in CATALOGUE[name].formulations.items()
     }
-    nearest, formulation = min(moved, key=lambda pair: float(moved[pair].max()))
+    nearest, words = min(moved, key=lambda pair: float(moved[pair].max()))
     order = [nearest, *(name for name in order if name != nearest)]
-    turn, way = turned[nearest], moved[nearest, formulation]
+    turn, way = turned[nearest], moved[nearest, words]
+    residual = _sizes(turn, early)
 
     aside = in_position(allowed, trajectory, timestep, roundoff)
     in_place = bool((way <= aside).all())
-    formulations = [moved[nearest, other] for other in FORMULATIONS if other != formulation]
+    formulations = [other for (name, own), other in moved.items() if name == nearest and own != words]
     rotations = [turned[name] for name in order[1:]]
     ways = [other for (name, _), other in moved.items() if name != nearest]
     rotation_tells = tells(turn, [error["attitude_error"] - truth.bounds.error, *rotations], allowed, early)
     position_tells = in_place and tells(way, [error["position_error"] - truth.bounds.position_error, *ways], aside, early)
-    named = nearest in fitting and turn[early].max() <= SAME_ROUNDINGS * roundoff and (rotation_tells or position_tells)
-    told = formulation if tells(way, formulations, aside, early) else ""
+    named = nearest in fitting and residual[0] <= SAME_ROUNDINGS * roundoff and (rotation_tells or position_tells)
+    told = words if tells(way, formulations, aside, early) else ""
+    scheme = nearest + (told if in_place else " in rotation") if named else ""
+    far = _sizes(error["attitude_error"], early)
+    is_near = not fitting and any(own <= MAX_UNEXPLAINED_FRACTION * other for own, other in zip(residual, far, strict=True))
     return Identification(
-        scheme=nearest + (told if in_place else " in rotation") if named else "",
-        early=float(turn[early].max()),
-        residual=float(turn.max()),
+        scheme=scheme,
+        nearest=scheme or (nearest if is_near else ""),
+        early=residual[0],
+        residual=residual[1],
         allowed=float(allowed[-1]),
         position_residual=float(way.max()),
-        candidates=tuple(_candidate(name, turned[name], early, name in fitting) for name in order),
+        candidates=tuple(Candidate(name, *_sizes(turned[name], early), name in fitting) for name in order),
     )
 
 
-def _candidate(name: str, turned: Array, early: NDArray[np.bool_], fits: bool) -> Candidate:
-    return Candidate(name, float(turned[early].max()), float(turned.max()), fits)
+def _turned(
+    scene: Scene, timestep: float, trajectory: Trajectory, roundoff: float, error: Array
+) -> tuple[dict[str, Array], Array]:
+    """Return the attitude differences (rad) of all schemes from a run, and those (n,) that rounding can cause.
+
+    All schemes are compared with the first steps of the run, and longer and longer those that rounding can explain until then
+    or that are not a hundred times as far as the closest one: in the end with all n instants. If even the closest one explains
+    nothing of the error (n,) of the run, it goes on alone.
+    """
+    n, taken = len(trajectory.t), steps(trajectory, timestep)
+    first = max(2, int(np.searchsorted(taken, FIRST_STEPS, side="right")))
+    turned = _compared(CATALOGUE, scene, timestep, trajectory.part(slice(0, first)))
+    closest = min(turned, key=lambda name: float(turned[name].max()))
+    allowed = _allowed(closest, scene, timestep, trajectory, roundoff)
+    kept, count, explains = list(turned), first, True
+    while count < n:
+        least = turned[closest].max()
+        explains = bool((turned[closest] <= allowed[:count]).all()) or least <= MAX_UNEXPLAINED_FRACTION * error[:count].max()
+        limit = least / MAX_UNEXPLAINED_FRACTION if explains else least
+        kept = [name for name in kept if turned[name].max() <= limit or (turned[name] <= allowed[:count]).all()]
+        count = min(n, max(count + 1, int(np.searchsorted(taken, LONGER * taken[count - 1], side="right"))))
+        turned |= _compared(kept, scene, timestep, trajectory.part(slice(0, count)))
+        closest = min(kept, key=lambda name: float(turned[name][trajectory.t[:count] <= EARLY_S].max()))
+    least = _sizes(turned[closest], trajectory.t <= EARLY_S)[0]
+    unclear = [
+        name for name, own in turned.items() if len(own) < n and explains and own.max() * MAX_UNEXPLAINED_FRACTION <= least
+    ]
+    turned |= _compared(unclear, scene, timestep, trajectory)
+    return turned, _allowed(closest, scene, timestep, trajectory, roundoff)
+
+
+def _allowed(name: str, scene: Scene, timestep: float, trajectory: Trajectory, roundoff: float) -> Array:
+    """Return the attitude differences (n,), in rad, that rounding can cause between a scheme and a run of it."""
+    grown = allowance(CATALOGUE[name].scheme, scene, timestep, trajectory, roundoff, CATALOGUE[name].rotation)
+    return np.minimum(START_ROUNDINGS * roundoff + grown, np.pi)
+
+
+def _compared(names: Iterable[str], scene: Scene, timestep: float, trajectory: Trajectory) -> dict[str, Array]:
+    """Return the attitude differences (n,), in rad, of schemes from a run."""
+    entries = {name: CATALOGUE[name] for name in names}
+    return {name: differences(own.scheme, own.rotation, scene, timestep, trajectory)[0] for name, own in entries.items()}
+
+
+def _sizes(turned: Array, early: NDArray[np.bool_]) -> tuple[float, float]:
+    """Return the largest of some differences (k,) at the first k instants, in the first 2 s and over all."""
+    return float(turned[early[: len(turned)]].max()), float(turned.max())
 
 
 def tells(own: Array, others: Iterable[Array], limit: Array, early: NDArray[np.bool_]) -> bool:
@@ -163,16 +224,16 @@ def tells(own: Array, others: Iterable[Array], limit: Array, early: NDArray[np.b
     own
         The differences (n,) of the scheme.
     others
-        The differences (n,) of the other candidates.
+        The differences of the other candidates, each at the first of the n instants or at all.
     limit
         The largest differences (n,) that rounding can cause.
     early
         Marks (n,) the instants in the first 2 s.
     """
     return all(
-        (other > limit).any()
+        (other > limit[: len(other)]).any()
         and (
-            own[early].max() < MAX_UNEXPLAINED_FRACTION * other[early].max()
+            own[early].max() < MAX_UNEXPLAINED_FRACTION * other[early[: len(other)]].max()
             or own.max() < MAX_UNEXPLAINED_FRACTION * other.max()
         )
         for other in others

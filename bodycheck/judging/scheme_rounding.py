@@ -8,8 +8,8 @@ import numpy as np
 from bodycheck.judging.scheme_runs import or_infinite, sampled, steps
 from bodycheck.reference.kinematics import conjugate, multiply
 from bodycheck.reference.scene import Scene, State
-from bodycheck.reference.schemes.formulations import world_velocity
-from bodycheck.reference.schemes.one_step import SCHEMES, Scheme, step_through
+from bodycheck.reference.schemes.formulations import Equations, world_velocity
+from bodycheck.reference.schemes.one_step import Scheme, step_through
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: Unit roundoff of double and single precision, by the name of the precision.
@@ -29,7 +29,14 @@ SEGMENTS = 200
 RELATIVE_RATE_CHANGE = 1e-7
 
 
-def allowance(scheme: Scheme, scene: Scene, timestep: float, trajectory: Trajectory, roundoff: float) -> Array:
+def allowance(
+    scheme: Scheme,
+    scene: Scene,
+    timestep: float,
+    trajectory: Trajectory,
+    roundoff: float,
+    formulation: Equations = world_velocity,
+) -> Array:
     """Return a bound (n,) of the attitude difference (rad) that rounding causes between two programs of the same scheme.
 
     An error of the attitude stays constant, and an error of the body rates grows by the factor J. To first order, the bound at
@@ -54,11 +61,13 @@ def allowance(scheme: Scheme, scene: Scene, timestep: float, trajectory: Traject
         The trajectory of the run, with its instants.
     roundoff
         The unit roundoff of the less precise program, one of `ROUNDOFF`.
+    formulation
+        The equations of motion that the scheme integrates.
     """
     samples = steps(trajectory, timestep)
     ends = np.unique(np.linspace(0, samples[-1], SEGMENTS + 1).astype(np.int64))
     strides = np.diff(ends)
-    states = sampled(scheme, world_velocity, scene, timestep, tuple(ends.tolist()))
+    states = sampled(scheme, formulation, scene, timestep, tuple(ends.tolist()))
     spin = np.linalg.norm(states[:, 10:], axis=1)
     speed = np.interp(ends * timestep, trajectory.t, np.linalg.norm(trajectory.velocity, axis=1))
     moments = scene.body.moments
@@ -69,7 +78,7 @@ def allowance(scheme: Scheme, scene: Scene, timestep: float, trajectory: Traject
     bound = np.full(len(ends), each)
     turn, rates = np.zeros((len(ends), 3, 3)), np.tile(np.eye(3), (len(ends), 1, 1))
     with np.errstate(all="ignore"):  # a scheme that fails has no bound
-        for k, (turned, changed) in enumerate(_linearised(scheme, scene, timestep, tuple(ends.tolist()))):
+        for k, (turned, changed) in enumerate(_linearised(scheme, formulation, scene, timestep, tuple(ends.tolist()))):
             turn[: k + 1] += turned @ rates[: k + 1]
             rates[: k + 1] = changed @ rates[: k + 1]
             grown = 1 + np.linalg.norm(turn[: k + 1], axis=(1, 2)) * rounded[: k + 1]
@@ -90,27 +99,31 @@ def in_position(allowed: Array, trajectory: Trajectory, timestep: float, roundof
     return np.asarray(allowed * way + each * (1 + steps(trajectory, timestep)) * np.maximum.accumulate(far))
 
 
-@lru_cache(maxsize=len(SCHEMES))
-def _linearised(scheme: Scheme, scene: Scene, timestep: float, ends: tuple[int, ...]) -> tuple[tuple[Array, Array], ...]:
+@lru_cache(maxsize=16)
+def _linearised(
+    scheme: Scheme, formulation: Equations, scene: Scene, timestep: float, ends: tuple[int, ...]
+) -> tuple[tuple[Array, Array], ...]:
     """Return the derivatives of every segment of a scheme's run, as `_derivatives` does; segments end at the steps `ends`."""
-    states = sampled(scheme, world_velocity, scene, timestep, ends)
+    states = sampled(scheme, formulation, scene, timestep, ends)
     return tuple(
-        _derivatives(scheme, scene, timestep, states[k], states[k + 1], ends[k + 1] - ends[k]) for k in range(len(ends) - 1)
+        _derivatives(scheme, formulation, scene, timestep, states[k], ends[k + 1] - ends[k]) for k in range(len(ends) - 1)
     )
 
 
-def _derivatives(scheme: Scheme, scene: Scene, timestep: float, start: Array, end: Array, stride: int) -> tuple[Array, Array]:
+def _derivatives(
+    scheme: Scheme, formulation: Equations, scene: Scene, timestep: float, start: Array, stride: int
+) -> tuple[Array, Array]:
     """Return the derivatives (3, 3) of the rotation in the world (s), and of the body rates, by the body rates before a stride.
 
-    `start` and `end` are the states (13,) before and after the stride, and `stride` is its number of steps.
+    `start` is the state (13,) before the stride, and `stride` its number of steps.
     """
     w, x, y, z = start[3:7].tolist()
     nudge = RELATIVE_RATE_CHANGE * float(np.linalg.norm(start[10:]) or 1.0)
     ends = []
-    for axis in np.eye(3):
+    for axis in (np.zeros(3), *np.eye(3)):
         p, q, r = (start[10:] + nudge * axis).tolist()
         nudged = replace(scene, initial=State(quaternion=(w, x, y, z), angular_velocity=(p, q, r)))
-        ends.append(step_through(scheme, world_velocity, nudged, timestep, np.array([stride]))[0])
-    there = np.array(ends)
+        ends.append(step_through(scheme, formulation, nudged, timestep, np.array([stride]))[0])
+    end, there = ends[0], np.array(ends[1:])
     turned = 2 * multiply(there[:, 3:7], conjugate(end[3:7]))
     return (turned[:, 1:] * np.sign(turned[:, :1])).T / nudge, (there[:, 10:] - end[10:]).T / nudge

@@ -1,6 +1,5 @@
 """Runs of textbook schemes with the time step and at the instants of an engine's run."""
 
-from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -8,21 +7,22 @@ import numpy as np
 from bodycheck.adapters.contract import Strides
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.scene import Scene
-from bodycheck.reference.schemes.formulations import FORMULATIONS, Formulation
-from bodycheck.reference.schemes.one_step import SCHEMES, Scheme, step_through
+from bodycheck.reference.schemes.catalogue import CATALOGUE
+from bodycheck.reference.schemes.formulations import Equations
+from bodycheck.reference.schemes.one_step import Scheme, step_through
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import distance
 
 
 def differences(
-    scheme: Scheme, formulation: Callable[[Scene], Formulation], scene: Scene, timestep: float, trajectory: Trajectory
+    scheme: Scheme, formulation: Equations, scene: Scene, timestep: float, trajectory: Trajectory
 ) -> tuple[Array, Array]:
     """Return the differences of a scheme from a run at its n instants; they are infinite after the scheme fails.
 
     Parameters
     ----------
     scheme, formulation
-        The scheme, and the velocities that it integrates.
+        The scheme, and the equations of motion that it integrates.
     scene
         The scene of the run.
     timestep
@@ -39,11 +39,10 @@ def differences(
     return or_infinite(turned), or_infinite(distance(trajectory.position, rows[:, :3]))
 
 
-# The methods of all engines are compared with the same schemes at the same time steps and instants: one scene at a time.
-@lru_cache(maxsize=2 * len(SCHEMES) * len(FORMULATIONS))
-def sampled(
-    scheme: Scheme, formulation: Callable[[Scene], Formulation], scene: Scene, timestep: float, ends: tuple[int, ...]
-) -> Array:
+# The methods of all engines are compared with the same schemes at the same time steps and instants: one scene at a time, of
+# which each scheme has a short run and perhaps the whole one.
+@lru_cache(maxsize=4 * len(CATALOGUE))
+def sampled(scheme: Scheme, formulation: Equations, scene: Scene, timestep: float, ends: tuple[int, ...]) -> Array:
     """Return the states (n, 13) of a scheme after the numbers of steps `ends` (n,)."""
     rows = step_through(scheme, formulation, scene, timestep, np.diff(ends, prepend=0))
     rows.setflags(write=False)

@@ -21,8 +21,10 @@ class Order:
         The order that the adapter claims; None if it claims none.
     scheme
         The textbook scheme whose trajectory equals that of the engine; empty if there is none.
+    nearest_scheme
+        That scheme, or else the closest one if it leaves at most a hundredth of the error; empty if none is that close.
     scheme_residual
-        The largest attitude difference (rad) from the closest scheme over the whole run; None if no scheme was compared.
+        The largest attitude difference (rad) from the nearest scheme over the whole run; None if there is none.
     """
 
     case: str
@@ -36,7 +38,13 @@ class Order:
     floor: float | None
     claimed: int | None
     scheme: str
+    nearest_scheme: str
     scheme_residual: float | None
+
+    @property
+    def scheme_in_words(self) -> str:
+        """The scheme, or the one that the method is near; empty if there is neither."""
+        return self.scheme or (f"near {self.nearest_scheme}" if self.nearest_scheme else "")
 
     @property
     def method(self) -> RunKey:

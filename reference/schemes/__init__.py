@@ -1,11 +1,15 @@
 """Textbook one-step schemes, applied to the exact equations of motion of one free rigid body.
 
-An engine's trajectory is compared with these schemes to identify which of them the engine implements.
+An engine's trajectory is compared with these schemes to identify which of them the engine implements. A scheme is a rule, and
+what it integrates is a formulation of the equations of motion: rules and formulations combine.
 
-- `one_step`: open this for the schemes themselves (`SCHEMES`) and for `step_through`, which samples a run of one of them.
-- `formulations`: the equations of motion that a scheme steps, with one of two choices of velocity (`FORMULATIONS`).
+- `catalogue`: open this for all schemes by the names that results show (`CATALOGUE`).
+- `one_step`: the rules of Euler's kind, substeps, and `step_through`, which samples a run. `runge_kutta`: explicit and implicit
+  Runge-Kutta schemes from their tableaus.
+- `formulations`: equations of motion with the attitude by the exponential map, in two choices of velocity. `coordinates`: with
+  a quaternion or angles as coordinates.
 - `increments`: vectors, poses and the exponential map of SO(3) x R^3 and of SE(3), written for plain tuples.
 
-Imports run from `one_step` to `formulations` to `increments`. Of the rest of the package only `scene`, `trajectory` and
-`inertia` are imported.
+Imports run from `catalogue` to `runge_kutta`, `one_step`, `coordinates`, `formulations` and `increments`. Of the rest of the
+package only `scene`, `trajectory` and `inertia` are imported.
 """

@@ -3,18 +3,20 @@
 `world_velocity` uses the velocity of the centre of mass in the world frame and the angular velocity in the body frame, so
 that poses move on SO(3) x R^3 and translation is independent of rotation. `body_twist` uses the components of the twist in
 the body frame, so that poses move on SE(3) and the linear velocity changes as the body turns even where no force acts. The
-rotation is the same in both; the numerical error of the position is not.
+rotation is the same in both; the numerical error of the position is not. `averaged` changes how the velocities of several
+stages are combined. Formulations with coordinates of the attitude in place of the exponential map are in `coordinates`.
 """
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bodycheck.reference.inertia import inertia_tensor
 from bodycheck.reference.scene import Body, Scene, Vector
 from bodycheck.reference.schemes.increments import (
+    Increment,
     Pair,
     Pose,
     add_scaled,
@@ -30,6 +32,10 @@ from bodycheck.reference.schemes.increments import (
 )
 from bodycheck.reference.trajectory import Array
 
+#: The angular acceleration (rad/s^2) at an angular velocity (rad/s), and that of a step of some length (s).
+Spin = Callable[[Vector], Vector]
+SpinOver = Callable[[Vector, float], Vector]
+
 
 @dataclass(frozen=True)
 class Formulation:
@@ -39,23 +45,35 @@ class Formulation:
     ----------
     displace
         Maps a pose and an increment (m, rad) to the displaced pose.
-    inverse_dexp
-        Maps an increment and a velocity to the rate of change of the increment that leads to motion with that velocity.
+    rate
+        Maps a pose, an increment of it and the velocity of the displaced pose to the rate of change of the increment.
     acceleration
         Maps a pose and a velocity to the rate of change of the velocity (m/s^2, rad/s^2).
     relaxed_acceleration
         Maps a pose, a velocity and a time step h (s) to the solution x of (1 - h J) x = a, where a is the acceleration and J
         its derivative with respect to the velocity; see `one_step.rosenbrock_euler`.
-    from_world, to_world
-        Convert a linear velocity (m/s) of a body in some pose from and to components in the world frame.
+    scaled_acceleration
+        Maps a pose, a velocity and a time step h (s) to the mean acceleration of a step in which the angular momentum changes
+        at its rate at the start, and is then scaled to its former length; see `one_step.momentum_euler`.
+    from_state, to_state
+        Convert a velocity of a body in some pose from and to that of states: the linear velocity (m/s) in the world frame and
+        the angular velocity (rad/s) in the body frame.
+    zero
+        The increment of no displacement.
     """
 
-    displace: Callable[[Pose, Pair], Pose]
-    inverse_dexp: Callable[[Pair, Pair], Pair]
+    displace: Callable[[Pose, Increment], Pose]
+    rate: Callable[[Pose, Increment, Pair], Increment]
     acceleration: Callable[[Pose, Pair], Pair]
     relaxed_acceleration: Callable[[Pose, Pair, float], Pair]
-    from_world: Callable[[Pose, Vector], Vector]
-    to_world: Callable[[Pose, Vector], Vector]
+    scaled_acceleration: Callable[[Pose, Pair, float], Pair]
+    from_state: Callable[[Pose, Pair], Pair]
+    to_state: Callable[[Pose, Pair], Pair]
+    zero: Increment = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+
+
+#: Makes the equations of motion of a scene.
+Equations = Callable[[Scene], Formulation]
 
 
 def world_velocity(scene: Scene) -> Formulation:
@@ -63,8 +81,8 @@ def world_velocity(scene: Scene) -> Formulation:
 
     The scene's plane, if any, is ignored.
     """
-    spin, relaxed_spin = gyroscopic(scene.body)
-    force = _force(scene)
+    spin, relaxed_spin, scaled_spin = gyroscopic(scene.body)
+    force = force_of(scene)
 
     def acceleration(_pose: Pose, v: Pair) -> Pair:
         return force(v[0]), spin(v[1])
@@ -72,10 +90,18 @@ def world_velocity(scene: Scene) -> Formulation:
     def relaxed_acceleration(_pose: Pose, v: Pair, h: float) -> Pair:
         return force(v[0]), relaxed_spin(v[1], h)
 
-    def unchanged(_pose: Pose, v: Vector) -> Vector:
-        return v
+    def scaled_acceleration(_pose: Pose, v: Pair, h: float) -> Pair:
+        return force(v[0]), scaled_spin(v[1], h)
 
-    return Formulation(displace_so3_r3, inverse_dexp_so3_r3, acceleration, relaxed_acceleration, unchanged, unchanged)
+    return Formulation(
+        displace_so3_r3,
+        lambda _pose, u, v: inverse_dexp_so3_r3(u, v),
+        acceleration,
+        relaxed_acceleration,
+        scaled_acceleration,
+        unchanged,
+        unchanged,
+    )
 
 
 def body_twist(scene: Scene) -> Formulation:
@@ -83,8 +109,8 @@ def body_twist(scene: Scene) -> Formulation:
 
     The scene's plane, if any, is ignored.
     """
-    spin, relaxed_spin = gyroscopic(scene.body)
-    force = _force(scene)
+    spin, relaxed_spin, scaled_spin = gyroscopic(scene.body)
+    force = force_of(scene)
 
     def linear(pose: Pose, v: Pair) -> Vector:
         _, q = pose
@@ -104,24 +130,39 @@ def body_twist(scene: Scene) -> Formulation:
 
     return Formulation(
         displace_se3,
-        inverse_dexp_se3,
+        lambda _pose, u, v: inverse_dexp_se3(u, v),
         acceleration,
         relaxed_acceleration,
-        lambda pose, v: rotate_inverse(pose[1], v),
-        lambda pose, v: rotate(pose[1], v),
+        lambda pose, v, h: (linear(pose, v), scaled_spin(v[1], h)),
+        lambda pose, v: (rotate_inverse(pose[1], v[0]), v[1]),
+        lambda pose, v: (rotate(pose[1], v[0]), v[1]),
     )
 
 
-#: The formulations by the words that follow a scheme's name in results.
-FORMULATIONS: dict[str, Callable[[Scene], Formulation]] = {"": world_velocity, " on the body twist": body_twist}
+def averaged(formulation: Equations) -> Equations:
+    """The same equations, but velocities of different stages of a step are added as if they shared one tangent space.
+
+    The rate of an increment is then the velocity itself, without the inverse of dexp.
+    """
+
+    def equations(scene: Scene) -> Formulation:
+        return replace(formulation(scene), rate=lambda _pose, _u, v: v)
+
+    return equations
 
 
-def gyroscopic(body: Body) -> tuple[Callable[[Vector], Vector], Callable[[Vector, float], Vector]]:
+def unchanged(_pose: Pose, v: Pair) -> Pair:
+    """The velocity of a formulation whose velocities are those of states."""
+    return v
+
+
+def gyroscopic(body: Body) -> tuple[Spin, SpinOver, SpinOver]:
     """Euler's equations of a body without torque, in its own frame.
 
-    Returns two functions of the angular velocity (rad/s). The first gives the angular acceleration a (rad/s^2). The second
-    also takes a time step h (s) and gives the solution x of (1 - h J) x = a, where J is the Jacobian of a with respect to the
-    angular velocity.
+    Returns three functions of the angular velocity w (rad/s). The first gives the angular acceleration a (rad/s^2). The others
+    also take a time step h (s). The second gives the solution x of (1 - h J) x = a, where J is the Jacobian of a with respect
+    to the angular velocity. The third gives the mean acceleration of a step in which the angular momentum L becomes
+    |L| (L + h L x w) / |L + h L x w|.
     """
     tensor = inertia_tensor(body)
     inertia, inverse = _operator(tensor), _operator(np.asarray(np.linalg.inv(tensor), dtype=np.float64))
@@ -142,10 +183,18 @@ def gyroscopic(body: Body) -> tuple[Callable[[Vector], Vector], Callable[[Vector
         determinant = dot(x, yz)
         return dot(a, yz) / determinant, dot(a, cross(z, x)) / determinant, dot(a, cross(x, y)) / determinant
 
-    return acceleration, relaxed
+    def scaled(omega: Vector, h: float) -> Vector:
+        momentum = inertia(omega)
+        turned = add_scaled(momentum, h, cross(momentum, omega))
+        length = math.sqrt(dot(turned, turned))
+        ratio = math.sqrt(dot(momentum, momentum)) / length if length else 0.0
+        x, y, z = add_scaled((0.0, 0.0, 0.0), ratio, inverse(turned))
+        return (x - omega[0]) / h, (y - omega[1]) / h, (z - omega[2]) / h
+
+    return acceleration, relaxed, scaled
 
 
-def _force(scene: Scene) -> Callable[[Vector], Vector]:
+def force_of(scene: Scene) -> Callable[[Vector], Vector]:
     """Acceleration (m/s^2) by gravity and quadratic drag as a function of the velocity (m/s), both in the world frame."""
     gravity, resistance = scene.gravity, scene.drag / scene.body.mass
 

@@ -22,6 +22,9 @@ from bodycheck.reference.scene import Quaternion, Vector
 #: Linear and angular part of a velocity (m/s, rad/s), of an acceleration (m/s^2, rad/s^2) or of an increment (m, rad).
 Pair = tuple[Vector, Vector]
 
+#: Linear part (m) and change of the attitude: a rotation vector (rad), or a change of as many coordinates as the attitude has.
+Increment = tuple[Vector, tuple[float, ...]]
+
 #: Position (m, world) and unit quaternion (w, x, y, z; body to world).
 Pose = tuple[Vector, Quaternion]
 
@@ -51,6 +54,12 @@ def add_scaled_pair(v: Pair, h: float, a: Pair) -> Pair:
     return add_scaled(v[0], h, a[0]), add_scaled(v[1], h, a[1])
 
 
+def scale_increment(h: float, u: Increment) -> Increment:
+    """The increment h u, both parts."""
+    (x, y, z), angular = u
+    return (h * x, h * y, h * z), tuple(h * a for a in angular)
+
+
 def scale_pair(h: float, v: Pair) -> Pair:
     """The pair h v, both parts."""
     (x, y, z), (p, q, r) = v
@@ -70,6 +79,18 @@ def rotate_inverse(q: Quaternion, v: Vector) -> Vector:
     return rotate((w, -x, -y, -z), v)
 
 
+def product(p: Quaternion, q: Quaternion, factor: float = 1.0) -> Quaternion:
+    """The product of two quaternions of any norm, times a factor."""
+    a, b, c, d = p
+    w, x, y, z = q
+    return (
+        factor * (a * w - b * x - c * y - d * z),
+        factor * (a * x + b * w + c * z - d * y),
+        factor * (a * y - b * z + c * w + d * x),
+        factor * (a * z + b * y - c * x + d * w),
+    )
+
+
 def turn(q: Quaternion, phi: Vector) -> Quaternion:
     """The attitude q followed by a rotation vector phi (rad) in the body frame, normalised to unit length."""
     w, i, j, k = q
@@ -86,19 +107,21 @@ def turn(q: Quaternion, phi: Vector) -> Quaternion:
     return w / length, i / length, j / length, k / length
 
 
-def displace_so3_r3(pose: Pose, u: Pair) -> Pose:
+def displace_so3_r3(pose: Pose, u: Increment) -> Pose:
     """The pose g exp(u) on SO(3) x R^3, for an increment u with its linear part in the world frame."""
-    return add_scaled(pose[0], 1.0, u[0]), turn(pose[1], u[1])
+    x, y, z = u[1]
+    return add_scaled(pose[0], 1.0, u[0]), turn(pose[1], (x, y, z))
 
 
-def displace_se3(pose: Pose, u: Pair) -> Pose:
+def displace_se3(pose: Pose, u: Increment) -> Pose:
     """The pose g exp(u) on SE(3), for an increment u with both parts in the body frame.
 
     The quotients here and in `inverse_dexp_se3` lose digits at small angles, but they multiply products that are as small, so
     that the error of the result is one of rounding.
     """
     position, attitude = pose
-    rho, phi = u
+    rho, (x, y, z) = u
+    phi = x, y, z
     angle = math.sqrt(dot(phi, phi))
     once, twice = 1 / 2, 1 / 6
     if angle > SMALL_ANGLE_RAD:
@@ -108,17 +131,19 @@ def displace_se3(pose: Pose, u: Pair) -> Pose:
     return add_scaled(position, 1.0, rotate(attitude, path)), turn(attitude, phi)
 
 
-def inverse_dexp_so3_r3(u: Pair, v: Pair) -> Pair:
+def inverse_dexp_so3_r3(u: Increment, v: Pair) -> Pair:
     """The rate dexp^-1 v of an increment u on SO(3) x R^3, for a velocity v."""
-    (_, phi), (linear, omega) = u, v
+    (_, (x, y, z)), (linear, omega) = u, v
+    phi = x, y, z
     c, _ = _coefficients(phi)
     once = cross(phi, omega)
     return linear, add_scaled(add_scaled(omega, 1 / 2, once), c, cross(phi, once))
 
 
-def inverse_dexp_se3(u: Pair, v: Pair) -> Pair:
+def inverse_dexp_se3(u: Increment, v: Pair) -> Pair:
     """The rate dexp^-1 v of an increment u on SE(3), for a velocity v."""
-    (rho, phi), (linear, omega) = u, v
+    (rho, (x, y, z)), (linear, omega) = u, v
+    phi = x, y, z
     c, slope = _coefficients(phi)
     once, dual_once = cross(phi, omega), add_scaled(cross(phi, linear), 1.0, cross(rho, omega))
     twice, dual_twice = cross(phi, once), add_scaled(cross(phi, dual_once), 1.0, cross(rho, once))

@@ -10,13 +10,24 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference.scene import Scene
-from bodycheck.reference.schemes.formulations import Formulation
-from bodycheck.reference.schemes.increments import Pair, Pose, add_scaled_pair, scale_pair
+from bodycheck.reference.scene import Scene, Vector
+from bodycheck.reference.schemes.formulations import Equations, Formulation
+from bodycheck.reference.schemes.increments import (
+    Pair,
+    Pose,
+    add_scaled,
+    add_scaled_pair,
+    dot,
+    scale_increment,
+    scale_pair,
+)
 from bodycheck.reference.trajectory import Array
 
-#: Largest relative change in the last iteration of the implicit midpoint at which its equations count as solved to rounding.
-MIDPOINT_TOLERANCE = 1e-12
+#: Largest relative change in the last iteration of an implicit scheme at which its equations count as solved to rounding.
+SOLVED = 1e-12
+
+#: Relative change of the velocity at which the iteration of velocity Verlet ends, which is that of Simbody by default.
+VERLET_TOLERANCE = 1e-4
 
 #: A scheme. It takes the equations of motion, the pose and the velocity at the start of a step, and the time step (s), and
 #: returns the pose and the velocity at the end of the step.
@@ -25,13 +36,16 @@ Scheme = Callable[[Formulation, Pose, Pair, float], tuple[Pose, Pair]]
 
 def explicit_euler(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
     """Explicit Euler, a `Scheme` of order 1: pose and velocity change at their rates at the start of the step."""
-    return formulation.displace(pose, scale_pair(h, v)), add_scaled_pair(v, h, formulation.acceleration(pose, v))
+    return _moved(formulation, pose, v, h), add_scaled_pair(v, h, formulation.acceleration(pose, v))
 
 
 def semi_implicit_euler(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
-    """Semi-implicit Euler, a `Scheme` of order 1: the velocity changes first, then the pose with the new velocity."""
+    """Semi-implicit Euler, a `Scheme` of order 1: the velocity changes first, then the pose with the new velocity.
+
+    With a quaternion q as coordinates the attitude changes to q + h q (0, w) / 2, normalised: a turn of 2 atan(h |w| / 2).
+    """
     v = add_scaled_pair(v, h, formulation.acceleration(pose, v))
-    return formulation.displace(pose, scale_pair(h, v)), v
+    return _moved(formulation, pose, v, h), v
 
 
 def rosenbrock_euler(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
@@ -42,7 +56,87 @@ def rosenbrock_euler(formulation: Formulation, pose: Pose, v: Pair, h: float) ->
     not part of it.
     """
     v = add_scaled_pair(v, h, formulation.relaxed_acceleration(pose, v, h))
-    return formulation.displace(pose, scale_pair(h, v)), v
+    return _moved(formulation, pose, v, h), v
+
+
+def momentum_euler(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+    """Semi-implicit Euler of the angular momentum, a `Scheme` of order 1: its length is restored in each step.
+
+    The momentum L in the body frame becomes |L| (L + h L x w) / |L + h L x w|, and the pose changes with the new velocity.
+    """
+    v = add_scaled_pair(v, h, formulation.scaled_acceleration(pose, v, h))
+    return _moved(formulation, pose, v, h), v
+
+
+def torque_free_euler(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+    """Semi-implicit Euler without the gyroscopic torque: the angular velocity stays as it is.
+
+    It does not converge to the motion of a body that tumbles.
+    """
+    v = add_scaled_pair(v, h, (formulation.acceleration(pose, v)[0], (0.0, 0.0, 0.0)))
+    return _moved(formulation, pose, v, h), v
+
+
+def of_turn(scheme: Scheme) -> Scheme:
+    """The scheme followed by an angular velocity that is the turn of the step divided by its length.
+
+    With a quaternion as coordinates the turn by w is 2 atan(h |w| / 2), so that w loses the fraction (h |w|)^2 / 12 a step.
+    """
+
+    def step(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+        pose, (linear, angular) = scheme(formulation, pose, v, h)
+        half = h * math.sqrt(dot(angular, angular)) / 2
+        return pose, (linear, _scaled(math.atan(half) / half if half else 1.0, angular))
+
+    return step
+
+
+def of_sine(scheme: Scheme) -> Scheme:
+    """The scheme followed by an angular velocity that is twice the sine of half the turn of the step, divided by its length.
+
+    With a quaternion as coordinates the turn by w is 2 atan(h |w| / 2), and w is divided by the root of 1 + (h |w| / 2)^2.
+    """
+
+    def step(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+        pose, (linear, angular) = scheme(formulation, pose, v, h)
+        return pose, (linear, _scaled(1 / math.sqrt(1 + h * h * dot(angular, angular) / 4), angular))
+
+    return step
+
+
+def substeps(count: int, scheme: Scheme) -> Scheme:
+    """The scheme that takes several steps of another in each step."""
+
+    def step(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+        for _ in range(count):
+            pose, v = scheme(formulation, pose, v, h / count)
+        return pose, v
+
+    return step
+
+
+def velocity_verlet(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
+    """Velocity Verlet with coordinates that are linear in their rates, a `Scheme` of order 2 (Swope and others, 1982).
+
+    The coordinates change by h q' + h^2 q'' / 2. The velocity changes by h (a + a') / 2; the acceleration a' at the end depends
+    on it, and is found by iteration from a step of explicit Euler until the velocity changes by less than `VERLET_TOLERANCE` of
+    itself, but at most ten times.
+    """
+    a = formulation.acceleration(pose, v)
+    first, second = formulation.rate(pose, formulation.zero, v), formulation.rate(pose, formulation.zero, a)
+    beyond = formulation.rate(pose, first, v)
+    bent = tuple(change + then - now for change, then, now in zip(second[1], beyond[1], first[1], strict=True))
+    moved = add_scaled(add_scaled((0.0, 0.0, 0.0), h, first[0]), h * h / 2, a[0])
+    turned = tuple(h * x + h * h / 2 * y for x, y in zip(first[1], bent, strict=True))
+    pose = formulation.displace(pose, (moved, turned))
+    end, change = add_scaled_pair(v, h, a), math.inf
+    for count in range(10):
+        before, last = end, change
+        end = add_scaled_pair(v, h / 2, add_scaled_pair(a, 1.0, formulation.acceleration(pose, end)))
+        change = _norm(add_scaled_pair(end, -1.0, before)) / (_norm(before) or 1.0)
+        if change <= VERLET_TOLERANCE or (count > 1 and change > last):
+            break
+    return pose, end
 
 
 def implicit_midpoint(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
@@ -62,65 +156,20 @@ def implicit_midpoint(formulation: Formulation, pose: Pose, v: Pair, h: float) -
         linear, angular = _sizes(add_scaled_pair(middle, -1.0, previous))
         gains = linear < least[0] or angular < least[1]
         least = min(linear, least[0]), min(angular, least[1])
-    if not all(change <= MIDPOINT_TOLERANCE * size for change, size in zip(least, _sizes(middle), strict=True)):
+    if not all(change <= SOLVED * size for change, size in zip(least, _sizes(middle), strict=True)):
         raise ArithmeticError("the equations of the implicit midpoint rule are not solved")
     return formulation.displace(pose, scale_pair(h, middle)), add_scaled_pair(v, h, a)
 
 
-def averaged_rk4(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
-    """Classical Runge-Kutta with stage velocities averaged as if they shared one tangent space: a `Scheme` of order 2.
-
-    The order is 2 in the attitude and, on the body twist, in the position; with the velocity in the world frame the
-    translation is in a vector space and its order is 4.
-    """
-    a1 = formulation.acceleration(pose, v)
-    v2 = add_scaled_pair(v, h / 2, a1)
-    a2 = formulation.acceleration(formulation.displace(pose, scale_pair(h / 2, v)), v2)
-    v3 = add_scaled_pair(v, h / 2, a2)
-    a3 = formulation.acceleration(formulation.displace(pose, scale_pair(h / 2, v2)), v3)
-    v4 = add_scaled_pair(v, h, a3)
-    a4 = formulation.acceleration(formulation.displace(pose, scale_pair(h, v3)), v4)
-    return formulation.displace(pose, scale_pair(h, _mean(v, v2, v3, v4))), add_scaled_pair(v, h, _mean(a1, a2, a3, a4))
-
-
-def munthe_kaas_rk4(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
-    """Runge-Kutta-Munthe-Kaas, a `Scheme` of order 4: classical Runge-Kutta for the increment (Munthe-Kaas, BIT 38, 1998).
-
-    The inverse of dexp is exact, not truncated.
-    """
-
-    def slope(u: Pair, velocity: Pair) -> tuple[Pair, Pair]:
-        return formulation.inverse_dexp(u, velocity), formulation.acceleration(formulation.displace(pose, u), velocity)
-
-    u1, a1 = v, formulation.acceleration(pose, v)
-    u2, a2 = slope(scale_pair(h / 2, u1), add_scaled_pair(v, h / 2, a1))
-    u3, a3 = slope(scale_pair(h / 2, u2), add_scaled_pair(v, h / 2, a2))
-    u4, a4 = slope(scale_pair(h, u3), add_scaled_pair(v, h, a3))
-    return formulation.displace(pose, scale_pair(h, _mean(u1, u2, u3, u4))), add_scaled_pair(v, h, _mean(a1, a2, a3, a4))
-
-
-#: The schemes by their textbook names, which results show.
-SCHEMES: dict[str, Scheme] = {
-    "explicit Euler": explicit_euler,
-    "semi-implicit Euler": semi_implicit_euler,
-    "linearly implicit Euler": rosenbrock_euler,
-    "implicit midpoint": implicit_midpoint,
-    "averaged Runge-Kutta 4": averaged_rk4,
-    "Runge-Kutta-Munthe-Kaas 4": munthe_kaas_rk4,
-}
-
-
-def step_through(
-    scheme: Scheme, formulation: Callable[[Scene], Formulation], scene: Scene, timestep: float, strides: NDArray[np.int64]
-) -> Array:
+def step_through(scheme: Scheme, formulation: Equations, scene: Scene, timestep: float, strides: NDArray[np.int64]) -> Array:
     """States of a scheme at n samples, from the initial state of a scene.
 
     Parameters
     ----------
     scheme
-        The scheme, one of `SCHEMES` or another.
+        The scheme.
     formulation
-        The function that makes the equations of motion of a scene, one of `formulations.FORMULATIONS`.
+        The function that makes the equations of motion of a scene, such as `formulations.world_velocity`.
     scene
         The scene. Its plane, if any, is ignored.
     timestep
@@ -137,23 +186,32 @@ def step_through(
     """
     equations, initial = formulation(scene), scene.initial
     pose: Pose = initial.position, initial.quaternion
-    v: Pair = equations.from_world(pose, initial.velocity), initial.angular_velocity
+    v = equations.from_state(pose, (initial.velocity, initial.angular_velocity))
     rows = np.full((len(strides), 13), np.nan)
     try:
         for row, stride in zip(rows, strides.tolist(), strict=True):
             for _ in range(stride):
                 pose, v = scheme(equations, pose, v, timestep)
-            row[:] = *pose[0], *pose[1], *equations.to_world(pose, v[0]), *v[1]
+            linear, angular = equations.to_state(pose, v)
+            row[:] = *pose[0], *pose[1], *linear, *angular
     except (ArithmeticError, ValueError):  # ValueError: after an overflow, the sine of infinity
         pass
     return rows
 
 
-def _mean(one: Pair, two: Pair, three: Pair, four: Pair) -> Pair:
-    """The weighted mean of the four stages of the classical Runge-Kutta scheme."""
-    return scale_pair(1 / 6, add_scaled_pair(add_scaled_pair(one, 2.0, add_scaled_pair(two, 1.0, three)), 1.0, four))
-
-
 def _sizes(v: Pair) -> tuple[float, float]:
     """The largest absolute component of the linear and of the angular part."""
     return max(map(abs, v[0])), max(map(abs, v[1]))
+
+
+def _moved(formulation: Formulation, pose: Pose, v: Pair, h: float) -> Pose:
+    """The pose after a step in which it changes at the rate of a velocity at the start."""
+    return formulation.displace(pose, scale_increment(h, formulation.rate(pose, formulation.zero, v)))
+
+
+def _scaled(factor: float, v: Vector) -> Vector:
+    return factor * v[0], factor * v[1], factor * v[2]
+
+
+def _norm(v: Pair) -> float:
+    return math.sqrt(dot(v[0], v[0]) + dot(v[1], v[1]))

@@ -13,9 +13,10 @@ from bodycheck.judging.identification import SAME_ROUNDINGS, Identification, ide
 from bodycheck.judging.scheme_rounding import ROUNDOFF, STEP_ROUNDINGS, allowance
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import State
-from bodycheck.reference.schemes.formulations import Formulation, body_twist, world_velocity
-from bodycheck.reference.schemes.increments import Pair, Pose, add_scaled, add_scaled_pair, cross, scale_pair, turn
-from bodycheck.reference.schemes.one_step import SCHEMES, Scheme, munthe_kaas_rk4, semi_implicit_euler, step_through
+from bodycheck.reference.schemes.catalogue import CATALOGUE
+from bodycheck.reference.schemes.formulations import Equations, Formulation, body_twist, world_velocity
+from bodycheck.reference.schemes.increments import Increment, Pair, Pose, add_scaled, add_scaled_pair, cross, scale_pair, turn
+from bodycheck.reference.schemes.one_step import Scheme, semi_implicit_euler, step_through
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Diverged, Run
@@ -27,6 +28,8 @@ SAME_RAD = SAME_ROUNDINGS * DOUBLE
 
 SEMI_IMPLICIT, LINEARLY_IMPLICIT = "semi-implicit Euler", "linearly implicit Euler"
 AVERAGED, MUNTHE_KAAS = "averaged Runge-Kutta 4", "Runge-Kutta-Munthe-Kaas 4"
+
+SORTS = ["explicit Euler", SEMI_IMPLICIT, LINEARLY_IMPLICIT, "implicit midpoint", AVERAGED, MUNTHE_KAAS]
 
 ENGINES = {
     ("mujoco", "Euler"): SEMI_IMPLICIT,
@@ -64,10 +67,10 @@ def simulated(case: Case, engine: str, integrator: str, *timesteps: float) -> Ru
     return next(run for run in runs if isinstance(run.outcome, Completed))
 
 
-def miniature(case: Case, scheme: Scheme, timestep: float) -> Run:
+def miniature(case: Case, scheme: Scheme, timestep: float, formulation: Equations = world_velocity) -> Run:
     """A run of an engine that steps the exact equations by a scheme of its own."""
     steps = sampling_steps(case.instants, timestep)
-    states = step_through(scheme, world_velocity, case.scene, timestep, np.diff(steps, prepend=0))
+    states = step_through(scheme, formulation, case.scene, timestep, np.diff(steps, prepend=0))
     return of_states(case, states, steps, timestep)
 
 
@@ -154,9 +157,9 @@ def kutta_3(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, P
     """Kutta's scheme of the third order, brought to the group as Munthe-Kaas does."""
     u1, a1 = v, motion.acceleration(pose, v)
     half, v2 = scale_pair(h / 2, u1), add_scaled_pair(v, h / 2, a1)
-    u2, a2 = motion.inverse_dexp(half, v2), motion.acceleration(motion.displace(pose, half), v2)
+    u2, a2 = motion.rate(pose, half, v2), motion.acceleration(motion.displace(pose, half), v2)
     whole, v3 = add_scaled_pair(scale_pair(-h, u1), 2 * h, u2), add_scaled_pair(add_scaled_pair(v, -h, a1), 2 * h, a2)
-    u3, a3 = motion.inverse_dexp(whole, v3), motion.acceleration(motion.displace(pose, whole), v3)
+    u3, a3 = motion.rate(pose, whole, v3), motion.acceleration(motion.displace(pose, whole), v3)
     u, a = (add_scaled_pair(add_scaled_pair(one, 4.0, two), 1.0, three) for one, two, three in ((u1, u2, u3), (a1, a2, a3)))
     return motion.displace(pose, scale_pair(h / 6, u)), add_scaled_pair(v, h / 6, a)
 
@@ -165,7 +168,7 @@ def three_eighths(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[P
     """Kutta's other scheme of the fourth order, the 3/8 rule, brought to the group likewise."""
 
     def slope(u: Pair, velocity: Pair) -> tuple[Pair, Pair]:
-        return motion.inverse_dexp(u, velocity), motion.acceleration(motion.displace(pose, u), velocity)
+        return motion.rate(pose, u, velocity), motion.acceleration(motion.displace(pose, u), velocity)
 
     def third(one: Pair, two: Pair) -> Pair:
         return add_scaled_pair(scale_pair(-h / 3, one), h, two)
@@ -186,11 +189,12 @@ def three_eighths(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[P
 def truncated(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
     """Munthe-Kaas with the series of dexp^-1 cut off as far as order 4 allows: after the second bracket."""
 
-    def rate(u: Pair, velocity: Pair) -> Pair:
-        once = cross(u[1], velocity[1])
-        return velocity[0], add_scaled(add_scaled(velocity[1], 1 / 2, once), 1 / 12, cross(u[1], once))
+    def rate(_pose: Pose, u: Increment, velocity: Pair) -> Increment:
+        x, y, z = u[1]
+        once = cross((x, y, z), velocity[1])
+        return velocity[0], add_scaled(add_scaled(velocity[1], 1 / 2, once), 1 / 12, cross((x, y, z), once))
 
-    return munthe_kaas_rk4(replace(motion, inverse_dexp=rate), pose, v, h)
+    return CATALOGUE[MUNTHE_KAAS].scheme(replace(motion, rate=rate), pose, v, h)
 
 
 def wrong_torque(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
@@ -205,7 +209,7 @@ def torque_left_out(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple
     return motion.displace(pose, scale_pair(h, v)), v
 
 
-@pytest.mark.parametrize("scheme", [heun, explicit_midpoint, kutta_3, three_eighths, truncated, wrong_torque, torque_left_out])
+@pytest.mark.parametrize("scheme", [three_eighths, truncated, wrong_torque])
 @pytest.mark.parametrize("case", BRIEF.values(), ids=BRIEF)
 @pytest.mark.parametrize("timestep", [0.02, 0.01])
 def test_what_is_not_in_the_list_gets_no_name(timestep: float, case: Case, scheme: Scheme) -> None:
@@ -215,12 +219,21 @@ def test_what_is_not_in_the_list_gets_no_name(timestep: float, case: Case, schem
     assert not identification.cannot_tell
 
 
-@pytest.mark.parametrize("scheme", [heun, explicit_midpoint, kutta_3])
-def test_nor_with_a_small_step(scheme: Scheme) -> None:
-    case = BRIEF[FLIP.name]
-    identification = found(case, miniature(case, scheme, 0.001))
-    assert identification.scheme == ""
-    assert not identification.cannot_tell
+@pytest.mark.parametrize(
+    ("scheme", "name"),
+    [
+        (heun, "averaged Heun 2"),
+        (explicit_midpoint, "averaged explicit midpoint"),
+        (kutta_3, "Munthe-Kaas with Kutta 3"),
+        (torque_left_out, "no gyroscopic torque"),
+    ],
+)
+@pytest.mark.parametrize("timestep", [0.02, 0.001])
+def test_schemes_that_are_written_out_are_named(timestep: float, scheme: Scheme, name: str) -> None:
+    case = shortened(FLIP, 1.0, 51)
+    identification = found(case, miniature(case, scheme, timestep))
+    assert identification.scheme == identification.nearest == name
+    assert [candidate.fits for candidate in identification.candidates].count(True) == 1
 
 
 def test_nor_does_what_only_rounding_could_excuse() -> None:
@@ -241,44 +254,48 @@ def test_nor_does_a_scheme_that_leaves_a_tenth_of_the_discrepancy() -> None:
     assert identification.cannot_tell
     assert identification.early < SAME_RAD
     error = compare(truth_of(case), run).series["attitude_error"]
-    allowed = allowance(SCHEMES[MUNTHE_KAAS], case.scene, 0.002, run.outcome.trajectory, DOUBLE)
+    allowed = allowance(CATALOGUE[MUNTHE_KAAS].scheme, case.scene, 0.002, run.outcome.trajectory, DOUBLE)
     assert (error > allowed).any()
 
 
 def test_with_a_small_step_a_good_scheme_is_the_truth() -> None:
-    case = BRIEF[COMPLEX.name]
+    case = shortened(COMPLEX, 1.0, 11)
     identification = found(case, simulate(case, "mujoco", "RK4", 0.0005))
     assert identification.cannot_tell
-    assert identification.candidates[0].scheme == MUNTHE_KAAS
-    assert [candidate.fits for candidate in identification.candidates].count(True) == 1
+    assert identification.nearest == ""
+    assert {candidate.scheme for candidate in identification.candidates if candidate.fits} > {MUNTHE_KAAS}
 
 
 def test_fluid_that_meets_the_rotation_is_in_no_scheme() -> None:
     identification = found(load("football-drag"), simulate(load("football-drag"), "mujoco", "Euler:drag=fluid", 0.01))
     assert identification.scheme == ""
-    assert identification.candidates[0].scheme == SEMI_IMPLICIT
+    assert identification.nearest == ""
     assert identification.early > 1e-3
 
 
-@pytest.mark.parametrize("timestep", [0.01, 0.001, 0.0002])
+@pytest.mark.parametrize("timestep", [0.01, 0.001])
 def test_the_truth_is_no_scheme(timestep: float) -> None:
     """However small the step: where a scheme is as good as exact, the case cannot tell the one from the other."""
-    case = shortened(COMPLEX, 2.0, 201)
+    case = shortened(COMPLEX, 0.5, 51)
     steps = sampling_steps(case.instants, timestep)
     motion = truth_of(case).at(steps * timestep).trajectory
     states = np.hstack([motion.position, motion.quaternion, motion.velocity, motion.angular_velocity])
     identification = found(case, of_states(case, states, steps, timestep))
-    assert identification.scheme == ""
-    assert identification.candidates[0].scheme == MUNTHE_KAAS
-    assert identification.cannot_tell == (timestep < 0.01)
+    assert identification.scheme == identification.nearest == ""
+    # Schemes of the fifth and the sixth order are as good as exact.
+    assert identification.cannot_tell
 
 
 @pytest.mark.parametrize("name", ["projectile", "osrf-boxes-simple", "football-spiral"])
 @pytest.mark.parametrize("integrator", ["Euler", "implicit", "RK4"])
 def test_a_steady_spin_tells_no_schemes_apart(name: str, integrator: str) -> None:
-    identification = found(load(name), simulate(load(name), "mujoco", integrator, 0.01))
+    case = shortened(load(name), 1.0, 11)
+    identification = found(case, simulate(case, "mujoco", integrator, 0.01))
     assert identification.cannot_tell
-    assert all(candidate.fits for candidate in identification.candidates)
+    fitting = {candidate.scheme for candidate in identification.candidates if candidate.fits}
+    assert fitting >= {SEMI_IMPLICIT, LINEARLY_IMPLICIT, AVERAGED, MUNTHE_KAAS, "Munthe-Kaas with Heun 2"}
+    # A linear update of the quaternion turns the body by 2 atan(h w / 2), and not by h w.
+    assert ("semi-implicit Euler with linear quaternions" in fitting) == (name == "projectile")
     assert identification.position_residual < 1e-12  # of the nearest: one of them is what it is
 
 
@@ -286,9 +303,10 @@ def test_a_steady_spin_tells_no_schemes_apart(name: str, integrator: str) -> Non
 @pytest.mark.parametrize("integrator", ["body-twist-euler", "rk4", "rk4-naive"])
 def test_unless_the_position_does(name: str, integrator: str) -> None:
     """On the body twist a spin bends the path, and every scheme bends it in its own way."""
-    identification = found(load(name), simulate(load(name), "pinocchio", integrator, 0.01))
+    case = shortened(load(name), 1.0, 11)
+    identification = found(case, simulate(case, "pinocchio", integrator, 0.01))
     assert identification.scheme == ENGINES["pinocchio", integrator]
-    assert all(candidate.fits for candidate in identification.candidates)
+    assert [candidate.fits for candidate in identification.candidates].count(True) > 10
 
 
 def test_nor_does_a_position_that_is_nearly_that_of_a_scheme() -> None:
@@ -311,9 +329,9 @@ def test_a_translation_of_its_own_is_said_of_the_name() -> None:
 
 
 def test_two_samples_are_enough() -> None:
-    case = shortened(COMPLEX, 10.0, 2)
+    case = shortened(COMPLEX, 1.0, 2)
     assert found(case, simulate(case, "pinocchio", "rk4-naive", 0.01)).scheme == AVERAGED + " on the body twist"
-    assert found(case, miniature(case, kutta_3, 0.01)).scheme == ""
+    assert found(case, miniature(case, three_eighths, 0.01)).scheme == ""
 
 
 def test_schemes_that_fail_do_not_matter() -> None:
@@ -324,7 +342,7 @@ def test_schemes_that_fail_do_not_matter() -> None:
     identification = found(case, run)
     assert identification.scheme == LINEARLY_IMPLICIT
     failed = {candidate.scheme for candidate in identification.candidates if candidate.residual == np.inf}
-    assert failed == {"explicit Euler", SEMI_IMPLICIT, "implicit midpoint"}
+    assert failed >= {"explicit Euler", SEMI_IMPLICIT, "implicit midpoint"}
     # Where a scheme fails, rounding may be anything; no angle is more than half a turn.
     assert allowance(semi_implicit_euler, case.scene, 0.2, run.outcome.trajectory, DOUBLE)[-1] == np.pi
 
@@ -340,7 +358,7 @@ def test_a_run_without_a_trajectory_is_refused() -> None:
         identify(FLIP, run, truth_of(FLIP), DOUBLE)
 
 
-@pytest.mark.parametrize("name", SCHEMES)
+@pytest.mark.parametrize("name", SORTS)
 def test_rounding_stays_within_its_allowance(name: str) -> None:
     """Errors of the size that is allowed in each step, a thousand times over so that they stand out of the real ones."""
     amplified = 1e3
@@ -348,18 +366,22 @@ def test_rounding_stays_within_its_allowance(name: str) -> None:
     random = np.random.default_rng(5)
 
     def noisy(motion: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
-        (position, attitude), (linear, angular) = SCHEMES[name](motion, pose, v, h)
+        (position, attitude), (linear, angular) = CATALOGUE[name].scheme(motion, pose, v, h)
         (a, b, c), (p, q, r) = directions = random.normal(size=(2, 3))
         size = amplified * STEP_ROUNDINGS * DOUBLE / np.linalg.norm(directions, axis=1)
         spin = float(np.linalg.norm(angular))
         attitude = turn(attitude, (size[0] * a, size[0] * b, size[0] * c))
         return (position, attitude), (linear, add_scaled(angular, spin * float(size[1]), (p, q, r)))
 
-    plain, rounded = (miniature(case, scheme, 0.01).outcome for scheme in (SCHEMES[name], noisy))
+    plain, rounded = (
+        miniature(case, scheme, 0.01, CATALOGUE[name].rotation).outcome for scheme in (CATALOGUE[name].scheme, noisy)
+    )
     assert isinstance(plain, Completed)
     assert isinstance(rounded, Completed)
     apart = geodesic_angle(plain.trajectory.quaternion, rounded.trajectory.quaternion)
-    allowed = amplified * allowance(SCHEMES[name], case.scene, 0.01, plain.trajectory, DOUBLE)
+    allowed = amplified * allowance(
+        CATALOGUE[name].scheme, case.scene, 0.01, plain.trajectory, DOUBLE, CATALOGUE[name].rotation
+    )
     assert (apart <= allowed).all()
     # Nor is the bound an idle one: of the sum of 1000 errors, all in one direction and the worst, those in random directions
     # make about one part in the root of 1000, and the directions take about as much again.

@@ -79,6 +79,7 @@ def order(**values: Any) -> Order:
         "floor": None,
         "claimed": 1,
         "scheme": "",
+        "nearest_scheme": "",
         "scheme_residual": None,
     }
     return Order(**defaults | values)
@@ -115,5 +116,7 @@ def hostile_report() -> StudyReport:
         failed(engine="</script><script>alert(2)</script>", status=HOSTILE, reason="</dl>"),
         failed(status="unsupported", reason=HOSTILE),
     ]
-    orders = [order(integrator=HOSTILE_NAME, scheme=HOSTILE, scheme_residual=1e-3, claimed=4, floor=1e-2)]
+    orders = [
+        order(integrator=HOSTILE_NAME, scheme=HOSTILE, nearest_scheme=HOSTILE, scheme_residual=1e-3, claimed=4, floor=1e-2)
+    ]
     return present(HEADER | {"missing": {"drake": HOSTILE}}, rows, orders)

@@ -12,10 +12,17 @@ from scipy.spatial.transform import Rotation
 
 from bodycheck.adapters.contract import Engine, Integrator, Link, Method, Strides, single
 from bodycheck.reference.scene import Body, Scene, State
+from bodycheck.reference.schemes.catalogue import CATALOGUE, MUNTHE_KAAS
 from bodycheck.reference.schemes.formulations import world_velocity
 from bodycheck.reference.schemes.increments import Pair, Pose
-from bodycheck.reference.schemes.one_step import SCHEMES, Scheme, step_through
+from bodycheck.reference.schemes.one_step import Scheme, step_through
 from bodycheck.reference.trajectory import Array
+
+#: The schemes that it steps by, one of each sort.
+SCHEMES = (
+    *("explicit Euler", "semi-implicit Euler", "linearly implicit Euler"),
+    *("implicit midpoint", "Munthe-Kaas with Heun 2", MUNTHE_KAAS),
+)
 
 #: What is done to links before they are welded, by a time step (s).
 Spoil = Callable[[Sequence[Link], float], Sequence[Link]]
@@ -133,7 +140,7 @@ class Welder:
         return Motion(replace(scene, body=body_of(mass, inertia)), self._scheme(method), method.timestep, centre)
 
     def _scheme(self, method: Method) -> Scheme:
-        scheme = next(own for name, own in SCHEMES.items() if name.replace(" ", "-") == method.integrator)
+        scheme = next(CATALOGUE[name].scheme for name in SCHEMES if name.replace(" ", "-") == method.integrator)
         if self.precision == "float64":
             return scheme
 

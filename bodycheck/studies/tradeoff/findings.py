@@ -123,13 +123,13 @@ def _short(methods: Sequence[Line], places: Sequence[Place]) -> Finding:
 
 
 def _schemes(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
-    """Return a finding for each textbook scheme and set of cases: which methods it is, and which discrepancies it explains."""
+    """Return a finding for each textbook scheme and set of cases: which methods it is or is near, and what it explains."""
     named: dict[tuple[str, RunKey], list[Identified]] = defaultdict(list)
     for case in cases:
-        for order in {order.method: order for order in case.orders if order.scheme}.values():
+        for order in {order.method: order for order in case.orders if order.nearest_scheme}.values():
             row = case.coarsest(order.method)
             if row is not None and "attitude_error" in row and order.scheme_residual is not None:
-                named[order.scheme, order.method].append((case.name, order.scheme_residual, row["attitude_error"]))
+                named[order.scheme_in_words, order.method].append((case.name, order.scheme_residual, row["attitude_error"]))
     groups: dict[tuple[str, tuple[str, ...]], list[RunKey]] = defaultdict(list)
     for (scheme, method), runs in named.items():
         groups[scheme, tuple(name for name, _, _ in runs)].append(method)
@@ -145,10 +145,10 @@ def _scheme(scheme: str, methods: Sequence[Line], runs: Sequence[Identified]) ->
     discrepancy = f"{'up to ' if len(runs) > 1 else ''}{number(most, 2)} rad"
     explained = all(left <= EXPLAINED * error for _, left, error in runs)
     meaning = f"This explains a discrepancy of {discrepancy}." if explained else f"The discrepancy is {discrepancy}."
-    agrees = verb(len(methods), "agrees", "agree")
+    agrees = verb(len(methods), "is", "are") if scheme.startswith("near ") else verb(len(methods), "agrees with", "agree with")
     return Finding(
         "Scheme",
-        f"{_names(methods)} {agrees} with {scheme} to within {bound(residual, 2)} rad over the whole run, on ",
+        f"{_names(methods)} {agrees} {scheme} to within {bound(residual, 2)} rad over the whole run, on ",
         where,
         f"{_others({name for name, _, _ in runs})}. {meaning}",
     )

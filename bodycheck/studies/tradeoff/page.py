@@ -38,9 +38,11 @@ READING = (
     "An observed order p means that the error decreases like the p-th power of the time step. It is the median over the "
     "asymptotic range, which consists of the time steps at which local orders agree, and is given with the smallest and the "
     "largest; – means that no such range was found. A floor is an error that a method does not get below with any of its time "
-    "steps, at the instants that all of them share. A scheme is named if the engine's trajectory is that of the textbook "
-    "scheme with the same time step; the residual is the largest attitude difference from the nearest scheme. Claimed orders "
-    "are for smooth motion and are not compared with orders in contact.",
+    "steps, at the instants that all of them share. Claimed orders are for smooth motion and are not compared with orders in "
+    "contact.",
+    "A scheme is named if the engine's trajectory is that of the textbook scheme with the same time step, but for the rounding "
+    "of the engine's precision. A method is near a scheme that leaves at most a hundredth of its error. The residual is the "
+    "largest attitude difference from that scheme.",
 )
 
 
@@ -162,7 +164,7 @@ def _orders(case: CaseMeasurements) -> Table:
         methods[order.method][order.quantity] = order
     ordered = [name for name in UNITS if name in case.quantities]
     floored = [name for name in ordered if any(name in own and own[name].floor is not None for own in methods.values())]
-    schemes = any(order.scheme or (order.scheme_residual or 0.0) > case.truth_error("attitude") for order in case.orders)
+    schemes = any(order.nearest_scheme for order in case.orders)
     words = ("Engine", "Integrator", *(("Scheme",) if schemes else ()))
     figures = (
         *(("Residual, rad",) if schemes else ()),
@@ -173,7 +175,8 @@ def _orders(case: CaseMeasurements) -> Table:
     rows = []
     for own in methods.values():
         first = next(iter(own.values()))
-        scheme, residual = ((Entry(first.scheme or "–"),), (_figure(first.scheme_residual),)) if schemes else ((), ())
+        named = Entry(first.scheme_in_words or "not identified"), _figure(first.scheme_residual)
+        scheme, residual = (named[:1], named[1:]) if schemes else ((), ())
         claimed = Entry("–") if first.claimed is None else Entry(str(first.claimed), first.claimed)
         observed = [_observed(own.get(name)) for name in ordered]
         floors = [_floor(own.get(name), case.truth_error(name)) for name in floored]

@@ -30,7 +30,7 @@ RUNS = (
 )
 
 #: The columns of the table of orders.
-METHODS = (
+METHODS: tuple[Column[Order], ...] = (
     attribute("case"),
     attribute("engine", goes=4),
     attribute("integrator"),
@@ -38,7 +38,7 @@ METHODS = (
     Column("order", "order", _interval, lambda order: order.order),
     attribute("claimed", form="g", goes=1),
     attribute("floor", goes=2),
-    attribute("scheme", goes=3, wraps=True),
+    Column("scheme", "scheme", lambda order: order.scheme_in_words, goes=3, wraps=True),
     attribute("scheme_residual", "residual rad", goes=5),
 )
 

@@ -208,5 +208,6 @@ def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], engine
             floor=convergence.floor,
             claimed=_claims(engine, coarsest.key).order,
             scheme=named.scheme if named is not None else "",
-            scheme_residual=named.residual if named is not None else None,
+            nearest_scheme=named.nearest if named is not None else "",
+            scheme_residual=named.residual if named is not None and named.nearest else None,
         )

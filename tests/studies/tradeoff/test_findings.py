@@ -14,6 +14,8 @@ from bodycheck.studies.tradeoff.page import present
 from tests.support.pages import Page
 from tests.support.tradeoff_rows import HEADER, Row, curve, drawn, failed, measurements, order, row, texts
 
+EULER = "semi-implicit Euler"
+
 errors = st.one_of(st.just(0.0), st.sampled_from([1e-3, 2e-3]), st.floats(1e-17, 10))
 
 
@@ -103,11 +105,23 @@ def test_orders_as_claimed() -> None:
 )
 def test_a_scheme_explains_what_it_leaves_nothing_of(residual: float, meaning: str) -> None:
     rows = curve("Euler", [1e-1, 1e-2], [1e-3, 1e-2])
-    report = present(HEADER, rows, [order(scheme="semi-implicit Euler", scheme_residual=residual)])
+    report = present(HEADER, rows, [order(scheme=EULER, nearest_scheme=EULER, scheme_residual=residual)])
     (sentence,) = texts(report, "Scheme")
     assert sentence == (
         f"mujoco Euler agrees with semi-implicit Euler to within {number(residual)} rad over the whole run, on spin. {meaning}"
     )
+
+
+def test_a_scheme_that_is_only_near_is_called_near() -> None:
+    rows = [*curve("Euler", [1e-1, 1e-2], [1e-3, 1e-2]), *curve("RK4", [1e-1, 1e-2], [1e-3, 1e-2])]
+    report = present(HEADER, rows, [order(nearest_scheme=EULER, scheme_residual=1e-4), order(integrator="RK4")])
+    (sentence,) = texts(report, "Scheme")
+    assert sentence == (
+        "mujoco Euler is near semi-implicit Euler to within 0.0001 rad over the whole run, on spin. "
+        "This explains a discrepancy of 0.1 rad."
+    )
+    words = [[entry.text for entry in row[2:4]] for row in report.parts[0].tables[0][1].rows]
+    assert words == [["near semi-implicit Euler", "0.0001"], ["not identified", "–"]]
 
 
 def test_floors_above_rounding_are_told() -> None:

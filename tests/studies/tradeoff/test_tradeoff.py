@@ -188,7 +188,7 @@ def test_costs_are_told_with_the_error_they_came_with(priced: dict[str, list[dic
     assert set(ok[ok["integrator"].isin(["RK4", "rk4", "rk4-naive"])]["evaluations"]) == {4}
     assert list(pd.read_csv(tmp_path / "orders.csv").columns) == [
         *("case", "engine", "version", "integrator", "quantity", "order", "order_low", "order_high", "floor", "claimed"),
-        *("scheme", "scheme_residual"),
+        *("scheme", "nearest_scheme", "scheme_residual"),
     ]
 
 

@@ -10,12 +10,21 @@ import pytest
 
 from bodycheck.adapters.contract import Adapter, Engine, Link, Method, SceneUnsupported, Simulation, Strides
 from bodycheck.reference.scene import Scene
-from bodycheck.reference.schemes.one_step import SCHEMES
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.audit.flights import Pilot
 from bodycheck.studies.audit.probe import Finding
 from bodycheck.studies.audit.probes.representation import LONGEST_STEPS, MULTIPLES, SCENE, representation
-from tests.support.welded import Spoil, Welder, rotation, settling, stiffer, unturned, without_centres, without_products
+from tests.support.welded import (
+    SCHEMES,
+    Spoil,
+    Welder,
+    rotation,
+    settling,
+    stiffer,
+    unturned,
+    without_centres,
+    without_products,
+)
 
 HEAVY, TURNED = "mass and moments of inertia times 2", "body frame turned against the principal axes"
 TENSOR, ASIDE, WELDED = "full inertia tensor", "centre of mass off the origin", "two welded links"
