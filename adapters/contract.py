@@ -137,7 +137,8 @@ class Engine:
     precision, device
         The precision and the device of the engine's arithmetic.
     batch
-        The number of scenes per call of `prepare` from which batching pays off; 1 if the engine steps one scene at a time.
+        The number of scenes per call of `prepare` from which batching pays off; 1 if the engine steps one scene at a time. An
+        engine whose `batch` is larger takes any number of scenes that differ in their initial states alone.
     defaults
         The engine's own choices where a user makes none, as read from the engine itself: "integrator", "timestep" and
         "tolerance" with their values and units, such as {"timestep": "0.002 s"}, as far as it has them.
@@ -160,10 +161,11 @@ class SceneUnsupported(Exception):
 
 
 class EngineDiverged(Exception):
-    """The engine itself stopped or reset a simulation; the text says what it signalled, and when.
+    """The engine itself stopped or reset a simulation of one scene; the text says what it signalled, and when.
 
-    The attribute `states` (scenes, k, bodies, 13) holds the states after the first k strides, of which the last is the state
-    at the signal. It is empty if the engine does not report them.
+    A simulation of several scenes does not raise it; see `Simulation.advance`. The attribute `states` (1, k, bodies, 13) holds
+    the states after the first k strides, of which the last is the state at the signal. It is empty if the engine does not
+    report them.
     """
 
     def __init__(self, text: str) -> None:
@@ -183,8 +185,22 @@ class Simulation(Protocol):
 
         The array `strides` (n,) holds the numbers of steps, >= 0, from each sample to the next; the first stride begins at the
         current state. The columns of the states are position (world, m), quaternion (w x y z, body to world, of norm 1),
-        velocity (world, m/s) and angular velocity (body, rad/s). The returned array is a copy. Raises `EngineDiverged`.
+        velocity (world, m/s) and angular velocity (body, rad/s). The returned array is a copy.
+
+        A simulation of one scene raises `EngineDiverged` where its engine gives up. One of several scenes does not raise it, so
+        that a scene that fails does not take the others with it: from the engine's signal on, the states of that scene are NaN,
+        and the others are what they are without it.
         """
+        ...
+
+
+@runtime_checkable
+class Signals(Protocol):
+    """A simulation of several scenes whose engine can give some of them up."""
+
+    @property
+    def signals(self) -> Mapping[int, str]:
+        """What the engine signalled so far, and when, by the places of the scenes that it gave up."""
         ...
 
 
@@ -210,8 +226,9 @@ class Adapter(Protocol):
     def prepare(self, scenes: Sequence[Scene], method: Method) -> Simulation:
         """Return a simulation of the smallest models of the scenes, at t = 0, compiled and warmed up.
 
-        An engine whose `batch` is 1 receives one scene. The caller has checked the method against `engine`, and the scenes
-        against `engine.models`. Raises `SceneUnsupported`.
+        An engine whose `batch` is 1 receives one scene; another one may also receive several, which have the same requirements
+        and differ in their initial states alone. The caller has checked the method against `engine`, and the scenes against
+        `engine.models`. Raises `SceneUnsupported`.
         """
         ...
 

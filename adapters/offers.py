@@ -4,15 +4,15 @@ The functions take the place of code that every adapter would otherwise repeat: 
 which parts of a method it does not know, and which requirements of a scene it does not model.
 """
 
-from collections.abc import Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import replace
 
-import numpy as np
-
-from bodycheck.adapters.contract import Adapter, Engine, Integrator, Method, Option, Simulation, Strides, kind_of
+from bodycheck.adapters.contract import Adapter, Engine, Integrator, Method, Option, Simulation, kind_of
+from bodycheck.adapters.in_turn import InTurn
 from bodycheck.errors import BadInput
-from bodycheck.reference.requirements import missing
-from bodycheck.reference.scene import Scene
-from bodycheck.reference.trajectory import Array
+from bodycheck.reference.requirements import missing, requirements
+from bodycheck.reference.scene import Scene, State
 from bodycheck.suggestion import did_you_mean
 
 
@@ -118,21 +118,16 @@ def not_modelled(engine: Engine, scene: Scene) -> str | None:
 
 
 def prepare(adapter: Adapter, scenes: Sequence[Scene], method: Method) -> Simulation:
-    """Return one simulation of all scenes; an engine without batching advances them one after another.
+    """Return one simulation of one or more scenes.
 
-    Raises `SceneUnsupported`.
+    An engine with batching steps together the scenes that differ in their initial states alone and require the same of a model.
+    All others are stepped one after another. Raises `SceneUnsupported`.
     """
-    if len(scenes) == 1 or adapter.engine.batch > 1:
+    groups: dict[object, list[int]] = defaultdict(list)
+    for place, scene in enumerate(scenes):
+        alike = replace(scene, initial=State(), definition=None), requirements(scene)
+        groups[alike if adapter.engine.batch > 1 else place].append(place)
+    if len(groups) == 1:
         return adapter.prepare(scenes, method)
-    return OneByOne(adapter.prepare([scene], method) for scene in scenes)
-
-
-class OneByOne:
-    """A simulation of several scenes, made of simulations of one scene each that are advanced in turn."""
-
-    def __init__(self, simulations: Iterable[Simulation]) -> None:
-        self.simulations = tuple(simulations)
-
-    def advance(self, strides: Strides) -> Array:
-        """Return the states (scenes, n, bodies, 13) of all scenes after each of n strides, as `Simulation.advance` does."""
-        return np.concatenate([simulation.advance(strides) for simulation in self.simulations])
+    parts = [(tuple(own), adapter.prepare([scenes[place] for place in own], method)) for own in groups.values()]
+    return InTurn(tuple(parts))

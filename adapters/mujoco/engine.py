@@ -26,6 +26,7 @@ from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method,
 from bodycheck.adapters.mujoco import INSTALLATION, contact, exporting, links
 from bodycheck.adapters.mujoco import models as scene_models
 from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
+from bodycheck.adapters.mujoco.worlds import BATCH, Worlds
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
@@ -98,6 +99,7 @@ engine = Engine(
         "drag": tuple(f"{name}:drag=fluid" for name in available()),
         "plane": ("Euler:cone=elliptic", "Euler:cone=elliptic,pads=4", "Euler:model=planar"),
     },
+    batch=BATCH,
     defaults=defaults(),
 )
 
@@ -150,15 +152,22 @@ def contact_law(scene: Scene, method: Method) -> Plane | None:
     return replace(scene.plane, friction=coefficient, law="corners", pressure="balanced")
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Stepper:
-    """Return the simulation of one scene, as `Adapter.prepare` does."""
-    (scene,) = scenes
+def prepare(scenes: Sequence[Scene], method: Method) -> Stepper | Worlds:
+    """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
+    if len(scenes) == 1:
+        return stepper(scenes[0], method)
+    model = model_of(scenes[0], method)
+    described = [description(scene, method, model) for scene in scenes]
+    models = [compiled_model(xml) for xml, _ in described]
+    data = mujoco.MjData(models[0])
+    return Worlds(models, data, [own for _, own in described], [external_force(one, method, model, data) for one in scenes])
+
+
+def stepper(scene: Scene, method: Method) -> Stepper:
+    """Return the simulation of one scene. Raises `SceneUnsupported`."""
     model = model_of(scene, method)
     simulation = started(*description(scene, method, model))
-    if scene.plane is not None and model not in scene_models.MODELS_WITH_CONTACT:
-        simulation.force = scene_models.friction_force(scene, scene.plane, method.timestep, simulation.data)
-    elif scene.drag and method.option("drag") != "fluid" and model != "rotation":
-        simulation.force = scene_models.drag_force(scene.drag, simulation.data)
+    simulation.force = external_force(scene, method, model, simulation.data)
     return simulation
 
 
@@ -173,6 +182,15 @@ def started(xml: str, joints: scene_models.Joints) -> Stepper:
     data = mujoco.MjData(compiled)
     data.qpos[:], data.qvel[:] = joints.qpos, joints.qvel
     return Stepper(compiled, data, joints)
+
+
+def external_force(scene: Scene, method: Method, model: str, data: mujoco.MjData) -> scene_models.Force | None:
+    """Return the force from outside that a model of a scene needs, on the data that are stepped; None if it needs none."""
+    if scene.plane is not None and model not in scene_models.MODELS_WITH_CONTACT:
+        return scene_models.friction_force(scene, scene.plane, method.timestep, data)
+    if scene.drag and method.option("drag") != "fluid" and model != "rotation":
+        return scene_models.drag_force(scene.drag, data)
+    return None
 
 
 def script(scene: Scene, method: Method, duration: float, samples: int) -> str:
@@ -295,7 +313,7 @@ def contact_loads(scene: Scene, method: Method, steps: int) -> tuple[Array, Stri
     """
     if not touches_plane(scene, method):
         raise SceneUnsupported("contact loads of a model without contact")
-    simulation = prepare([scene], method)
+    simulation = stepper(scene, method)
     model, data = simulation.model, simulation.data
     load, touching, force = np.zeros(steps), np.zeros(steps, dtype=np.int64), np.empty(6)
     with quiet():

@@ -29,7 +29,7 @@ WARNINGS = {
 RESET_WARNINGS = {mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQVEL, mujoco.mjtWarning.mjWARN_BADQACC}
 
 try:
-    from mujoco.rollout import Rollout
+    from mujoco.rollout import Rollout as Rollout
 except ImportError:  # older than MuJoCo 3.2.7
     Rollout = None
 

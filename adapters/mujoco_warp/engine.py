@@ -95,7 +95,7 @@ def started(scene: Scene, method: Method) -> tuple[Any, Any, Any]:
     """
     if scene.plane is not None:
         lying_shape(scene)
-    model, data, rows = handed_over(mujoco.prepare([scene], method))
+    model, data, rows = handed_over(mujoco.stepper(scene, method))
     if scene.drag:
         model.callback.passive = lambda model, data: wp.launch(
             drag_kernel, dim=1, inputs=[scene.drag, data.qvel], outputs=[data.qfrc_passive]
