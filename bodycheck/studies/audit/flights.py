@@ -52,9 +52,10 @@ class Flown:
 
 @dataclass(frozen=True)
 class NotFlown:
-    """A flight that the engine refused or gave up, and why."""
+    """A flight that the engine gave up, or refused to begin, and why."""
 
     reason: str
+    refused: bool = False
 
 
 #: What became of a flight.
@@ -93,7 +94,9 @@ class Pilot:
         try:
             simulation = self._simulation(flight, method)
             states = np.array(simulation.advance(np.array(flight.strides, dtype=np.int64)), dtype=np.float64)[0, :, 0]
-        except (SceneUnsupported, EngineDiverged) as error:
+        except SceneUnsupported as error:
+            return NotFlown(str(error), refused=True)
+        except EngineDiverged as error:
             return NotFlown(str(error))
         norms = np.linalg.norm(states[:, 3:7], axis=1)
         off = float(np.nan_to_num(np.abs(norms - 1), nan=np.inf).max(initial=0.0))

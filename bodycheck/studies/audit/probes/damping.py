@@ -2,7 +2,7 @@
 
 The speed u of a sphere that nothing acts on is constant. By a law of damping du/dt = -(c + k u) u the rate -d(ln u)/dt is
 c + k u, and it is measured at two speeds. What a scheme loses by its truncation error vanishes with the time step, and what is
-lost by a law of damping does not; so the rates are measured with half the time step too, and extrapolated to none.
+lost by a law of damping does not; so the rates are measured with twice the time step too, and extrapolated to none.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from bodycheck.studies.audit.probes.scenes import coast
 #: Speeds in m/s, and spins in rad/s, of the launches.
 SLOW, FAST = 1.0, 8.0
 
-#: The number of steps at the audited time step.
+#: The number of steps.
 STEPS = 32
 
 #: The relative change of a speed in a step, in units of roundoff, that rounding explains: that of some dozen operations.
@@ -32,7 +32,7 @@ LEAST = 1e-9
 #: The part of one rate that a term of the law must make: the means of speeds over a flight are not exact.
 SHARE = 0.002
 
-#: The part of a coefficient that is left with half the time step. It is 1 of a law, and half or less of a truncation error.
+#: The part of a coefficient that is left with half a time step. It is 1 of a law, and half or less of a truncation error.
 LASTS = 0.6
 
 #: The columns of the velocity and the angular velocity.
@@ -77,17 +77,17 @@ def law(pilot: Pilot, of: Columns) -> Law | NotFlown:
     allowed = ROUNDINGS * roundoff(pilot) / pilot.timestep
     if float(np.abs(here[0]).max()) <= allowed:
         return Law()
-    finer = _rates(pilot, of, 2)
-    if isinstance(finer, NotFlown):
-        return finer
-    # The rates of half steps have twice the rounding, and twice them less the others five times.
-    least = max(5 * allowed, LEAST, SHARE * float(np.abs(here[0]).max()))
-    coarse, fine, speeds = _coefficients(*here), _coefficients(*finer), (1.0, float(here[1].max()))
+    coarser = _rates(pilot, of, 2)
+    if isinstance(coarser, NotFlown):
+        return coarser
+    # The rates of double steps have half the rounding, and so twice the others less them 2.5 times that.
+    least = max(2.5 * allowed, LEAST, SHARE * float(np.abs(here[0]).max()))
+    fine, coarse, speeds = _coefficients(*here), _coefficients(*coarser), (1.0, float(here[1].max()))
     linear, quadratic = (
         2 * b - a if abs(2 * b - a) * speed > least and b / a > LASTS else 0.0
         for a, b, speed in zip(coarse, fine, speeds, strict=True)
     )
-    return Law(linear, quadratic, coarse) if linear or quadratic else Law()
+    return Law(linear, quadratic, fine) if linear or quadratic else Law()
 
 
 def _coefficients(rates: Array, speeds: Array) -> tuple[float, float]:
@@ -98,17 +98,17 @@ def _coefficients(rates: Array, speeds: Array) -> tuple[float, float]:
     return float(rates[0]) - quadratic * float(speeds[0]), quadratic
 
 
-def _rates(pilot: Pilot, of: Columns, parts: int) -> Array | NotFlown:
-    """Return the rates (1/s) at the two speeds, and the mean speeds, (2, 2), with steps of a part of the audited one."""
-    found, timestep = [], pilot.timestep / parts
+def _rates(pilot: Pilot, of: Columns, multiple: int) -> Array | NotFlown:
+    """Return the rates (1/s) at the two speeds, and the mean speeds, (2, 2), with a multiple of the audited time step."""
+    found, timestep = [], multiple * pilot.timestep
     for speed in (SLOW, FAST):
-        states = watch(pilot, Flight(coast(speed, speed), timestep, (parts,) * STEPS))
+        states = watch(pilot, Flight(coast(speed, speed), timestep, (1,) * STEPS))
         if isinstance(states, NotFlown):
             return states
         speeds = np.linalg.norm(states[:, PLACES[of]], axis=1)
         if not speeds.min() > 0.0:
             return NotFlown(f"the {of} vanishes")
-        duration = (STEPS - 1) * pilot.timestep
+        duration = (STEPS - 1) * timestep
         found.append((-np.log(speeds[-1] / speeds[0]) / duration, np.trapezoid(speeds) / (STEPS - 1)))
     return np.array(found).T
 

@@ -18,8 +18,9 @@ from bodycheck.studies.audit.probes.gyroscopic import LAUNCH, STRIDES
 from bodycheck.studies.audit.probes.precision import roundoff
 from bodycheck.studies.audit.probes.scenes import TRIAXIAL
 
-#: The factors of the mass, at the same size, and those of the size, at the same mass.
-MASSES, SIZES = (2.0**-10, 2.0**10), (2.0**-7, 2.0**7)
+#: The factors of the mass, at the same size, and those of the size, at the same mass, in words.
+MASSES = {"1/1024 of the mass": 2.0**-10, "1024 times the mass": 2.0**10}
+SIZES = {"1/128 of the size": 2.0**-7, "128 times the size": 2.0**7}
 
 #: The distance from the origin along each axis (m).
 FAR = 1024.0
@@ -31,8 +32,8 @@ ROUNDINGS = 4
 def scales(pilot: Pilot) -> tuple[Finding, ...]:
     """Return findings of scale-dependence and origin-dependence: the largest relative difference of a velocity in 64 steps."""
     base, (a, b, c) = Scene(TRIAXIAL, LAUNCH), TRIAXIAL.moments
-    heavier = {f"{s:g} times the mass": Body(TRIAXIAL.mass * s, (a * s, b * s, c * s)) for s in MASSES}
-    larger = {f"{s:g} times the size": Body(TRIAXIAL.mass, (a * s * s, b * s * s, c * s * s)) for s in SIZES}
+    heavier = {words: Body(TRIAXIAL.mass * s, (a * s, b * s, c * s)) for words, s in MASSES.items()}
+    larger = {words: Body(TRIAXIAL.mass, (a * s * s, b * s * s, c * s * s)) for words, s in SIZES.items()}
     scaled = {words: replace(base, body=body) for words, body in {**heavier, **larger}.items()}
     far = {f"{FAR:g} m from the origin": replace(base, initial=replace(LAUNCH, position=(FAR, -FAR, FAR)))}
     return _finding(pilot, "scale-dependence", base, scaled), _finding(pilot, "origin-dependence", base, far)
@@ -46,16 +47,18 @@ def _finding(pilot: Pilot, which: Property, base: Scene, others: Mapping[str, Sc
     off, refused = {}, ""
     for words, scene in others.items():
         there = watch(pilot, Flight(scene, pilot.timestep, STRIDES))
-        if isinstance(there, NotFlown):
-            refused = f"with {words}: {there.reason}"
-        else:
+        if not isinstance(there, NotFlown):
             off[words] = _difference(here, there)
+        elif there.refused:
+            refused = f"at {words}: {there.reason}"
+        else:
+            return Finding(which, f"scales: at {words}: {there.reason}", "found", expected="0")
     if not off:
         return not_probed("scales", refused, which)[0]
     most = max(off, key=lambda words: off[words])
     if off[most] <= allowed:
         return Finding(which, f"scales: {refused}" if refused else "scales", "none", expected="0")
-    return Finding(which, f"scales: with {most}", "found", off[most], "", "0")
+    return Finding(which, f"scales: at {most}", "found", off[most], "", "0")
 
 
 def _difference(here: Array, there: Array) -> float:
