@@ -24,6 +24,8 @@ A free joint has the position and the velocity of the centre of mass in the worl
 velocity in the body frame. MJX normalises the quaternion in each step. It gives no warnings: a run that diverges ends in states
 that are not numbers.
 
+Links are those of the adapter of MuJoCo, which compiles the model.
+
 Scenes are stepped one at a time. Scenes that JAX steps together (`jax.vmap`) differ from each alone by roundings.
 
 XLA compiles the steps of each integrator and kind of scene, which takes seconds, when the first simulation of that sort is

@@ -10,6 +10,8 @@ limits speeds nor lets bodies sleep unless it is told to, and so there is no met
 Drag is a kernel that is added to MuJoCo's own passive forces, so that every integrator evaluates it with all other forces. A
 body on a plane touches it by MuJoCo's soft contact, with the options of the adapter of MuJoCo except pads.
 
+Links are those of the adapter of MuJoCo, which compiles the model.
+
 Coordinates and frames are MuJoCo's: position (world), quaternion w x y z, velocity (world), angular velocity (body). MuJoCo
 Warp normalises the quaternion in every step, to the rounding of single precision.
 """

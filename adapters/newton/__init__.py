@@ -26,6 +26,17 @@ positions, errors grow when the time step gets smaller. After a fall of 8 s they
 Featherstone computes with inertia about the origin of the world: at a distance of some hundred metres, no digits are left of
 the moments of a small body, and the brick of the case `free-brick`, which falls, ends as NaN after 7.5 s.
 
+Links are joined by fixed joints. A user may merge them before (`ModelBuilder.collapse_fixed_joints`), which the adapter
+does not do. `SemiImplicit` holds a fixed joint by springs and dampers: light links need time steps below a millisecond,
+with which two of them move as one body to some milliradians, however small the time step. `XPBD` does not conserve the
+angular momentum of two welded links: it scales the impulse of a joint by 0.7 and the torque of that impulse by 0.4
+(`joint_linear_relaxation`, `joint_angular_relaxation`), whatever the time step. `VBD` and `Kamino` hold the joint by
+iterations, with an error that vanishes with the time step. `Featherstone` and `Steel` remove the joint's degrees of freedom
+and step the velocity of the first link's centre of mass, and the solver of MuJoCo that of the origin of its frame: where
+that is not the centre of mass of the whole, steps have an error of the scheme's order, even without forces. With
+`settings=engine`, `Steel` damps the rotation of two links about the centre of mass of the first, which changes their
+momentum.
+
 Drag is a force on the centre of mass that is computed from the state at the beginning of a step, so that `MuJoCo-rk4` is of
 first order there. On a plane, Newton's collision detection runs before each step, except for MuJoCo and Moreau's scheme.
 

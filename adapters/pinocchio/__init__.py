@@ -2,6 +2,11 @@
 
 The module `engine` is the adapter. `models` lists the models of a scene, `joints` builds the joints of a body, `schemes`
 contains the integration schemes, and `contact` steps a body with Pinocchio's rigid contact.
+
+Links are appended to the last joint, as the bodies of fixed joints in a URDF file are, and Pinocchio adds up their inertia.
+Schemes on the body twist take the same steps about any origin; `semi-implicit-euler` integrates the velocity of the origin
+of the first link's frame, so that steps of a centre of mass that is elsewhere have an error of first order, even without
+forces.
 """
 
 from bodycheck.adapters.installation import Installation
