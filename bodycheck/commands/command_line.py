@@ -15,6 +15,7 @@ from bodycheck.commands.truth import truth
 from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, NO_ROOM, BadInput, Failed
 from bodycheck.runner_log import guarded
 from bodycheck.studies.ablation.command import ablate
+from bodycheck.studies.audit.command import audit
 from bodycheck.studies.extremes.command import extremes
 from bodycheck.studies.recommend.command import recommend
 from bodycheck.studies.releases.command import bisect, releases
@@ -31,7 +32,7 @@ app = App(
 
 #: All commands, in the order of their registration.
 COMMANDS = (
-    *(run, tradeoff, recommend, extremes, ablate, releases, bisect, report, diff),
+    *(run, tradeoff, recommend, extremes, ablate, audit, releases, bisect, report, diff),
     *(truth, export, cases, engines, validate, new, schema, expect),
 )
 

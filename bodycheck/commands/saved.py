@@ -23,6 +23,9 @@ from bodycheck.running.key import RunKey
 from bodycheck.running.store import Results
 from bodycheck.studies.ablation import page as ablation
 from bodycheck.studies.ablation.rows import Change, ModelRow
+from bodycheck.studies.audit import page as audit
+from bodycheck.studies.audit.rows import Facts, Fault
+from bodycheck.studies.audit.rows import Row as AuditRow
 from bodycheck.studies.extremes import page as extremes
 from bodycheck.studies.extremes.rows import Limit, Row
 from bodycheck.studies.orders import Order
@@ -36,11 +39,17 @@ EXTREMES = "extremes.jsonl"
 #: The file with the records of a search for time steps.
 RECOMMEND = "recommend.jsonl"
 
+#: The file with the records of an audit.
+AUDIT = "audit.jsonl"
+
 #: How to read a column of results by its kind in `bodycheck.columns`.
 PARSERS: dict[str, csv_tables.Parser] = {"string": str, "boolean": csv_tables.truth_value, "integer": int, "number": float}
 
 #: How to read the columns that tradeoff.csv has besides those of results and that do not hold decimal numbers.
 TRADEOFF_PARSERS: dict[str, csv_tables.Parser] = {"evaluations": int}
+
+#: How to read the columns of audit.csv whose texts are of a closed set.
+AUDIT_PARSERS: dict[str, csv_tables.Parser] = {"property": str, "status": str}
 
 #: What reading and judging damaged files may raise, beside `BadInput`.
 DAMAGE = (
@@ -61,7 +70,7 @@ def read(folder: Path) -> Results | StudyReport:
     if not folder.is_dir():
         raise BadFolder(f"{folder}: there is no such folder" if not folder.exists() else f"{folder}: is not a folder")
     reading.refuse_links(folder)
-    files = (store.RECORDS, EXTREMES, RECOMMEND)
+    files = (store.RECORDS, EXTREMES, RECOMMEND, AUDIT)
     there = [name for name in files if (folder / name).is_file()]
     if len(there) != 1:
         found = " and ".join(there) or f"neither {', '.join(files[:-1])} nor {files[-1]}"
@@ -73,6 +82,8 @@ def read(folder: Path) -> Results | StudyReport:
             return _extremes(folder)
         if there == [RECOMMEND]:
             return _recommend(folder)
+        if there == [AUDIT]:
+            return _audit(folder)
         results = store.read(folder)
         return _study(results) or results
 
@@ -158,6 +169,24 @@ def _recommend(folder: Path) -> StudyReport:
         raise BadFolder(f"{folder}: damaged: recommend.csv does not list the same methods as steps.csv")
     report = recommend.present(header, Recommendation(asked, tuple(answers), tuple(probes)))
     return _dated(report, contents.header, {asked.figure})
+
+
+def _audit(folder: Path) -> StudyReport:
+    contents = journal.read(folder / AUDIT)
+    header = _checked(contents.header)
+    if not contents.complete:
+        raise BadFolder(f"{folder}: the study {INTERRUPTED}")
+    facts = {name: records.typed(Facts, own) for name, own in contents.header["facts"].items()}
+    rows = [
+        records.typed(AuditRow, row) for row in _rows(folder / "audit.csv", csv_tables.parsers_of(AuditRow) | AUDIT_PARSERS)
+    ]
+    made = [record for record in contents.records if record["record"] == "probe"]
+    if {(row.engine, row.integrator) for row in rows} != {(one["engine"], one["integrator"]) for one in made}:
+        raise BadFolder(f"{folder}: damaged: audit.csv does not list the same methods as {AUDIT}")
+    names = ("engine", "integrator", "probe")
+    silent = [record for record in contents.records if "fault" in record]
+    faults = [records.typed(Fault, {name: one[name] for name in names} | {"reason": one["fault"]}) for one in silent]
+    return audit.present(header, facts, rows, faults)
 
 
 def _dated(report: StudyReport, header: Mapping[str, Any], figures: Collection[str]) -> StudyReport:

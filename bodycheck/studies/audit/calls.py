@@ -1,0 +1,56 @@
+"""What a worker process does of an audit: one probe of one method."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+from bodycheck.adapters import registry
+from bodycheck.studies.audit import nondeterminism
+from bodycheck.studies.audit.flights import Pilot
+from bodycheck.studies.audit.probe import Finding
+from bodycheck.studies.audit.probes import PROBES
+
+
+@dataclass(frozen=True)
+class Call:
+    """A probe of a method, with a time step in s."""
+
+    engine: str
+    integrator: str
+    timestep: float
+    probe: str
+
+
+@dataclass(frozen=True)
+class Found:
+    """The answer to a call.
+
+    Parameters
+    ----------
+    findings
+        What the probe says.
+    flights
+        The states of flights that are compared with those of other processes, by when they were made.
+    attitude_error
+        The error of the attitude (rad) of the flight that shows what the method does; None if it has none.
+    """
+
+    findings: tuple[Finding, ...] = ()
+    flights: Mapping[str, nondeterminism.States] = field(default_factory=dict)
+    attitude_error: float | None = None
+
+
+def make(call: Call) -> Found:
+    """Make a probe. Exceptions of the engine are passed on."""
+    pilot = _pilot(call.engine, call.integrator, call.timestep)
+    if call.probe == nondeterminism.NAME:
+        return Found(flights=nondeterminism.repeated(pilot))
+    if call.probe == nondeterminism.ELSEWHERE:
+        return Found(flights=nondeterminism.elsewhere(pilot))
+    return Found(PROBES[call.probe](pilot))
+
+
+@lru_cache(maxsize=1)
+def _pilot(engine: str, integrator: str, timestep: float) -> Pilot:
+    """Return the pilot of a method, which keeps the flights that several probes look at as long as the method is probed."""
+    return Pilot(registry.load(engine), integrator, timestep)

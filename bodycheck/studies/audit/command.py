@@ -1,0 +1,74 @@
+"""The command `bodycheck audit`.
+
+Its imports are inside the function, so that `--help` answers at once.
+"""
+
+import sys
+from contextlib import ExitStack
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from bodycheck.console.options import AS_USUAL, Integrators, Jobs, Json, Out, Quiet, Viewed
+from bodycheck.errors import FAILED, OK
+
+
+def audit(
+    *engines: Annotated[str, Parameter(help="Engines to audit. Default: all installed engines.")],
+    integrator: Integrators = (),
+    timestep: Annotated[float, Parameter(help="The time step in s. Default: 0.002.")] = 0.002,
+    out: Out = None,
+    jobs: Jobs = None,
+    json: Json = False,
+    table: bool = False,
+    view: Viewed = AS_USUAL,
+    quiet: Quiet = False,
+) -> int:
+    """Find by short flights what engines do that mechanics does not have, such as damping, limits or a sleeping body.
+
+    Each probe is a flight with one obvious answer, so that nothing is taken from documentation. What an engine does by its
+    own settings is called a default. The tables are audit.csv and classes.csv. An interrupted audit resumes when it is run
+    again with the same --out.
+
+    Exit codes: 0 every probe gave an answer, whatever was found; 1 a probe
+    crashed; 2 bad input or usage.
+
+    Parameters
+    ----------
+    table
+        Print the table of all properties of all methods after the findings. --columns, --sort and --wide do so too.
+    """
+    from dataclasses import asdict
+
+    from bodycheck import reports
+    from bodycheck.console import tables, terminal
+    from bodycheck.console.arguments import load_engines, processes
+    from bodycheck.console.output import say_where, tell
+    from bodycheck.files.temporary import temporary_folder
+    from bodycheck.running import campaign, origin
+    from bodycheck.studies.audit import printing, study
+    from bodycheck.studies.audit.page import present
+
+    tables.check(view, printing.ROWS)
+    loaded = load_engines(engines)
+    planned = study.prepare(loaded.records, integrator, timestep)
+    head = campaign.header(sys.argv, loaded.records, loaded.missing)
+    facts = study.facts(loaded.records)
+    with ExitStack() as stack:
+        folder = out or stack.enter_context(temporary_folder())
+        progress = stack.enter_context(terminal.progress("auditing", planned.size, quiet))
+        found = stack.enter_context(study.results(planned, folder, head, processes(jobs), progress))
+        if out is not None:
+            study.write(found.rows, out, [origin.origin(head, {planned.flip.name: planned.flip.text})])
+            reports.write_study(present(head, facts, found.rows, found.faults), out)
+    if json:
+        terminal.print_json({"rows": [asdict(row) for row in found.rows]})
+    elif not quiet:
+        printing.print_findings(found.rows, facts)
+        if table or view != AS_USUAL:
+            printing.print_rows(found.rows, view)
+        tell(printing.summary(found.rows))
+    for fault in found.faults:
+        print(f"bodycheck: {fault.text}", file=sys.stderr)
+    say_where(out, quiet)
+    return FAILED if found.faults or loaded.failed() else OK

@@ -1,0 +1,167 @@
+"""The report of the audit: which engines have which property, and then a part for each engine."""
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+
+from bodycheck.reports.finding import Finding
+from bodycheck.reports.notices import missing_engines
+from bodycheck.reports.quantities import count, listing, milliseconds, number
+from bodycheck.reports.study import Part, StudyReport
+from bodycheck.reports.tables import Entry, Table
+from bodycheck.running.header import Header
+from bodycheck.studies.audit.probe import Property
+from bodycheck.studies.audit.rows import PROPERTIES, Facts, Fault, Row, Status, is_finding
+from bodycheck.studies.audit.wording import DOES, HEADINGS, sentences, value
+
+#: The name of the part with all engines beside each other.
+OVERVIEW = "properties"
+
+#: What stands in a cell for a row that is no finding.
+SIGNS: dict[str, str] = {"none": "–", "not-probed": "?"}
+
+#: The statuses from the one that is told of an engine if any of its methods has it.
+WORST: tuple[Status, ...] = ("deviates", "default", "not-probed", "none")
+
+#: Explanations for readers.
+READING = (
+    "Each probe is a short flight, or a few of them, of a free rigid body whose motion is known without computing it. What is "
+    "found is therefore what the engine did, whatever its documentation says. The value is its size, and the expected value is "
+    "that of an engine that computes mechanics alone.",
+    "The status “default” means that users get it without asking for it: it is found with the engine's own settings, or the "
+    "engine has no switch for it and says so. The status “deviates” means that a method has it although everything that can be "
+    "switched off is off; that may be the definition of an integrator, such as the energy that an explicit step adds, and need "
+    "not be a fault. In tables, – means that the method is as mechanics has it, and ? that the flights cannot tell.",
+    "The error of the flip is the largest error of the attitude in the shipped case intermediate-axis-flip within 10 s at the "
+    "same time step. It shows what a method with these properties does, together with the error of its integrator. What an "
+    "engine says of itself is marked as read.",
+)
+
+
+def present(header: Header, facts: Mapping[str, Facts], rows: Sequence[Row], faults: Sequence[Fault]) -> StudyReport:
+    """Return the contents of the report.
+
+    Parameters
+    ----------
+    header
+        Versions, machine and command.
+    facts
+        What the engines say of themselves, by name.
+    rows
+        The rows, in the order of the study.
+    faults
+        The probes that gave no answer.
+    """
+    engines: dict[str, list[Row]] = defaultdict(list)
+    for row in rows:
+        engines[row.engine].append(row)
+    methods = len({(row.engine, row.integrator) for row in rows})
+    found = sum(is_finding(row) for row in rows)
+    steps = listing([milliseconds(step) for step in dict.fromkeys(row.timestep for row in rows)])
+    return StudyReport(
+        title="What engines really do",
+        headline=f"{count(found, 'finding')} of {count(methods, 'method')} of {count(len(engines), 'engine')} at {steps}",
+        header=header,
+        notices=(*missing_engines(header), *(f"{fault.text}." for fault in faults)),
+        findings=tuple(_by_property(rows)),
+        parts=(
+            *((_overview(engines),) if len(engines) > 1 else ()),
+            *(_engine(name, facts[name], own) for name, own in engines.items()),
+        ),
+        reading=READING,
+    )
+
+
+def _by_property(rows: Sequence[Row]) -> list[Finding]:
+    """Return a sentence for each property that was found, with the engines that have it."""
+    found = []
+    for name in PROPERTIES:
+        told = []
+        for status, heading in (("default", "by default"), ("deviates", "in some or all methods")):
+            engines = list(dict.fromkeys(row.engine for row in rows if row.property == name and row.status == status))
+            told += [f"{heading} {listing(engines)}"] if engines else []
+        if told:
+            found.append(Finding(name, f"What {DOES[name]}: {'; '.join(told)}."))
+    return found
+
+
+def _overview(engines: Mapping[str, Sequence[Row]]) -> Part:
+    """Return the part with one row for each property and one column for each engine."""
+
+    def cell(engine: str, name: Property) -> Entry:
+        there = {row.status for row in engines[engine] if row.property == name}
+        status = next((one for one in WORST if one in there), "not-probed")
+        values = list(dict.fromkeys(value(row) for row in engines[engine] if row.property == name and is_finding(row)))
+        return Entry(SIGNS.get(status, status), meaning=listing(list(filter(None, values))), link=f"part-{engine}")
+
+    table = Table(
+        columns=("Property", *engines),
+        numeric=(False,) * (1 + len(engines)),
+        rows=tuple((Entry(name, meaning=DOES[name]), *(cell(engine, name) for engine in engines)) for name in PROPERTIES),
+        failed=(False,) * len(PROPERTIES),
+        notes=("A cell has the status that matters most among the methods of the engine.",),
+        keys=1,
+    )
+    return Part(OVERVIEW, "All engines", (), (), (("Properties by engine", table),))
+
+
+def _engine(name: str, facts: Facts, rows: Sequence[Row]) -> Part:
+    said = f"Read from the engine, not probed: {facts.text}." if facts.text else ""
+    stated = f"{name} {rows[0].version} says that it computes in {facts.precision}. {said}".rstrip()
+    texts = tuple(f"{HEADINGS[one.status]}, it {one.text}" for one in sentences(rows))
+    return Part(
+        name=name,
+        title=f"{name} {rows[0].version}",
+        texts=(stated, *(texts or ("Nothing was found that mechanics does not have.",))),
+        charts=(),
+        tables=(
+            *((("Findings", _findings(rows)),) if texts else ()),
+            ("All properties by method", _properties(rows)),
+        ),
+    )
+
+
+def _findings(rows: Sequence[Row]) -> Table:
+    found = [row for row in rows if is_finding(row)]
+    return Table(
+        columns=("Method", "Property", "Value", "Unit", "Expected", "Status", "Error of the flip, rad", "Reason"),
+        numeric=(False, False, True, False, False, False, True, False),
+        rows=tuple(
+            (
+                *(Entry(row.integrator), Entry(row.property, meaning=DOES[row.property])),
+                *(Entry(number(row.value, 4), row.value), Entry(row.unit), Entry(row.expected), Entry(row.status)),
+                *(Entry(number(row.attitude_error, 3), row.attitude_error), Entry(row.probe)),
+            )
+            for row in found
+        ),
+        failed=tuple(row.status == "deviates" for row in found),
+        notes=("The reason is the probe and what it saw. Coloured rows are no defaults.",),
+    )
+
+
+def _properties(rows: Sequence[Row]) -> Table:
+    """Return the table of properties by method; methods that are alike in all of them share a column."""
+    methods: dict[str, dict[Property, list[Row]]] = defaultdict(lambda: defaultdict(list))
+    for row in rows:
+        methods[row.integrator][row.property].append(row)
+    columns: dict[tuple[Entry, ...], list[str]] = defaultdict(list)
+    for method, own in methods.items():
+        columns[tuple(_cell(own[name]) for name in PROPERTIES)].append(method)
+    return Table(
+        columns=("Property", *(listing(names) for names in columns.values())),
+        numeric=(False,) * (1 + len(columns)),
+        rows=tuple(
+            (Entry(name, meaning=DOES[name]), *(cells[place] for cells in columns)) for place, name in enumerate(PROPERTIES)
+        ),
+        failed=(False,) * len(PROPERTIES),
+        notes=(),
+        keys=1,
+    )
+
+
+def _cell(rows: Sequence[Row]) -> Entry:
+    """Return the cell of a property of a method, which several probes may tell of."""
+    found = [row for row in rows if is_finding(row)]
+    if found:
+        return Entry(listing(list(dict.fromkeys(value(row) or "found" for row in found))), meaning=found[0].probe)
+    status = next((one for one in WORST if one in {row.status for row in rows}), "not-probed")
+    return Entry(SIGNS[status], meaning=next((row.probe for row in rows if row.status == status), ""))

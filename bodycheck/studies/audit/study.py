@@ -1,0 +1,305 @@
+"""Audit methods: make every probe of each in the processes where its engine lives, and say what was found.
+
+Every probe of a method is a call of its own, and its answer is recorded when it ends, so that an interrupted audit can be
+resumed, and a probe whose process dies leaves the others as they are.
+"""
+
+import math
+import sys
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import closing, contextmanager
+from dataclasses import asdict, dataclass, fields
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from bodycheck.adapters.contract import Engine, Method
+from bodycheck.adapters.offers import chosen
+from bodycheck.casefile.case import Case, load
+from bodycheck.judging.discrepancy import compare
+from bodycheck.reference.truth import NoTruth, Truth
+from bodycheck.running import csv_tables, journal, pool
+from bodycheck.running.campaign import TruthTask, perform, perform_run
+from bodycheck.running.engines import home
+from bodycheck.running.header import Header
+from bodycheck.running.origin import Origins
+from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
+from bodycheck.running.plan import Task, check, refuse_nothing
+from bodycheck.studies.audit import nondeterminism
+from bodycheck.studies.audit.calls import Call, Found, make
+from bodycheck.studies.audit.probe import Finding
+from bodycheck.studies.audit.probes import PROBES
+from bodycheck.studies.audit.rows import PROPERTIES, Facts, Fault, Row, Status
+
+if TYPE_CHECKING:
+    from bodycheck.running.campaign import Advance
+
+#: Time limit of one probe, which may make many flights in an engine that compiles each.
+TIME_LIMIT_S = 300.0
+
+#: The file with the records of the study.
+RECORDS = "audit.jsonl"
+
+#: The shipped case whose flight shows what a method does, and the name of that flight in records.
+FLIP = "intermediate-axis-flip"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """The methods to audit.
+
+    Parameters
+    ----------
+    engines
+        The records of the engines by name.
+    methods
+        The name of the engine and the method, in the order of the table.
+    flip
+        The case whose flight shows what a method does.
+    """
+
+    engines: Mapping[str, Engine]
+    methods: tuple[tuple[str, Method], ...]
+    flip: Case
+
+    @property
+    def probes(self) -> tuple[Call, ...]:
+        """The calls of all probes of all methods."""
+        names = (*PROBES, nondeterminism.NAME)
+        return tuple(_call(engine, method, name) for engine, method in self.methods for name in names)
+
+    @property
+    def elsewhere(self) -> tuple[Call, ...]:
+        """The calls that are made in processes of their own, in which the methods have another order."""
+        return tuple(_call(engine, method, nondeterminism.ELSEWHERE) for engine, method in reversed(self.methods))
+
+    @property
+    def flips(self) -> tuple[Task, ...]:
+        """The flights that show what the methods do."""
+        return tuple(Task(self.flip, engine, method) for engine, method in self.methods)
+
+    @property
+    def size(self) -> int:
+        """The number of all calls."""
+        return len(self.probes) + len(self.elsewhere) + len(self.flips)
+
+
+@dataclass(frozen=True)
+class Audit:
+    """What an audit found: the rows in the order of the plan, and the probes that gave no answer."""
+
+    rows: tuple[Row, ...]
+    faults: tuple[Fault, ...]
+
+
+#: What became of the calls of a method, by the name of the probe.
+Answers = dict[str, Found | Fault]
+
+
+def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep: float) -> Plan:
+    """Return the methods to audit.
+
+    Parameters
+    ----------
+    engines
+        The records of the engines by name.
+    integrators
+        Spellings of methods; all that the engines offer in free flight if it is empty.
+    timestep
+        The time step (s).
+
+    Raises
+    ------
+    BadInput
+        If no engine has an integrator, the time step is not possible, or there is nothing to audit.
+    """
+    flip = load(FLIP)
+    check([flip], engines, integrators, (timestep,))
+    methods = tuple(
+        (name, Method.parse(integrator, timestep))
+        for name, engine in engines.items()
+        for integrator in chosen(engine, flip.scene, integrators)
+    )
+    refuse_nothing(methods, engines, integrators)
+    return Plan(engines, methods, flip)
+
+
+def facts(engines: Mapping[str, Engine]) -> dict[str, Facts]:
+    """Return what engines say of themselves, by their names."""
+    return {name: Facts(engine.precision, dict(engine.defaults)) for name, engine in engines.items()}
+
+
+@contextmanager
+def results(
+    planned: Plan, folder: Path, head: Header, jobs: int, progress: "Advance", limit: float = TIME_LIMIT_S
+) -> Iterator[Audit]:
+    """Make the probes of a plan, and provide what they found.
+
+    If the folder contains the same audit, interrupted, its probes are not repeated. The audit counts as interrupted until the
+    context ends.
+
+    Parameters
+    ----------
+    planned
+        The methods.
+    folder
+        The folder for the records.
+    head
+        The header of the records.
+    jobs
+        The number of processes.
+    progress
+        A function that is called with a text after each probe.
+    limit
+        The time limit of one probe (s).
+
+    Raises
+    ------
+    BadJournal
+        If another process is writing to the folder.
+    """
+    told = {name: asdict(own) for name, own in facts(planned.engines).items()}
+    with journal.resume(folder / RECORDS, {**head, "facts": told, "identity": _identity(planned, head, limit)}) as log:
+        answers = _read(log.records)
+        if log.records:
+            print(f"bodycheck: resuming the interrupted audit in {folder}", file=sys.stderr)
+            progress("", len(log.records))
+        for name, calls in (("probe", planned.probes), ("elsewhere", planned.elsewhere)):
+            left = [call for call in calls if call.probe not in answers[call.engine, call.integrator]]
+            for call, found in _answered(left, jobs, limit):
+                log.add({"record": name, **asdict(call), **_recorded(found)})
+                answers[call.engine, call.integrator][call.probe] = found
+                progress(f"{call.engine} {call.integrator} · {call.probe}")
+        for task, found in _flown(planned, answers, jobs, limit):
+            log.add({"record": "flip", **asdict(_call(task.engine, task.method, FLIP)), **_recorded(found)})
+            answers[task.engine, task.method.name][FLIP] = found
+            progress(f"{task.engine} {task.method.name} · {FLIP}")
+        yield judged(planned, answers)
+
+
+def judged(planned: Plan, answers: Mapping[tuple[str, str], Answers]) -> Audit:
+    """Return the rows and faults of a plan from what became of the calls of each method, by engine and integrator."""
+    rows: list[Row] = []
+    faults: list[Fault] = []
+    for engine, method in planned.methods:
+        own = answers[engine, method.name]
+        faults += [answer for answer in own.values() if isinstance(answer, Fault)]
+        rows += _rows(planned.engines[engine], engine, method, own)
+    return Audit(tuple(rows), tuple(faults))
+
+
+def status_of(engine: Engine, method: Method, finding: Finding) -> Status:
+    """Return the status of what a probe says.
+
+    What was found is a default where a user gets it without asking for it: of the method that stands for the engine's own
+    settings (`settings=engine`), of the engine's own integrator if its settings are those of mechanics anyway, so that its
+    adapter has no such option, and of any method where the engine says itself that it has this property.
+    """
+    if finding.verdict != "found":
+        return finding.verdict
+    own = next((one for one in engine.integrators if one.name == method.integrator), None)
+    settles = own is not None and "settings" in own.options
+    by_default = engine.defaults.get("integrator") == method.integrator and not method.options and not settles
+    stated = finding.property in engine.defaults or (finding.property == "single-precision" and engine.precision == "float32")
+    return "default" if method.option("settings") == "engine" or by_default or stated else "deviates"
+
+
+def write(rows: Iterable[Row], folder: Path, origins: Origins) -> None:
+    """Write audit.csv into a folder, with where its numbers come from."""
+    csv_tables.write(folder / "audit.csv", [field.name for field in fields(Row)], map(asdict, rows), origins)
+
+
+def _call(engine: str, method: Method, probe: str) -> Call:
+    return Call(engine, method.name, method.timestep, probe)
+
+
+def _answered(calls: Sequence[Call], jobs: int, limit: float) -> Iterator[tuple[Call, Found | Fault]]:
+    with closing(pool.call_all(make, calls, jobs, limit, group=lambda call: call.engine, home=home)) as answers:
+        for call, answer in answers:
+            if isinstance(answer, Crashed | TimedOut):
+                yield call, Fault(call.engine, call.integrator, call.probe, answer.reason)
+            else:
+                yield call, answer
+
+
+def _flown(
+    planned: Plan, answers: Mapping[tuple[str, str], Answers], jobs: int, limit: float
+) -> Iterator[tuple[Task, Found | Fault]]:
+    """Yield the flips that are not recorded yet, with the errors of their attitudes."""
+    left = [task for task in planned.flips if FLIP not in answers[task.engine, task.method.name]]
+    if not left:
+        return
+    timestep = left[0].method.timestep
+    with pool.caller(perform, limit) as call:
+        computed = call(TruthTask(planned.flip, (timestep,)))
+    truth = computed[timestep] if isinstance(computed, dict) else None
+    with closing(pool.call_all(perform_run, left, jobs, limit, group=lambda task: task.engine, home=home)) as runs:
+        for task, run in runs:
+            outcome = run.outcome if isinstance(run, Run) else run
+            if isinstance(outcome, Crashed | TimedOut):
+                yield task, Fault(task.engine, task.method.name, FLIP, outcome.reason)
+            else:
+                yield task, Found(attitude_error=_attitude_error(truth, run))
+
+
+def _attitude_error(truth: Truth | NoTruth | None, run: Run | Crashed | TimedOut) -> float | None:
+    """Return the largest error (rad) of the attitude of a run; None if it did not end or has no truth."""
+    if not (isinstance(truth, Truth) and isinstance(run, Run) and isinstance(run.outcome, Completed)):
+        return None
+    return compare(truth, run).maxima().get("attitude_error")
+
+
+def _rows(engine: Engine, name: str, method: Method, answers: Answers) -> list[Row]:
+    """Return the rows of a method: one for each finding of its probes, and one for each property without any."""
+    found = [finding for answer in answers.values() if isinstance(answer, Found) for finding in answer.findings]
+    flights = {
+        when: states for answer in answers.values() if isinstance(answer, Found) for when, states in answer.flights.items()
+    }
+    if len(flights) > 1:
+        found.append(nondeterminism.judged(flights))
+    silent = "; ".join(f"{one.probe}: {one.reason}" for one in answers.values() if isinstance(one, Fault))
+    for missing in PROPERTIES:
+        if missing not in {finding.property for finding in found}:
+            found.append(Finding(missing, silent or "no probe looks for it", "not-probed"))
+    flip = answers.get(FLIP)
+    error = flip.attitude_error if isinstance(flip, Found) else None
+    rows = []
+    for finding in sorted(found, key=lambda one: PROPERTIES.index(one.property)):
+        status = status_of(engine, method, finding)
+        rows.append(
+            Row(
+                *(name, engine.version, method.name, method.timestep, finding.property),
+                *(_finite(finding.value), finding.unit, finding.expected, status, finding.probe),
+                attitude_error=error if status in ("default", "deviates") else None,
+            )
+        )
+    return rows
+
+
+def _finite(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None
+
+
+def _recorded(answer: Found | Fault) -> dict[str, Any]:
+    return {"fault": answer.reason} if isinstance(answer, Fault) else {"found": asdict(answer)}
+
+
+def _read(records: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], Answers]:
+    """Return what became of recorded calls, by engine and integrator."""
+    answers: dict[tuple[str, str], Answers] = defaultdict(dict)
+    for record in records:
+        engine, integrator, probe = record["engine"], record["integrator"], record["probe"]
+        if "fault" in record:
+            answers[engine, integrator][probe] = Fault(engine, integrator, probe, record["fault"])
+        else:
+            told = record["found"]
+            findings = tuple(Finding(**finding) for finding in told["findings"])
+            answers[engine, integrator][probe] = Found(findings, told["flights"], told["attitude_error"])
+    return answers
+
+
+def _identity(planned: Plan, head: Header, limit: float) -> str:
+    """Return a digest of everything that determines the results, regardless of the machine and the command."""
+    versions = [head["bodycheck"], head["packages"], head["engines"]]
+    return sha256(repr((versions, limit, planned.methods, planned.flip, tuple(PROBES))).encode("utf-8")).hexdigest()

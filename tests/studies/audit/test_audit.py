@@ -1,0 +1,202 @@
+"""The audit as a study and a command: its table, its exit codes, flights that are repeated, and probes that give no answer."""
+
+import csv
+import json
+from collections.abc import Iterator
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from bodycheck.adapters.contract import Engine, Integrator, Method, choice
+from bodycheck.studies.audit import nondeterminism, study
+from bodycheck.studies.audit.probe import Finding
+from bodycheck.studies.audit.rows import PROPERTIES, Row
+from tests.support.commands import bodycheck
+from tests.support.planted_engines import plant
+from tests.support.processes import calls_here
+
+#: An engine that is stepped by semi-implicit Euler, up to how it spoils the state from which it starts.
+STEPPED = """
+import os
+import numpy as np
+from dataclasses import replace
+from bodycheck.adapters.contract import single
+from bodycheck.reference.requirements import Requirements
+
+engine = replace(RECORD, models=frozenset(Requirements.__annotations__))
+
+class Stepped:
+    def __init__(self, scene, timestep):
+        self.scene, self.h = scene, timestep
+        start = scene.initial
+        self.state = np.array([*start.position, *start.quaternion, *start.velocity, *start.angular_velocity])
+
+    def step(self):
+        row, h, moments = self.state, self.h, np.array(self.scene.body.moments)
+        spin = row[10:] + h * np.cross(moments * row[10:], row[10:]) / moments
+        velocity = row[7:10] - [0, 0, h * self.scene.gravity]
+        turn = np.concatenate([[0.0], spin])
+        w, x, y, z = row[3:7]
+        product = np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]]) @ turn
+        quaternion = row[3:7] + 0.5 * h * product
+        quaternion /= np.linalg.norm(quaternion)
+        self.state = np.concatenate([row[:3] + h * velocity, quaternion, velocity, spin])
+
+    def advance(self, strides):
+        rows = []
+        for stride in strides.tolist():
+            for _ in range(stride):
+                self.step()
+            rows.append(self.state.copy())
+        return single(np.array(rows))
+
+def prepare(scenes, method):
+    simulation = Stepped(scenes[0], method.timestep)
+    spoil(simulation)
+    return simulation
+"""
+
+CLEAN = STEPPED + "\ndef spoil(simulation):\n    pass\n"
+
+RANDOM = STEPPED + "\ndef spoil(simulation):\n    simulation.state[0] += 1e-6 * np.random.default_rng().random()\n"
+
+KEEPING = STEPPED + "\nKEPT = []\n\ndef spoil(simulation):\n    simulation.state[8] += 1e-7 * len(KEPT)\n    KEPT.append(1)\n"
+
+#: Its numbers depend on its process, and are the same whenever it is asked there.
+ELSEWHERE = STEPPED + "\ndef spoil(simulation):\n    simulation.state[10] += 1e-9 * os.getpid()\n"
+
+#: Dies in the flight of the light body that the probe of nondeterminism makes in between.
+DYING = STEPPED + "\ndef spoil(simulation):\n    if simulation.scene.body.mass == 0.4:\n        os._exit(7)\n"
+
+
+@pytest.fixture
+def planted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Engines that are stepped in the same way, four of which are spoilt."""
+    engines = {"clean": CLEAN, "random": RANDOM, "keeping": KEEPING, "elsewhere": ELSEWHERE, "dying": DYING}
+    plant(tmp_path / "engines", engines)
+    monkeypatch.syspath_prepend(tmp_path / "engines")
+
+
+@pytest.fixture
+def here() -> Iterator[None]:
+    with calls_here():
+        yield
+
+
+def rows_of(text: str) -> dict[tuple[str, str], dict[str, object]]:
+    """The rows of a document by engine and property; of several about one property the last."""
+    return {(row["engine"], row["property"]): row for row in json.loads(text)["rows"]}
+
+
+def test_json_has_the_rows_of_the_table_with_every_property(planted: None, here: None, tmp_path: Path) -> None:
+    done = bodycheck("audit", "clean", "--json", "--out", tmp_path / "out")
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)["rows"]
+    with (tmp_path / "out" / "audit.csv").open(newline="") as file:
+        table = list(csv.reader(file))
+    assert table[0] == [field.name for field in fields(Row)]
+    assert ",".join(table[0]) == ("engine,version,integrator,timestep,property,value,unit,expected,status,probe,attitude_error")
+    assert table[1:] == [["" if value is None else str(value) for value in row.values()] for row in told]
+    assert list(dict.fromkeys(row["property"] for row in told)) == list(PROPERTIES)
+    # What the method does to the flip stands with its findings alone.
+    assert all((row["attitude_error"] is not None) == (row["status"] in ("default", "deviates")) for row in told)
+
+
+def test_a_report_is_written_again_from_what_was_saved(planted: None, here: None, tmp_path: Path) -> None:
+    assert bodycheck("audit", "clean", "random", "--quiet", "--out", tmp_path / "out").returncode == 0
+    page = (tmp_path / "out" / "report.md").read_text("utf-8")
+    (tmp_path / "out" / "report.md").unlink()
+    assert bodycheck("report", tmp_path / "out").returncode == 0
+    assert (tmp_path / "out" / "report.md").read_text("utf-8") == page
+
+
+def test_flights_that_are_repeated_show_what_is_random_or_kept(planted: None, tmp_path: Path) -> None:
+    done = bodycheck("audit", "clean", "random", "keeping", "elsewhere", "--json", "--jobs", 2)
+    assert done.returncode == 0, done.stderr
+    found = {engine: row for (engine, name), row in rows_of(done.stdout).items() if name == "nondeterminism"}
+    assert (found["clean"]["status"], found["clean"]["value"]) == ("none", 0.0)
+    assert {found[name]["status"] for name in ("random", "keeping", "elsewhere")} == {"deviates"}
+    assert 0 < float(str(found["random"]["value"])) < 1.0
+    # The velocity keeps its error of 1e-7 m/s for each flight that the process made before, of which there are a few.
+    assert float(str(found["keeping"]["value"])) >= 1e-7
+    assert "in another process" in str(found["elsewhere"]["probe"])
+
+
+def test_a_probe_whose_process_dies_leaves_the_other_rows(planted: None, tmp_path: Path) -> None:
+    done = bodycheck("audit", "dying", "clean", "--json", "--jobs", 2, "--out", tmp_path / "out")
+    assert done.returncode == 1
+    assert "dying step: the probe nondeterminism gave no answer: its process exited with code 7" in done.stderr
+    rows = rows_of(done.stdout)
+    lost = rows["dying", "nondeterminism"]
+    assert lost["status"] == "not-probed"
+    assert "its process exited with code 7" in str(lost["probe"])
+    assert [name for engine, name in rows if engine == "dying"] == list(PROPERTIES)
+    assert rows["clean", "nondeterminism"]["status"] == "none"
+    assert "exited with code 7" in (tmp_path / "out" / "report.md").read_text("utf-8")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("cleen",), "there is no engine 'cleen'"),
+        (("clean", "--integrator", "RK4"), "no engine has an integrator 'RK4'"),
+        (("clean", "--timestep", "0"), "must be positive"),
+        (("clean", "--timestep", "soon"), "soon"),
+        (("clean", "--columns", "values"), "there is no column 'values'"),
+    ],
+)
+def test_bad_input_is_refused(planted: None, here: None, arguments: tuple[str, ...], told: str) -> None:
+    done = bodycheck("audit", *arguments)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert told in done.stderr
+
+
+def test_an_interrupted_audit_resumes_and_makes_no_probe_again(
+    planted: None, here: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = bodycheck("audit", "clean", "--json", "--out", tmp_path / "out")
+    journal = tmp_path / "out" / study.RECORDS
+    *lines, _ = journal.read_bytes().splitlines(keepends=True)
+    journal.write_bytes(b"".join(lines))  # without its footer
+    monkeypatch.setattr(study, "make", None)
+    again = bodycheck("audit", "clean", "--json", "--out", tmp_path / "out")
+    assert "resuming the interrupted audit" in again.stderr
+    assert again.stdout == whole.stdout
+
+
+SETTLED = Integrator("euler", options={"settings": choice("engine")})
+
+
+@pytest.mark.parametrize(
+    ("spelling", "name", "precision", "defaults", "status"),
+    [
+        ("euler", "angular-damping", "float64", {}, "deviates"),
+        ("euler:settings=engine", "angular-damping", "float64", {}, "default"),
+        ("euler", "angular-damping", "float64", {"angular-damping": "0.05 1/s"}, "default"),
+        # The settings of this integrator can be switched off, and are: it is not what a user gets.
+        ("euler", "angular-damping", "float64", {"integrator": "euler"}, "deviates"),
+        ("rk4", "energy-per-turn", "float64", {"integrator": "rk4"}, "default"),
+        ("rk4", "single-precision", "float32", {}, "default"),
+        ("rk4", "single-precision", "float64", {}, "deviates"),
+    ],
+)
+def test_what_users_get_without_asking_is_a_default(
+    spelling: str, name: str, precision: str, defaults: dict[str, str], status: str
+) -> None:
+    engine = Engine(
+        *("toy", "toy", "1.0", (SETTLED, Integrator("rk4")), frozenset()),
+        precision=precision,  # type: ignore[arg-type]
+        defaults=defaults,
+    )
+    method = Method.parse(spelling, 0.002)
+    assert study.status_of(engine, method, Finding(name, "probe", "found", 1.0)) == status  # type: ignore[arg-type]
+    assert study.status_of(engine, method, Finding(name, "probe", "none")) == "none"  # type: ignore[arg-type]
+
+
+def test_a_flight_that_ends_in_no_number_differs_without_a_size() -> None:
+    steady, lost = [[1.0] * 13], [[float("nan")] * 13]
+    same = nondeterminism.judged({"first": lost, "at once": lost})
+    other = nondeterminism.judged({"first": steady, "at once": lost})
+    assert (same.verdict, other.verdict, other.value) == ("none", "found", None)
+    assert nondeterminism.judged({"first": steady, "at once": "it refuses"}).verdict == "not-probed"
