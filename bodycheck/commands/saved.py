@@ -24,7 +24,7 @@ from bodycheck.running.store import Results
 from bodycheck.studies.ablation import page as ablation
 from bodycheck.studies.ablation.rows import Change, ModelRow
 from bodycheck.studies.audit import page as audit
-from bodycheck.studies.audit.rows import Facts, Fault
+from bodycheck.studies.audit.rows import Facts, Fault, read_classes
 from bodycheck.studies.audit.rows import Row as AuditRow
 from bodycheck.studies.extremes import page as extremes
 from bodycheck.studies.extremes.rows import Limit, Row
@@ -186,7 +186,8 @@ def _audit(folder: Path) -> StudyReport:
     names = ("engine", "integrator", "probe")
     silent = [record for record in contents.records if "fault" in record]
     faults = [records.typed(Fault, {name: one[name] for name in names} | {"reason": one["fault"]}) for one in silent]
-    return audit.present(header, facts, rows, faults)
+    (classed,) = (read_classes(record) for record in contents.records if record["record"] == "classes")
+    return audit.present(header, facts, rows, faults, classed)
 
 
 def _dated(report: StudyReport, header: Mapping[str, Any], figures: Collection[str]) -> StudyReport:

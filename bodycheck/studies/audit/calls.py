@@ -1,10 +1,13 @@
-"""What a worker process does of an audit: one probe of one method."""
+"""What a worker process does of an audit: one probe of one method, or one run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
 
 from bodycheck.adapters import registry
+from bodycheck.running.campaign import perform_run
+from bodycheck.running.outcome import Run
+from bodycheck.running.plan import Task
 from bodycheck.studies.audit import nondeterminism
 from bodycheck.studies.audit.flights import Pilot
 from bodycheck.studies.audit.probe import Finding
@@ -40,8 +43,10 @@ class Found:
     attitude_error: float | None = None
 
 
-def make(call: Call) -> Found:
-    """Make a probe. Exceptions of the engine are passed on."""
+def make(call: Call | Task) -> Found | Run:
+    """Make a probe, or a run. Exceptions of the engine in a probe are passed on."""
+    if isinstance(call, Task):
+        return perform_run(call)
     pilot = _pilot(call.engine, call.integrator, call.timestep)
     if call.probe == nondeterminism.NAME:
         return Found(flights=nondeterminism.repeated(pilot))

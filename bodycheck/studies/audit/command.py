@@ -59,14 +59,15 @@ def audit(
         progress = stack.enter_context(terminal.progress("auditing", planned.size, quiet))
         found = stack.enter_context(study.results(planned, folder, head, processes(jobs), progress))
         if out is not None:
-            study.write(found.rows, out, [origin.origin(head, {planned.flip.name: planned.flip.text})])
-            reports.write_study(present(head, facts, found.rows, found.faults), out)
+            study.write(found, out, [origin.origin(head, {planned.flip.name: planned.flip.text})])
+            reports.write_study(present(head, facts, found.rows, found.faults, found.classes), out)
     if json:
-        terminal.print_json({"rows": [asdict(row) for row in found.rows]})
+        terminal.print_json({"rows": list(map(asdict, found.rows)), "classes": [row.record for row in found.classes.rows]})
     elif not quiet:
         printing.print_findings(found.rows, facts)
         if table or view != AS_USUAL:
             printing.print_rows(found.rows, view)
+        printing.print_classes(found.classes)
         tell(printing.summary(found.rows))
     for fault in found.faults:
         print(f"bodycheck: {fault.text}", file=sys.stderr)

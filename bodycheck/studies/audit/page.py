@@ -5,16 +5,21 @@ from collections.abc import Mapping, Sequence
 
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.notices import missing_engines
-from bodycheck.reports.quantities import count, listing, milliseconds, number
+from bodycheck.reports.quantities import bound, count, listing, milliseconds, number
+from bodycheck.reports.same_algorithm import WORDS
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.running.header import Header
+from bodycheck.studies.audit.classes import Classes
 from bodycheck.studies.audit.probe import Property
 from bodycheck.studies.audit.rows import PROPERTIES, Facts, Fault, Row, Status, is_finding
-from bodycheck.studies.audit.wording import DOES, HEADINGS, sentences, value
+from bodycheck.studies.audit.wording import DOES, HEADINGS, method_classes, sentences, value
 
 #: The name of the part with all engines beside each other.
 OVERVIEW = "properties"
+
+#: The name of the part with the methods that are the same algorithm.
+CLASSES = "classes"
 
 #: What stands in a cell for a row that is no finding.
 SIGNS: dict[str, str] = {"none": "–", "not-probed": "?"}
@@ -37,7 +42,9 @@ READING = (
 )
 
 
-def present(header: Header, facts: Mapping[str, Facts], rows: Sequence[Row], faults: Sequence[Fault]) -> StudyReport:
+def present(
+    header: Header, facts: Mapping[str, Facts], rows: Sequence[Row], faults: Sequence[Fault], classes: Classes
+) -> StudyReport:
     """Return the contents of the report.
 
     Parameters
@@ -50,6 +57,8 @@ def present(header: Header, facts: Mapping[str, Facts], rows: Sequence[Row], fau
         The rows, in the order of the study.
     faults
         The probes that gave no answer.
+    classes
+        The classes of equal methods.
     """
     engines: dict[str, list[Row]] = defaultdict(list)
     for row in rows:
@@ -65,6 +74,7 @@ def present(header: Header, facts: Mapping[str, Facts], rows: Sequence[Row], fau
         findings=tuple(_by_property(rows)),
         parts=(
             *((_overview(engines),) if len(engines) > 1 else ()),
+            *((_classes(classes),) if classes.rows else ()),
             *(_engine(name, facts[name], own) for name, own in engines.items()),
         ),
         reading=READING,
@@ -102,6 +112,33 @@ def _overview(engines: Mapping[str, Sequence[Row]]) -> Part:
         keys=1,
     )
     return Part(OVERVIEW, "All engines", (), (), (("Properties by engine", table),))
+
+
+def _classes(classes: Classes) -> Part:
+    """Return the part with the methods that are the same algorithm."""
+    found = method_classes(classes)
+    table = Table(
+        columns=("Scenes", "Algorithm", "Methods", "Difference"),
+        numeric=(False, False, False, True),
+        rows=tuple(
+            (
+                *(Entry(WORDS[one.kind]), Entry(one.name), Entry(listing(one.methods))),
+                Entry(bound(one.distance, 2) if len(one.methods) > 1 else "–", one.distance),
+            )
+            for one in found
+        ),
+        failed=(False,) * len(found),
+        notes=(
+            "The difference is the largest of two motions in the class. An algorithm is named if the motions are those of a "
+            "textbook scheme.",
+        ),
+    )
+    left: dict[str, list[str]] = defaultdict(list)
+    for one in classes.unclassed:
+        left[f"{WORDS[one.kind]}: {one.reason}"].append(f"{one.engine} {one.integrator}")
+    text = "Methods in one row are the same algorithm: their motions agree to the precision of their arithmetic."
+    without = [f"In no class, {reason}: {listing(methods)}." for reason, methods in left.items()]
+    return Part(CLASSES, "Equal methods", (text, *without), (), (("Classes of methods", table),))
 
 
 def _engine(name: str, facts: Facts, rows: Sequence[Row]) -> Part:

@@ -5,9 +5,11 @@ from collections.abc import Mapping, Sequence
 from bodycheck.console.options import View
 from bodycheck.console.output import bold, say, tell
 from bodycheck.console.tables import Column, attribute, show
-from bodycheck.reports.quantities import count, listing
+from bodycheck.reports.quantities import bound, count, listing
+from bodycheck.reports.same_algorithm import WORDS
+from bodycheck.studies.audit.classes import Classes
 from bodycheck.studies.audit.rows import Facts, Row, is_finding
-from bodycheck.studies.audit.wording import HEADINGS, sentences
+from bodycheck.studies.audit.wording import HEADINGS, method_classes, sentences
 
 #: The columns of the table of rows.
 ROWS: tuple[Column[Row], ...] = (
@@ -47,6 +49,18 @@ def print_findings(rows: Sequence[Row], facts: Mapping[str, Facts]) -> None:
 def print_rows(rows: Sequence[Row], view: View) -> None:
     """Print one line for each property of each method."""
     show(ROWS, rows, view)
+
+
+def print_classes(found: Classes) -> None:
+    """Print the classes of several methods that are the same algorithm."""
+    several = [one for one in method_classes(found) if len(one.methods) > 1]
+    if several:
+        say("")
+        bold("the same algorithm")
+    for one in several:
+        tell(f"  {WORDS[one.kind]}, {one.name}: {listing(one.methods)} (to {bound(one.distance, 1)})", "    ")
+    if several:
+        say("")
 
 
 def summary(rows: Sequence[Row]) -> str:

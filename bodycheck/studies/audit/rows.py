@@ -1,8 +1,11 @@
 """The rows of the audit, which its table and its report contain, and what an engine says of itself."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
+from bodycheck.running import records
+from bodycheck.studies.audit.classes import Classes, ClassRow, Unclassed
 from bodycheck.studies.audit.probe import Property
 
 #: The properties, in the order in which they are listed.
@@ -88,3 +91,11 @@ class Fault:
     def text(self) -> str:
         """The fault as a sentence without a full stop."""
         return f"{self.engine} {self.integrator}: the probe {self.probe} gave no answer: {self.reason}"
+
+
+def read_classes(record: Mapping[str, Any]) -> Classes:
+    """Return recorded classes. Raises `ValueError` for a record that has not what is read of it."""
+    return Classes(
+        tuple(records.typed(ClassRow, row) for row in record["rows"]),
+        tuple(records.typed(Unclassed, one) for one in record["unclassed"]),
+    )

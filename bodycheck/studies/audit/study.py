@@ -18,19 +18,20 @@ from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.offers import chosen
 from bodycheck.casefile.case import Case, load
 from bodycheck.judging.discrepancy import compare
-from bodycheck.reference.truth import NoTruth, Truth
+from bodycheck.reference.truth import Truth
 from bodycheck.running import csv_tables, journal, pool
-from bodycheck.running.campaign import TruthTask, perform, perform_run
+from bodycheck.running.campaign import TruthTask, perform
 from bodycheck.running.engines import home
 from bodycheck.running.header import Header
 from bodycheck.running.origin import Origins
 from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
 from bodycheck.running.plan import Task, check, refuse_nothing
-from bodycheck.studies.audit import nondeterminism
+from bodycheck.studies.audit import classes, nondeterminism
 from bodycheck.studies.audit.calls import Call, Found, make
+from bodycheck.studies.audit.classes import Classes
 from bodycheck.studies.audit.probe import Finding
 from bodycheck.studies.audit.probes import PROBES
-from bodycheck.studies.audit.rows import PROPERTIES, Facts, Fault, Row, Status
+from bodycheck.studies.audit.rows import PROPERTIES, Facts, Fault, Row, Status, read_classes
 
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
@@ -55,12 +56,15 @@ class Plan:
         The records of the engines by name.
     methods
         The name of the engine and the method, in the order of the table.
+    integrators
+        The spellings of methods that the user named.
     flip
         The case whose flight shows what a method does.
     """
 
     engines: Mapping[str, Engine]
     methods: tuple[tuple[str, Method], ...]
+    integrators: tuple[str, ...]
     flip: Case
 
     @property
@@ -81,16 +85,27 @@ class Plan:
 
     @property
     def size(self) -> int:
-        """The number of all calls."""
-        return len(self.probes) + len(self.elsewhere) + len(self.flips)
+        """The number of all calls and of the runs by which methods are classed."""
+        return len(self.probes) + len(self.elsewhere) + len(self.flips) + len(classes.tasks(self.engines, self.integrators))
 
 
 @dataclass(frozen=True)
 class Audit:
-    """What an audit found: the rows in the order of the plan, and the probes that gave no answer."""
+    """What an audit found.
+
+    Parameters
+    ----------
+    rows
+        The rows in the order of the plan.
+    faults
+        The probes that gave no answer.
+    classes
+        The classes of equal methods.
+    """
 
     rows: tuple[Row, ...]
     faults: tuple[Fault, ...]
+    classes: Classes
 
 
 #: What became of the calls of a method, by the name of the probe.
@@ -122,7 +137,7 @@ def prepare(engines: Mapping[str, Engine], integrators: Sequence[str], timestep:
         for integrator in chosen(engine, flip.scene, integrators)
     )
     refuse_nothing(methods, engines, integrators)
-    return Plan(engines, methods, flip)
+    return Plan(engines, methods, tuple(integrators), flip)
 
 
 def facts(engines: Mapping[str, Engine]) -> dict[str, Facts]:
@@ -164,21 +179,19 @@ def results(
         answers = _read(log.records)
         if log.records:
             print(f"bodycheck: resuming the interrupted audit in {folder}", file=sys.stderr)
-            progress("", len(log.records))
-        for name, calls in (("probe", planned.probes), ("elsewhere", planned.elsewhere)):
-            left = [call for call in calls if call.probe not in answers[call.engine, call.integrator]]
-            for call, found in _answered(left, jobs, limit):
-                log.add({"record": name, **asdict(call), **_recorded(found)})
-                answers[call.engine, call.integrator][call.probe] = found
-                progress(f"{call.engine} {call.integrator} · {call.probe}")
-        for task, found in _flown(planned, answers, jobs, limit):
-            log.add({"record": "flip", **asdict(_call(task.engine, task.method, FLIP)), **_recorded(found)})
-            answers[task.engine, task.method.name][FLIP] = found
-            progress(f"{task.engine} {task.method.name} · {FLIP}")
-        yield judged(planned, answers)
+            progress("", sum(map(len, answers.values())))
+        for call, found in _missing(planned, answers, jobs, limit):
+            log.add({"record": "probe", **asdict(call), **_recorded(found)})
+            answers[call.engine, call.integrator][call.probe] = found
+            progress(f"{call.engine} {call.integrator} · {call.probe}")
+        known = next((read_classes(record) for record in log.records if record["record"] == "classes"), None)
+        if known is None:
+            known = classes.measure(planned.engines, jobs, planned.integrators, progress)
+            log.add({"record": "classes", **asdict(known)})
+        yield Audit(*judged(planned, answers), known)
 
 
-def judged(planned: Plan, answers: Mapping[tuple[str, str], Answers]) -> Audit:
+def judged(planned: Plan, answers: Mapping[tuple[str, str], Answers]) -> tuple[tuple[Row, ...], tuple[Fault, ...]]:
     """Return the rows and faults of a plan from what became of the calls of each method, by engine and integrator."""
     rows: list[Row] = []
     faults: list[Fault] = []
@@ -186,7 +199,7 @@ def judged(planned: Plan, answers: Mapping[tuple[str, str], Answers]) -> Audit:
         own = answers[engine, method.name]
         faults += [answer for answer in own.values() if isinstance(answer, Fault)]
         rows += _rows(planned.engines[engine], engine, method, own)
-    return Audit(tuple(rows), tuple(faults))
+    return tuple(rows), tuple(faults)
 
 
 def status_of(engine: Engine, method: Method, finding: Finding) -> Status:
@@ -205,47 +218,52 @@ def status_of(engine: Engine, method: Method, finding: Finding) -> Status:
     return "default" if method.option("settings") == "engine" or by_default or stated else "deviates"
 
 
-def write(rows: Iterable[Row], folder: Path, origins: Origins) -> None:
-    """Write audit.csv into a folder, with where its numbers come from."""
-    csv_tables.write(folder / "audit.csv", [field.name for field in fields(Row)], map(asdict, rows), origins)
+def write(found: Audit, folder: Path, origins: Origins) -> None:
+    """Write audit.csv and classes.csv into a folder, with where their numbers come from."""
+    csv_tables.write(folder / "audit.csv", [field.name for field in fields(Row)], map(asdict, found.rows), origins)
+    csv_tables.write(folder / "classes.csv", classes.COLUMNS, (row.record for row in found.classes.rows), origins)
 
 
 def _call(engine: str, method: Method, probe: str) -> Call:
     return Call(engine, method.name, method.timestep, probe)
 
 
-def _answered(calls: Sequence[Call], jobs: int, limit: float) -> Iterator[tuple[Call, Found | Fault]]:
-    with closing(pool.call_all(make, calls, jobs, limit, group=lambda call: call.engine, home=home)) as answers:
-        for call, answer in answers:
-            if isinstance(answer, Crashed | TimedOut):
-                yield call, Fault(call.engine, call.integrator, call.probe, answer.reason)
-            else:
-                yield call, answer
-
-
-def _flown(
+def _missing(
     planned: Plan, answers: Mapping[tuple[str, str], Answers], jobs: int, limit: float
-) -> Iterator[tuple[Task, Found | Fault]]:
-    """Yield the flips that are not recorded yet, with the errors of their attitudes."""
-    left = [task for task in planned.flips if FLIP not in answers[task.engine, task.method.name]]
-    if not left:
-        return
-    timestep = left[0].method.timestep
+) -> Iterator[tuple[Call, Found | Fault]]:
+    """Make the calls that have no answer yet, and yield each with its answer.
+
+    Those of the second pass are made in processes other than those of the first.
+    """
+    first = [call for call in planned.probes if call.probe not in answers[call.engine, call.integrator]]
+    second = [call for call in planned.elsewhere if call.probe not in answers[call.engine, call.integrator]]
+    flips = [task for task in planned.flips if FLIP not in answers[task.engine, task.method.name]]
+    truth = _truth(planned, flips[0].method.timestep, limit) if flips else None
+    passes: tuple[list[Call | Task], ...] = ([*first], [*second, *flips])
+    for left in passes:
+        with closing(pool.call_all(make, left, jobs, limit, group=lambda one: one.engine, home=home)) as made:
+            for asked, answer in made:
+                call = asked if isinstance(asked, Call) else _call(asked.engine, asked.method, FLIP)
+                match answer:
+                    case Found():
+                        yield call, answer
+                    case Crashed() | TimedOut() | Run(outcome=Crashed() | TimedOut()):
+                        lost = answer.outcome if isinstance(answer, Run) else answer
+                        yield call, Fault(call.engine, call.integrator, call.probe, lost.reason)
+                    case Run():
+                        yield call, Found(attitude_error=_attitude_error(truth, answer))
+
+
+def _truth(planned: Plan, timestep: float, limit: float) -> Truth | None:
+    """Return the truth of the flip at the instants of engines with a time step (s); None if its computation failed."""
     with pool.caller(perform, limit) as call:
         computed = call(TruthTask(planned.flip, (timestep,)))
-    truth = computed[timestep] if isinstance(computed, dict) else None
-    with closing(pool.call_all(perform_run, left, jobs, limit, group=lambda task: task.engine, home=home)) as runs:
-        for task, run in runs:
-            outcome = run.outcome if isinstance(run, Run) else run
-            if isinstance(outcome, Crashed | TimedOut):
-                yield task, Fault(task.engine, task.method.name, FLIP, outcome.reason)
-            else:
-                yield task, Found(attitude_error=_attitude_error(truth, run))
+    return computed[timestep] if isinstance(computed, dict) else None
 
 
-def _attitude_error(truth: Truth | NoTruth | None, run: Run | Crashed | TimedOut) -> float | None:
+def _attitude_error(truth: Truth | None, run: Run) -> float | None:
     """Return the largest error (rad) of the attitude of a run; None if it did not end or has no truth."""
-    if not (isinstance(truth, Truth) and isinstance(run, Run) and isinstance(run.outcome, Completed)):
+    if truth is None or not isinstance(run.outcome, Completed):
         return None
     return compare(truth, run).maxima().get("attitude_error")
 
@@ -285,10 +303,12 @@ def _recorded(answer: Found | Fault) -> dict[str, Any]:
     return {"fault": answer.reason} if isinstance(answer, Fault) else {"found": asdict(answer)}
 
 
-def _read(records: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], Answers]:
+def _read(recorded: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], Answers]:
     """Return what became of recorded calls, by engine and integrator."""
     answers: dict[tuple[str, str], Answers] = defaultdict(dict)
-    for record in records:
+    for record in recorded:
+        if record["record"] == "classes":
+            continue
         engine, integrator, probe = record["engine"], record["integrator"], record["probe"]
         if "fault" in record:
             answers[engine, integrator][probe] = Fault(engine, integrator, probe, record["fault"])
@@ -302,4 +322,5 @@ def _read(records: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], Answers
 def _identity(planned: Plan, head: Header, limit: float) -> str:
     """Return a digest of everything that determines the results, regardless of the machine and the command."""
     versions = [head["bodycheck"], head["packages"], head["engines"]]
-    return sha256(repr((versions, limit, planned.methods, planned.flip, tuple(PROBES))).encode("utf-8")).hexdigest()
+    work = (planned.methods, planned.integrators, planned.flip, tuple(PROBES))
+    return sha256(repr((versions, limit, work)).encode("utf-8")).hexdigest()

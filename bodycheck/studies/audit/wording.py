@@ -4,7 +4,9 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from bodycheck.adapters.contract import Kind
 from bodycheck.reports.quantities import listing, number
+from bodycheck.studies.audit.classes import Classes
 from bodycheck.studies.audit.probe import Property
 from bodycheck.studies.audit.rows import PROPERTIES, Row, is_finding
 
@@ -54,6 +56,36 @@ class Sentence:
     status: str
     property: Property
     text: str
+
+
+@dataclass(frozen=True)
+class MethodClass:
+    """Methods, each with its engine, that are one algorithm in scenes of one kind.
+
+    Parameters
+    ----------
+    kind
+        The kind of the scenes.
+    name
+        The name of the class.
+    methods
+        The methods, each as engine and integrator.
+    distance
+        The largest difference of two motions in the class.
+    """
+
+    kind: Kind
+    name: str
+    methods: tuple[str, ...]
+    distance: float
+
+
+def method_classes(found: Classes) -> list[MethodClass]:
+    """Return classes with their methods, in their order."""
+    methods: dict[tuple[Kind, str, float], list[str]] = defaultdict(list)
+    for row in found.rows:
+        methods[row.kind, row.name, row.distance].append(f"{row.engine} {row.integrator}")
+    return [MethodClass(kind, name, tuple(own), distance) for (kind, name, distance), own in methods.items()]
 
 
 def sentences(rows: Iterable[Row]) -> list[Sentence]:
