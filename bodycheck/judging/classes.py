@@ -5,6 +5,7 @@ not with the truth. What rounding can explain is bounded by `scheme_rounding`, w
 precisions.
 """
 
+import math
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -28,6 +29,10 @@ EARLY_S, EARLY_STEPS = 2.0, 100
 
 #: Attitude difference (rad) from which on rounding may explain so much that motions are no longer compared.
 MOST_ROUNDING_RAD = 1e-2
+
+#: Difference of two programs after a first turn by an angle (rad), in units of roundoff divided by the angle: that of an angle
+#: which is found from its cosine, as half a turn with an error of two units.
+FIRST_TURN_ROUNDINGS = 4
 
 #: A scene tells methods apart if the motions of two schemes that differ in the gyroscopic torque alone are so many times
 #: farther apart than rounding can explain. In a spin about a principal axis they are the same.
@@ -67,9 +72,12 @@ class Motion:
     def allowed(self) -> Array:
         """The attitude differences (n,), in rad, that rounding can cause at the early instants.
 
-        They are those of semi-implicit Euler, in whose rates errors grow at least as fast as in the exact motion.
+        They are those of semi-implicit Euler, in whose rates errors grow at least as fast as in the exact motion, and those of
+        the first turn of an attitude that is kept as a rotation vector.
         """
-        return allowance(semi_implicit_euler, self.scene, self.timestep, self.early, self.roundoff)
+        grown = allowance(semi_implicit_euler, self.scene, self.timestep, self.early, self.roundoff)
+        first = math.hypot(*self.scene.initial.angular_velocity) * self.timestep
+        return grown + (FIRST_TURN_ROUNDINGS * self.roundoff / first if first else 0.0)
 
     @cached_property
     def tells(self) -> bool:
