@@ -231,6 +231,7 @@ class CaseItem(pytest.Item):
 
     def _explained(self, verdict: "Verdict") -> str:
         """Return the message of a failed test: what was expected and measured, where, and how to see all figures."""
+        from bodycheck.adapters.engine_name import in_words
         from bodycheck.judging.advice import steps
 
         run, shown = verdict.run, _user_path(self.path, self.config)
@@ -241,7 +242,7 @@ class CaseItem(pytest.Item):
             # The first line is what pytest's summary shows.
             "; ".join(f"{b.name} is {b.measured}, expected {b.expected}" for judged in broken for b in judged.breaches),
             "",
-            f"{self.case.name}, simulated by {run.engine} {run.version} ({method}) and compared with mechanics:",
+            f"{self.case.name}, simulated by {in_words(run.engine, run.version)} ({method}) and compared with mechanics:",
         ]
         for judged in broken:
             place = f"{shown}:{self.lines[self.case.expectations.index(judged.expectation)]}"

@@ -6,6 +6,7 @@ from importlib.metadata import version
 
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method, SceneUnsupported, Scripts
+from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case
 from bodycheck.errors import Failed
@@ -89,7 +90,7 @@ def script(case: Case, engine: str, integrator: str | None, timestep: float = DE
 def written(question: Question) -> str | NoScript:
     """Return the script of a run, or why there is none. The engine is imported here."""
     adapter, case, method = registry.load(question.engine), question.case, question.method
-    named = f"{question.engine} {adapter.engine.version}"
+    named = in_words(question.engine, adapter.engine.version)
     lacking = offers.not_offered(adapter.engine, case.scene, method) or offers.not_modelled(adapter.engine, case.scene)
     if lacking is not None:
         return NoScript(f"{named} {lacking}")

@@ -20,6 +20,7 @@ from bodycheck.adapters.contract import (
     Simulation,
     Strides,
 )
+from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case, check_case
 from bodycheck.figures.definition import Load
@@ -90,6 +91,7 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT
 def run(case: Case, engine: str, method: Method) -> Run:
     """Run a case with a method of an engine. Raises `EngineMissing` as `simulate` does."""
     adapter = registry.load(engine)
+    named = in_words(engine, adapter.engine.version)
     law: Plane | None = None
     try:
         if case.scene.plane is not None and isinstance(adapter, Contact):
@@ -100,7 +102,7 @@ def run(case: Case, engine: str, method: Method) -> Run:
     except EngineDiverged as error:
         outcome = Diverged(str(error))
     except AdapterFault as fault:
-        outcome = Crashed(f"the adapter of {engine} {adapter.engine.version} is at fault in the case {case.name}: {fault}")
+        outcome = Crashed(f"the adapter of {named} is at fault in the case {case.name}: {fault}")
     except (Exception, SystemExit) as error:  # an engine may raise anything
         outcome = crash(error)
     if rounding() != TO_NEAREST:  # the instants of the states are already others
@@ -109,7 +111,7 @@ def run(case: Case, engine: str, method: Method) -> Run:
 
 
 def _outcome(adapter: Adapter, engine: str, case: Case, method: Method) -> Outcome:
-    named = f"{engine} {adapter.engine.version}"
+    named = in_words(engine, adapter.engine.version)
     if (lacking := offers.not_offered(adapter.engine, case.scene, method)) is not None:
         return Unsupported(f"{named} {lacking}")
     if (missing := missing_model(case.scene)) is not None:

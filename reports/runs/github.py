@@ -7,7 +7,8 @@ from typing import Literal
 from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import Case
 from bodycheck.casefile.toml_positions import positions
-from bodycheck.judging.judgement import Verdict
+from bodycheck.judging import advice
+from bodycheck.judging.judgement import Judged, Verdict
 from bodycheck.running.unchecked import Unchecked
 
 #: Most bytes of the summary of one step.
@@ -26,6 +27,8 @@ def annotations(
     verdicts: Iterable[Verdict], cases: Mapping[str, Case], files: Mapping[str, Path], environment: Mapping[str, str]
 ) -> Iterator[str]:
     """Yield an annotation for each broken or known discrepancy, and for each run without expectations that failed.
+
+    That of a broken expectation says what to do next, a step on each line.
 
     Parameters
     ----------
@@ -47,7 +50,16 @@ def annotations(
             if judged.text:
                 path = ("expect", case.expectations.index(judged.expectation))
                 line = positions(case.text, [path])[path].line
-                yield annotation("notice" if judged.held else "error", judged.text, title, file, line)
+                yield annotation("notice" if judged.held else "error", _message(verdict, judged, file), title, file, line)
+
+
+def _message(verdict: Verdict, judged: Judged, file: str | None) -> str:
+    """Return what is said of an expectation: what was found and, if it does not hold, the steps that help."""
+    if judged.held:
+        return judged.text
+    name = verdict.run.case if file is None else file
+    steps = advice.steps(verdict, judged, name, f"its [[expect]] in {name}")
+    return "\n".join([judged.text, *(f"{step.why}: {step.what}" for step in steps)])
 
 
 def unchecked_annotations(

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from bodycheck.adapters.engine_name import in_words
 from bodycheck.judging.attribution import Attribution
 from bodycheck.reports.charts import COMPONENT_COLOURS, INK, Spec, framed
 from bodycheck.reports.quantities import count, milliseconds, number
@@ -150,7 +151,7 @@ def _row(part: Attribution) -> tuple[Entry, ...]:
     title, unit = QUANTITIES[part.quantity]
     figures = (part.total, part.model_form, part.constraint, part.time_step)
     return (
-        Entry(f"{part.engine} {part.version}".rstrip()),
+        Entry(in_words(part.engine, part.version).rstrip()),
         Entry(part.integrator),
         Entry(milliseconds(part.timestep)),
         Entry(f"{title}, {unit}"),

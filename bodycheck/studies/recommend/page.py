@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 
+from bodycheck.adapters.engine_name import in_words
 from bodycheck.reports.charts import INK, Spec, log_axis, method_scale, zoomable
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line, assign
@@ -157,7 +158,7 @@ def _answers(found: Recommendation) -> Table:
         numeric=(False,) * len(words) + (True,) * len(figures),
         rows=tuple(
             (
-                Entry(f"{own.engine} {own.version}".rstrip()),
+                Entry(in_words(own.engine, own.version).rstrip()),
                 Entry(own.integrator),
                 Entry("yes" if own.reached else "no"),
                 *map(_figure, (own.timestep, own.error, own.margin, own.cost, own.cost_low, own.cost_high, own.broken)),
@@ -183,7 +184,7 @@ def _steps(found: Recommendation) -> Table:
         numeric=(False,) * len(words) + (True,) * len(figures),
         rows=tuple(
             (
-                Entry(f"{probe.engine} {probe.version}".rstrip()),
+                Entry(in_words(probe.engine, probe.version).rstrip()),
                 Entry(probe.integrator),
                 Entry(probe.status, None, probe.reason),
                 *map(_figure, (probe.timestep, probe.error)),

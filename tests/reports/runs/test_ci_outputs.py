@@ -116,6 +116,8 @@ def test_an_annotation_stands_at_the_expectation() -> None:
     places = [SPIN.count("\n") + text.count("\n") + 1 for text in (HELD, HELD + BROKEN)]
     title = "title=mujoco RK4%2C 0.01 s%2C on spin"
     assert broken.startswith(f"::error file=cases/spin.case.toml,line={places[0]},{title}::position_error is ")
+    assert "%0Aif what is measured now is right: bodycheck expect " in broken, "what to do next"
+    assert "%0A" not in known
     assert known.startswith(f"::notice file=cases/spin.case.toml,line={places[1]},{title}::known until 2027-01-01 ")
     assert lines_of(*judged(HELD)) == []
     dead = lines_of(case, crashed("it died"))
