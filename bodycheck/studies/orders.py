@@ -17,6 +17,12 @@ class Order:
         The observed order, and its interval over the time steps in the asymptotic range; None if no such range was found.
     floor
         The error, in the unit of `convergence.UNITS`, below which no time step gets; None if it was not reached.
+    floor_cause
+        Where the floor comes from: "limit", if runs with smaller and smaller time steps tend to a motion that differs from the
+        truth by it, or "rounding" in the engine's precision; empty if there is no floor, or neither is known to be the cause.
+    horizon
+        The time (s) from the start in which order and floor were observed, if the body's attitude is lost after it at any time
+        step; None for the whole run.
     claimed
         The order that the adapter claims; None if it claims none.
     scheme
@@ -36,6 +42,8 @@ class Order:
     order_low: float | None
     order_high: float | None
     floor: float | None
+    floor_cause: str
+    horizon: float | None
     claimed: int | None
     scheme: str
     nearest_scheme: str

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bodycheck import load, simulate, truth
-from bodycheck.judging.convergence import asymptotic, attitude_order, common, converge, local_orders, observe_convergence
+from bodycheck.judging.convergence import UNITS, asymptotic, attitude_order, common, converge, local_orders, observe_convergence
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.running.outcome import Completed
 
@@ -82,7 +82,7 @@ def test_runs_with_nothing_in_common_tell_nothing() -> None:
     case = load("projectile")
     runs = [(h, simulate(case, "mujoco", "Euler", h).outcome) for h in (0.02, 0.0133, 0.0077)]
     trajectories = [(h, outcome.trajectory) for h, outcome in runs if isinstance(outcome, Completed)]
-    assert observe_convergence(trajectories, truth(case), {}) == {}
+    assert observe_convergence(trajectories, truth(case), {}, 2.0**-53) == {}
 
 
 @pytest.mark.parametrize(("integrator", "order"), [("Euler", 1), ("RK4", 4)])
@@ -92,3 +92,26 @@ def test_three_steps_of_an_engine_show_its_order(integrator: str, order: int) ->
     trajectories = [(h, outcome.trajectory) for h, outcome in runs if isinstance(outcome, Completed)]
     # Local orders of three steps are off by terms of the next order: 4 % at 4 ms (and rounding, of RK4).
     assert attitude_order(trajectories, truth(case, trajectories[0][1].t)) == pytest.approx(order, abs=0.25)
+
+
+def test_floors_are_told_by_their_cause() -> None:
+    """A limit is what runs tend to; by rounding smaller steps change them no less, but no more than so many roundings can."""
+    rounded = 1e-12
+    limit = converge(LADDER, [1e-3 + h for h in LADDER], changes([1e-3 + h for h in LADDER]), rounded)
+    assert (limit.floor, limit.cause) == (pytest.approx(1.2e-3), "limit")
+    errors = [1e-5, 1e-7, 1e-9, 2e-10, 5e-10, 1e-9, 2e-9]
+    larger = [max(pair) for pair in pairwise(errors)]
+    assert converge(LADDER, errors, larger, rounded).cause == "rounding"
+    assert converge(LADDER, errors, larger, rounded / 1e6).cause == "", "there are not as many roundings in the run"
+
+
+def test_the_order_of_a_motion_that_is_lost_is_that_of_its_beginning() -> None:
+    """After ten seconds of a flip every first-order step of 2.5 to 40 ms has led to another attitude."""
+    case = load("intermediate-axis-flip")
+    runs = [(h, simulate(case, "mujoco", "Euler", h).outcome) for h in (0.04, 0.02, 0.01, 0.005, 0.0025)]
+    trajectories = [(h, outcome.trajectory) for h, outcome in runs if isinstance(outcome, Completed)]
+    lost = dict.fromkeys(UNITS, [3.0] * len(runs))
+    found = observe_convergence(trajectories, truth(case), lost, 2.0**-53)["attitude"]
+    assert found.horizon == pytest.approx(2.5, abs=0.05)  # halved twice, to an instant that all runs have
+    assert found.order == pytest.approx(1, abs=0.1)  # the next term of the error, at 40 ms and some 2 rad/s
+    assert found.floor is None

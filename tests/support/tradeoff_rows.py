@@ -77,6 +77,8 @@ def order(**values: Any) -> Order:
         "order_low": 0.98,
         "order_high": 1.02,
         "floor": None,
+        "floor_cause": "",
+        "horizon": None,
         "claimed": 1,
         "scheme": "",
         "nearest_scheme": "",

@@ -43,6 +43,9 @@ Identified = tuple[str, float, float]
 #: A method, its smallest error (rad, m), and its smallest time step (s).
 Floor = tuple[RunKey, float, float]
 
+#: What is said of the causes of floors.
+CAUSES = {"limit": ", to which its runs tend", "rounding": ", because of rounding in the engine's precision", "": ""}
+
 
 def findings(cases: Sequence[CaseMeasurements], lines: Lines, classes: Classes = NO_CLASSES) -> tuple[Finding, ...]:
     """Return the findings on orders, equal methods, schemes, floors and the cheapest methods.
@@ -50,7 +53,8 @@ def findings(cases: Sequence[CaseMeasurements], lines: Lines, classes: Classes =
     Lines are by engine and integrator, and classes are those of methods that are the same algorithm.
     """
     same = filter(None, (same_algorithm(classes),))
-    return (*_orders(cases, lines), *same, *_schemes(cases, lines), *_floors(cases, lines), *_cheapest(cases, lines))
+    orders = (*_orders(cases, lines), *_lost(cases, lines))
+    return (*orders, *same, *_schemes(cases, lines), *_floors(cases, lines), *_cheapest(cases, lines))
 
 
 def falls_short(case: CaseMeasurements, order: Order) -> bool:
@@ -154,26 +158,46 @@ def _scheme(scheme: str, methods: Sequence[Line], runs: Sequence[Identified]) ->
     )
 
 
-def _floors(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
-    """Return findings about errors above rounding that no time step reduces, for each engine and quantity the largest."""
-    floors: dict[tuple[str, str], dict[str, list[Floor]]] = defaultdict(lambda: defaultdict(list))
+def _lost(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
+    """Return a finding for each case and time after which methods lose the attitude with all time steps."""
+    lost: dict[tuple[str, float], list[Line]] = defaultdict(list)
     for case in cases:
         for order in case.orders:
-            own = _own_points(case, order) if order.quantity in CLAIMED and order.floor is not None else []
+            if order.horizon is not None:
+                lost[case.name, order.horizon].append(lines[order.method])
+    return [
+        Finding(
+            "Order",
+            f"With {_names(methods)} the attitude is lost by the end at any time step; "
+            f"the order is that of the first {number(horizon, 3)} s of the same runs, on ",
+            name,
+            ".",
+        )
+        for (name, horizon), methods in lost.items()
+    ]
+
+
+def _floors(cases: Sequence[CaseMeasurements], lines: Lines) -> list[Finding]:
+    """Return findings about errors above rounding that no time step reduces, for each engine and quantity the largest."""
+    floors: dict[tuple[str, str, str], dict[str, list[Floor]]] = defaultdict(lambda: defaultdict(list))
+    for case in cases:
+        for order in case.orders:
+            has_floor = order.quantity in CLAIMED and order.floor is not None and order.horizon is None
+            own = _own_points(case, order) if has_floor else []
             if own and (least := min(point.error for point in own)) > LEAST_FLOOR:
                 finest = min(point.timestep for point in own)
-                floors[order.engine, order.quantity][case.name].append((order.method, least, finest))
-    return [_floor(quantity, by_case, lines) for (_, quantity), by_case in floors.items()]
+                floors[order.engine, order.quantity, order.floor_cause][case.name].append((order.method, least, finest))
+    return [_floor(quantity, cause, by_case, lines) for (_, quantity, cause), by_case in floors.items()]
 
 
-def _floor(quantity: str, by_case: Mapping[str, Sequence[Floor]], lines: Lines) -> Finding:
+def _floor(quantity: str, cause: str, by_case: Mapping[str, Sequence[Floor]], lines: Lines) -> Finding:
     where = max(by_case, key=lambda name: max(error for _, error, _ in by_case[name]))
     methods, errors, finest = zip(*by_case[where], strict=True)
     return Finding(
         "Floor",
         f"With {_names([lines[method] for method in methods])} the {quantity} error does not fall below "
         f"{_range([number(error, 2) for error in sorted(errors)])} {UNITS[quantity]} "
-        f"at any time step down to {milliseconds(max(finest), 4)}, on ",
+        f"at any time step down to {milliseconds(max(finest), 4)}{CAUSES[cause]}, on ",
         where,
         f".{_more_floors(len(by_case) - 1)}",
     )

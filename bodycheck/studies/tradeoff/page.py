@@ -38,8 +38,9 @@ READING = (
     "An observed order p means that the error decreases like the p-th power of the time step. It is the median over the "
     "asymptotic range, which consists of the time steps at which local orders agree, and is given with the smallest and the "
     "largest; – means that no such range was found. A floor is an error that a method does not get below with any of its time "
-    "steps, at the instants that all of them share. Claimed orders are for smooth motion and are not compared with orders in "
-    "contact.",
+    "steps, at the instants that all of them share: a limit, to which its runs tend, or rounding in the engine's precision. An "
+    "order with a time is that of the beginning of the runs, because the attitude is lost after it at any time step. Claimed "
+    "orders are for smooth motion and are not compared with orders in contact.",
     "A scheme is named if the engine's trajectory is that of the textbook scheme with the same time step, but for the rounding "
     "of the engine's precision. A method is near a scheme that leaves at most a hundredth of its error. The residual is the "
     "largest attitude difference from that scheme.",
@@ -196,13 +197,16 @@ def _observed(order: Order | None) -> Entry:
     if order is None or order.order is None or order.order_low is None or order.order_high is None:
         return Entry("–")
     median, low, high = (f"{value:.2f}" for value in (order.order, order.order_low, order.order_high))
-    return Entry(median if low == high else f"{median} ({low}–{high})", order.order)
+    beginning = "" if order.horizon is None else f" in {number(order.horizon, 3)} s"
+    return Entry((median if low == high else f"{median} ({low}–{high})") + beginning, order.order)
 
 
 def _floor(order: Order | None, truth_error: float) -> Entry:
     floor = None if order is None else order.floor
     if floor is not None and floor <= truth_error:
         return Entry(f"≤ {bound(truth_error, 2)}", None, "within the truth's own error")
+    if order is not None and floor is not None and order.floor_cause:
+        return Entry(f"{number(floor, 3)} ({order.floor_cause})", floor)
     return _figure(floor)
 
 

@@ -38,6 +38,8 @@ METHODS: tuple[Column[Order], ...] = (
     Column("order", "order", _interval, lambda order: order.order),
     attribute("claimed", form="g", goes=1),
     attribute("floor", goes=2),
+    attribute("floor_cause", "cause", goes=2),
+    attribute("horizon", "horizon s", goes=2),
     Column("scheme", "scheme", lambda order: order.scheme_in_words, goes=3, wraps=True),
     attribute("scheme_residual", "residual rad", goes=5),
 )

@@ -192,20 +192,23 @@ def _orders_of(results: Results, case: Case, verdicts: Sequence[Verdict], engine
     coarsest = verdicts[0].run
     truth = results.truth(case.name, coarsest.method.timestep)
     assert isinstance(truth, Truth)  # its run has a discrepancy
-    named = identify(case, coarsest, truth, ROUNDOFF[engine.precision])
+    roundoff = ROUNDOFF[engine.precision]
+    named = identify(case, coarsest, truth, roundoff)
     runs = [(v.run.method.timestep, v.outcome.trajectory) for v in verdicts if isinstance(v.outcome, Completed)]
     maxima = [verdict.discrepancy.maxima() for verdict in verdicts if verdict.discrepancy is not None]
     errors = {
         quantity: [figures[column] for figures in maxima for column in columns if column in figures]
         for quantity, columns in COLUMNS.items()
     }
-    for quantity, convergence in observe_convergence(runs, truth, errors).items():
+    for quantity, convergence in observe_convergence(runs, truth, errors, roundoff).items():
         yield Order(
             *(case.name, coarsest.engine, coarsest.version, coarsest.method.name, quantity),
             order=convergence.order,
             order_low=convergence.low,
             order_high=convergence.high,
             floor=convergence.floor,
+            floor_cause=convergence.cause,
+            horizon=convergence.horizon,
             claimed=_claims(engine, coarsest.key).order,
             scheme=named.scheme if named is not None else "",
             nearest_scheme=named.nearest if named is not None else "",

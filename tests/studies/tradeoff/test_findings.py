@@ -134,6 +134,28 @@ def test_floors_above_rounding_are_told() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("cause", "words"),
+    [("limit", ", to which its runs tend"), ("rounding", ", because of rounding in the engine's precision")],
+)
+def test_the_cause_of_a_floor_is_told(cause: str, words: str) -> None:
+    report = present(HEADER, curve("Euler", [1e-1, 2.7e-4], [1e-3, 1e-2]), [order(floor=2.7e-4, floor_cause=cause)])
+    (sentence,) = texts(report, "Floor")
+    assert sentence.endswith(f"does not fall below 0.00027 rad at any time step down to 5 ms{words}, on spin.")
+    assert f"0.00027 ({cause})" in [entry.text for entry in report.parts[0].tables[0][1].rows[0]]
+
+
+def test_an_order_of_the_beginning_is_told_as_such() -> None:
+    rows = curve("Euler", [3.1, 2.9], [1e-3, 1e-2])
+    report = present(HEADER, rows, [order(horizon=2.5, floor=1e-3, floor_cause="limit")])
+    assert texts(report, "Order")[-1] == (
+        "With mujoco Euler the attitude is lost by the end at any time step; "
+        "the order is that of the first 2.5 s of the same runs, on spin."
+    )
+    assert texts(report, "Floor") == []
+    assert "1.00 (0.98–1.02) in 2.5 s" in [entry.text for entry in report.parts[0].tables[0][1].rows[0]]
+
+
 def test_the_cheapest_on_one_case() -> None:
     rows = [*curve("Euler", [1e-1, 1e-4], [1e-4, 1e-2]), *curve("RK4", [1e-4, 1e-7], [4e-4, 5e-3])]
     first, second = texts(present(HEADER, rows, []), "Cheapest")

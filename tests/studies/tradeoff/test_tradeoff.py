@@ -187,7 +187,8 @@ def test_costs_are_told_with_the_error_they_came_with(priced: dict[str, list[dic
     assert (ok["time_per_step"] <= ok["time_per_step_high"]).all()
     assert set(ok[ok["integrator"].isin(["RK4", "rk4", "rk4-naive"])]["evaluations"]) == {4}
     assert list(pd.read_csv(tmp_path / "orders.csv").columns) == [
-        *("case", "engine", "version", "integrator", "quantity", "order", "order_low", "order_high", "floor", "claimed"),
+        *("case", "engine", "version", "integrator", "quantity", "order", "order_low", "order_high", "floor"),
+        *("floor_cause", "horizon", "claimed"),
         *("scheme", "nearest_scheme", "scheme_residual"),
     ]
 
