@@ -49,6 +49,6 @@ def test_damaged_baselines_are_compared_or_refused(first: int, count: int) -> No
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="workers end with a killed command on Linux alone")
-@pytest.mark.parametrize(("first", "count"), batches("KILLS", 4))
+@pytest.mark.parametrize(("first", "count"), batches("KILLS", 10))
 def test_what_is_killed_comes_to_the_same(first: int, count: int) -> None:
     assert not failures("kills:killed_command", first, count)
