@@ -206,16 +206,22 @@ def status_of(engine: Engine, method: Method, finding: Finding) -> Status:
     """Return the status of what a probe says.
 
     What was found is a default where a user gets it without asking for it: of the method that stands for the engine's own
-    settings (`settings=engine`), of the engine's own integrator if its settings are those of mechanics anyway, so that its
-    adapter has no such option, and of any method where the engine says itself that it has this property.
+    settings (`settings=engine`), of the engine's default or only integrator if its adapter has no such option, because these
+    settings are those of mechanics anyway, and of any method where the engine says itself that it has this property.
     """
     if finding.verdict != "found":
         return finding.verdict
-    own = next((one for one in engine.integrators if one.name == method.integrator), None)
-    settles = own is not None and "settings" in own.options
-    by_default = engine.defaults.get("integrator") == method.integrator and not method.options and not settles
     stated = finding.property in engine.defaults or (finding.property == "single-precision" and engine.precision == "float32")
-    return "default" if method.option("settings") == "engine" or by_default or stated else "deviates"
+    return "default" if stated or _is_of_engine(engine, method) else "deviates"
+
+
+def _is_of_engine(engine: Engine, method: Method) -> bool:
+    """Return whether a method is what a user of the engine gets who chooses nothing, apart from the time step."""
+    if method.options:
+        return method.option("settings") == "engine"
+    offered = {own.name: own for own in engine.integrators if "flight" in own.kinds}
+    default = engine.defaults.get("integrator", "").replace(",", " ").split()
+    return "settings" not in offered[method.integrator].options and (method.integrator in default or len(offered) == 1)
 
 
 def write(found: Audit, folder: Path, origins: Origins) -> None:

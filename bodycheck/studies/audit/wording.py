@@ -1,7 +1,7 @@
 """Findings of the audit as sentences, for the terminal and the report."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 from bodycheck.adapters.contract import Kind
@@ -89,14 +89,31 @@ def method_classes(found: Classes) -> list[MethodClass]:
 
 
 def sentences(rows: Iterable[Row]) -> list[Sentence]:
-    """Return the findings among the rows of one engine, what deviates first, each property once for each status."""
-    groups: dict[tuple[str, Property], list[Row]] = defaultdict(list)
-    for row in rows:
+    """Return the findings among the rows of one engine, what deviates first, each property once for each status.
+
+    Those of the representation are told apart by the form in which the body is given.
+    """
+    given = list(rows)
+    every = {row.integrator for row in given}
+    groups: dict[tuple[str, Property, str], list[Row]] = defaultdict(list)
+    for row in given:
         if is_finding(row):
-            groups[row.status, row.property].append(row)
+            groups[row.status, row.property, _form(row)].append(row)
     order = list(HEADINGS)
     keys = sorted(groups, key=lambda key: (order.index(key[0]), PROPERTIES.index(key[1])))
-    return [Sentence(*key, f"{DOES[key[1]]}{_sized(groups[key])}, with {_methods(groups[key])}.") for key in keys]
+    found = []
+    for key in keys:
+        status, name, form = key
+        told = f"{DOES[name]}{f' ({form})' if form else ''}{_sized(groups[key])}, {_methods(groups[key], every)}."
+        found.append(Sentence(status, name, told))
+    return found
+
+
+def _form(row: Row) -> str:
+    """Return the form of the body and what becomes of its difference, of a row about the representation; else nothing."""
+    if row.property != "representation":
+        return ""
+    return row.probe.partition(": ")[2].partition(" with order")[0]
 
 
 def value(row: Row) -> str:
@@ -116,9 +133,10 @@ def _sized(rows: Sequence[Row]) -> str:
     return f": {' and '.join(ranges)}{told}" if ranges else ""
 
 
-def _methods(rows: Sequence[Row]) -> str:
-    """Return the methods of rows, with what each is off by in the flip."""
+def _methods(rows: Sequence[Row], every: Collection[str]) -> str:
+    """Return the methods of rows, with what they are off by in the flip. every: all methods of the engine."""
     errors = {row.integrator: row.attitude_error for row in rows}
     known = sorted(error for error in errors.values() if error is not None)
     ends = " to ".join(dict.fromkeys(number(end, 2) for end in (known[0], known[-1]))) if known else ""
-    return listing(list(errors)) + (f" (flip off by {ends} rad)" if ends else "")
+    told = "in every method" if len(every) > 1 and len(errors) == len(every) else f"with {listing(list(errors))}"
+    return told + (f" (flip off by {ends} rad)" if ends else "")

@@ -12,6 +12,7 @@ from bodycheck.adapters.contract import Engine, Integrator, Method, choice
 from bodycheck.studies.audit import classes, nondeterminism, study
 from bodycheck.studies.audit.probe import Finding
 from bodycheck.studies.audit.rows import PROPERTIES, Row
+from bodycheck.studies.audit.wording import sentences
 from tests.support.commands import bodycheck
 from tests.support.planted_engines import plant
 from tests.support.processes import calls_here
@@ -121,7 +122,8 @@ def test_flights_that_are_repeated_show_what_is_random_or_kept(planted: None, he
     assert done.returncode == 0, done.stderr
     found = {engine: row for (engine, name), row in rows_of(done.stdout).items() if name == "nondeterminism"}
     assert (found["clean"]["status"], found["clean"]["value"]) == ("none", 0.0)
-    assert {found[name]["status"] for name in ("random", "keeping")} == {"deviates"}
+    # Each has one integrator, which is what its users get.
+    assert {found[name]["status"] for name in ("random", "keeping")} == {"default"}
     assert 0 < float(str(found["random"]["value"])) < 1.0
     # The velocity keeps its error of 1e-7 m/s for each flight that the process made before, of which there are a few.
     assert float(str(found["keeping"]["value"])) >= 1e-7
@@ -141,7 +143,7 @@ def test_in_worker_processes_one_may_die_and_others_may_differ(
     assert "its process exited with code 7" in str(lost["probe"])
     assert [name for engine, name in rows if engine == "dying"] == list(PROPERTIES)
     assert rows["dying", "time-base"]["status"] == "none"
-    assert rows["elsewhere", "nondeterminism"]["status"] == "deviates"
+    assert rows["elsewhere", "nondeterminism"]["status"] == "default"
     assert "in another process" in str(rows["elsewhere", "nondeterminism"]["probe"])
 
 
@@ -186,7 +188,8 @@ SETTLED = Integrator("euler", options={"settings": choice("engine")})
         ("euler", "angular-damping", "float64", {"angular-damping": "0.05 1/s"}, "default"),
         # The settings of this integrator can be switched off, and are: it is not what a user gets.
         ("euler", "angular-damping", "float64", {"integrator": "euler"}, "deviates"),
-        ("rk4", "energy-per-turn", "float64", {"integrator": "rk4"}, "default"),
+        ("rk4", "energy-per-turn", "float64", {"integrator": "heun, rk4 of a continuous plant"}, "default"),
+        ("rk4", "energy-per-turn", "float64", {}, "deviates"),
         ("rk4", "single-precision", "float32", {}, "default"),
         ("rk4", "single-precision", "float64", {}, "deviates"),
     ],
@@ -210,3 +213,27 @@ def test_a_flight_that_ends_in_no_number_differs_without_a_size() -> None:
     other = nondeterminism.judged({"first": steady, "at once": lost})
     assert (same.verdict, other.verdict, other.value) == ("none", "found", None)
     assert nondeterminism.judged({"first": steady, "at once": "it refuses"}).verdict == "not-probed"
+
+
+def test_sentences_tell_defaults_and_deviations_apart_with_their_sizes() -> None:
+    def row(integrator: str, name: str, value: float | None, unit: str, status: str, probe: str, error: float) -> Row:
+        return Row("toy", "1.0", integrator, 0.002, name, value, unit, "0", status, probe, error)  # type: ignore[arg-type]
+
+    form = "representation: two welded links: differs, and vanishes with the time step"
+    told = sentences(
+        [
+            row("euler:settings=engine", "angular-damping", 0.0499, "1/s", "default", "damping", 2.0),
+            row("euler", "energy-per-turn", 0.0035, "", "deviates", "energy", 1.5),
+            row("heun", "energy-per-turn", -2e-5, "", "deviates", "energy", 0.25),
+            row("heun", "representation", 1e-3, "m", "deviates", f"{form} with order 2.0", 0.25),
+            row("euler", "representation", 2e-3, "m", "deviates", f"{form} with order 1.0", 1.5),
+            row("rk4", "sleeping", None, "", "none", "sleeping", 0.0),
+        ]
+    )
+    assert [f"{one.status}: {one.text}" for one in told] == [
+        "deviates: changes the energy of rotation in each turn: -2e-5 to 0.0035 (0 expected), with euler and heun (flip off by "
+        "0.25 to 1.5 rad).",
+        "deviates: depends on the form in which the body is given (two welded links: differs, and vanishes with the time "
+        "step): 0.001 to 0.002 m (0 expected), with heun and euler (flip off by 0.25 to 1.5 rad).",
+        "default: damps the angular velocity: 0.0499 1/s (0 expected), with euler:settings=engine (flip off by 2 rad).",
+    ]
