@@ -14,7 +14,7 @@ State = TypeVar("State")
 
 @dataclass
 class Loop(Generic[State]):
-    """A simulation of one scene with one body, stepped in a Python loop.
+    """A simulation of one or several scenes with one body, stepped in a Python loop.
 
     Parameters
     ----------
@@ -23,7 +23,7 @@ class Loop(Generic[State]):
     step
         Returns the state one time step after a given state; it may raise `EngineDiverged`.
     seen
-        Returns a copy of the numbers (k,) that describe a state.
+        Returns a copy of the numbers (k,) that describe a state, or of those (scenes, k) of several scenes.
     rows
         Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`.
     """
@@ -34,9 +34,9 @@ class Loop(Generic[State]):
     rows: Callable[[Array], Array]
 
     def advance(self, strides: Strides) -> Array:
-        """Return the states (1, n, 1, 13) after each of n strides, as `Simulation.advance` does."""
+        """Return the states (scenes, n, 1, 13) after each of n strides, as `Simulation.advance` does."""
         step, state = self.step, self.state
-        seen = np.empty((len(strides), len(self.seen(state))))
+        seen = np.empty((len(strides), *self.seen(state).shape))
         for place, stride in enumerate(strides.tolist()):
             try:
                 for _ in range(stride):
@@ -47,7 +47,9 @@ class Loop(Generic[State]):
                 raise
             seen[place] = self.seen(state)
         self.state = state
-        return single(self.rows(seen))
+        if seen.ndim == 2:
+            return single(self.rows(seen))
+        return np.array(self.rows(seen.reshape(-1, seen.shape[-1])).reshape(*seen.shape[:2], 1, 13).swapaxes(0, 1))
 
 
 @dataclass

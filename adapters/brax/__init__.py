@@ -33,6 +33,8 @@ without a joint into its parent as text, where two elements of inertia are one t
 them. The acceleration of `generalized` then contains the error of its inverse of the mass matrix, which with a centre of
 mass off the origin is above rounding at time steps of a few milliseconds, and below it with smaller ones.
 
+Several scenes are stepped together (`jax.vmap`), and differ from each alone by roundings.
+
 XLA compiles the steps of each pipeline and kind of scene, which takes seconds, when the first simulation of that sort is built
 in a process. The code is kept in the engine's environment.
 """

@@ -16,7 +16,7 @@ from jax import numpy as jnp
 from bodycheck.adapters.brax import INSTALLATION
 from bodycheck.adapters.contract import Engine, Integrator, Link, Method, SceneUnsupported
 from bodycheck.adapters.flat_contact import lying_shape
-from bodycheck.adapters.mjx.compiled import Compiled, check_precision, strider
+from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco.contact import body_geoms, numbers_written
 from bodycheck.adapters.mujoco.links import inertial, welded
 from bodycheck.reference.scene import Plane, Scene
@@ -73,14 +73,16 @@ engine = Engine(
     # The pipelines themselves call their schemes semi-implicit Euler.
     integrators=tuple(Integrator(name, order=1, evaluations=1) for name in PIPELINES),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    device=device(),
+    batch=2,
     defaults=defaults(),
 )
 
 
 def prepare(scenes: Sequence[Scene], method: Method) -> Compiled:
-    """Return the simulation of one scene, as `Adapter.prepare` does."""
-    (scene,) = scenes
-    return started(description(scene, method.timestep), scene, method)
+    """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
+    (xml,) = {description(scene, method.timestep) for scene in scenes}
+    return started(xml, scenes, method)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Compiled:
@@ -88,21 +90,25 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Compil
     xml = XML.format(
         timestep=method.timestep, default="", plane="", inertial=inertial(links[0]), shapes=TOUCHES_NOTHING + welded(links[1:])
     )
-    return started(xml, scene, method)
+    return started(xml, [scene], method)
 
 
-def started(xml: str, scene: Scene, method: Method) -> Compiled:
-    """Return the simulation of an XML text, with gravity, drag and the initial state of a scene. Raises `SceneUnsupported`."""
+def started(xml: str, scenes: Sequence[Scene], method: Method) -> Compiled:
+    """Return the simulation of an XML text, with gravity, drag and the initial states of scenes. Raises `SceneUnsupported`."""
     check_precision(engine)
-    name, initial = method.integrator, scene.initial
+    name, scene = method.integrator, scenes[0]
     gravity, drag = jnp.array([0.0, 0.0, -scene.gravity]), scene.drag / scene.body.mass if scene.drag else None
-    q = jnp.array([*initial.position, *initial.quaternion])
-    qd = jnp.array([*initial.velocity, *initial.angular_velocity])
+    q = jnp.array([[*one.initial.position, *one.initial.quaternion] for one in scenes])
+    qd = jnp.array([[*one.initial.velocity, *one.initial.angular_velocity] for one in scenes])
     with warnings.catch_warnings():
         # Brax warns at each model that it is no longer developed, and MJX that Brax uses names of older releases.
         warnings.simplefilter("ignore")
         system = loaded(xml)
-        return Compiled(TAKE[name], (system, gravity, drag), START[name](system, q, qd), lambda seen: seen)
+        given = system, gravity, drag
+        if len(scenes) == 1:
+            return Compiled(TAKE[name].one, given, START[name](system, q[0], qd[0]), lambda seen: seen)
+        starts = jax.vmap(START[name], in_axes=(None, 0, 0))(system, q, qd)
+        return Compiled(TAKE[name].several, given, starts, lambda seen: seen)
 
 
 def description(scene: Scene, timestep: float) -> str:

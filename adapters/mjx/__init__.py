@@ -26,7 +26,8 @@ that are not numbers.
 
 Links are those of the adapter of MuJoCo, which compiles the model.
 
-Scenes are stepped one at a time. Scenes that JAX steps together (`jax.vmap`) differ from each alone by roundings.
+Several scenes are stepped together (`jax.vmap`), and differ from each alone by roundings. For each number of scenes the steps
+are compiled anew.
 
 XLA compiles the steps of each integrator and kind of scene, which takes seconds, when the first simulation of that sort is
 built in a process. The code is kept in the engine's environment.

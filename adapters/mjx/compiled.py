@@ -2,13 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import jax
 import numpy as np
 from jax import numpy as jnp
 
-from bodycheck.adapters.contract import Engine, Strides, single
+from bodycheck.adapters.contract import Engine, Strides
 from bodycheck.reference.trajectory import Array
 
 #: The number of strides that one compiled call takes. A call with fewer strides is filled up with strides of no steps.
@@ -24,10 +24,23 @@ def check_precision(engine: Engine) -> None:
         )
 
 
-def strider(step: Callable[[Any, Any], Any], seen: Callable[[Any], Any]) -> Any:
-    """Return a compiled function that takes `STRIDES_PER_CALL` strides.
+def device() -> Literal["cpu", "cuda"]:
+    """Return the device on which JAX computes in this process."""
+    return "cpu" if jax.default_backend() == "cpu" else "cuda"
 
-    The system is an argument of it and not a constant, so that all systems of the same structure share compiled code.
+
+@dataclass(frozen=True)
+class Strider:
+    """Compiled functions that take `STRIDES_PER_CALL` strides: of one state, and of several states of one system together."""
+
+    one: Any
+    several: Any
+
+
+def strider(step: Callable[[Any, Any], Any], seen: Callable[[Any], Any]) -> Strider:
+    """Return compiled functions that take `STRIDES_PER_CALL` strides.
+
+    The system is an argument of them and not a constant, so that all systems of the same structure share compiled code.
 
     Parameters
     ----------
@@ -38,8 +51,8 @@ def strider(step: Callable[[Any, Any], Any], seen: Callable[[Any], Any]) -> Any:
 
     Returns
     -------
-    A function of the system, the state and the numbers of steps (`STRIDES_PER_CALL`,), which returns the state after all
-    strides and the numbers (`STRIDES_PER_CALL`, k) after each.
+    Functions of the system, the state and the numbers of steps (`STRIDES_PER_CALL`,), which return the state after all strides
+    and the numbers (`STRIDES_PER_CALL`, k) after each. Several states, and their numbers, have a first axis more.
     """
 
     def taken(system: Any, state: Any, strides: Any) -> Any:
@@ -49,21 +62,21 @@ def strider(step: Callable[[Any, Any], Any], seen: Callable[[Any], Any]) -> Any:
 
         return jax.lax.scan(stride, state, strides)
 
-    return jax.jit(taken)
+    return Strider(jax.jit(taken), jax.jit(jax.vmap(taken, in_axes=(None, 0, None))))
 
 
 @dataclass
 class Compiled:
-    """A simulation of one scene with one body, whose steps are compiled when it is built.
+    """A simulation of one or several scenes with one body, whose steps are compiled when it is built.
 
     Parameters
     ----------
     take
-        What `strider` returns.
+        The function of a `Strider` for one state or for several.
     system, state
-        The system and its current state, in the forms that the engine uses.
+        The system and its current state or states, in the forms that the engine uses.
     rows
-        Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`.
+        Converts the numbers (..., k) of states to rows (..., 13) in the columns of `Simulation.advance`.
     """
 
     take: Any
@@ -78,16 +91,16 @@ class Compiled:
         self.seen(np.zeros(1, dtype=np.int64))
 
     def advance(self, strides: Strides) -> Array:
-        """Return the states (1, n, 1, 13) after each of n strides, as `Simulation.advance` does."""
-        return single(self.rows(self.seen(strides)))
+        """Return the states (scenes, n, 1, 13) after each of n strides, as `Simulation.advance` does."""
+        return self.rows(self.seen(strides)).reshape(-1, len(strides), 1, 13)
 
     def seen(self, strides: Strides) -> Array:
-        """Take n >= 1 strides, and return the numbers (n, k) that describe the state after each."""
+        """Take n >= 1 strides, and return the numbers that describe the states after each: (n, k), or (scenes, n, k)."""
         parts = []
         for first in range(0, len(strides), STRIDES_PER_CALL):
             part = strides[first : first + STRIDES_PER_CALL]
             filled = np.zeros(STRIDES_PER_CALL, dtype=np.int32)
             filled[: len(part)] = part
             self.state, seen = self.take(self.system, self.state, filled)
-            parts.append(np.array(seen, dtype=np.float64)[: len(part)])
-        return np.concatenate(parts)
+            parts.append(np.array(seen, dtype=np.float64)[..., : len(part), :])
+        return np.concatenate(parts, axis=-2)

@@ -6,11 +6,12 @@ from collections.abc import Sequence
 from importlib import metadata
 from typing import Any, Literal
 
+import jax
 import numpy as np
 from jax import numpy as jnp
 
 from bodycheck.adapters.contract import Engine, Integrator, Link, Method, SceneUnsupported, choice, kind_of
-from bodycheck.adapters.mjx.compiled import Compiled, check_precision, strider
+from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as mujoco
 from bodycheck.adapters.mujoco.models import Joints
@@ -39,19 +40,22 @@ def record(name: str, distribution: str, precision: Literal["float64", "float32"
         models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
         variants={"drag": ("Euler:drag=fluid", "RK4:drag=fluid"), "plane": ("Euler:cone=elliptic",)},
         precision=precision,
+        device=device(),
+        batch=2,
         defaults=mujoco.defaults(),
     )
 
 
 def prepare(engine: Engine, scenes: Sequence[Scene], method: Method) -> Compiled:
-    """Return the simulation of one scene, as `Adapter.prepare` does.
+    """Return the simulation of one or more scenes, as `Adapter.prepare` does.
 
     Raises `SceneUnsupported`, and `RuntimeError` in a process whose precision is not that of the engine.
     """
-    (scene,) = scenes
-    xml, joints = mujoco.description(scene, method, "six-coordinates" if scene.plane is None else "contact")
+    scene = scenes[0]
+    described = [mujoco.description(one, method, "six-coordinates" if one.plane is None else "contact") for one in scenes]
+    (xml,) = {xml for xml, _ in described}  # a free joint has the initial state in its coordinates
     dragged = kind_of(scene) == "drag" and method.option("drag") != "fluid"
-    return started(engine, xml, joints, scene.drag if dragged else None)
+    return started(engine, xml, [joints for _, joints in described], scene.drag if dragged else None)
 
 
 def prepare_links(engine: Engine, links: Sequence[Link], scene: Scene, method: Method) -> Compiled:
@@ -59,19 +63,26 @@ def prepare_links(engine: Engine, links: Sequence[Link], scene: Scene, method: M
 
     Raises as `prepare` does.
     """
-    return started(engine, *mujoco.description_of_links(links, scene, method), None)
+    xml, joints = mujoco.description_of_links(links, scene, method)
+    return started(engine, xml, [joints], None)
 
 
-def started(engine: Engine, xml: str, joints: Joints, drag: float | None) -> Compiled:
-    """Return the simulation of an XML text with a coefficient of drag (kg/m); None for no force of drag."""
+def started(engine: Engine, xml: str, joints: Sequence[Joints], drag: float | None) -> Compiled:
+    """Return the simulation of an XML text, from the initial states of one or more free joints.
+
+    drag: the coefficient of drag (kg/m); None for no force of drag.
+    """
     check_precision(engine)
     compiled = mujoco.compiled_model(xml)
     try:
         model, data = mjx.put_model(compiled), mjx.make_data(compiled)
     except NotImplementedError as error:
         raise SceneUnsupported(f"MJX refuses the model: {error}") from error
-    data = data.replace(qpos=jnp.array(joints.qpos), qvel=jnp.array(joints.qvel))
-    return Compiled(TAKE, (model, drag), data, lambda seen: seen[:, :13])
+    qpos, qvel = jnp.array([own.qpos for own in joints]), jnp.array([own.qvel for own in joints])
+    if len(joints) == 1:
+        return Compiled(TAKE.one, (model, drag), data.replace(qpos=qpos[0], qvel=qvel[0]), lambda seen: seen[:, :13])
+    several = jax.vmap(lambda qpos, qvel: data.replace(qpos=qpos, qvel=qvel))(qpos, qvel)
+    return Compiled(TAKE.several, (model, drag), several, lambda seen: seen[..., :13])
 
 
 def step(system: tuple[Any, Any], data: Any) -> Any:

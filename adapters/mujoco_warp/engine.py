@@ -10,9 +10,10 @@ from mujoco import MjModel
 
 from bodycheck.adapters.contract import Engine, Integrator, Link, Method, SceneUnsupported
 from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as mujoco
-from bodycheck.adapters.mujoco.stepping import Stepper
+from bodycheck.adapters.mujoco.models import Joints
 from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.scene import Plane, Scene
@@ -49,6 +50,8 @@ engine = Engine(
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
     variants={"plane": ("Euler:cone=elliptic",)},
     precision="float32",
+    device=graphs.DEVICE,
+    batch=2,
     defaults=defaults(),
 )
 
@@ -70,47 +73,78 @@ def add_drag(drag: float, velocities: wp.array2d[float], forces: wp.array2d[floa
 drag_kernel = wp.kernel(add_drag)
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Loop[Any]:
-    """Return the simulation of one scene, as `Adapter.prepare` does."""
-    (scene,) = scenes
-    return stepped(*started(scene, method))
+def prepare(scenes: Sequence[Scene], method: Method) -> Loop[Any] | InTurn:
+    """Return the simulation of one or more scenes, as `Adapter.prepare` does.
+
+    Bodies that do not rotate have models of their own for each attitude, which are stepped one after another.
+    """
+    described = [described_by_mujoco(scene, method) for scene in scenes]
+    xml, _ = described[0]
+    if any(other != xml for other, _ in described):
+        parts = zip(described, scenes, strict=True)
+        return InTurn([((place,), stepped(*started(own, [one], scene))) for place, ((own, one), scene) in enumerate(parts)])
+    return stepped(*started(xml, [joints for _, joints in described], scenes[0]))
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[Any]:
     """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
-    return stepped(*handed_over(mujoco.prepare_links(links, scene, method)))
+    xml, joints = mujoco.description_of_links(links, scene, method)
+    return stepped(*handed_over(xml, [joints]))
 
 
 def stepped(model: Any, data: Any, rows: Any) -> Loop[Any]:
     """Return the simulation of MuJoCo Warp's model, data and conversion of coordinates to rows."""
     qpos, qvel = data.qpos.numpy(), data.qvel.numpy()  # views of the arrays that are stepped
     graph = graphs.record(lambda: mjw.step(model, data))
-    return Loop(graph, graphs.replay, seen=lambda graph: np.concatenate([qpos[0], qvel[0]]), rows=rows)
+    if data.nworld == 1:
+        return Loop(graph, graphs.replay, seen=lambda graph: np.concatenate([qpos[0], qvel[0]]), rows=rows)
+    return Loop(graph, graphs.replay, seen=lambda graph: np.hstack([qpos, qvel]), rows=rows)
 
 
-def started(scene: Scene, method: Method) -> tuple[Any, Any, Any]:
-    """Return MuJoCo Warp's model of a scene, its data in the initial state, and the conversion of coordinates to rows.
-
-    Raises `SceneUnsupported`.
-    """
+def described_by_mujoco(scene: Scene, method: Method) -> tuple[str, Joints]:
+    """Return the XML of a scene and the joints in it. Raises `SceneUnsupported`."""
     if scene.plane is not None:
         lying_shape(scene)
-    model, data, rows = handed_over(mujoco.stepper(scene, method))
+    return mujoco.description(scene, method, mujoco.model_of(scene, method))
+
+
+def started(xml: str, joints: Sequence[Joints], scene: Scene) -> tuple[Any, Any, Any]:
+    """Return MuJoCo Warp's model of scenes, their data in the initial states, and the conversion of coordinates to rows.
+
+    Parameters
+    ----------
+    xml
+        The XML of all scenes.
+    joints
+        The joints of each, with its initial state.
+    scene
+        One of the scenes, for its drag.
+
+    Raises
+    ------
+    SceneUnsupported
+        MuJoCo or MuJoCo Warp refuses the model.
+    """
+    model, data, rows = handed_over(xml, joints)
     if scene.drag:
         model.callback.passive = lambda model, data: wp.launch(
-            drag_kernel, dim=1, inputs=[scene.drag, data.qvel], outputs=[data.qfrc_passive]
+            drag_kernel, dim=data.nworld, inputs=[scene.drag, data.qvel], outputs=[data.qfrc_passive]
         )
     return model, data, rows
 
 
-def handed_over(original: Stepper) -> tuple[Any, Any, Any]:
-    """Return what `started` does, from a simulation of MuJoCo and without drag."""
+def handed_over(xml: str, joints: Sequence[Joints]) -> tuple[Any, Any, Any]:
+    """Return what `started` does, without drag."""
+    first = mujoco.started(xml, joints[0])
     try:
-        model = mjw.put_model(original.model)
+        model = mjw.put_model(first.model)
     except NotImplementedError as error:
         raise SceneUnsupported(f"MuJoCo Warp refuses the model: {error}") from error
     # With room for no constraint at all (njmax = 0), most integrators of MuJoCo Warp 4.0.0 ignore all forces.
-    return model, mjw.put_data(original.model, original.data), original.joints.rows
+    data = mjw.put_data(first.model, first.data, nworld=len(joints))
+    data.qpos.assign(np.array([own.qpos for own in joints]))
+    data.qvel.assign(np.array([own.qvel for own in joints]))
+    return model, data, first.joints.rows
 
 
 def contact_law(scene: Scene, method: Method) -> Plane | None:
@@ -120,7 +154,8 @@ def contact_law(scene: Scene, method: Method) -> Plane | None:
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:
     """Return the normal force (n,), in N, in each of n steps; for RK4 it is that of the last stage."""
-    model, data, _ = started(scene, method)
+    xml, joints = described_by_mujoco(scene, method)
+    model, data, _ = started(xml, [joints], scene)
     contacts = wp.array(np.arange(data.naconmax, dtype=np.int32))
     forces = wp.zeros(data.naconmax, dtype=wp.spatial_vector)
 

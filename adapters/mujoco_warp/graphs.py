@@ -5,7 +5,7 @@ as a graph, with all their arguments, and replays the graph in a loop in C++: th
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import warp as wp
 
@@ -18,8 +18,10 @@ CALLS: tuple[tuple[Any, str], ...] = ((wp, "capture_launch"),)
 wp.config.log_level = wp.LOG_WARNING
 with no_stderr():  # on a machine without a GPU, a warning that there is none
     wp.init()
-# The device of all arrays, also where there is a GPU.
-wp.set_device("cpu")
+
+#: The device of all arrays, also where there is a GPU: the views by which states are read are those of arrays on the CPU.
+DEVICE: Literal["cpu"] = "cpu"
+wp.set_device(DEVICE)
 
 
 def record(work: Callable[[], None]) -> Any:
@@ -27,7 +29,7 @@ def record(work: Callable[[], None]) -> Any:
 
     The graph keeps the arrays that its kernels read and write.
     """
-    with wp.ScopedCapture(device="cpu", force_module_load=False) as capture:
+    with wp.ScopedCapture(device=DEVICE, force_module_load=False) as capture:
         work()
     return capture.graph
 

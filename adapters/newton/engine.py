@@ -31,6 +31,8 @@ engine = Engine(
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
     variants=VARIANTS,
     precision="float32",
+    device=graphs.DEVICE,
+    batch=2,
 )
 
 calls = graphs.CALLS
@@ -54,26 +56,30 @@ drag_kernel = wp.kernel(set_drag)
 
 
 def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
-    """Return the simulation of one scene, as `Adapter.prepare` does."""
-    (scene,) = scenes
-    return started(links_of(scene), scene, method)
+    """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
+    return started(links_of(scenes[0]), scenes, method)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
     """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
-    return started(links, scene, method)
+    return started(links, [scene], method)
 
 
-def started(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
-    """Return the simulation of a body of links, of which the first is in the initial state of a scene."""
-    model = built(links, scene, method)
+def started(links: Sequence[Link], scenes: Sequence[Scene], method: Method) -> Normalised:
+    """Return the simulation of a body of links, of which the first is in the initial states of one or more scenes.
+
+    Several scenes have a body of one link.
+    """
+    model = built(links, scenes[0], method) if len(scenes) == 1 else replicated(links[0], scenes, method)
     state, following = model.state(), model.state()
-    step = stepper(scene, method, SOLVERS[method.integrator], model, state, following)
+    step = stepper(scenes[0], method, SOLVERS[method.integrator], model, state, following)
     graph = graphs.record(step)
-    pose, twist = state.body_q.numpy()[0], state.body_qd.numpy()[0]  # views of the arrays that are stepped
-    return Normalised(
-        Loop(graph, graphs.replay, seen=lambda graph: np.concatenate([pose, twist]), rows=partial(rows, links[0]))
-    )
+    poses, twists = state.body_q.numpy(), state.body_qd.numpy()  # views of the arrays that are stepped
+
+    def seen(graph: Any) -> Array:
+        return np.concatenate([poses[0], twists[0]]) if len(scenes) == 1 else np.hstack([poses, twists])
+
+    return Normalised(Loop(graph, graphs.replay, seen, rows=partial(rows, links[0])))
 
 
 def stepper(scene: Scene, method: Method, own: Solver, model: Any, state: Any, following: Any) -> Callable[[], None]:
@@ -85,7 +91,7 @@ def stepper(scene: Scene, method: Method, own: Solver, model: Any, state: Any, f
     def step() -> None:
         state.clear_forces()
         if scene.drag:
-            wp.launch(drag_kernel, dim=1, inputs=[scene.drag, state.body_qd], outputs=[state.body_f])
+            wp.launch(drag_kernel, dim=model.body_count, inputs=[scene.drag, state.body_qd], outputs=[state.body_f])
         if pipeline is not None:
             pipeline.collide(state, contacts)
         solver.step(state, following, control, contacts, method.timestep)
@@ -100,21 +106,57 @@ def built(links: Sequence[Link], scene: Scene, method: Method) -> Any:
     The first link has a free joint, and a fixed joint to each of the others, which every solver treats in its own way. Raises
     `SceneUnsupported`.
     """
+    builder = empty(scene)
+    if scene.plane is not None:
+        add_plane(builder, scene.plane)
+    add_body(builder, links, scene, method)
+    return finished(builder, 1)
+
+
+def replicated(link: Link, scenes: Sequence[Scene], method: Method) -> Any:
+    """Return Newton's model of scenes with a body of one link, each in a world of its own. Raises `SceneUnsupported`."""
+    single, builder = empty(scenes[0]), empty(scenes[0])
+    add_body(single, [link], scenes[0], method)
+    if scenes[0].plane is not None:
+        add_plane(builder, scenes[0].plane)
+    builder.replicate(single, len(scenes))
+    model = finished(builder, len(scenes))
+    starts = [scene.initial for scene in scenes]
+    poses = np.array([list(transform(own.position, own.quaternion)) for own in starts])
+    twists = np.array([twist(link, own) for own in starts])
+    for places, values in ((model.body_q, poses), (model.body_qd, twists)):
+        places.assign(values.astype(np.float32))
+    model.joint_q.assign(poses.astype(np.float32).ravel())
+    model.joint_qd.assign(twists.astype(np.float32).ravel())
+    return model
+
+
+def empty(scene: Scene) -> Any:
+    """Return a builder of a model with the gravity of a scene."""
     builder = newton.ModelBuilder(gravity=(0.0, 0.0, -scene.gravity))
     newton.solvers.SolverSteel.register_custom_attributes(builder)
+    return builder
+
+
+def finished(builder: Any, worlds: int) -> Any:
+    """Return the model of a builder with a number of worlds."""
+    builder.color()
+    # The check of inertia would replace moments of which one is nearly the sum of the others.
+    model = builder.finalize(skip_validation_inertia=True)
+    model.rigid_contact_max = MOST_CONTACTS * worlds
+    return model
+
+
+def add_body(builder: Any, links: Sequence[Link], scene: Scene, method: Method) -> None:
+    """Add a body of links in the initial state of a scene, with its shape if there is a plane. Raises `SceneUnsupported`."""
     bodies = [add_link(builder, link, scene.initial, method) for link in links]
     joints = [builder.add_joint_free(bodies[0])]
     for body, link in zip(bodies[1:], links[1:], strict=True):
         joints.append(builder.add_joint_fixed(bodies[0], body, parent_xform=transform(link.position, link.quaternion)))
     builder.add_articulation(joints)
     if scene.plane is not None:
-        add_contact(builder, bodies[0], scene, scene.plane)
+        add_shape(builder, bodies[0], scene, scene.plane)
     builder.joint_qd[:] = builder.body_qd[bodies[0]]
-    builder.color()
-    # The check of inertia would replace moments of which one is nearly the sum of the others.
-    model = builder.finalize(skip_validation_inertia=True)
-    model.rigid_contact_max = MOST_CONTACTS
-    return model
 
 
 def add_link(builder: Any, link: Link, initial: State, method: Method) -> int:
@@ -128,9 +170,14 @@ def add_link(builder: Any, link: Link, initial: State, method: Method) -> int:
         lock_inertia=True,
         custom_attributes={} if keeps_damping(method) else {STEEL_DAMPING: 0.0},
     )
-    spin = rotate(np.array(own.quaternion), np.array(own.angular_velocity))
-    builder.body_qd[body] = (*velocity_of(link.center_of_mass, own), *spin.tolist())
+    builder.body_qd[body] = twist(link, own)
     return body
+
+
+def twist(link: Link, own: State) -> tuple[float, ...]:
+    """Return Newton's twist of a link whose frame is in a state: the velocity of its centre of mass and its spin (world)."""
+    spin = rotate(np.array(own.quaternion), np.array(own.angular_velocity))
+    return (*velocity_of(link.center_of_mass, own), *spin.tolist())
 
 
 def transform(position: Vector, quaternion: Quaternion) -> Any:
@@ -139,10 +186,14 @@ def transform(position: Vector, quaternion: Quaternion) -> Any:
     return wp.transform(position, wp.quat(x, y, z, w))
 
 
-def add_contact(builder: Any, body: int, scene: Scene, plane: Plane) -> None:
-    """Add the shape of a body and the plane z = 0, with Newton's own stiffness. Raises `SceneUnsupported`."""
+def add_plane(builder: Any, plane: Plane) -> None:
+    """Add the plane z = 0, with Newton's own stiffness."""
+    builder.add_ground_plane(cfg=newton.ModelBuilder.ShapeConfig(mu=plane.friction))
+
+
+def add_shape(builder: Any, body: int, scene: Scene, plane: Plane) -> None:
+    """Add the shape of a body that touches a plane, with Newton's own stiffness. Raises `SceneUnsupported`."""
     shape, cfg = lying_shape(scene), newton.ModelBuilder.ShapeConfig(mu=plane.friction)
-    builder.add_ground_plane(cfg=cfg)
     if isinstance(shape, Brick):
         a, b, c = shape.semi_axes
         builder.add_shape_box(body, hx=a, hy=b, hz=c, cfg=cfg)

@@ -46,7 +46,10 @@ AUDIT = "audit.jsonl"
 PARSERS: dict[str, csv_tables.Parser] = {"string": str, "boolean": csv_tables.truth_value, "integer": int, "number": float}
 
 #: How to read the columns that tradeoff.csv has besides those of results and that do not hold decimal numbers.
-TRADEOFF_PARSERS: dict[str, csv_tables.Parser] = {"evaluations": int}
+TRADEOFF_PARSERS: dict[str, csv_tables.Parser] = {
+    **dict.fromkeys(("evaluations", "failed_scenes", "batch"), int),
+    **dict.fromkeys(("device", "precision"), str),
+}
 
 #: How to read the columns of audit.csv whose texts are of a closed set.
 AUDIT_PARSERS: dict[str, csv_tables.Parser] = {"property": str, "status": str}

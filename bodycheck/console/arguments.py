@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from bodycheck.running.unchecked import Absence
 
 
+#: Most scenes in a batch. Their models and states need some gigabytes in some engines.
+MOST_SCENES = 100_000
+
+
 def case_names(cases: tuple[str, ...]) -> tuple[str, ...]:
     """Return the names of shipped cases and the paths of files that CASE arguments stand for; all shipped cases for none.
 
@@ -203,6 +207,24 @@ def make_folder(option: str, path: Path | None) -> None:
             writing.make_folder(path)
         except writing.NotWritten as error:
             raise BadInput(f"{option}: the folder cannot be made: {error}") from error
+
+
+def batch_sizes(option: str, text: str) -> tuple[int, ...]:
+    """Return the different numbers of scenes, separated by commas, that an option gives; none for an empty text.
+
+    Raises `BadInput` for anything but whole numbers from 1 to `MOST_SCENES`.
+    """
+    found = []
+    for part in text.split(",") if text.strip() else ():
+        try:
+            number = int(part)
+        except ValueError:
+            number = 0
+        if not 1 <= number <= MOST_SCENES or not part.strip().isascii():
+            allowed = f"whole numbers from 1 to {MOST_SCENES}, separated by commas"
+            raise BadInput(f"{option} {text}: read {part.strip()!r}; allowed: {allowed}")
+        found.append(number)
+    return tuple(sorted(set(found)))
 
 
 def processes(jobs: int | None) -> int:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from bodycheck import reports
+from bodycheck.console.arguments import batch_sizes
 from bodycheck.console.ran import Selection, ran_of
 from bodycheck.figures.columns import COLUMNS, UNITS
 from bodycheck.interface import arguments
@@ -15,13 +16,15 @@ from bodycheck.judging import judgement
 from bodycheck.judging.run_classes import classes_of
 from bodycheck.running import origin
 from bodycheck.studies.orders import Order
-from bodycheck.studies.tradeoff import study
+from bodycheck.studies.tradeoff import batches, study
 from bodycheck.studies.tradeoff.page import present
 
 #: The units of the columns of the cost that have one; that of `cost` is computing time for simulated time.
 COST_UNITS = {
     **dict.fromkeys(("time_per_step_low", "time_per_step_high", "processor_time_per_step", "setup_time"), "s"),
     "cost": "s/s",
+    "worst_position_error": "m",
+    "worst_attitude_error": "rad",
 }
 
 #: The columns of the cost that hold numbers which are not integers.
@@ -73,6 +76,7 @@ def tradeoff(
     engine: Names = (),
     integrator: Names = (),
     timestep: Numbers = (),
+    batch: Numbers = (),
     out: str | Path | None = None,
     jobs: int | None = None,
 ) -> TradeoffResults:
@@ -84,6 +88,9 @@ def tradeoff(
         As those of `bodycheck.run`.
     timestep
         Time steps (s); those that suit each case for none. Orders need five or more.
+    batch
+        Numbers of scenes: that many turned copies of each case are also run in one batch, with the engines that step many
+        scenes at once. Without time steps, this is done at the step of each method nearest to 2 ms.
     out
         A folder for the tables, the recorded runs and the report, which continues what was interrupted there.
 
@@ -101,12 +108,16 @@ def tradeoff(
         timesteps=(timesteps := arguments.numbers("--timestep", timestep)),
         jobs=arguments.jobs_of(jobs),
     )
-    command = arguments.command("tradeoff", each, engine=engines, integrator=integrators, timestep=timesteps)
+    sizes = batch_sizes("--batch", ",".join(f"{size:.17g}" for size in arguments.numbers("--batch", batch)))
+    command = arguments.command("tradeoff", each, engine=engines, integrator=integrators, timestep=timesteps, batch=sizes)
     folder = arguments.path("--out", out)
     with ran_of(given, selection, study.plan, folder, command, quiet=True) as made:
         verdicts = judgement.judge(made.results)
         rows = study.price(made.results, verdicts, made.engines)
         orders = study.orders(made.results, verdicts, made.engines)
+        if sizes:
+            planned = batches.plan(made.results, verdicts, made.engines, sizes, timesteps)
+            rows = batches.rows_alike(rows, batches.rows(planned, made.results, made.engines))
         report = present(made.results.header, rows, orders, classes_of(made.results, made.results.runs()))
         if folder is not None:
             study.write(rows, orders, folder, [origin.stored(made.results.header)])

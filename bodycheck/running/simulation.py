@@ -150,13 +150,34 @@ def _advance(simulation: Simulation, case: Case, method: Method) -> Outcome:
             signal: Literal["gave up", "reset"] = "reset" if isinstance(error, EngineReset) else "gave up"
             return Diverged(str(error), signal, _trajectory(steps, method, error.states[0, :, 0]))
         wall_time = time.perf_counter() - start
-    rows = _rows(states, len(steps))
+    return outcome_of(_rows(states, len(steps)), simulation, case.scene, method, steps, wall_time)
+
+
+def outcome_of(rows: Array, simulation: Simulation, scene: Scene, method: Method, steps: Strides, wall_time: float) -> Outcome:
+    """Return the outcome of a run whose engine went to the end.
+
+    Parameters
+    ----------
+    rows
+        The states (n, 13) of the body, in the columns of `Simulation.advance`.
+    simulation, scene, method
+        What was run.
+    steps
+        The numbers of steps (n,) from the start to each state.
+    wall_time
+        The wall time (s) of stepping.
+
+    Raises
+    ------
+    AdapterFault
+        If the rows cannot be the states of the engine.
+    """
     trajectory = _trajectory(steps, method, rows)
-    if (diverged := _divergence(case.scene, trajectory)) is not None:
+    if (diverged := _divergence(scene, trajectory)) is not None:
         return diverged
     norm_error = _norm_error(trajectory)
-    _check_start(case.scene, trajectory)
-    if (diverged := _standstill(case.scene, trajectory, method.timestep)) is not None:
+    _check_start(scene, trajectory)
+    if (diverged := _standstill(scene, trajectory, method.timestep)) is not None:
         return diverged
     if isinstance(simulation, Normalising):
         norm_error = max(norm_error, simulation.quaternion_norm_error)

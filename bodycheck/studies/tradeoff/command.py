@@ -5,6 +5,7 @@ Its imports are inside the function, so that `--help` answers at once.
 
 from bodycheck.console.options import (
     AS_USUAL,
+    Batches,
     CaseName,
     Engines,
     Figures,
@@ -24,6 +25,7 @@ def tradeoff(
     engine: Engines = (),
     integrator: Integrators = (),
     timestep: Timesteps = (),
+    batch: Batches = "",
     out: Out = None,
     figures: Figures = (),
     jobs: Jobs = None,
@@ -34,30 +36,35 @@ def tradeoff(
     """Measure error and cost of every method over a range of time steps.
 
     The report also contains the order of convergence of every method and the textbook scheme that it agrees with. The default
-    time steps suit the case; orders need five or more time steps. Costs are measured with one process. The tables are
-    tradeoff.csv and orders.csv.
+    time steps suit the case; orders need five or more time steps. Costs are measured with one process. With --batch they are
+    also measured where an engine steps many scenes at once. The tables are tradeoff.csv and orders.csv.
     """
     from dataclasses import asdict
 
     from bodycheck import reports
     from bodycheck.console import tables, terminal
-    from bodycheck.console.arguments import check_has_folder
+    from bodycheck.console.arguments import batch_sizes, check_has_folder
     from bodycheck.console.output import say_where
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging import judgement
     from bodycheck.judging.run_classes import classes_of
     from bodycheck.running import origin
-    from bodycheck.studies.tradeoff import printing, study
+    from bodycheck.studies.tradeoff import batches, printing, study
     from bodycheck.studies.tradeoff.page import present
 
     check_has_folder(figures, out)
-    tables.check(view, printing.RUNS, printing.METHODS)
+    sizes = batch_sizes("--batch", batch)
+    tables.check(view, printing.RUNS, printing.METHODS, printing.BATCHES)
     with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out, quiet) as made:
         results, engines = made.results, made.engines
         verdicts = judgement.judge(results)
         with terminal.progress("measuring", 2 * len(results.cases), quiet) as progress:
             rows = study.price(results, verdicts, engines, progress)
             orders = study.orders(results, verdicts, engines, progress)
+        if sizes:
+            planned = batches.plan(results, verdicts, engines, sizes, timestep)
+            with terminal.progress("batches", len(planned), quiet) as progress:
+                rows = batches.rows_alike(rows, batches.rows(planned, results, engines, progress))
         if out is not None:
             study.write(rows, orders, out, [origin.stored(results.header)])
             classes = classes_of(results, results.runs())

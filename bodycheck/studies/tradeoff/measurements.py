@@ -20,13 +20,19 @@ Row = Mapping[str, Any]
 COSTS = {"cost", "time_per_step_low", "time_per_step_high"}
 
 
+def apart(rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
+    """Return the rows of single runs, and those of batches."""
+    return [row for row in rows if row.get("batch") is None], [row for row in rows if row.get("batch") is not None]
+
+
 @dataclass(frozen=True, eq=False)
 class CaseMeasurements:
-    """The rows and orders of one case. Numbers that are not finite count as not measured."""
+    """The rows of single runs, the orders and the rows of batches of one case. Infinite numbers count as not measured."""
 
     name: str
     rows: tuple[Row, ...]
     orders: tuple[Order, ...]
+    batches: tuple[Row, ...] = ()
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:

@@ -15,11 +15,12 @@ from bodycheck.running.header import Header
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Unsupported
 from bodycheck.studies.orders import Order
+from bodycheck.studies.tradeoff import batch_page
 from bodycheck.studies.tradeoff import findings as tradeoff_summary
 from bodycheck.studies.tradeoff.diagram import diagram
 from bodycheck.studies.tradeoff.findings import falls_short
 from bodycheck.studies.tradeoff.front import Measured
-from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Row
+from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Row, apart
 
 #: Lines by method with any time step, as a curve goes through all time steps.
 Lines = Mapping[RunKey, Line]
@@ -61,22 +62,29 @@ def present(header: Header, rows: Sequence[Row], orders: Sequence[Order], classe
     classes
         The classes of methods that are the same algorithm.
     """
+    single, in_batches = apart(rows)
     by_case: dict[str, list[Row]] = defaultdict(list)
-    for row in rows:
+    for row in single:
         by_case[row["case"]].append(row)
+    batches_by_case: dict[str, list[Row]] = defaultdict(list)
+    for row in in_batches:
+        batches_by_case[row["case"]].append(row)
     orders_by_case: dict[str, list[Order]] = defaultdict(list)
     for order in orders:
         orders_by_case[order.case].append(order)
-    cases = [CaseMeasurements(name, tuple(own), tuple(orders_by_case[name])) for name, own in by_case.items()]
+    cases = [
+        CaseMeasurements(name, tuple(own), tuple(orders_by_case[name]), tuple(batches_by_case[name]))
+        for name, own in by_case.items()
+    ]
     lines = _lines(rows)
     return StudyReport(
         title="What accuracy costs",
         headline=_headline(cases, lines),
         header=header,
-        notices=_notices(header, rows),
+        notices=(*_notices(header, single), *(batch_page.notices(rows) if in_batches else ())),
         findings=tradeoff_summary.findings(cases, lines, classes),
         parts=tuple(_part(case, lines) for case in cases),
-        reading=READING,
+        reading=(*READING, *(batch_page.READING if in_batches else ())),
     )
 
 
@@ -107,11 +115,16 @@ def _part(case: CaseMeasurements, lines: Lines) -> Part:
         tables.append(("Orders", _orders(case)))
     if case.primary is not None:
         tables.append((f"Pareto front of the {case.primary}", _front(case, case.primary)))
+    if case.batches:
+        tables.append(("Batches", batch_page.table(case)))
     return Part(
         name=case.name,
         title=case.name,
         texts=(*_failures(case.rows), *(() if drawn else ("No run of this case has both an error and a cost.",))),
-        charts=tuple(_chart(case, name, quantity, lines) for name, quantity in case.quantities.items()),
+        charts=(
+            *(_chart(case, name, quantity, lines) for name, quantity in case.quantities.items()),
+            *batch_page.charts(case, lines),
+        ),
         tables=tuple(tables),
         lines=tuple(line for key, line in lines.items() if key in methods),
     )

@@ -9,6 +9,7 @@ from bodycheck.console.output import say
 from bodycheck.console.tables import Column, attribute, entry, show
 from bodycheck.console.terminal import print_errors
 from bodycheck.studies.orders import Order
+from bodycheck.studies.tradeoff.measurements import apart
 
 
 def _interval(order: Order) -> str:
@@ -45,9 +46,36 @@ METHODS: tuple[Column[Order], ...] = (
 )
 
 
+#: The columns of the table of batches.
+BATCHES = (
+    entry("case", goes=1),
+    entry("engine"),
+    entry("integrator"),
+    entry("timestep", "step", "g", goes=2),
+    entry("batch", "scenes", "d"),
+    entry("status", goes=6),
+    error_column("attitude_error", "attitude rad"),
+    entry("worst_attitude_error", "worst rad", goes=3),
+    error_column("position_error", "position m", goes=4),
+    entry("worst_position_error", "worst m", goes=5),
+    microseconds("time_per_step", "us/step"),
+    entry("device", goes=8),
+    entry("precision", goes=7),
+    entry("reason", goes=9, wraps=True),
+)
+
+
 def print_tradeoff(rows: Sequence[Mapping[str, Any]], orders: Sequence[Order], view: View) -> None:
-    """Print one line per run, then one line per method and quantity."""
-    print_errors(RUNS, rows, view)
+    """Print one line per run, then one line per batch, if there are any, then one line per method and quantity."""
+    single, batches = apart(rows)
+    print_errors(RUNS, single, view)
+    if batches and (not view.names or {column.name for column in BATCHES} & set(view.names)):
+        say("")
+        say(
+            "Of batches, the errors are those of the case itself and the worst of all its turned copies, the time that of one "
+            "step of one scene."
+        )
+        show(BATCHES, batches, view)
     if not view.names or {column.name for column in METHODS} & set(view.names):
         say("")
         show(METHODS, orders, view)

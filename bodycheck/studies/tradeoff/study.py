@@ -23,16 +23,9 @@ from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.running.store import Results
 from bodycheck.studies.cost import Measured, Stretch, measure, summarise
 from bodycheck.studies.orders import Order
+from bodycheck.studies.tradeoff.columns import BATCH_COLUMNS, COST_COLUMNS
 from bodycheck.studies.tradeoff.front import COLUMNS
 from bodycheck.studies.tradeoff.ladder import ladder
-
-#: Columns after those of results: the interval of the time per step (s), the evaluations of the accelerations per step, the
-#: computing time (s) per simulated second, the processor time per step (s), the time (s) of the first set-up in a process, in
-#: which some engines compile code, and the share of the time that passes in the engine's own calls.
-COST_COLUMNS = (
-    *("time_per_step_low", "time_per_step_high", "evaluations", "cost"),
-    *("processor_time_per_step", "setup_time", "engine_share"),
-)
 
 
 def plan(
@@ -74,7 +67,7 @@ def price(
     engines: Mapping[str, Engine],
     progress: Callable[[str], None] = lambda done: None,
 ) -> list[dict[str, Any]]:
-    """Measure the costs of runs, and return one row per run with the columns of results and `COST_COLUMNS`.
+    """Measure the costs of runs, and return one row per run with the columns of results, `COST_COLUMNS` and `BATCH_COLUMNS`.
 
     Costs are measured with nothing else running, for all runs of a case in turn, each engine in a process of its own. A run
     that did not complete has none. If a measurement fails, the row has no cost but a reason. Missing values are None.
@@ -101,6 +94,8 @@ def price(
         found = costs.get(_task(results.cases[verdict.run.case], verdict))
         claims = _claims(engines[verdict.run.engine], verdict.run.key)
         row |= _costs(row, found if isinstance(found, Measured) else None, claims.evaluations)
+        engine = engines[verdict.run.engine]
+        row |= dict.fromkeys(BATCH_COLUMNS) | {"device": engine.device, "precision": engine.precision}
         if isinstance(found, Crashed | TimedOut):
             row["reason"] = row["reason"] or f"its cost could not be measured: {found.reason}"
     return rows

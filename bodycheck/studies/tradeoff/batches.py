@@ -1,0 +1,262 @@
+"""What a step of one scene costs, and how large its error is, where an engine steps many scenes at once.
+
+A batch has the scene of a case and copies of it that are turned about the vertical. It is run over the whole duration, and its
+cost and its errors are those of the same run. No measurement needs more memory for more samples, because states are compared
+and forgotten block by block.
+"""
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from bodycheck.adapters import offers, registry
+from bodycheck.adapters.contract import (
+    Engine,
+    EngineDiverged,
+    Method,
+    SceneUnsupported,
+    Signals,
+    Simulation,
+    Strides,
+)
+from bodycheck.adapters.method import DEFAULT_TIMESTEP
+from bodycheck.casefile.case import Case
+from bodycheck.judging import judgement
+from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import Truth
+from bodycheck.running import campaign, pool
+from bodycheck.running.engines import home
+from bodycheck.running.outcome import Completed, Crashed, Diverged, Outcome, Run, TimedOut, Unsupported
+from bodycheck.running.simulation import AdapterFault, outcome_of, sampling_steps
+from bodycheck.running.store import Results
+from bodycheck.studies.cost import ROUNDS, summarise
+from bodycheck.studies.tradeoff.columns import BATCH_COLUMNS, COST_COLUMNS
+from bodycheck.studies.tradeoff.turned import errors, turned
+
+#: Most states of all scenes that are in memory at a time: 26 MiB.
+MOST_STATES = 1 << 18
+
+#: A batch is run again, up to `ROUNDS` times, until this time (s) of stepping is over.
+ENOUGH_S = 1.0
+
+#: Most time (s) of stepping of one batch; one that would take longer is not run to its end.
+MOST_S = 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """A batch to be run: the scene of a case and turned copies of it, `scenes` in all, and the truth of the case."""
+
+    case: Case
+    engine: str
+    method: Method
+    scenes: int
+    truth: Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Ran:
+    """What was measured of a batch.
+
+    Attributes
+    ----------
+    outcome
+        The outcome of the case itself, the first scene of the batch.
+    times, processor_times
+        The time (s) and the processor time (s) per step and scene, of each round.
+    setup
+        The time (s) of the first preparation, in which some engines compile code.
+    position_error, attitude_error
+        The largest errors (m, rad) over all scenes that did not fail.
+    failed
+        The number of scenes that failed.
+    """
+
+    outcome: Outcome
+    times: tuple[float, ...] = ()
+    processor_times: tuple[float, ...] = ()
+    setup: float | None = None
+    position_error: float | None = None
+    attitude_error: float | None = None
+    failed: int | None = None
+
+
+def plan(
+    results: Results,
+    verdicts: Sequence[Verdict],
+    engines: Mapping[str, Engine],
+    sizes: Sequence[int],
+    timesteps: Sequence[float],
+) -> list[Batch]:
+    """Return the batches of all methods that completed.
+
+    Parameters
+    ----------
+    results, verdicts
+        The results of single runs, and the verdicts on them.
+    engines
+        The records of the engines by name.
+    sizes
+        The numbers of scenes. An engine that steps one scene at a time is run with one scene alone.
+    timesteps
+        The time steps (s) that the user chose. If there are none, of each method the one nearest to the usual one is taken.
+    """
+    return [
+        Batch(results.cases[verdict.run.case], verdict.run.engine, verdict.run.method, size, truth.trajectory)
+        for verdict in _chosen(verdicts, timesteps)
+        for truth in [results.truth(verdict.run.case, verdict.run.method.timestep)]
+        if isinstance(truth, Truth)
+        for size in sizes
+        if size == 1 or engines[verdict.run.engine].batch > 1
+    ]
+
+
+def rows(
+    batches: Sequence[Batch],
+    results: Results,
+    engines: Mapping[str, Engine],
+    progress: Callable[[str], None] = lambda done: None,
+) -> list[dict[str, Any]]:
+    """Run batches with nothing else running, each engine in a process of its own, and return one row for each.
+
+    Rows have the columns of results, `COST_COLUMNS` and `BATCH_COLUMNS`. The function `progress` is called with a text after
+    each batch; the other parameters are those of `plan`.
+    """
+    found = []
+    with pool.caller(run, campaign.TIME_LIMIT_S, group=lambda batch: batch.engine, home=home) as call:
+        for batch in batches:
+            ran = call(batch)
+            truth = results.truth(batch.case.name, batch.method.timestep)
+            assert isinstance(truth, Truth)  # the batch has its trajectory
+            found.append(_row(batch, ran if isinstance(ran, Ran) else Ran(ran), truth, engines[batch.engine]))
+            progress(f"{batch.case.name} · {batch.engine} {batch.method.name} · {batch.scenes} scenes")
+    return found
+
+
+def rows_alike(*tables: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Return the rows of several tables with the columns of all of them, in the order of the table with the most columns."""
+    columns = max((list(rows[0]) for rows in tables if rows), key=len)
+    return [dict.fromkeys(columns) | dict(row) for rows in tables for row in rows]
+
+
+def _chosen(verdicts: Sequence[Verdict], timesteps: Sequence[float]) -> Iterator[Verdict]:
+    """Yield the verdicts on completed runs with the chosen time steps, or with the one nearest to the usual one."""
+    completed = [verdict for verdict in verdicts if verdict.discrepancy is not None]
+    nearest: dict[object, float] = {}
+    for verdict in completed:
+        key, step = verdict.run.key.over_steps, verdict.run.method.timestep
+        nearest[key] = min(nearest.get(key, step), step, key=lambda own: abs(np.log(own / DEFAULT_TIMESTEP)))
+    for verdict in completed:
+        step = verdict.run.method.timestep
+        if step in timesteps or (not timesteps and step == nearest[verdict.run.key.over_steps]):
+            yield verdict
+
+
+def _row(batch: Batch, ran: Ran, truth: Truth, engine: Engine) -> dict[str, Any]:
+    """Return the row of a batch. Its errors are those of the case itself, its costs those of a step of one scene."""
+    case = replace(batch.case, expectations=())  # they are of single runs
+    run = Run(case.name, batch.engine, engine.version, batch.method, ran.outcome, scene=case.scene)
+    (row,) = judgement.records([judgement.verdict(case, truth, run)])
+    row |= dict.fromkeys(("wall_time", "time_per_step", "realtime_factor", *COST_COLUMNS, *BATCH_COLUMNS))
+    row |= {"batch": batch.scenes, "device": engine.device, "precision": engine.precision, "failed_scenes": ran.failed}
+    if not isinstance(ran.outcome, Completed):
+        return row
+    own, step = offers.integrator_of(engine, batch.method), summarise(np.array(ran.times))
+    return row | {
+        "wall_time": step.median * ran.outcome.steps * batch.scenes,
+        "time_per_step": step.median,
+        "realtime_factor": batch.method.timestep / step.median,
+        "time_per_step_low": step.low,
+        "time_per_step_high": step.high,
+        "evaluations": own.evaluations if own is not None else None,
+        "cost": step.median / batch.method.timestep,
+        "processor_time_per_step": summarise(np.array(ran.processor_times)).median,
+        "setup_time": ran.setup,
+        "worst_position_error": ran.position_error,
+        "worst_attitude_error": ran.attitude_error,
+    }
+
+
+def run(batch: Batch) -> Ran:
+    """Run a batch in this process."""
+    try:
+        return _measured(batch)
+    except SceneUnsupported as error:
+        return Ran(Unsupported(str(error)))
+    except EngineDiverged as error:
+        return Ran(Diverged(str(error), "gave up"))
+    except AdapterFault as fault:
+        return Ran(Crashed(f"the adapter of {batch.engine} is at fault in the case {batch.case.name}: {fault}"))
+
+
+@dataclass
+class _Pass:
+    """One run of a batch: the states of its first scene, the largest errors of all, and the times (s) that it took."""
+
+    rows: Array
+    position_error: Array
+    attitude_error: Array
+    seconds: float = 0.0
+    processor_seconds: float = 0.0
+
+
+def _measured(batch: Batch) -> Ran:
+    adapter, scenes = registry.load(batch.engine), turned(batch.case.scene, batch.scenes)
+    steps = sampling_steps(batch.case.instants, batch.method.timestep)
+    start = time.perf_counter()
+    simulation = offers.prepare(adapter, scenes, batch.method)
+    setup = time.perf_counter() - start
+    passes = [_pass(simulation, batch, steps)]
+    while passes[0] is not None and len(passes) < ROUNDS and sum(one.seconds for one in passes if one) < ENOUGH_S:
+        passes.append(_pass(offers.prepare(adapter, scenes, batch.method), batch, steps))
+    complete = [one for one in passes if one is not None]
+    if not complete:
+        return Ran(TimedOut(MOST_S, f"stopped, because the batch would take more than {MOST_S:g} s"))
+    first, taken = complete[0], int(steps[-1]) * batch.scenes
+    if isinstance(simulation, Signals) and 0 in simulation.signals:
+        outcome: Outcome = Diverged(simulation.signals[0], "gave up")
+    else:
+        outcome = outcome_of(first.rows, simulation, batch.case.scene, batch.method, steps, first.seconds)
+    held = np.isfinite(first.position_error) & np.isfinite(first.attitude_error)
+    return Ran(
+        outcome,
+        times=tuple(one.seconds / taken for one in complete),
+        processor_times=tuple(one.processor_seconds / taken for one in complete),
+        setup=setup,
+        position_error=float(first.position_error[held].max()) if held.any() else None,
+        attitude_error=float(first.attitude_error[held].max()) if held.any() else None,
+        failed=int((~held).sum()),
+    )
+
+
+def _pass(simulation: Simulation, batch: Batch, steps: Strides) -> _Pass | None:
+    """Run a batch from its start; None if it would take too long."""
+    strides, size = np.diff(steps, prepend=0), max(1, MOST_STATES // batch.scenes)
+    made = _Pass(np.empty((len(steps), 13)), *np.zeros((2, batch.scenes)))
+    for first in range(0, len(strides), size):
+        part = slice(first, first + size)
+        with np.errstate(all="ignore"):  # scenes that overflow are judged by their states
+            processor, start = time.process_time(), time.perf_counter()
+            states = np.asarray(simulation.advance(strides[part]), dtype=np.float64)
+            made.seconds += time.perf_counter() - start
+            made.processor_seconds += time.process_time() - processor
+            if states.shape != (batch.scenes, len(strides[part]), 1, 13):
+                raise AdapterFault(f"its states have the shape {states.shape}")
+            made.rows[part] = states[0, :, 0]
+            position, attitude = errors(states[:, :, 0], _between(batch.truth, part))
+            made.position_error = np.maximum(made.position_error, position.max(axis=1))
+            made.attitude_error = np.maximum(made.attitude_error, attitude.max(axis=1))
+        done = int(steps[part][-1])
+        if made.seconds * (int(steps[-1]) / max(1, done)) > MOST_S and done:
+            return None
+    return made
+
+
+def _between(truth: Trajectory, part: slice) -> Trajectory:
+    """Return a part of a trajectory."""
+    series = truth.t, truth.position, truth.quaternion, truth.velocity, truth.angular_velocity
+    return Trajectory(*(values[part] for values in series))
