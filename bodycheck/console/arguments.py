@@ -209,22 +209,20 @@ def make_folder(option: str, path: Path | None) -> None:
             raise BadInput(f"{option}: the folder cannot be made: {error}") from error
 
 
-def batch_sizes(option: str, text: str) -> tuple[int, ...]:
-    """Return the different numbers of scenes, separated by commas, that an option gives; none for an empty text.
+def batch_sizes(option: str, texts: Iterable[str]) -> tuple[int, ...]:
+    """Return the different numbers of scenes that an option gives, each time one or several with commas between them.
 
     Raises `BadInput` for anything but whole numbers from 1 to `MOST_SCENES`.
     """
-    found = []
-    for part in text.split(",") if text.strip() else ():
-        try:
-            number = int(part)
-        except ValueError:
-            number = 0
-        if not 1 <= number <= MOST_SCENES or not part.strip().isascii():
-            allowed = f"whole numbers from 1 to {MOST_SCENES}, separated by commas"
-            raise BadInput(f"{option} {text}: read {part.strip()!r}; allowed: {allowed}")
-        found.append(number)
-    return tuple(sorted(set(found)))
+    found = set()
+    for text in texts:
+        for part in text.split(","):
+            number = int(part) if part.strip().isdecimal() and part.isascii() else 0
+            if not 1 <= number <= MOST_SCENES:
+                allowed = f"whole numbers from 1 to {MOST_SCENES}, with commas between them"
+                raise BadInput(f"{option} {text}: read {part.strip()!r}; allowed: {allowed}")
+            found.add(number)
+    return tuple(sorted(found))
 
 
 def processes(jobs: int | None) -> int:

@@ -23,7 +23,7 @@ Integrators = Annotated[
 Timesteps = Annotated[tuple[float, ...], Parameter(help="A time step in s. May be given several times.")]
 
 Batches = Annotated[
-    str,
+    tuple[str, ...],
     Parameter(
         help="Numbers of scenes, such as 1,100,10000: also run that many copies of each case, turned about the vertical, in "
         "one batch with the engines that step many scenes at once. Without --timestep, at the step of each method that is "

@@ -1,6 +1,6 @@
 """`bodycheck.tradeoff`: error and cost of every method over a range of time steps."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
@@ -76,7 +76,7 @@ def tradeoff(
     engine: Names = (),
     integrator: Names = (),
     timestep: Numbers = (),
-    batch: Numbers = (),
+    batch: int | str | Iterable[int | str] = (),
     out: str | Path | None = None,
     jobs: int | None = None,
 ) -> TradeoffResults:
@@ -108,7 +108,7 @@ def tradeoff(
         timesteps=(timesteps := arguments.numbers("--timestep", timestep)),
         jobs=arguments.jobs_of(jobs),
     )
-    sizes = batch_sizes("--batch", ",".join(f"{size:.17g}" for size in arguments.numbers("--batch", batch)))
+    sizes = batch_sizes("--batch", map(str, (batch,) if isinstance(batch, int | str) else batch))
     command = arguments.command("tradeoff", each, engine=engines, integrator=integrators, timestep=timesteps, batch=sizes)
     folder = arguments.path("--out", out)
     with ran_of(given, selection, study.plan, folder, command, quiet=True) as made:

@@ -25,7 +25,7 @@ def tradeoff(
     engine: Engines = (),
     integrator: Integrators = (),
     timestep: Timesteps = (),
-    batch: Batches = "",
+    batch: Batches = (),
     out: Out = None,
     figures: Figures = (),
     jobs: Jobs = None,

@@ -22,6 +22,7 @@ from bodycheck.studies import cost
 from bodycheck.studies.cost import Stretch
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff import study as tradeoff
+from bodycheck.studies.tradeoff.columns import BATCH_COLUMNS, COST_COLUMNS
 from bodycheck.studies.tradeoff.front import measured, pareto
 from bodycheck.studies.tradeoff.ladder import fitted, ladder
 from tests.support import campaigns
@@ -180,7 +181,11 @@ def test_costs_are_told_with_the_error_they_came_with(priced: dict[str, list[dic
     tradeoff.write(rows, [], tmp_path, [])
     table = pd.read_csv(tmp_path / "tradeoff.csv")
     assert tuple(table.columns[: len(judgement.COLUMNS)]) == judgement.COLUMNS
-    assert tuple(table.columns[-len(tradeoff.COST_COLUMNS) :]) == tradeoff.COST_COLUMNS
+    assert tuple(table.columns[-len(COST_COLUMNS + BATCH_COLUMNS) :]) == COST_COLUMNS + BATCH_COLUMNS
+    assert list(BATCH_COLUMNS[-3:]) == ["batch", "device", "precision"]
+    assert table["batch"].isna().all(), "a run of one scene is no batch"
+    assert set(table["device"]) == {"cpu"}
+    assert set(table["precision"]) == {"float64"}
     ok = table[table["status"] == "ok"]
     assert ok["cost"].to_numpy() == pytest.approx(ok["time_per_step"] / ok["timestep"])
     assert (ok["time_per_step_low"] <= ok["time_per_step"]).all()
