@@ -64,7 +64,7 @@ class Defaults:
 
 
 def size(v: Vector) -> float:
-    return math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])
+    return math.hypot(*v)
 
 
 def times(factor: float, v: Vector) -> Vector:
@@ -87,7 +87,7 @@ def turned(q: Quaternion, v: Vector, linearly: bool) -> Quaternion:
         w * b - x * d + y * c + z * a,
         w * d + x * b - y * a + z * c,
     )
-    norm = math.sqrt(sum(part * part for part in new))
+    norm = math.hypot(*new)
     return (new[0] / norm, new[1] / norm, new[2] / norm, new[3] / norm)
 
 

@@ -3,7 +3,6 @@
 import numpy as np
 
 from bodycheck.judging.scheme_rounding import ROUNDOFF
-from bodycheck.reference.trajectory import Array
 from bodycheck.studies.audit.flights import NotFlown, Pilot
 from bodycheck.studies.audit.probe import Finding
 from bodycheck.studies.audit.probes.answers import not_probed
@@ -12,7 +11,7 @@ from bodycheck.studies.audit.probes.falling import fall
 #: Binary digits of the significands of single and double precision.
 SINGLE, DOUBLE = 24, 53
 
-#: The least number of different values that tell. One of double precision fits into single precision once in 2^29.
+#: The least number of changes of a value that tell. One of double precision fits into single precision once in 2^29.
 ENOUGH = 8
 
 
@@ -35,19 +34,15 @@ def significand(pilot: Pilot) -> int | NotFlown:
     flown = pilot.recall(fall(pilot.timestep))
     if isinstance(flown, NotFlown):
         return flown
-    fits = [_fits(flown.states[:, column]) for column in (*range(3), *range(7, 13))]
-    if not any(varied for varied, _ in fits):
+    values = flown.states[:, [*range(3), *range(7, 13)]]
+    varied = (values[1:] != values[:-1]).sum(axis=0) >= ENOUGH
+    if not varied.any():
         return NotFlown("the body does not fall")
-    return SINGLE if any(varied and single for varied, single in fits) else DOUBLE
+    with np.errstate(over="ignore"):
+        single = (values == values.astype(np.float32)).all(axis=0)
+    return SINGLE if (varied & single).any() else DOUBLE
 
 
 def roundoff(pilot: Pilot) -> float:
     """Return the unit roundoff of a method: that of the precision found, or the adapter's if that is larger."""
     return max(pilot.roundoff, ROUNDOFF["float32"] if significand(pilot) == SINGLE else 0.0)
-
-
-def _fits(values: Array) -> tuple[bool, bool]:
-    """Return whether values (n,) are enough different ones, and whether all of them are numbers of single precision."""
-    with np.errstate(over="ignore"):
-        single = values == values.astype(np.float32)
-    return len(np.unique(values)) >= ENOUGH, bool(single.all())
