@@ -55,6 +55,9 @@ class Motion:
         The states; those of its `beginning` are enough.
     roundoff
         The unit roundoff of the engine's arithmetic, one of `scheme_rounding.ROUNDOFF`.
+    exact
+        The exact motion at the same instants, if motions that agree with it are to tell nothing: with small time steps, all
+        accurate schemes do.
     """
 
     scene: Scene
@@ -62,6 +65,7 @@ class Motion:
     method: RunKey
     trajectory: Trajectory
     roundoff: float
+    exact: Trajectory | None = None
 
     @cached_property
     def early(self) -> Trajectory:
@@ -85,6 +89,10 @@ class Motion:
 
         A flight does if the gyroscopic torque matters. Of motions on a plane, those do in which a body slides and spins.
         """
+        if self.exact is not None:
+            solution = Motion(self.scene, self.timestep, self.method, self.exact, self.roundoff)
+            if _apartness(self, solution)[1] <= TELLING:
+                return False
         if self.scene.plane is not None:
             return any(self.scene.initial.velocity) and any(self.scene.initial.angular_velocity)
         ends = tuple(steps(self.early, self.timestep).tolist())
@@ -202,6 +210,11 @@ def _together(motions: Sequence[Motion]) -> Iterator[list[Motion]]:
 
 
 def _difference(one: Motion, other: Motion) -> _Difference:
+    return _Difference(*_apartness(one, other), max(one.roundoff, other.roundoff), one.tells and other.tells)
+
+
+def _apartness(one: Motion, other: Motion) -> tuple[float, float]:
+    """Return the largest difference of two motions, and its largest ratio to what rounding can explain."""
     coarser = max(one.roundoff, other.roundoff)
     allowed = np.maximum(one.allowed * (coarser / one.roundoff), other.allowed * (coarser / other.roundoff))
     compared = allowed <= MOST_ROUNDING_RAD
@@ -215,7 +228,7 @@ def _difference(one: Motion, other: Motion) -> _Difference:
     ):
         largest = max(largest, _largest_quotient(apart, size))
         ratio = max(ratio, _largest_quotient(apart, most))
-    return _Difference(largest, ratio, coarser, one.tells and other.tells)
+    return largest, ratio
 
 
 def _apart(mine: Array, theirs: Array, limit: Array) -> tuple[Array, Array, Array]:

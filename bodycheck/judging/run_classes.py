@@ -2,21 +2,26 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 
 from bodycheck.adapters.contract import Kind, kind_of
 from bodycheck.judging.classes import MethodClass, Motion, beginning, classes
 from bodycheck.judging.scheme_rounding import ROUNDOFF
+from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.store import Results
+
+#: Truths that are kept in memory: those of one case at its time steps.
+TRUTHS_KEPT = 8
 
 
 def classes_of(results: Results, runs: Iterable[Run]) -> Mapping[Kind, tuple[MethodClass, ...]]:
     """Return the classes of methods by the kind of scene, as far as the cases that were run tell methods apart.
 
     Left out are runs that did not complete, engines whose precision is not known, as in results of earlier versions, and cases
-    that were run with one method alone.
+    that were run with one method alone. Where a motion agrees with the truth to rounding, it is not told from others.
     """
-    precisions = results.header["precisions"]
+    precisions, truths = results.header["precisions"], lru_cache(TRUTHS_KEPT)(results.truth)
     known = [run for run in runs if run.engine in precisions]
     together = Counter((run.case, run.method.timestep) for run in known if isinstance(run.outcome, Completed))
     motions: dict[Kind, list[Motion]] = defaultdict(list)
@@ -24,6 +29,8 @@ def classes_of(results: Results, runs: Iterable[Run]) -> Mapping[Kind, tuple[Met
         if not isinstance(run.outcome, Completed) or together[run.case, run.method.timestep] < 2:
             continue
         scene, timestep, method = results.cases[run.case].scene, run.method.timestep, run.key.over_cases.over_steps
-        trajectory = beginning(run.outcome.trajectory, timestep)
-        motions[kind_of(scene)].append(Motion(scene, timestep, method, trajectory, ROUNDOFF[precisions[run.engine]]))
+        trajectory, truth = beginning(run.outcome.trajectory, timestep), truths(run.case, timestep)
+        if isinstance(truth, Truth):
+            exact, roundoff = truth.at(trajectory.t).trajectory, ROUNDOFF[precisions[run.engine]]
+            motions[kind_of(scene)].append(Motion(scene, timestep, method, trajectory, roundoff, exact))
     return {kind: classes(own) for kind, own in motions.items()}

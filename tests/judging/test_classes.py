@@ -28,6 +28,12 @@ def names(motions: list[Motion]) -> list[set[str]]:
     return [{key.engine for key in own.methods} for own in classes(motions)]
 
 
+def solution(name: str) -> Motion:
+    """The exact motion as that of a method."""
+    t = np.arange(STEPS + 1) * STEP
+    return Motion(TUMBLING, STEP, RunKey.of_method(name, "step"), truth(TUMBLING, t).trajectory, 2.0**-53)
+
+
 def turned(name: str, given: Motion, angles: Array) -> Motion:
     """A motion whose attitudes are those of a given one, turned about x by angles (n,), in rad."""
     turn = np.stack([np.cos(angles / 2), np.sin(angles / 2), 0 * angles, 0 * angles], axis=1)
@@ -56,9 +62,8 @@ def test_steps_that_differ_by_little_are_told_apart(number: type, part: str) -> 
 
 
 def test_methods_that_merely_err_alike_are_not_in_one_class() -> None:
-    t = np.arange(STEPS + 1) * STEP
-    exact = Motion(TUMBLING, STEP, RunKey.of_method("exact", "step"), truth(TUMBLING, t).trajectory, 2.0**-53)
-    left, right = turned("left", exact, 1e-6 * t), turned("right", exact, -1e-6 * t)
+    exact = solution("exact")
+    left, right = (turned(name, exact, sign * 1e-6 * exact.trajectory.t) for name, sign in (("left", 1), ("right", -1)))
     errors = [geodesic_angle(exact.trajectory.quaternion, own.trajectory.quaternion) for own in (left, right)]
     assert errors[0] == pytest.approx(errors[1], rel=1e-6, abs=1e-15)  # angles of 1e-6 rad have an error of some 1e-16 rad
     assert names([left, right]) == [{"left"}, {"right"}]
@@ -112,3 +117,11 @@ def test_a_scene_in_which_all_schemes_agree_tells_nothing() -> None:
     assert names([*alike, *told]) == [{"one", "other"}]
     damped = motion("other", spin, STEP, STEPS, stretch=-1e-6, part="rates")
     assert names([alike[0], damped, *told]) == [{"one"}, {"other"}]
+
+
+def test_methods_whose_motions_are_exact_are_told_from_no_other_if_they_are_compared_with_the_truth() -> None:
+    one, other = solution("one"), solution("other")
+    assert names([one, other]) == [{"one", "other"}]
+    assert classes([replace(own, exact=one.trajectory) for own in (one, other)]) == ()
+    erring = [replace(motion(name, TUMBLING, STEP, STEPS), exact=one.trajectory) for name in ("one", "other")]
+    assert names(erring) == [{"one", "other"}]
