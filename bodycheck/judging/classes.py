@@ -146,11 +146,6 @@ class _Difference:
     def agrees(self) -> bool:
         return self.told and self.ratio <= 1
 
-    @property
-    def rank(self) -> tuple[float, float]:
-        """The place among pairs that agree: those of finer precision first, and the nearest."""
-        return self.roundoff, self.ratio
-
     def and_in(self, other: "_Difference") -> "_Difference":
         """The difference of the same methods in further scenes."""
         return _Difference(
@@ -169,8 +164,8 @@ def classes(motions: Iterable[Motion]) -> tuple[MethodClass, ...]:
     Two methods agree if their motions do in every scene and at every time step with which both were run, and if one of these
     scenes tells methods apart. The classes are the connected components of the methods that agree. A method in single
     precision can agree with two methods in double precision that do not agree with each other: methods of finer precision are
-    therefore joined first, and are not joined by ones of coarser precision. A method that agrees with no other has a class of
-    its own; one that was run only where nothing is told apart has none.
+    therefore joined first, and not by ones of coarser precision, which join the largest class that they agree with. A
+    method that agrees with no other has a class of its own; one that was run only where nothing is told apart has none.
 
     Parameters
     ----------
@@ -179,11 +174,8 @@ def classes(motions: Iterable[Motion]) -> tuple[MethodClass, ...]:
     """
     given = list(motions)
     pairs = _differences(given)
-    agreeing = sorted((pair for pair, found in pairs.items() if found.agrees), key=lambda pair: pairs[pair].rank)
-    components = _joined(
-        {motion.method: motion.roundoff for motion in given if motion.tells},
-        [(*pair, pairs[pair].roundoff) for pair in agreeing],
-    )
+    agreeing = {pair: found for pair, found in pairs.items() if found.agrees}
+    components = _joined({motion.method: motion.roundoff for motion in given if motion.tells}, agreeing)
     return tuple(
         MethodClass(tuple(own), max((pairs[pair].distance for pair in combinations(own, 2) if pair in pairs), default=0.0))
         for own in components
@@ -255,24 +247,28 @@ def _largest_quotient(values: Array, limits: Array) -> float:
     return float(quotients.max(initial=0.0))
 
 
-def _joined(methods: Mapping[RunKey, float], agreeing: Iterable[tuple[RunKey, RunKey, float]]) -> list[list[RunKey]]:
+def _joined(methods: Mapping[RunKey, float], agreeing: Mapping[tuple[RunKey, RunKey], _Difference]) -> list[list[RunKey]]:
     """Return the connected components of methods, and the methods in each, in the order in which the methods are given.
 
-    Components that both have methods of finer precision than a pair are not joined by it: they were compared more finely.
+    Pairs of finer precision are joined first. Components that both have methods of finer precision than a pair are not joined
+    by it: they were compared more finely. Of several such components, a method joins the largest that it agrees with.
 
     Parameters
     ----------
     methods
         The unit roundoff of each method.
     agreeing
-        Pairs of methods that agree, with the coarser unit roundoff of the two; those of finer precision come first.
+        The differences of the pairs of methods that agree.
     """
     component = {method: [method] for method in methods}
-    for one, other, roundoff in agreeing:
-        mine, theirs = component[one], component[other]
-        finer = all(min(methods[method] for method in own) < roundoff for own in (mine, theirs))
-        if mine is not theirs and not finer:
-            mine += theirs
-            component |= dict.fromkeys(theirs, mine)
+    for roundoff in sorted({found.roundoff for found in agreeing.values()}):
+        size = {method: len(own) for method, own in component.items()}
+        pairs = [pair for pair, found in agreeing.items() if found.roundoff == roundoff]
+        for one, other in sorted(pairs, key=lambda pair: (-max(size[pair[0]], size[pair[1]]), agreeing[pair].ratio)):
+            mine, theirs = component[one], component[other]
+            finer = all(min(methods[method] for method in own) < roundoff for own in (mine, theirs))
+            if mine is not theirs and not finer:
+                mine += theirs
+                component |= dict.fromkeys(theirs, mine)
     order = list(methods)
     return [sorted(own, key=order.index) for own in {id(own): own for own in component.values()}.values()]
