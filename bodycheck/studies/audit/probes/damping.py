@@ -20,8 +20,8 @@ from bodycheck.studies.audit.probes.scenes import coast
 #: Speeds in m/s, and spins in rad/s, of the launches.
 SLOW, FAST = 1.0, 8.0
 
-#: The number of steps.
-STEPS = 32
+#: The number of steps, and the least time step (s): rounding makes a rate the larger, the shorter the steps are.
+STEPS, SHORTEST = 32, 4e-3
 
 #: The relative change of a speed in a step, in units of roundoff, that rounding explains: that of some dozen operations.
 ROUNDINGS = 16
@@ -49,7 +49,7 @@ class Law:
     linear, quadratic
         The coefficients, extrapolated to a time step of 0.
     stepped
-        The coefficients with the audited time step, which are those of what a scheme makes of the law.
+        The coefficients with the audited time step, or `SHORTEST`, which are those of what a scheme makes of the law.
     """
 
     linear: float = 0.0
@@ -57,7 +57,7 @@ class Law:
     stepped: tuple[float, float] = (0.0, 0.0)
 
     def loss(self, speeds: Array, times: Array) -> float:
-        """Return the fall of the logarithm of a speed, given at instants (n,), with the audited time step."""
+        """Return the fall of the logarithm of a speed, given at instants (n,), with that time step."""
         return float(np.trapezoid(self.stepped[0] + self.stepped[1] * speeds, times))
 
 
@@ -74,7 +74,7 @@ def law(pilot: Pilot, of: Columns) -> Law | NotFlown:
     here = _rates(pilot, of, 1)
     if isinstance(here, NotFlown):
         return here
-    allowed = ROUNDINGS * roundoff(pilot) / pilot.timestep
+    allowed = ROUNDINGS * roundoff(pilot) / max(SHORTEST, pilot.timestep)
     if float(np.abs(here[0]).max()) <= allowed:
         return Law()
     coarser = _rates(pilot, of, 2)
@@ -99,8 +99,8 @@ def _coefficients(rates: Array, speeds: Array) -> tuple[float, float]:
 
 
 def _rates(pilot: Pilot, of: Columns, multiple: int) -> Array | NotFlown:
-    """Return the rates (1/s) at the two speeds, and the mean speeds, (2, 2), with a multiple of the audited time step."""
-    found, timestep = [], multiple * pilot.timestep
+    """Return the rates (1/s) at the two speeds, and the mean speeds, (2, 2), with a multiple of the time step."""
+    found, timestep = [], multiple * max(SHORTEST, pilot.timestep)
     for speed in (SLOW, FAST):
         states = watch(pilot, Flight(coast(speed, speed), timestep, (1,) * STEPS))
         if isinstance(states, NotFlown):
