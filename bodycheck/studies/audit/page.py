@@ -13,7 +13,7 @@ from bodycheck.running.header import Header
 from bodycheck.studies.audit.classes import Classes
 from bodycheck.studies.audit.probe import Property
 from bodycheck.studies.audit.rows import PROPERTIES, Facts, Fault, Row, Status, is_finding
-from bodycheck.studies.audit.wording import DOES, HEADINGS, method_classes, sentences, value
+from bodycheck.studies.audit.wording import DOES, HEADINGS, method_classes, ranges, sentences, value
 
 #: The name of the part with all engines beside each other.
 OVERVIEW = "properties"
@@ -24,7 +24,7 @@ CLASSES = "classes"
 #: What stands in a cell for a row that is no finding.
 SIGNS: dict[str, str] = {"none": "–", "not-probed": "?"}
 
-#: The statuses from the one that is told of an engine if any of its methods has it.
+#: The statuses from the one told of an engine if any of its methods has it.
 WORST: tuple[Status, ...] = ("deviates", "default", "not-probed", "none")
 
 #: Explanations for readers.
@@ -86,11 +86,15 @@ def _by_property(rows: Sequence[Row]) -> list[Finding]:
     found = []
     for name in PROPERTIES:
         told = []
-        for status, heading in (("default", "by default"), ("deviates", "in some or all methods")):
-            engines = list(dict.fromkeys(row.engine for row in rows if row.property == name and row.status == status))
-            told += [f"{heading} {listing(engines)}"] if engines else []
+        for status, heading in (("default", "by default"), ("deviates", "with some methods")):
+            engines: dict[str, list[Row]] = defaultdict(list)
+            for row in rows:
+                if row.property == name and row.status == status:
+                    engines[row.engine].append(row)
+            named = [f"{engine} ({sizes})" if (sizes := ranges(own)) else engine for engine, own in engines.items()]
+            told += [f"{heading} {listing(named)}"] if named else []
         if told:
-            found.append(Finding(name, f"What {DOES[name]}: {'; '.join(told)}."))
+            found.append(Finding(name, f"{DOES[name].capitalize()}: {'; '.join(told)}."))
     return found
 
 
@@ -101,7 +105,7 @@ def _overview(engines: Mapping[str, Sequence[Row]]) -> Part:
         there = {row.status for row in engines[engine] if row.property == name}
         status = next((one for one in WORST if one in there), "not-probed")
         values = list(dict.fromkeys(value(row) for row in engines[engine] if row.property == name and is_finding(row)))
-        return Entry(SIGNS.get(status, status), meaning=listing(list(filter(None, values))), link=f"part-{engine}")
+        return Entry(SIGNS.get(status, status), meaning=listing(list(filter(None, values))))
 
     table = Table(
         columns=("Property", *engines),
@@ -144,7 +148,7 @@ def _classes(classes: Classes) -> Part:
 def _engine(name: str, facts: Facts, rows: Sequence[Row]) -> Part:
     said = f"Read from the engine, not probed: {facts.text}." if facts.text else ""
     stated = f"{name} {rows[0].version} says that it computes in {facts.precision}. {said}".rstrip()
-    texts = tuple(f"{HEADINGS[one.status]}, it {one.text}" for one in sentences(rows))
+    texts = tuple(f"{HEADINGS[one.status]}: it {one.text}" for one in sentences(rows))
     return Part(
         name=name,
         title=f"{name} {rows[0].version}",
@@ -170,8 +174,8 @@ def _findings(rows: Sequence[Row]) -> Table:
             )
             for row in found
         ),
-        failed=tuple(row.status == "deviates" for row in found),
-        notes=("The reason is the probe and what it saw. Coloured rows are no defaults.",),
+        failed=(False,) * len(found),
+        notes=("The reason is the probe and what it saw.",),
     )
 
 

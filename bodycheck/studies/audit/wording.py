@@ -32,7 +32,7 @@ DOES: dict[Property, str] = {
     "energy-per-turn": "changes the energy of rotation in each turn",
     "scale-dependence": "depends on the scale of mass and length",
     "origin-dependence": "depends on the distance from the origin",
-    "representation": "depends on the form in which the body is given",
+    "representation": "moves otherwise if the body is given in another form",
 }
 
 #: The heading of findings by their status.
@@ -91,29 +91,38 @@ def method_classes(found: Classes) -> list[MethodClass]:
 def sentences(rows: Iterable[Row]) -> list[Sentence]:
     """Return the findings among the rows of one engine, what deviates first, each property once for each status.
 
-    Those of the representation are told apart by the form in which the body is given.
+    Those of the representation are told apart by whether their difference vanishes with the time step.
     """
     given = list(rows)
     every = {row.integrator for row in given}
     groups: dict[tuple[str, Property, str], list[Row]] = defaultdict(list)
     for row in given:
         if is_finding(row):
-            groups[row.status, row.property, _form(row)].append(row)
+            groups[row.status, row.property, _kind(row)].append(row)
     order = list(HEADINGS)
     keys = sorted(groups, key=lambda key: (order.index(key[0]), PROPERTIES.index(key[1])))
     found = []
     for key in keys:
-        status, name, form = key
-        told = f"{DOES[name]}{f' ({form})' if form else ''}{_sized(groups[key])}, {_methods(groups[key], every)}."
+        status, name, kind = key
+        told = f"{DOES[name]}{_forms(groups[key], kind)}{_sized(groups[key])}, {_methods(groups[key], every)}."
         found.append(Sentence(status, name, told))
     return found
 
 
-def _form(row: Row) -> str:
-    """Return the form of the body and what becomes of its difference, of a row about the representation; else nothing."""
+def _kind(row: Row) -> str:
+    """Return what becomes of a difference with the time step, of a row about the representation; else nothing."""
     if row.property != "representation":
         return ""
-    return row.probe.partition(": ")[2].partition(" with order")[0]
+    lasts = "does not vanish" in row.probe
+    return f"by a difference that {'does not vanish' if lasts else 'vanishes'} with the time step"
+
+
+def _forms(rows: Sequence[Row], kind: str) -> str:
+    """Return in which forms the body was given of which rows tell, and what becomes of the differences."""
+    if not kind:
+        return ""
+    forms = [row.probe.partition(": ")[2].partition(": ")[0] for row in rows]
+    return f" ({'; '.join(dict.fromkeys(forms))}), {kind}"
 
 
 def value(row: Row) -> str:
@@ -121,16 +130,23 @@ def value(row: Row) -> str:
     return "" if row.value is None else f"{number(row.value, 3)} {row.unit}".rstrip()
 
 
+def ranges(rows: Iterable[Row]) -> str:
+    """Return the smallest and the largest values of rows with each unit; empty if they have none."""
+    given = [row for row in rows if row.value is not None]
+    told = []
+    for unit in dict.fromkeys(row.unit for row in given):
+        values = sorted(row.value for row in given if row.value is not None and row.unit == unit)
+        ends = dict.fromkeys(number(end, 3) for end in (values[0], values[-1]))
+        told.append(f"{' to '.join(ends)} {unit}".rstrip())
+    return listing(told)
+
+
 def _sized(rows: Sequence[Row]) -> str:
     """Return the size of what was found, and of what it should be."""
-    ranges = []
-    for unit in dict.fromkeys(row.unit for row in rows if row.value is not None):
-        values = sorted(row.value for row in rows if row.value is not None and row.unit == unit)
-        ends = dict.fromkeys(number(end, 3) for end in (values[0], values[-1]))
-        ranges.append(f"{' to '.join(ends)} {unit}".rstrip())
+    sizes = ranges(rows)
     expected = [text for text in dict.fromkeys(row.expected for row in rows) if text]
-    told = f" ({'; '.join(expected)} expected)" if expected and ranges else ""
-    return f": {' and '.join(ranges)}{told}" if ranges else ""
+    told = f" ({'; '.join(expected)} expected)" if expected and sizes else ""
+    return f": {sizes}{told}" if sizes else ""
 
 
 def _methods(rows: Sequence[Row], every: Collection[str]) -> str:

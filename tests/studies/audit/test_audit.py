@@ -233,7 +233,7 @@ def test_sentences_tell_defaults_and_deviations_apart_with_their_sizes() -> None
     assert [f"{one.status}: {one.text}" for one in told] == [
         "deviates: changes the energy of rotation in each turn: -2e-5 to 0.0035 (0 expected), with euler and heun (flip off by "
         "0.25 to 1.5 rad).",
-        "deviates: depends on the form in which the body is given (two welded links: differs, and vanishes with the time "
-        "step): 0.001 to 0.002 m (0 expected), with heun and euler (flip off by 0.25 to 1.5 rad).",
+        "deviates: moves otherwise if the body is given in another form (two welded links), by a difference that vanishes with "
+        "the time step: 0.001 to 0.002 m (0 expected), with heun and euler (flip off by 0.25 to 1.5 rad).",
         "default: damps the angular velocity: 0.0499 1/s (0 expected), with euler:settings=engine (flip off by 2 rad).",
     ]
