@@ -24,7 +24,7 @@ CLASSES = "classes"
 #: What stands in a cell for a row that is no finding.
 SIGNS: dict[str, str] = {"none": "–", "not-probed": "?"}
 
-#: The statuses from the one told of an engine if any of its methods has it.
+#: The statuses, those first that are told of an engine if any of its methods has them.
 WORST: tuple[Status, ...] = ("deviates", "default", "not-probed", "none")
 
 #: Explanations for readers.

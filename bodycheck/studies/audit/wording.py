@@ -113,6 +113,8 @@ def _kind(row: Row) -> str:
     """Return what becomes of a difference with the time step, of a row about the representation; else nothing."""
     if row.property != "representation":
         return ""
+    if "not numbers" in row.probe:
+        return "with states that are not numbers"
     lasts = "does not vanish" in row.probe
     return f"by a difference that {'does not vanish' if lasts else 'vanishes'} with the time step"
 
