@@ -71,7 +71,8 @@ class Identification:
         The name of the scheme; empty if none is named. The name is followed by "on the body twist" if only that formulation has
         the position of the run, and by "in rotation" if no formulation has it.
     nearest
-        The name, or else the closest scheme if it leaves at most a hundredth of the run's error; empty if none is that close.
+        The name, or else the closest scheme if it leaves at most a hundredth of the run's error, and of what other schemes
+        leave that rounding could explain as well; empty if none is that close.
     early, residual
         The largest attitude difference (rad) from the closest scheme in the first 2 s and in the whole run.
     allowed
@@ -79,8 +80,8 @@ class Identification:
     position_residual
         The largest distance (m) from the closest scheme, in the closer formulation.
     candidates
-        All schemes, the closest first. If several fit, it is the one with the smallest position_residual. The differences of
-        schemes that are far off at first are those until then.
+        All schemes, the closest first. If several fit, and none is closer than all others by a factor of a hundred, it is the
+        one with the smallest position_residual. The differences of schemes that are far off at first are those until then.
     """
 
     scheme: str
@@ -132,9 +133,10 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     turned, allowed = _turned(scene, timestep, trajectory, roundoff, error["attitude_error"])
     order = sorted(turned, key=lambda name: (len(turned[name]) < len(early), *_sizes(turned[name], early)))
     fitting = [name for name in order if len(turned[name]) == len(early) and (turned[name] <= allowed).all()]
+    stands_out = all(_is_fraction(_sizes(turned[order[0]], early), _sizes(turned[name], early)) for name in order[1:])
     moved = {
         (name, words): differences(CATALOGUE[name].scheme, motion, scene, timestep, trajectory)[1]
-        for name in fitting or order[:1]
+        for name in (order[:1] if stands_out or not fitting else fitting)
         for words, motion in CATALOGUE[name].formulations.items()
     }
     nearest, words = min(moved, key=lambda pair: float(moved[pair].max()))
@@ -152,8 +154,7 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     named = nearest in fitting and residual[0] <= SAME_ROUNDINGS * roundoff and (rotation_tells or position_tells)
     told = words if tells(way, formulations, aside, early) else ""
     scheme = nearest + (told if in_place else " in rotation") if named else ""
-    far = _sizes(error["attitude_error"], early)
-    is_near = not fitting and any(own <= MAX_UNEXPLAINED_FRACTION * other for own, other in zip(residual, far, strict=True))
+    is_near = (stands_out or not fitting) and _is_fraction(residual, _sizes(error["attitude_error"], early))
     return Identification(
         scheme=scheme,
         nearest=scheme or (nearest if is_near else ""),
@@ -211,6 +212,11 @@ def _compared(names: Iterable[str], scene: Scene, timestep: float, trajectory: T
 def _sizes(turned: Array, early: NDArray[np.bool_]) -> tuple[float, float]:
     """Return the largest of some differences (k,) at the first k instants, in the first 2 s and over all."""
     return float(turned[early[: len(turned)]].max()), float(turned.max())
+
+
+def _is_fraction(own: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Return whether differences in the first 2 s or over all are at most a hundredth of others."""
+    return any(part < MAX_UNEXPLAINED_FRACTION * whole for part, whole in zip(own, other, strict=True))
 
 
 def tells(own: Array, others: Iterable[Array], limit: Array, early: NDArray[np.bool_]) -> bool:

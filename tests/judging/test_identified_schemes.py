@@ -90,6 +90,15 @@ def test_so_it_is_in_single_precision_by_the_rounding_of_that(name: str) -> None
     assert (double.scheme, double.nearest) == ("", name)
 
 
+def test_a_scheme_of_higher_order_in_single_precision_is_near() -> None:
+    """The bound of rounding, which takes all errors to be in one direction, does not tell it from others; its residual does."""
+    name = "Heun 2" + WORLD
+    identification = found(flown(ENGINES[name], 0.01, np.float32), 0.01, ROUNDOFF["float32"])
+    assert (identification.scheme, identification.nearest) == ("", name)
+    assert identification.cannot_tell
+    assert identification.residual < 1e-5
+
+
 def test_schemes_that_differ_by_a_tiny_amount_are_told_apart() -> None:
     """A turn that is larger by 1e-9 of itself is that of no scheme, but near one."""
 
