@@ -9,17 +9,17 @@ from bodycheck.reports.quantities import bound, count, listing
 from bodycheck.reports.same_algorithm import WORDS
 from bodycheck.studies.audit.classes import Classes
 from bodycheck.studies.audit.rows import Facts, Row, is_finding
-from bodycheck.studies.audit.wording import HEADINGS, method_classes, sentences
+from bodycheck.studies.audit.wording import HEADINGS, method_classes, sentences, value
 
 #: The columns of the table of rows.
 ROWS: tuple[Column[Row], ...] = (
     attribute("engine", goes=3),
     attribute("version", goes=7),
-    attribute("integrator"),
+    attribute("integrator", wraps=True),
     attribute("timestep", "step", "g", goes=6),
     attribute("property"),
-    attribute("value"),
-    attribute("unit"),
+    Column("value", "value", value, lambda row: row.value),
+    attribute("unit", asked=True),
     attribute("expected", goes=4),
     attribute("status"),
     attribute("attitude_error", "flip rad", goes=2),
