@@ -61,7 +61,8 @@ class Normalised:
     simulation
         The simulation of the engine, whose quaternions may have any norm except zero.
     quaternion_norm_error
-        The largest deviation of their norms from 1 so far; infinite after a norm that is not a number.
+        The largest deviation of their norms from 1 so far; infinite after a norm that is not a number. Of several scenes, those
+        that end in such norms do not count.
     """
 
     simulation: Simulation
@@ -78,7 +79,7 @@ class Normalised:
     def _normalised(self, states: Array) -> Array:
         """Return states with unit quaternions, and remember how far their norms were from 1."""
         norms = np.linalg.norm(states[..., 3:7], axis=-1, keepdims=True)
-        off = np.nan_to_num(np.abs(norms - 1), nan=np.inf)
+        off = np.nan_to_num(np.abs(norms - 1), nan=np.inf if len(states) == 1 else 0.0)
         self.quaternion_norm_error = max(self.quaternion_norm_error, float(off.max(initial=0.0)))
         states[..., 3:7] /= norms
         return states

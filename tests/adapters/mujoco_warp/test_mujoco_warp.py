@@ -40,7 +40,8 @@ def test_its_states_are_those_of_mujoco(case: str, spelling: str, capfd: pytest.
 def test_a_replayed_step_is_a_step(case: str) -> None:
     """To the last bit, for the integrator with most stages."""
     scene, method = load(case).scene, Method.parse("RK4", 1e-3)
-    model, data, rows = adapter.started(scene, method)
+    xml, joints = adapter.described_by_mujoco(scene, method)
+    model, data, rows = adapter.started(xml, [joints], scene)
     for _ in range(20):
         mujoco_warp.step(model, data)
     stepped = rows(np.concatenate([data.qpos.numpy()[0], data.qvel.numpy()[0]], dtype=np.float64)[None])

@@ -8,6 +8,7 @@ import pytest
 from bodycheck import load
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
+from bodycheck.adapters.links import links_of
 from bodycheck.adapters.newton import engine as adapter
 from bodycheck.adapters.newton.solvers import SOLVERS
 from bodycheck.reference.scene import Body, Scene, State
@@ -69,12 +70,14 @@ def test_a_sliding_brick_is_slowed_by_mu_g(integrator: str) -> None:
 def test_a_replayed_step_is_a_step(method: str) -> None:
     """To the last bit, over several steps: no solver decides in Python what a later step computes."""
     parsed = Method.parse(method, 1e-3)
-    model = adapter.built(SLIDING, parsed)
+    links = links_of(SLIDING)
+    model = adapter.built(links, SLIDING, parsed)
     state = model.state()
     step = adapter.stepper(SLIDING, parsed, SOLVERS[parsed.integrator], model, state, model.state())
     for _ in range(6):
         step()
-    stepped = adapter.rows(np.concatenate([state.body_q.numpy()[0], state.body_qd.numpy()[0]], dtype=np.float64)[None])[0]
+    seen = np.concatenate([state.body_q.numpy()[0], state.body_qd.numpy()[0]], dtype=np.float64)
+    stepped = adapter.rows(links[0], seen[None])[0]
     stepped[3:7] /= np.linalg.norm(stepped[3:7])
     np.testing.assert_array_equal(rows(SLIDING, method, 1e-3, [6])[0], stepped)
 
