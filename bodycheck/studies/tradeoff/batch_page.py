@@ -25,7 +25,8 @@ ERRORS = {
 READING = (
     "A batch is the scene of the case and copies of it, turned about the vertical by different angles, that the engine steps "
     "at once. Their truths are that of the case, turned likewise. The time is that of one step of one scene: the wall time of "
-    "the whole run over all its steps and scenes, with the sampling of states. It is of the same run as the errors.",
+    "the whole run over all its steps and scenes, with the sampling of states. It is of the same run as the errors. "
+    "The time of processors is that of all threads together; what else the machine does is not in it.",
 )
 
 
@@ -74,7 +75,7 @@ def table(case: CaseMeasurements) -> Table:
         for text in (quantity.label, f"Worst {quantity.label[:1].lower()}{quantity.label[1:]}")
     ]
     words = ("Engine", "Integrator", "Device", "Precision")
-    figures = ("Time step, ms", "Scenes", "Time per step and scene, us", *heads, "Failed scenes")
+    figures = ("Time step, ms", "Scenes", "Time per step and scene, us", "Of processors, us", *heads, "Failed scenes")
     rows = tuple(
         (
             Entry(f"{row['engine']} {row['version']}".rstrip()),
@@ -83,7 +84,8 @@ def table(case: CaseMeasurements) -> Table:
             Entry(str(row["precision"])),
             Entry(milliseconds(row["timestep"], 4).removesuffix(" ms"), row["timestep"]),
             Entry(str(row["batch"]), row["batch"]),
-            _time(row),
+            _microseconds(row["time_per_step"]),
+            _microseconds(row.get("processor_time_per_step")),
             *(Entry(number(row.get(column), 3), row.get(column)) for column in errors),
             Entry("–" if row.get("failed_scenes") is None else str(row["failed_scenes"]), row.get("failed_scenes")),
         )
@@ -107,8 +109,7 @@ def table(case: CaseMeasurements) -> Table:
     )
 
 
-def _time(row: Row) -> Entry:
-    value = row["time_per_step"]
+def _microseconds(value: float | None) -> Entry:
     return Entry("–") if value is None else Entry(number(1e6 * value, 3), value)
 
 

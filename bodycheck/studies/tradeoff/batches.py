@@ -40,6 +40,9 @@ from bodycheck.studies.tradeoff.turned import errors, turned
 #: Most states of all scenes that are in memory at a time: 26 MiB.
 MOST_STATES = 1 << 18
 
+#: Least number of blocks of samples in a run, after each of which the time that the run would take is known better.
+BLOCKS = 8
+
 #: A batch is run again, up to `ROUNDS` times, until this time (s) of stepping is over.
 ENOUGH_S = 1.0
 
@@ -235,7 +238,8 @@ def _measured(batch: Batch) -> Ran:
 
 def _pass(simulation: Simulation, batch: Batch, steps: Strides) -> _Pass | None:
     """Run a batch from its start; None if it would take too long."""
-    strides, size = np.diff(steps, prepend=0), max(1, MOST_STATES // batch.scenes)
+    strides = np.diff(steps, prepend=0)
+    size = max(1, min(MOST_STATES // batch.scenes, len(strides) // BLOCKS))
     made = _Pass(np.empty((len(steps), 13)), *np.zeros((2, batch.scenes)))
     for first in range(0, len(strides), size):
         part = slice(first, first + size)

@@ -59,6 +59,7 @@ BATCHES = (
     error_column("position_error", "position m", goes=4),
     entry("worst_position_error", "worst m", goes=5),
     microseconds("time_per_step", "us/step"),
+    microseconds("processor_time_per_step", "processor us", goes=3),
     entry("device", goes=8),
     entry("precision", goes=7),
     entry("reason", goes=9, wraps=True),
