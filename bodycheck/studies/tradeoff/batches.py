@@ -40,8 +40,8 @@ from bodycheck.studies.tradeoff.turned import errors, turned
 #: Most states of all scenes that are in memory at a time: 26 MiB.
 MOST_STATES = 1 << 18
 
-#: Least number of blocks of samples in a run, after each of which the time that the run would take is known better.
-BLOCKS = 8
+#: Most steps of all scenes that are taken at a time, after which the time that the whole run would take is known better.
+MOST_STEPS = 1 << 18
 
 #: A batch is run again, up to `ROUNDS` times, until this time (s) of stepping is over.
 ENOUGH_S = 1.0
@@ -239,7 +239,8 @@ def _measured(batch: Batch) -> Ran:
 def _pass(simulation: Simulation, batch: Batch, steps: Strides) -> _Pass | None:
     """Run a batch from its start; None if it would take too long."""
     strides = np.diff(steps, prepend=0)
-    size = max(1, min(MOST_STATES // batch.scenes, len(strides) // BLOCKS))
+    stride = max(1, int(strides.max(initial=0)))
+    size = max(1, min(MOST_STATES, MOST_STEPS // stride) // batch.scenes)
     made = _Pass(np.empty((len(steps), 13)), *np.zeros((2, batch.scenes)))
     for first in range(0, len(strides), size):
         part = slice(first, first + size)
