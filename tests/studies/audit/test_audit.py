@@ -115,6 +115,13 @@ def test_a_report_is_written_again_from_what_was_saved(planted: None, here: None
     (tmp_path / "out" / "report.md").unlink()
     assert bodycheck("report", tmp_path / "out").returncode == 0
     assert (tmp_path / "out" / "report.md").read_text("utf-8") == page
+    table = tmp_path / "out" / "audit.csv"
+    table.write_text(
+        "".join(line for line in table.read_text("utf-8").splitlines(keepends=True) if not line.startswith("random,")), "utf-8"
+    )
+    damaged = bodycheck("report", tmp_path / "out")
+    assert (damaged.returncode, damaged.stdout) == (2, "")
+    assert "audit.csv does not list the same methods as audit.jsonl" in damaged.stderr
 
 
 def test_flights_that_are_repeated_show_what_is_random_or_kept(planted: None, here: None) -> None:
