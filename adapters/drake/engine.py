@@ -1,6 +1,7 @@
 """The adapter of Drake: its integrators, its approximations of contact, and the loop of its steps."""
 
 import logging
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from importlib import metadata
@@ -41,6 +42,9 @@ CLAIMS: dict[str, tuple[int, int | None]] = {
 #: The explicit integrators. With contact as stiff as Drake's is by default (1e6 N/m a point), a body of 1 kg leaves the plane
 #: unless they take steps well below 0.5 ms, so they are offered only in flight.
 EXPLICIT = {"explicit_euler", "semi_explicit_euler", "runge_kutta2", "runge_kutta3", "bogacki_shampine3", "runge_kutta5"}
+
+#: The kinetic energy (J) above which the next acceleration may overflow. Integrators that iterate end the process there.
+LARGEST_ENERGY_J = 1e200
 
 #: The approximation of contact that Drake takes if none is named.
 DEFAULT = "lagged"
@@ -131,10 +135,14 @@ def loop(model: Model, timestep: float) -> Loop[int]:
     simulator, plant, context = model.simulator, model.plant, model.context
 
     def step(taken: int) -> int:
+        if not plant.CalcKineticEnergy(context) < LARGEST_ENERGY_J:
+            raise EngineDiverged(f"Drake's accelerations overflow at t = {context.get_time():.6g} s")
         try:
             simulator.AdvanceTo((taken + 1) * timestep)
         except RuntimeError as error:
-            raise EngineDiverged(f"Drake at t = {context.get_time():.6g} s: {' '.join(str(error).split())}") from error
+            # Drake counts the sources of poses in a process.
+            words = re.sub(r" with source id \d+", "", " ".join(str(error).split()))
+            raise EngineDiverged(f"Drake at t = {context.get_time():.6g} s: {words}") from error
         return taken + 1
 
     return Loop(0, step, lambda _: np.array(plant.GetPositionsAndVelocities(context)), rows)
