@@ -35,8 +35,9 @@ Links are read from a URDF file, because no other function of PyBullet takes an 
 - The links of `multibody` are one body with fixed joints. Those of `maximal` are bodies of their own in a fixed constraint, in
   which PyBullet ignores how its two frames are turned: links whose principal axes are not parallel are turned until they are.
 
-Limits that cannot be changed: a body turns by at most pi/4 in a step, and the angular velocity of `maximal` is cut to that of
-pi/2 a step.
+A body that is to turn by more than pi/4 in a step turns by another angle, since Bullet then cuts the angle in the sine of the
+turn and not the vector that is divided by it: x rad become 2 atan(tan(pi/8) x / (pi/4)), such as 2.53 of 6 (source:
+`btTransformUtil::integrateTransform`).
 
 The module `engine` is the adapter.
 """
