@@ -131,38 +131,34 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     early = trajectory.t <= EARLY_S
 
     turned, allowed = _turned(scene, timestep, trajectory, roundoff, error["attitude_error"])
-    order = sorted(turned, key=lambda name: (len(turned[name]) < len(early), *_sizes(turned[name], early)))
+    sizes = {name: _sizes(own, early) for name, own in turned.items()}
+    order = sorted(turned, key=lambda name: (len(turned[name]) < len(early), *sizes[name]))
     fitting = [name for name in order if len(turned[name]) == len(early) and (turned[name] <= allowed).all()]
-    stands_out = all(_is_fraction(_sizes(turned[order[0]], early), _sizes(turned[name], early)) for name in order[1:])
-    moved = {
-        (name, words): differences(CATALOGUE[name].scheme, motion, scene, timestep, trajectory)[1]
-        for name in (order[:1] if stands_out or not fitting else fitting)
-        for words, motion in CATALOGUE[name].formulations.items()
-    }
-    nearest, words = min(moved, key=lambda pair: float(moved[pair].max()))
+    stands_out = all(_is_fraction(sizes[order[0]], sizes[name]) for name in order[1:])
+    closest = order[:1] if stands_out or not fitting else fitting
+    moved = _moved(fitting or order[:1], scene, timestep, trajectory)
+    nearest, words = min((pair for pair in moved if pair[0] in closest), key=lambda pair: float(moved[pair].max()))
     order = [nearest, *(name for name in order if name != nearest)]
     turn, way = turned[nearest], moved[nearest, words]
-    residual = _sizes(turn, early)
-
     aside = in_position(allowed, trajectory, timestep, roundoff)
     in_place = bool((way <= aside).all())
+    rotations = [error["attitude_error"] - truth.bounds.error, *(turned[name] for name in order[1:])]
+    ways = [error["position_error"] - truth.bounds.position_error]
+    ways += [other for (name, _), other in moved.items() if name != nearest]
+    is_told = tells(turn, rotations, allowed, early) or (in_place and tells(way, ways, aside, early))
+    named = nearest in fitting and sizes[nearest][0] <= SAME_ROUNDINGS * roundoff and is_told
     formulations = [other for (name, own), other in moved.items() if name == nearest and own != words]
-    rotations = [turned[name] for name in order[1:]]
-    ways = [other for (name, _), other in moved.items() if name != nearest]
-    rotation_tells = tells(turn, [error["attitude_error"] - truth.bounds.error, *rotations], allowed, early)
-    position_tells = in_place and tells(way, [error["position_error"] - truth.bounds.position_error, *ways], aside, early)
-    named = nearest in fitting and residual[0] <= SAME_ROUNDINGS * roundoff and (rotation_tells or position_tells)
     told = words if tells(way, formulations, aside, early) else ""
     scheme = nearest + (told if in_place else " in rotation") if named else ""
-    is_near = (stands_out or not fitting) and _is_fraction(residual, _sizes(error["attitude_error"], early))
+    is_near = (stands_out or not fitting) and _is_fraction(sizes[nearest], _sizes(error["attitude_error"], early))
     return Identification(
         scheme=scheme,
         nearest=scheme or (nearest if is_near else ""),
-        early=residual[0],
-        residual=residual[1],
+        early=sizes[nearest][0],
+        residual=sizes[nearest][1],
         allowed=float(allowed[-1]),
         position_residual=float(way.max()),
-        candidates=tuple(Candidate(name, *_sizes(turned[name], early), name in fitting) for name in order),
+        candidates=tuple(Candidate(name, *sizes[name], name in fitting) for name in order),
     )
 
 
@@ -201,6 +197,15 @@ def _allowed(name: str, scene: Scene, timestep: float, trajectory: Trajectory, r
     """Return the attitude differences (n,), in rad, that rounding can cause between a scheme and a run of it."""
     grown = allowance(CATALOGUE[name].scheme, scene, timestep, trajectory, roundoff, CATALOGUE[name].rotation)
     return np.minimum(START_ROUNDINGS * roundoff + grown, np.pi)
+
+
+def _moved(names: Iterable[str], scene: Scene, timestep: float, trajectory: Trajectory) -> dict[tuple[str, str], Array]:
+    """Return the distances (n,), in m, of schemes from a run in all their formulations."""
+    return {
+        (name, words): differences(CATALOGUE[name].scheme, motion, scene, timestep, trajectory)[1]
+        for name in names
+        for words, motion in CATALOGUE[name].formulations.items()
+    }
 
 
 def _compared(names: Iterable[str], scene: Scene, timestep: float, trajectory: Trajectory) -> dict[str, Array]:
