@@ -129,7 +129,6 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     truth = truth.at(trajectory.t)
     error = compare(truth, run).series
     early = trajectory.t <= EARLY_S
-
     turned, allowed = _turned(scene, timestep, trajectory, roundoff, error["attitude_error"])
     sizes = {name: _sizes(own, early) for name, own in turned.items()}
     order = sorted(turned, key=lambda name: (len(turned[name]) < len(early), *sizes[name]))
