@@ -123,9 +123,9 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     """
     if not isinstance(run.outcome, Completed):
         raise ValueError(f"the run has no trajectory to identify, its status is {run.outcome.status}: {run.outcome.reason}")
-    scene, timestep, trajectory = case.scene, run.method.timestep, run.outcome.trajectory
-    if scene.plane is not None:
+    if case.scene.plane is not None:
         return None
+    scene, timestep, trajectory = case.scene, run.method.timestep, run.outcome.trajectory
     truth = truth.at(trajectory.t)
     error = compare(truth, run).series
     early = trajectory.t <= EARLY_S
@@ -142,8 +142,8 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     aside = in_position(allowed, trajectory, timestep, roundoff)
     in_place = bool((way <= aside).all())
     rotations = [error["attitude_error"] - truth.bounds.error, *(turned[name] for name in order[1:])]
-    ways = [error["position_error"] - truth.bounds.position_error]
-    ways += [other for (name, _), other in moved.items() if name != nearest]
+    others = [other for (name, _), other in moved.items() if name != nearest]
+    ways = [error["position_error"] - truth.bounds.position_error, *others]
     is_told = tells(turn, rotations, allowed, early) or (in_place and tells(way, ways, aside, early))
     named = nearest in fitting and sizes[nearest][0] <= SAME_ROUNDINGS * roundoff and is_told
     formulations = [other for (name, own), other in moved.items() if name == nearest and own != words]
@@ -151,10 +151,9 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     scheme = nearest + (told if in_place else " in rotation") if named else ""
     is_near = (stands_out or not fitting) and _is_fraction(sizes[nearest], _sizes(error["attitude_error"], early))
     return Identification(
-        scheme=scheme,
-        nearest=scheme or (nearest if is_near else ""),
-        early=sizes[nearest][0],
-        residual=sizes[nearest][1],
+        scheme,
+        scheme or (nearest if is_near else ""),
+        *sizes[nearest],
         allowed=float(allowed[-1]),
         position_residual=float(way.max()),
         candidates=tuple(Candidate(name, *sizes[name], name in fitting) for name in order),
