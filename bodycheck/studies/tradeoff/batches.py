@@ -136,7 +136,7 @@ def rows(
             truth = results.truth(batch.case.name, batch.method.timestep)
             assert isinstance(truth, Truth)  # the batch has its trajectory
             found.append(_row(batch, ran if isinstance(ran, Ran) else Ran(ran), truth, engines[batch.engine]))
-            progress(f"{batch.case.name} · {batch.engine} {batch.method.name} · {batch.scenes} scenes")
+            progress(f"{batch.case.name} · {batch.engine} {batch.method.name} · in batches of {batch.scenes}")
     return found
 
 

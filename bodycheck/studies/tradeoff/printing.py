@@ -5,7 +5,7 @@ from typing import Any
 
 from bodycheck.console.figures import error_column, microseconds
 from bodycheck.console.options import View
-from bodycheck.console.output import say
+from bodycheck.console.output import say, tell
 from bodycheck.console.tables import Column, attribute, entry, show
 from bodycheck.console.terminal import print_errors
 from bodycheck.studies.orders import Order
@@ -72,7 +72,7 @@ def print_tradeoff(rows: Sequence[Mapping[str, Any]], orders: Sequence[Order], v
     print_errors(RUNS, single, view)
     if batches and (not view.names or {column.name for column in BATCHES} & set(view.names)):
         say("")
-        say(
+        tell(
             "Of batches, the errors are those of the case itself and the worst of all its turned copies, the time that of one "
             "step of one scene."
         )

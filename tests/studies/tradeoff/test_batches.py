@@ -6,9 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from bodycheck import Case, load, truth
+from bodycheck import tradeoff as tradeoff_function
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import shipped
@@ -18,6 +20,7 @@ from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut
+from bodycheck.studies import cost
 from bodycheck.studies.tradeoff import batches
 from bodycheck.studies.tradeoff import study as tradeoff
 from bodycheck.studies.tradeoff.batches import Batch
@@ -25,6 +28,7 @@ from bodycheck.studies.tradeoff.page import present
 from bodycheck.studies.tradeoff.turned import errors, turned
 from tests.support import campaigns
 from tests.support.cases import a_case, shortened
+from tests.support.commands import bodycheck
 from tests.support.processes import calls_here
 
 FLIP = shortened(load("intermediate-axis-flip"), 1.0, 51)
@@ -186,3 +190,21 @@ def test_the_report_is_written_again_from_the_folder(measured: Measured) -> None
     # The other charts, tables and findings are of single runs alone.
     alone = [row for row in measured.rows if row["batch"] is None]
     assert part.charts[:-2] == present(results.header, alone, []).parts[0].charts
+
+
+def test_command_and_function_measure_batches(calls_here: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cost, "MIN_TIMING_S", cost.MIN_TIMING_S / 50)
+    path = tmp_path / "thrown.case.toml"
+    path.write_text(a_case("thrown", initial={"velocity": [3.0, 0.0, 4.0]}, scene={"gravity": 9.81}), "utf-8")
+    out, options = tmp_path / "out", ("--engine", "mujoco", "--integrator", "Euler", "--timestep", "0.05")
+    done = bodycheck("tradeoff", path, *options, "--batch", "3,1", "--batch", "3", "--out", out)
+    assert done.returncode == 0, done.stderr
+    assert "the worst of all its turned copies" in done.stdout
+    table = pd.read_csv(out / "tradeoff.csv")
+    assert table["batch"].fillna(0).tolist() == [0, 1, 3]
+    assert "Batches" in (out / "report.md").read_text("utf-8")
+    found = tradeoff_function(path, engine="mujoco", integrator="Euler", timestep=0.05, batch=[3, "1"])
+    assert [row["batch"] for row in found.rows] == [None, 1, 3]
+    worst = [row["worst_position_error"] for row in found.rows]
+    np.testing.assert_array_equal(worst[1:], table["worst_position_error"][1:])
+    assert found.to_frame().attrs["units"]["worst_position_error"] == "m"
