@@ -16,6 +16,9 @@ The methods have the names of the solvers without the word `Solver`:
 
 Style3D and ImplicitMPM move particles, not rigid bodies, and the coupled solvers are made of those above.
 
+Several scenes are worlds of one model, and each is to the last bit as if it were alone, with every solver but `lox`, which
+changes a scene if others are stepped with it; it steps one scene after another.
+
 Switched off is the damping of rotation that `SemiImplicit` and `Steel` have by default, 0.05 / s; `settings=engine` keeps it.
 `Featherstone` takes the same argument but ignores it, and the others have none. Nothing else is on: speeds are not limited, no
 body sleeps, and there are no substeps. The stiffness, the damping and the regularised friction of contacts are Newton's own.
