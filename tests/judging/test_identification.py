@@ -47,7 +47,7 @@ FLIP, COMPLEX = load("intermediate-axis-flip"), load("osrf-boxes-complex")
 #: In its place, unturned.
 SPUN = State(angular_velocity=COMPLEX.scene.initial.angular_velocity)
 
-BRIEF = {case.name: shortened(case, 4.0, 401) for case in (FLIP, COMPLEX)}
+BRIEF = {case.name: shortened(case, 2.0, 101) for case in (FLIP, COMPLEX)}
 
 
 @cache
@@ -83,7 +83,7 @@ def of_states(case: Case, states: np.ndarray, steps: np.ndarray, timestep: float
 @pytest.mark.parametrize("case", [FLIP, COMPLEX], ids=lambda case: case.name)
 @pytest.mark.parametrize(("engine", "integrator"), ENGINES)
 def test_engines_are_the_schemes_that_they_are(timesteps: tuple[float, ...], case: Case, engine: str, integrator: str) -> None:
-    if timesteps == (0.002,):
+    if len(timesteps) < 3:
         case = BRIEF[case.name]
     run = simulated(case, engine, integrator, *timesteps)
     identification = found(case, run)
@@ -259,7 +259,7 @@ def test_nor_does_a_scheme_that_leaves_a_tenth_of_the_discrepancy() -> None:
 
 
 def test_with_a_small_step_a_good_scheme_is_the_truth() -> None:
-    case = shortened(COMPLEX, 1.0, 11)
+    case = shortened(COMPLEX, 0.3, 7)
     identification = found(case, simulate(case, "mujoco", "RK4", 0.0005))
     assert identification.cannot_tell
     assert identification.nearest == ""
@@ -273,7 +273,7 @@ def test_fluid_that_meets_the_rotation_is_in_no_scheme() -> None:
     assert identification.early > 1e-3
 
 
-@pytest.mark.parametrize("timestep", [0.01, 0.001])
+@pytest.mark.parametrize("timestep", [0.01, 0.002])
 def test_the_truth_is_no_scheme(timestep: float) -> None:
     """However small the step: where a scheme is as good as exact, the case cannot tell the one from the other."""
     case = shortened(COMPLEX, 0.5, 51)
@@ -310,7 +310,7 @@ def test_unless_the_position_does(name: str, integrator: str) -> None:
 
 
 def test_nor_does_a_position_that_is_nearly_that_of_a_scheme() -> None:
-    case = load("football-spiral")
+    case = shortened(load("football-spiral"), 1.0, 11)
     steps = sampling_steps(case.instants, 0.01)
     states = step_through(semi_implicit_euler, body_twist, case.scene, 0.01, np.diff(steps, prepend=0))
     assert found(case, of_states(case, states, steps, 0.01)).scheme == SEMI_IMPLICIT + " on the body twist"
