@@ -62,7 +62,7 @@ def audit(
             study.write(found, out, [origin.origin(head, {planned.flip.name: planned.flip.text})])
             reports.write_study(present(head, facts, found.rows, found.faults, found.classes), out)
     if json:
-        terminal.print_json({"rows": list(map(asdict, found.rows)), "classes": [row.record for row in found.classes.rows]})
+        terminal.print_json([asdict(row) for row in found.rows])
     elif not quiet:
         printing.print_findings(found.rows, facts)
         if table or view != AS_USUAL:

@@ -89,14 +89,13 @@ def here() -> Iterator[None]:
 
 def rows_of(text: str) -> dict[tuple[str, str], dict[str, object]]:
     """The rows of a document by engine and property; of several about one property the last."""
-    return {(row["engine"], row["property"]): row for row in json.loads(text)["rows"]}
+    return {(row["engine"], row["property"]): row for row in json.loads(text)}
 
 
 def test_json_has_the_rows_of_the_table_with_every_property(planted: None, here: None, tmp_path: Path) -> None:
     done = bodycheck("audit", "clean", "--json", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
-    document = json.loads(done.stdout)
-    told = document["rows"]
+    told = json.loads(done.stdout)
     with (tmp_path / "out" / "audit.csv").open(newline="") as file:
         table = list(csv.reader(file))
     assert table[0] == [field.name for field in fields(Row)]
@@ -104,7 +103,7 @@ def test_json_has_the_rows_of_the_table_with_every_property(planted: None, here:
     assert table[1:] == [["" if value is None else str(value) for value in row.values()] for row in told]
     assert list(dict.fromkeys(row["property"] for row in told)) == list(PROPERTIES)
     with (tmp_path / "out" / "classes.csv").open(newline="") as file:
-        assert [*csv.DictReader(file)] == [{name: str(value) for name, value in row.items()} for row in document["classes"]]
+        assert {row["engine"] for row in csv.DictReader(file)} == {"clean"}
     # What the method does to the flip stands with its findings alone.
     assert all((row["attitude_error"] is not None) == (row["status"] in ("default", "deviates")) for row in told)
 
