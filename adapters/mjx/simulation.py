@@ -11,6 +11,7 @@ import numpy as np
 from jax import numpy as jnp
 
 from bodycheck.adapters.contract import Engine, Integrator, Link, Method, SceneUnsupported, choice, kind_of
+from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as mujoco
@@ -20,6 +21,10 @@ from bodycheck.reference.trajectory import Array
 
 with contextlib.redirect_stdout(io.StringIO()):  # MJX prints that the package of its other backend, Warp, is not installed
     from mujoco import mjx
+
+#: Most scenes that are stepped together; more are stepped in groups. With 10,000, the threads of XLA waited for each other for
+#: ever (JAX on two processors), and a step of one of 1,000 scenes costs no more than that of one of fewer.
+MOST_TOGETHER = 1000
 
 #: MuJoCo's contact options. MJX has no noslip solver.
 CONTACT_OPTIONS = {key: option for key, option in contact.OPTIONS.items() if key != "noslip"}
@@ -46,7 +51,7 @@ def record(name: str, distribution: str, precision: Literal["float64", "float32"
     )
 
 
-def prepare(engine: Engine, scenes: Sequence[Scene], method: Method) -> Compiled:
+def prepare(engine: Engine, scenes: Sequence[Scene], method: Method) -> Compiled | InTurn:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does.
 
     Raises `SceneUnsupported`, and `RuntimeError` in a process whose precision is not that of the engine.
@@ -55,7 +60,11 @@ def prepare(engine: Engine, scenes: Sequence[Scene], method: Method) -> Compiled
     described = [mujoco.description(one, method, "six-coordinates" if one.plane is None else "contact") for one in scenes]
     (xml,) = {xml for xml, _ in described}  # a free joint has the initial state in its coordinates
     dragged = kind_of(scene) == "drag" and method.option("drag") != "fluid"
-    return started(engine, xml, [joints for _, joints in described], scene.drag if dragged else None)
+    drag, joints = scene.drag if dragged else None, [own for _, own in described]
+    if len(scenes) <= MOST_TOGETHER:
+        return started(engine, xml, joints, drag)
+    places = [range(len(scenes))[first : first + MOST_TOGETHER] for first in range(0, len(scenes), MOST_TOGETHER)]
+    return InTurn([(part, started(engine, xml, [joints[place] for place in part], drag)) for part in places])
 
 
 def prepare_links(engine: Engine, links: Sequence[Link], scene: Scene, method: Method) -> Compiled:
@@ -116,4 +125,6 @@ def contact_load(engine: Engine, scene: Scene, method: Method, steps: int) -> Ar
     """Return the normal force (n,), in N, in each of n steps, for RK4 that of the last stage; None without a plane."""
     if scene.plane is None:
         return None
-    return prepare(engine, [scene], method).seen(np.ones(steps, dtype=np.int64))[:, 13]
+    simulation = prepare(engine, [scene], method)
+    assert isinstance(simulation, Compiled)  # of one scene
+    return simulation.seen(np.ones(steps, dtype=np.int64))[:, 13]
