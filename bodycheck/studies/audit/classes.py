@@ -3,8 +3,7 @@
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
 from bodycheck.adapters.contract import Engine, Kind, Method
 from bodycheck.adapters.offers import chosen
@@ -18,66 +17,11 @@ from bodycheck.running.engines import home
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
 from bodycheck.running.plan import Task
+from bodycheck.studies.audit.class_rows import Classes, ClassRow, Unclassed
 from bodycheck.studies.audit.trials import TRIALS, Trial
 
 #: The name of a class whose scheme is not known; a number follows.
 NOT_IDENTIFIED = "not identified"
-
-#: The columns of classes.csv.
-COLUMNS = ("kind", "class", "scheme", "engine", "version", "integrator", "distance", "scene_timestep")
-
-
-@dataclass(frozen=True)
-class ClassRow:
-    """A method, and the class that it is in on scenes of one kind.
-
-    Parameters
-    ----------
-    kind
-        The kind of the scenes.
-    name
-        The name of the class: its scheme, or "not identified" with a number. No other class of the kind has it.
-    scheme
-        The textbook scheme with which the class agrees; empty if there is none.
-    engine, version, integrator
-        The method.
-    distance
-        The largest difference of the motions of two methods in the class; see `judging.classes.MethodClass`.
-    scene_timestep
-        The time step (s) of the scenes.
-    """
-
-    kind: Kind
-    name: str
-    scheme: str
-    engine: str
-    version: str
-    integrator: str
-    distance: float
-    scene_timestep: float
-
-    @property
-    def record(self) -> dict[str, Any]:
-        """The row by the columns of classes.csv."""
-        return {("class" if name == "name" else name): value for name, value in asdict(self).items()}
-
-
-@dataclass(frozen=True)
-class Unclassed:
-    """A method that is in no class of a kind of scene, because a run of it failed or was refused, and why."""
-
-    kind: Kind
-    engine: str
-    integrator: str
-    reason: str
-
-
-@dataclass(frozen=True)
-class Classes:
-    """The classes of methods: the rows class by class, the largest first, and the methods that are in none."""
-
-    rows: tuple[ClassRow, ...]
-    unclassed: tuple[Unclassed, ...]
 
 
 @dataclass(frozen=True, eq=False)

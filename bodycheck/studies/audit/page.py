@@ -10,7 +10,7 @@ from bodycheck.reports.same_algorithm import WORDS
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
 from bodycheck.running.header import Header
-from bodycheck.studies.audit.classes import Classes
+from bodycheck.studies.audit.class_rows import Classes
 from bodycheck.studies.audit.probe import Property
 from bodycheck.studies.audit.rows import PROPERTIES, Facts, Fault, Row, Status, is_finding
 from bodycheck.studies.audit.wording import DOES, HEADINGS, method_classes, ranges, sentences, value

@@ -7,7 +7,7 @@ from bodycheck.console.output import bold, say, tell
 from bodycheck.console.tables import Column, attribute, show
 from bodycheck.reports.quantities import bound, count, listing
 from bodycheck.reports.same_algorithm import WORDS
-from bodycheck.studies.audit.classes import Classes
+from bodycheck.studies.audit.class_rows import Classes
 from bodycheck.studies.audit.rows import Facts, Row, is_finding
 from bodycheck.studies.audit.wording import HEADINGS, method_classes, sentences, value
 

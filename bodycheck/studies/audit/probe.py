@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-from bodycheck.studies.audit.flights import Pilot
+if TYPE_CHECKING:  # reports read findings, and make no flights
+    from bodycheck.studies.audit.flights import Pilot
 
 #: The properties that an audit looks for, in the order in which they are printed.
 Property = Literal[
@@ -61,4 +62,4 @@ class Finding:
 
 
 #: A probe: it makes flights by a pilot, and returns a finding for each property that it looks for.
-Probe = Callable[[Pilot], tuple[Finding, ...]]
+Probe = Callable[["Pilot"], tuple[Finding, ...]]

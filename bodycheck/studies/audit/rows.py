@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 from bodycheck.running import records
-from bodycheck.studies.audit.classes import Classes, ClassRow, Unclassed
+from bodycheck.studies.audit.class_rows import Classes, ClassRow, Unclassed
 from bodycheck.studies.audit.probe import Property
 
 #: The properties, in the order in which they are listed.

@@ -28,7 +28,7 @@ from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.studies.audit import classes, nondeterminism
 from bodycheck.studies.audit.calls import Call, Found, make
-from bodycheck.studies.audit.classes import Classes
+from bodycheck.studies.audit.class_rows import COLUMNS, Classes
 from bodycheck.studies.audit.probe import Finding
 from bodycheck.studies.audit.probes import PROBES
 from bodycheck.studies.audit.rows import PROPERTIES, Facts, Fault, Row, Status, read_classes
@@ -227,7 +227,7 @@ def _is_of_engine(engine: Engine, method: Method) -> bool:
 def write(found: Audit, folder: Path, origins: Origins) -> None:
     """Write audit.csv and classes.csv into a folder, with where their numbers come from."""
     csv_tables.write(folder / "audit.csv", [field.name for field in fields(Row)], map(asdict, found.rows), origins)
-    csv_tables.write(folder / "classes.csv", classes.COLUMNS, (row.record for row in found.classes.rows), origins)
+    csv_tables.write(folder / "classes.csv", COLUMNS, (row.record for row in found.classes.rows), origins)
 
 
 def _call(engine: str, method: Method, probe: str) -> Call:

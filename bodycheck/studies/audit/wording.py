@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from bodycheck.adapters.contract import Kind
 from bodycheck.reports.quantities import listing, number
-from bodycheck.studies.audit.classes import Classes
+from bodycheck.studies.audit.class_rows import Classes
 from bodycheck.studies.audit.probe import Property
 from bodycheck.studies.audit.rows import PROPERTIES, Row, is_finding
 

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from bodycheck.studies.audit.classes import COLUMNS, Classes, ClassRow, measure, tasks
+from bodycheck.studies.audit.class_rows import COLUMNS, Classes, ClassRow
+from bodycheck.studies.audit.classes import measure, tasks
 from tests.support.campaigns import records
 
 METHODS = ("Euler", "RK4", "semi-implicit-euler", "rk4", "closed-form")
