@@ -206,8 +206,10 @@ def test_several_scenes_are_each_as_if_it_were_alone(name: str, kind: str, metho
     with np.errstate(all="ignore"):  # as in every run
         together = np.concatenate([simulation.advance(strides) for strides in pieces], axis=1)
     assert together.shape == (5, 4, 1, 13)
-    # Contacts are solved by iterations, which MuJoCo's solver, that of several engines, ends at changes of 1e-8.
-    iterations = 1e-7 if kind == "plane" else 0.0
+    # Contacts are solved by iterations, which MuJoCo's solver, that of several engines, ends at changes of 1e-8. In single
+    # precision it cannot reach that, and a start that is one rounding off moves the states of these scenes by up to 0.3 in MJX,
+    # by 0.001 in most; the scenes themselves differ by 0.06 and more.
+    iterations = 0.0 if kind != "plane" else 1e-7 if precision.dtype == np.float64 else 1e-2
     tolerance = max(1e3 * float(precision.eps), iterations) if adapter.engine.batch > 1 else 0.0
     signals: list[str] = []
     for place, (scene, rows) in enumerate(zip(scenes, together, strict=True)):
