@@ -1,6 +1,5 @@
 """Flights: short runs of one free body with one method, made in the process in which the engine lives."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -109,10 +108,6 @@ class Pilot:
         if flight not in self.log:
             self.log[flight] = self.fly(flight)
         return self.log[flight]
-
-    def fly_all(self, flights: Sequence[Flight]) -> list[Result]:
-        """Make several flights in turn."""
-        return [self.fly(flight) for flight in flights]
 
     def _simulation(self, flight: Flight, method: Method) -> Simulation:
         if not flight.links:

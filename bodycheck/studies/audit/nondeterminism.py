@@ -38,7 +38,8 @@ def repeated(pilot: Pilot) -> dict[str, States]:
     """Return the states of a flight that is made three times, by when it is made."""
     flight = Flight(SCENE, pilot.timestep, STRIDES)
     first, again = pilot.fly(flight), pilot.fly(flight)
-    pilot.fly_all([Flight(OTHER, pilot.timestep, (70,)), Flight(OTHER, pilot.timestep / 2, (30,))])
+    for other in (Flight(OTHER, pilot.timestep, (70,)), Flight(OTHER, pilot.timestep / 2, (30,))):
+        pilot.fly(other)
     return {"first": _states(first), "at once": _states(again), "after other flights": _states(pilot.fly(flight))}
 
 
