@@ -137,14 +137,6 @@ def _diagram(rows: Sequence[Row], lines: Lines, column: str, factor: float, labe
         }
         for row in rows
     ]
-    unit = QUANTITIES[own].unit
-    point = "(datum.datum || datum)"
-    tooltip = (
-        f"{{'method': {point}.method, 'time step': format({point}.step * 1e3, '.4~g') + ' ms', 'scenes': {point}.scenes, "
-        f"'time per step and scene': format({point}.time, '.3~g') + ' us', "
-        f"'{quantity} error of the case': format({point}.own, '.4~g') + ' {unit}', "
-        f"'the worst of all scenes': format({point}.worst, '.4~g') + ' {unit}'}}"
-    )
     curves = {channel: method_scale(channel, drawn) for channel in ("strokeDash", "strokeWidth")}
     measured = {
         "data": {"values": values},
@@ -174,8 +166,21 @@ def _diagram(rows: Sequence[Row], lines: Lines, column: str, factor: float, labe
                     "stroke": INK,
                     "strokeWidth": 0,
                 },
-                "encoding": {"tooltip": {"value": {"expr": tooltip}}},
+                "encoding": {"tooltip": _tooltip(quantity)},
             },
         ],
     }
     return zoomable([measured], height=260) | {"params": [{"name": "hidden", "value": []}]}
+
+
+def _tooltip(quantity: str) -> Spec:
+    """Return the tooltip of a point, its time and errors. In its expression `datum` is the row, or has it as its `datum`."""
+    unit, row = QUANTITIES[ERRORS[quantity][0]].unit, "(datum.datum || datum)"
+    return {
+        "value": {
+            "expr": f"{{'method': {row}.method, 'time step': format({row}.step * 1e3, '.4~g') + ' ms', 'scenes': {row}.scenes, "
+            f"'time per step and scene': format({row}.time, '.3~g') + ' us', "
+            f"'{quantity} error of the case': format({row}.own, '.4~g') + ' {unit}', "
+            f"'the worst of all scenes': format({row}.worst, '.4~g') + ' {unit}'}}"
+        }
+    }
