@@ -173,7 +173,8 @@ def classes(motions: Iterable[Motion]) -> tuple[MethodClass, ...]:
         The completed runs. Those of a scene with a time step have the same instants.
     """
     given = list(motions)
-    pairs = _differences(given)
+    with np.errstate(all="ignore"):  # a damaged folder may hold states that are none; motions without a number are apart
+        pairs = _differences(given)
     agreeing = {pair: found for pair, found in pairs.items() if found.agrees}
     components = _joined({motion.method: motion.roundoff for motion in given if motion.tells}, agreeing)
     return tuple(

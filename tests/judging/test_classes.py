@@ -1,5 +1,6 @@
 """Methods are in one class if, and only if, their motions agree to the precision of their arithmetic."""
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -127,3 +128,13 @@ def test_methods_whose_motions_are_exact_are_told_from_no_other_if_they_are_comp
     assert classes([replace(own, exact=one.trajectory) for own in (one, other)]) == ()
     erring = [replace(motion(name, TUMBLING, STEP, STEPS), exact=one.trajectory) for name in ("one", "other")]
     assert names(erring) == [{"one", "other"}]
+
+
+@pytest.mark.parametrize(("part", "value"), [("quaternion", 0.0), ("angular_velocity", 1e300), ("position", np.nan)])
+def test_a_motion_whose_states_cannot_be_is_apart_without_a_warning(part: str, value: float) -> None:
+    own, broken = solution("own"), solution("broken")
+    states = getattr(broken.trajectory, part).copy()
+    states[len(states) // 2] = value
+    broken = replace(broken, trajectory=replace(broken.trajectory, **{part: states}))
+    with warnings.catch_warnings(action="error"):
+        assert names([own, broken, solution("again")]) == [{"own", "again"}, {"broken"}]
