@@ -6,13 +6,13 @@ the number of their call. A process whose state a call has changed makes no othe
 worker.
 """
 
-import contextlib
 import pickle
 import signal
 import subprocess
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Generator, Hashable, Iterator, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from multiprocessing.connection import wait
 from typing import Any, NamedTuple, TypeVar
@@ -97,39 +97,12 @@ def call_all(
     home
         Where the processes of a group live.
     """
-    queue = _Queue(list(map(group, arguments)))
-    workers: list[_Worker] = []
-    try:
-        while queue or workers:
-            while len(workers) < jobs and queue.wants(workers):
-                following = queue.group_for(workers)
-                try:
-                    workers.append(_start(following, home(following), memory))
-                except OSError as error:
-                    yield from ((arguments[left], _no_process(error)) for left in queue.take(following))
-            wait([worker.channel.socket for worker in workers], _poll_timeout(workers))
-            for worker in tuple(workers):
-                place, answer = worker.place, _answer(worker)
-                if answer is None:
-                    continue
-                if answer.reusable and (next_place := queue.following(worker)) is not None:
-                    worker.call(next_place, function, arguments[next_place], limit)
-                else:
-                    workers.remove(worker)
-                    worker.stop()
-                if place is None:
-                    if not answer.reusable:  # its preparation failed
-                        yield from ((arguments[left], answer.result) for left in queue.take(worker.group))
-                elif answer.died and worker.calls > 1:
-                    queue.repeat(place)
-                else:
-                    yield arguments[place], answer.result
-    finally:
-        for worker in workers:
-            worker.stop()
+    with closing(_Calls(function, jobs, limit, memory, group, home).results(arguments)) as results:
+        for place, result in results:
+            yield arguments[place], result
 
 
-@contextlib.contextmanager
+@contextmanager
 def caller(
     function: Callable[[Argument], Result],
     limit: float,
@@ -139,13 +112,14 @@ def caller(
 ) -> Iterator[Callable[[Argument], Result | Crashed | TimedOut]]:
     """Provide a function that calls `function` in the worker process of the call's group, which is kept between calls.
 
-    Failures, limits and parameters are those of `call_all`.
+    Failures, limits and parameters are those of `call_all`. Several threads may each have a caller of their own at the same
+    time; the processes of a caller end with the thread that made its first call.
     """
     with crew(function, 1, limit, memory, group, home) as call_each:
         yield lambda argument: call_each([argument])[0]
 
 
-@contextlib.contextmanager
+@contextmanager
 def crew(
     function: Callable[[Argument], Result],
     jobs: int,
@@ -159,64 +133,99 @@ def crew(
     Each group has one worker process, which is kept between calls and makes the calls of its group in turn. Those of different
     groups are made at the same time, at most `jobs` of them. Failures, limits and parameters are those of `call_all`.
     """
-    workers: dict[Hashable, _Worker] = {}
+    with closing(_Calls(function, jobs, limit, memory, group, home, kept={})) as calls:
 
-    def call_each(arguments: Sequence[Argument]) -> list[Result | Crashed | TimedOut]:
-        waiting: dict[Hashable, deque[int]] = {}
-        for place, argument in enumerate(arguments):
-            waiting.setdefault(group(argument), deque()).append(place)
-        results: dict[int, Result | Crashed | TimedOut] = {}
-        busy: dict[Hashable, _Worker] = {}
+        def call_each(arguments: Sequence[Argument]) -> list[Result | Crashed | TimedOut]:
+            results = dict(calls.results(arguments))
+            return [results[place] for place in range(len(arguments))]
 
-        def call(own: Hashable, worker: _Worker) -> None:
-            place = waiting[own][0]
-            worker.call(place, function, arguments[place], limit)
-
-        def fail(own: Hashable, result: Crashed | TimedOut) -> None:
-            results.update(dict.fromkeys(waiting.pop(own), result))
-
-        while waiting:
-            for own in [own for own in waiting if own not in busy][: jobs - len(busy)]:
-                if own in workers:
-                    call(own, workers[own])
-                else:
-                    try:
-                        workers[own] = _start(own, home(own), memory)
-                    except OSError as error:
-                        fail(own, _no_process(error))
-                        continue
-                busy[own] = workers[own]
-            wait([worker.channel.socket for worker in busy.values()], _poll_timeout(list(busy.values())))
-            for own, worker in tuple(busy.items()):
-                if (answer := _answer(worker)) is None:
-                    continue
-                if worker.place is None and answer.reusable:  # it is prepared
-                    call(own, worker)
-                    continue
-                del busy[own]
-                if not answer.reusable:
-                    workers.pop(own).stop()
-                if worker.place is None:
-                    fail(own, answer.result)
-                # If a process dies after earlier calls, one of these may be the cause: the call is repeated in a new one.
-                elif not answer.died or worker.calls == 1:
-                    results[waiting[own].popleft()] = answer.result
-                    if not waiting[own]:
-                        del waiting[own]
-        return [results[place] for place in range(len(arguments))]
-
-    try:
         yield call_each
-    finally:
-        for worker in workers.values():
+
+
+@dataclass(eq=False)
+class _Calls:
+    """How calls are made, and the worker processes that are kept for further calls.
+
+    `kept` has the idle worker of each group; a group then has one worker at most. It is None if a worker ends when there is no
+    call left for it, and a group may then have as many workers as there are processes.
+    """
+
+    function: Callable[[Any], Any]
+    jobs: int
+    limit: float
+    memory: int
+    group: Callable[[Any], Hashable]
+    home: Callable[[Any], Home]
+    kept: "dict[Hashable, _Worker] | None" = None
+
+    def results(self, arguments: Sequence[Any]) -> Generator[tuple[int, Any], None, None]:
+        """Make the calls and yield the place of each argument with its result, in the order in which the calls finish."""
+        queue = _Queue(list(map(self.group, arguments)), self.jobs if self.kept is None else 1)
+        busy: list[_Worker] = []
+        try:
+            while queue or busy:
+                yield from self._staff(queue, busy, arguments)
+                wait([worker.channel.socket for worker in busy], _poll_timeout(busy))
+                for worker in tuple(busy):
+                    if (answer := _answer(worker)) is not None:
+                        yield from self._settle(worker, answer, queue, busy, arguments)
+        finally:
+            for worker in busy:
+                worker.stop()
+
+    def close(self) -> None:
+        """Stop the workers that were kept."""
+        for worker in (self.kept or {}).values():
             worker.stop()
+
+    def _staff(self, queue: "_Queue", busy: "list[_Worker]", arguments: Sequence[Any]) -> Iterator[tuple[int, Any]]:
+        """Add workers to the busy ones while calls lack them, and yield the calls for which no process can be started."""
+        while len(busy) < self.jobs and queue.wants(busy):
+            following = queue.group_for(busy)
+            if self.kept and following in self.kept:
+                busy.append(self.kept.pop(following))
+                self._continue(busy[-1], queue, arguments)
+                continue
+            try:
+                busy.append(_start(following, self.home(following), self.memory))
+            except OSError as error:
+                yield from ((left, _no_process(error)) for left in queue.take(following))
+
+    def _settle(
+        self, worker: "_Worker", answer: "_Answer", queue: "_Queue", busy: "list[_Worker]", arguments: Sequence[Any]
+    ) -> Iterator[tuple[int, Any]]:
+        """Let a worker that has answered make its next call or dismiss it, and yield what is known of its calls by now."""
+        place = worker.place
+        if not (answer.reusable and self._continue(worker, queue, arguments)):
+            busy.remove(worker)
+            if answer.reusable and self.kept is not None:
+                self.kept[worker.group] = worker
+            else:
+                worker.stop()
+        if place is None:
+            if not answer.reusable:  # its preparation failed
+                yield from ((left, answer.result) for left in queue.take(worker.group))
+        elif answer.died and worker.calls > 1:
+            queue.repeat(place)
+        else:
+            yield place, answer.result
+
+    def _continue(self, worker: "_Worker", queue: "_Queue", arguments: Sequence[Any]) -> bool:
+        """Let a worker make the next call that it may make; return whether there is one."""
+        if (place := queue.following(worker)) is None:
+            return False
+        worker.call(place, self.function, arguments[place], self.limit)
+        return True
 
 
 class _Queue:
-    """The places of the calls that are to be made, by group, and of those that are repeated in a fresh process."""
+    """The places of the calls that are to be made, by group, and of those that are repeated in a fresh process.
 
-    def __init__(self, groups: Sequence[Hashable]) -> None:
-        self._groups = groups
+    A group is served by at most `most` workers at the same time.
+    """
+
+    def __init__(self, groups: Sequence[Hashable], most: int) -> None:
+        self._groups, self._most = groups, most
         self._waiting: dict[Hashable, deque[int]] = {}
         self._suspects: dict[Hashable, deque[int]] = {}
         for place, group in enumerate(groups):
@@ -254,8 +263,9 @@ class _Queue:
         return [*self._suspects.pop(group, ()), *self._waiting.pop(group, ())]
 
     def _lacks(self, group: Hashable, workers: "Sequence[_Worker]") -> bool:
+        own = [worker for worker in workers if worker.group == group]
         left = len(self._suspects.get(group, ())) + len(self._waiting.get(group, ()))
-        return left > sum(worker.fresh and worker.group == group for worker in workers)
+        return len(own) < self._most and left > sum(worker.fresh for worker in own)
 
 
 class _Answer(NamedTuple):

@@ -186,6 +186,21 @@ def test_groups_share_no_process(jobs: int) -> None:
         assert call("a1") == call("a2") != call("b1") == call("b2")
 
 
+def worker_of_a_thread(name: str) -> tuple[object, object, object]:
+    """The process that a caller of this thread has before and after a call that kills one, and what became of that call."""
+    with pool.caller(whose_process, limit=LIMIT) as call:
+        first = call(name)
+        assert call(name) == first
+        return first, call("die"), call(name)
+
+
+def test_threads_have_callers_of_their_own_at_the_same_time() -> None:
+    with ThreadPoolExecutor(3) as threads:
+        found = list(threads.map(worker_of_a_thread, "abc"))
+    assert {died for _, died, _ in found} == {Crashed("its process died of signal SIGSEGV")}
+    assert len({process for first, _, second in found for process in (first, second)}) == 2 * len(found)
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux finds those that have left the group of their worker")
 @pytest.mark.parametrize("how", ["returns", "dies"])
 def test_what_a_call_starts_ends_with_its_worker(tmp_path: Path, how: str) -> None:
