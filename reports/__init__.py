@@ -9,7 +9,8 @@ This folder is the frame that all reports share:
 - `finding`, `notices`, `tables`, `lines`, `quantities`: sentences, tables, the line of each method, names of quantities,
   numbers as text.
 - `charts`, `series`, `plot_files`: parts of charts, curves with few points, and plots as files.
-- `html`, `markdown`: the writers. `templates/` has the pages, styles and scripts, and `templates/player/` the player.
+- `html`, `markdown`: the writers. `templates/` has the pages, styles and scripts, and `templates/player/` the player, which
+  `player` puts together.
 
 The folder `runs` is the report of runs, built on this frame, which imports nothing from it.
 """

@@ -11,7 +11,7 @@ import jinja2
 import vl_convert
 from markupsafe import Markup, escape
 
-from bodycheck.reports import charts
+from bodycheck.reports import charts, player
 from bodycheck.reports.index import MADE, Link
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import count, milliseconds
@@ -35,7 +35,17 @@ def render_study(report: StudyReport) -> str:
         for part in report.parts
         for place, chart in enumerate(part.charts, start=1)
     }
-    return page("study.html.jinja", report.header, report.notices, drawn, _index(report), report=report)
+    animated = any(shown.data is not None for part in report.parts for shown in part.animations)
+    return page(
+        "study.html.jinja",
+        report.header,
+        report.notices,
+        drawn,
+        _index(report),
+        report=report,
+        player_style=verbatim(player.style() if animated else "", "style"),
+        player=verbatim(player.script() if animated else "", "script"),
+    )
 
 
 def _index(report: StudyReport) -> list[Link]:
@@ -78,7 +88,7 @@ def page(
         lstrip_blocks=True,
     )
     environment.filters |= {"milliseconds": milliseconds, "unbroken": _unbroken, "dashes": _dashes, "breakable": _breakable}
-    environment.filters["pieces"] = pieces
+    environment.filters |= {"pieces": pieces, "json": json_text}
     environment.globals |= {"count": count, "zooming": charts.ZOOMING, "most_open": MOST_OPEN}
     return environment.get_template(template).render(
         header=header,

@@ -1,6 +1,8 @@
 """The contents of a study's report, before they are laid out: sentences, tables and charts under headings."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from bodycheck.reports.charts import Spec
 from bodycheck.reports.finding import Finding
@@ -32,6 +34,28 @@ class Chart:
 
 
 @dataclass(frozen=True)
+class Animation:
+    """Motions that the player shows beside each other.
+
+    Parameters
+    ----------
+    title
+        Title above the animation.
+    data
+        What the player reads; None if there is no animation, in which case a note says why.
+    alt
+        Description for readers who do not see it.
+    notes
+        Sentences below the animation.
+    """
+
+    title: str
+    data: Mapping[str, Any] | None
+    alt: str
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Part:
     """A part of the report under a heading of its own.
 
@@ -49,6 +73,8 @@ class Part:
         Tables after the charts, each with its caption.
     lines
         Methods that the reader can switch off. The charts then have a parameter `hidden`, a list of the labels switched off.
+    animations
+        Animations after the tables.
     """
 
     name: str
@@ -57,6 +83,7 @@ class Part:
     charts: tuple[Chart, ...]
     tables: tuple[tuple[str, Table], ...]
     lines: tuple[Line, ...] = ()
+    animations: tuple[Animation, ...] = ()
 
 
 @dataclass(frozen=True)

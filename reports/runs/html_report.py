@@ -1,8 +1,8 @@
 """The report of runs as one HTML file."""
 
 from collections.abc import Sequence
-from importlib import resources
 
+from bodycheck.reports import player
 from bodycheck.reports.charts import Spec, without_legend
 from bodycheck.reports.html import json_text, page, verbatim
 from bodycheck.reports.index import MADE, Link
@@ -10,16 +10,9 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.runs.contents import Contents, Section
 from bodycheck.reports.runs.time_charts import FRAMES, momentum, over_time
 
-#: The files of `templates/player` without `.js`, each after those that it uses.
-PLAYER = (
-    "vectors", "tracks", "solids", "view", "elements", "motion", "body", "polhode",
-    "ground", "controls", "legend", "readings", "panels", "player", "start",
-)  # fmt: skip
-
 
 def render(contents: Contents) -> str:
     """Return the text of report.html for runs."""
-    style = resources.files("bodycheck.reports") / "templates" / "player.css"
     return page(
         "runs.html.jinja",
         contents.header,
@@ -30,8 +23,8 @@ def render(contents: Contents) -> str:
         legends={section.name: _legend(section, contents.lines) for section in contents.sections},
         datasets={section.name: json_text(section.curves.datasets) for section in contents.sections},
         played={section.name: json_text(section.playback.data) for section in contents.sections if section.playback},
-        player_style=verbatim(style.read_text("utf-8"), "style"),
-        player=verbatim(player(), "script"),
+        player_style=verbatim(player.style(), "style"),
+        player=verbatim(player.script(), "script"),
     )
 
 
@@ -72,14 +65,6 @@ def specifications(contents: Contents) -> dict[str, Spec]:
         for place, chart in enumerate(section.steps, start=1)
     }
     return errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | origins | steps
-
-
-def player() -> str:
-    """Return the script that plays motions: its files in one scope, without indentation, blank lines and lines of comment."""
-    folder = resources.files("bodycheck.reports") / "templates" / "player"
-    lines = [line.strip() for name in PLAYER for line in (folder / f"{name}.js").read_text("utf-8").splitlines()]
-    code = "\n".join(line for line in lines if line and not line.startswith("//"))
-    return f'"use strict";\n(() => {{\n{code}\n}})();'
 
 
 def _legend(section: Section, lines: Sequence[Line]) -> str:

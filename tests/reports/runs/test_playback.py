@@ -19,9 +19,10 @@ from bodycheck.judging.judgement import Verdict, verdict
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
+from bodycheck.reports import player
 from bodycheck.reports.lines import Line, assign
-from bodycheck.reports.runs import html_report, tracks
 from bodycheck.reports.runs import playback as playing
+from bodycheck.reports.runs import tracks
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, MOST_SHOWN, Playback, playback
 from bodycheck.running.outcome import Completed
 from tests.support.cases import shortened
@@ -327,10 +328,9 @@ def test_without_a_truth_there_is_no_playback(flips: Played) -> None:
 
 def test_the_player_is_small() -> None:
     """What it adds to a page, in bytes."""
-    style = resources.files("bodycheck.reports") / "templates" / "player.css"
-    assert len(html_report.player().encode()) + len(style.read_bytes()) < 40_000
+    assert len(player.script().encode()) + len(player.style().encode()) < 40_000
 
 
 def test_the_player_has_every_file_of_its_folder() -> None:
     folder = resources.files("bodycheck.reports") / "templates" / "player"
-    assert sorted(html_report.PLAYER) == sorted(path.name.removesuffix(".js") for path in folder.iterdir())
+    assert sorted(player.PLAYER) == sorted(path.name.removesuffix(".js") for path in folder.iterdir())
