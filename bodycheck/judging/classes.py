@@ -173,8 +173,7 @@ def classes(motions: Iterable[Motion]) -> tuple[MethodClass, ...]:
         The completed runs. Those of a scene with a time step have the same instants.
     """
     given = list(motions)
-    with np.errstate(all="ignore"):  # a damaged folder may hold states that are none; motions without a number are apart
-        pairs = _differences(given)
+    pairs = _differences(given)
     agreeing = {pair: found for pair, found in pairs.items() if found.agrees}
     components = _joined({motion.method: motion.roundoff for motion in given if motion.tells}, agreeing)
     return tuple(
@@ -206,6 +205,7 @@ def _difference(one: Motion, other: Motion) -> _Difference:
     return _Difference(*_apartness(one, other), max(one.roundoff, other.roundoff), one.tells and other.tells)
 
 
+@np.errstate(all="ignore")  # a damaged folder may hold states that are none; they are apart from all others
 def _apartness(one: Motion, other: Motion) -> tuple[float, float]:
     """Return the largest difference of two motions, and its largest ratio to what rounding can explain."""
     coarser = max(one.roundoff, other.roundoff)

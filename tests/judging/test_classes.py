@@ -135,6 +135,7 @@ def test_a_motion_whose_states_cannot_be_is_apart_without_a_warning(part: str, v
     own, broken = solution("own"), solution("broken")
     states = getattr(broken.trajectory, part).copy()
     states[len(states) // 2] = value
-    broken = replace(broken, trajectory=replace(broken.trajectory, **{part: states}))
+    exact = solution("exact").trajectory
+    broken = replace(broken, trajectory=replace(broken.trajectory, **{part: states}), exact=exact)
     with warnings.catch_warnings(action="error"):
         assert names([own, broken, solution("again")]) == [{"own", "again"}, {"broken"}]
