@@ -10,6 +10,7 @@
 - `flat_contact` checks that a body lies flat on its plane.
 - `principal_axes` converts the states of engines that have the principal axes as the frame of a body.
 - `rotation_vectors` converts the attitudes of engines that keep them as rotation vectors.
+- `threads` says in how many threads an engine may step, and `in_turn` steps several simulations one after another.
 - `quiet` keeps what engines write in C from the terminal.
 - Every folder contains one engine; its module `engine` is the adapter, and its first lines say what the methods are.
 """

@@ -28,6 +28,8 @@ Strides = NDArray[np.int64]
 #: Kinds of scene for which engines offer different integrators: free flight, flight against drag, and a body on a plane.
 Kind = Literal["flight", "drag", "plane"]
 KINDS: frozenset[Kind] = frozenset({"flight", "drag", "plane"})
+#: What may differ between scenes that an engine steps together: mass, moments, axes and shape of the body; the gravity.
+Varied = Literal["body", "gravity"]
 
 
 @dataclass(frozen=True)
@@ -123,10 +125,8 @@ class Engine:
     ----------
     name
         The name by which bodycheck finds the adapter.
-    distribution
-        The package that installs the engine, as pip names it.
-    version
-        The engine's own version.
+    distribution, version
+        The package that installs the engine, as pip names it, and the engine's own version.
     integrators
         All integrators that the adapter knows.
     models
@@ -138,10 +138,12 @@ class Engine:
         The precision and the device of the engine's arithmetic.
     batch
         The number of scenes per call of `prepare` from which batching pays off; 1 if the engine steps one scene at a time. An
-        engine whose `batch` is larger takes any number of scenes that differ in their initial states alone.
+        engine whose `batch` is larger takes any number of scenes that differ in their initial states and in what `varies` has.
+    varies
+        What may differ between such scenes besides their initial states; see `Adapter.prepare`.
     defaults
-        The engine's own choices where a user makes none, as read from the engine itself: "integrator", "timestep" and
-        "tolerance" with their values and units, such as {"timestep": "0.002 s"}, as far as it has them.
+        What the engine itself chooses where a user does not: "integrator", "timestep" and "tolerance", as far as it has them,
+        with values and units such as {"timestep": "0.002 s"}.
     """
 
     name: str
@@ -153,6 +155,7 @@ class Engine:
     precision: Literal["float64", "float32"] = "float64"
     device: Literal["cpu", "cuda"] = "cpu"
     batch: int = 1
+    varies: frozenset[Varied] = frozenset()
     defaults: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -226,9 +229,9 @@ class Adapter(Protocol):
     def prepare(self, scenes: Sequence[Scene], method: Method) -> Simulation:
         """Return a simulation of the smallest models of the scenes, at t = 0, compiled and warmed up.
 
-        An engine whose `batch` is 1 receives one scene; another one may also receive several, which have the same requirements
-        and differ in their initial states alone. The caller has checked the method against `engine`, and the scenes against
-        `engine.models`. Raises `SceneUnsupported`.
+        An engine whose `batch` is 1 receives one scene. Another one may receive several that differ in their initial states
+        and in what `Engine.varies` names, and require the same: all or none of them move, turn, or have gravity. The caller has
+        checked the method against `engine`, and the scenes against `engine.models`. Raises `SceneUnsupported`.
         """
         ...
 
@@ -296,10 +299,8 @@ class Scripts(Protocol):
         ----------
         scene, method
             The scene and the method, which the caller has checked as for `Adapter.prepare`.
-        duration
-            The duration (s), which is the last instant.
-        samples
-            The number of instants, from 0 on.
+        duration, samples
+            The duration (s), which is the last instant, and the number of instants, from 0 on.
 
         Raises
         ------

@@ -5,14 +5,13 @@ which parts of a method it does not know, and which requirements of a scene it d
 """
 
 from collections import defaultdict
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Collection, Sequence
 
 from bodycheck.adapters.contract import Adapter, Engine, Integrator, Method, Option, Simulation, kind_of
 from bodycheck.adapters.in_turn import InTurn
 from bodycheck.errors import BadInput
 from bodycheck.reference.requirements import missing, requirements
-from bodycheck.reference.scene import Scene, State
+from bodycheck.reference.scene import Scene
 from bodycheck.suggestion import did_you_mean
 
 
@@ -120,14 +119,31 @@ def not_modelled(engine: Engine, scene: Scene) -> str | None:
 def prepare(adapter: Adapter, scenes: Sequence[Scene], method: Method) -> Simulation:
     """Return one simulation of one or more scenes.
 
-    An engine with batching steps together the scenes that differ in their initial states alone and require the same of a model.
-    All others are stepped one after another. Raises `SceneUnsupported`.
+    An engine with batching steps together the scenes that differ only in their initial states and in what `Engine.varies`
+    names, and require the same of a model. All others are stepped one after another. Raises `SceneUnsupported`.
     """
-    groups: dict[object, list[int]] = defaultdict(list)
-    for place, scene in enumerate(scenes):
-        alike = replace(scene, initial=State(), definition=None), requirements(scene)
-        groups[alike if adapter.engine.batch > 1 else place].append(place)
+    if adapter.engine.batch == 1:
+        groups = [[place] for place in range(len(scenes))]
+    else:
+        alike: dict[object, list[int]] = defaultdict(list)
+        for place, scene in enumerate(scenes):
+            alike[_shared(scene, adapter.engine.varies)].append(place)
+        groups = list(alike.values())
     if len(groups) == 1:
         return adapter.prepare(scenes, method)
-    parts = [(tuple(own), adapter.prepare([scenes[place] for place in own], method)) for own in groups.values()]
+    parts = [(tuple(own), adapter.prepare([scenes[place] for place in own], method)) for own in groups]
     return InTurn(tuple(parts))
+
+
+def _shared(scene: Scene, varies: Collection[str]) -> object:
+    """Return what scenes that are stepped together have in common, in some 2 us a scene.
+
+    The requirements of a flight follow from the body, the drag, and whether there are gravity and motion.
+    """
+    needs: object
+    if scene.plane is None:
+        needs = bool(scene.gravity) or any(scene.initial.velocity), any(scene.initial.angular_velocity)
+    else:
+        needs = scene.plane, requirements(scene)
+    body = None if "body" in varies else scene.body
+    return needs, body, bool(scene.gravity) if "gravity" in varies else scene.gravity, scene.drag

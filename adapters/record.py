@@ -1,7 +1,12 @@
 """Check the record of an engine, which may come from another package and hold anything."""
 
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Option
+from typing import get_args
+
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Option, Varied
 from bodycheck.adapters.method import MAX_NAME_LENGTH, is_name
+
+#: All that engines may let differ between scenes that they step together.
+VARIED = frozenset(get_args(Varied))
 
 #: What `is_name` demands of a name.
 RULE = f"text of 1 to {MAX_NAME_LENGTH} printable characters that begins with a letter or digit"
@@ -20,6 +25,8 @@ def fault_of(engine: object) -> str | None:
         return f"its models are {_shown(engine.models)}, not a frozenset of names"
     if type(engine.batch) is not int or engine.batch < 1:
         return f"its batch is {_shown(engine.batch)}, not an integer of at least 1"
+    if type(engine.varies) is not frozenset or not engine.varies <= VARIED:
+        return f"its varies is {_shown(engine.varies)}, not a frozenset of {', '.join(sorted(VARIED))}"
     return next(
         (fault for own in engine.integrators if (fault := _fault_of_integrator(own)) is not None), _fault_of_variants(engine)
     )

@@ -23,7 +23,7 @@ import numpy as np
 
 from bodycheck.adapters import flat_contact
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, Model, SceneUnsupported, Strides, choice
-from bodycheck.adapters.mujoco import INSTALLATION, contact, exporting, links
+from bodycheck.adapters.mujoco import INSTALLATION, bodies, contact, exporting, links
 from bodycheck.adapters.mujoco import models as scene_models
 from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
 from bodycheck.adapters.mujoco.worlds import BATCH, Worlds
@@ -100,6 +100,7 @@ engine = Engine(
         "plane": ("Euler:cone=elliptic", "Euler:cone=elliptic,pads=4", "Euler:model=planar"),
     },
     batch=BATCH,
+    varies=frozenset({"body", "gravity"}),
     defaults=defaults(),
 )
 
@@ -157,10 +158,24 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Stepper | Worlds:
     if len(scenes) == 1:
         return stepper(scenes[0], method)
     model = model_of(scenes[0], method)
-    described = [description(scene, method, model) for scene in scenes]
-    models = [compiled_model(xml) for xml, _ in described]
-    data = mujoco.MjData(models[0])
-    return Worlds(models, data, [own for _, own in described], [external_force(one, method, model, data) for one in scenes])
+    if differ_in_numbers_alone(scenes, method, model):
+        for place in bodies.may_be_refused(scenes):
+            compiled_model(description(scenes[place], method, model)[0])
+        xml, _ = description(scenes[0], method, model)
+        models = bodies.with_bodies(compiled_model(xml), scenes)
+        joints = [scene_models.joints(one, model) for one in scenes]
+    else:
+        described = [description(one, method, model) for one in scenes]
+        models = bodies.compiled([compiled_model(xml) for xml, _ in described])
+        joints = [own for _, own in described]
+    data = mujoco.MjData(models.of([0])[0])
+    return Worlds(models, data, joints, [external_force(one, method, model, data) for one in scenes])
+
+
+def differ_in_numbers_alone(scenes: Sequence[Scene], method: Method, model: str) -> bool:
+    """Return whether the models of scenes differ at most in mass, moments and gravity."""
+    plain = scenes[0].plane is None and model in scene_models.WITHOUT_STATE and method.option("drag") != "fluid"
+    return plain and len({one.body.axes for one in scenes}) == 1
 
 
 def stepper(scene: Scene, method: Method) -> Stepper:

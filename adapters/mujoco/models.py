@@ -53,6 +53,9 @@ ON_PLANE = {
     "everything": "sensors of pose, velocities, acceleration and angular momentum, and energy",
 }
 
+#: The models in flight whose XML has nothing of the initial state or of the shape of the body.
+WITHOUT_STATE = ("translation-and-rotation", "six-coordinates")
+
 #: The models of a scene with a plane in which the body touches the plane.
 MODELS_WITH_CONTACT = ("contact", "everything")
 

@@ -5,6 +5,7 @@ Both take the same steps, and stop at the first warning that MuJoCo gives. Relea
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 from typing import Any
 
 import mujoco
@@ -74,6 +75,15 @@ def refuse_warnings(data: mujoco.MjData, time: float) -> None:
         raise signal(f"MuJoCo {answer} {', '.join(given)} at t = {time:.6g} s")
 
 
+@lru_cache(maxsize=4)
+def scratch(count: int) -> Array:
+    """Return an array (count,) for the states of one rollout at a time, whose memory is there before the first step is timed.
+
+    It is shared by all simulations of the process, because a thousand that step one after another would need a gigabyte.
+    """
+    return np.full(count, 0.0)
+
+
 class Stepper:
     """A MuJoCo model and its data, which holds the current state, with the fastest way to advance it.
 
@@ -90,10 +100,9 @@ class Stepper:
     def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: Joints, force: Force | None = None) -> None:
         self.model, self.data, self.joints, self.force = model, data, joints, force
         self.pool: Any = None if Rollout is None else Rollout(nthread=0)
-        # Row 0 is the state before a rollout, the other rows are those of the rollout. Filling them allocates the memory before
-        # the first step is timed.
+        # Row 0 is the state before a rollout, the other rows are those of the rollout.
         size = 0 if Rollout is None else mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-        self.states = np.full((STEPS_PER_ROLLOUT + 1, size), 0.0)
+        self.states = scratch((STEPS_PER_ROLLOUT + 1) * size).reshape(STEPS_PER_ROLLOUT + 1, size)
 
     def advance(self, strides: Strides) -> Array:
         """Return the states (1, n, 1, 13) after each of n strides, as `Simulation.advance` does."""

@@ -2,20 +2,22 @@
 
 A rollout of a scene goes on from its state, but not from what MuJoCo's solver of constraints found in the last step, unless the
 solver is told. MuJoCo tells it only of the scene that was rolled out last. Models in which something can touch are therefore
-rolled out one after another, and so are those with an external force, which is a function in Python; all others together, on
-all processors.
+rolled out one after another, and so are those with an external force, which is a function in Python; all others together, in
+as many threads as `threads.count` allows.
 """
 
-import os
+import math
 from collections.abc import Iterator, Sequence
 
 import mujoco
 import numpy as np
 
+from bodycheck.adapters import threads
 from bodycheck.adapters.contract import EngineDiverged, Strides
 from bodycheck.adapters.mujoco import stepping
+from bodycheck.adapters.mujoco.bodies import Models
 from bodycheck.adapters.mujoco.models import Force, Joints
-from bodycheck.adapters.mujoco.stepping import Stepper, external_force, warnings
+from bodycheck.adapters.mujoco.stepping import Stepper, external_force, scratch, warnings
 from bodycheck.reference.trajectory import Array
 
 #: The spelling of a state in MuJoCo: the clock first, then the coordinates and the velocities.
@@ -24,13 +26,8 @@ FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
 #: The number of scenes from which rollouts of several scenes pay off; releases before 3.2.7 have none.
 BATCH = 2 if stepping.Rollout is not None else 1
 
-#: Most steps of all scenes in one rollout, which returns every state: 16 MiB for a free body.
-MOST_STATES = 1 << 17
-
-
-def processors() -> int:
-    """Return the number of processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+#: Most states of all scenes in one rollout, which returns every state: 4 MiB for a free body.
+MOST_STATES = 1 << 15
 
 
 class Worlds:
@@ -39,7 +36,7 @@ class Worlds:
     Parameters
     ----------
     models
-        MuJoCo's compiled models.
+        MuJoCo's compiled models of the scenes.
     data
         The data in which external forces act.
     joints
@@ -53,28 +50,25 @@ class Worlds:
         What MuJoCo signalled so far, by the places of the scenes that it gave up.
     """
 
-    def __init__(
-        self,
-        models: Sequence[mujoco.MjModel],
-        data: mujoco.MjData,
-        joints: Sequence[Joints],
-        forces: Sequence[Force | None],
-    ) -> None:
+    def __init__(self, models: Models, data: mujoco.MjData, joints: Sequence[Joints], forces: Sequence[Force | None]) -> None:
         self.models, self.joints, self.forces = models, joints, forces
         self.signals: dict[int, str] = {}
-        self.together = not models[0].ngeom and forces[0] is None
-        threads = min(processors(), len(models)) if self.together else 0
-        self.data = [data, *(mujoco.MjData(models[0]) for _ in range(threads - 1))]
-        self.pool = stepping.Rollout(nthread=threads)
+        (first,) = models.of([0])
+        self.together = not first.ngeom and forces[0] is None
+        count = min(threads.count(), len(joints)) if self.together else 1
+        self.data = [data, *(mujoco.MjData(first) for _ in range(count - 1))]
+        self.pool = stepping.Rollout(nthread=count if count > 1 else 0)  # none: rollouts in the calling thread
         # A reset sets the clock to 0 before its step. It begins one step later, so that a reset is seen in any step.
-        self.states = np.zeros((len(models), mujoco.mj_stateSize(models[0], FULL)))
-        self.states[:, 0] = models[0].opt.timestep
-        self.states[:, 1 : 1 + models[0].nq + models[0].nv] = [(*own.qpos, *own.qvel) for own in joints]
-        self.warmstarts = np.zeros((len(models), models[0].nv))
+        self.states = np.zeros((len(joints), mujoco.mj_stateSize(first, FULL)))
+        self.states[:, 0] = first.opt.timestep
+        self.moving = slice(1, 1 + first.nq + first.nv)
+        self.states[:, self.moving] = [(*own.qpos, *own.qvel) for own in joints]
+        self.warmstarts = np.zeros((len(joints), first.nv))
+        self.scratch = scratch(max(MOST_STATES, count) * self.states.shape[1])
 
     def advance(self, strides: Strides) -> Array:
         """Return the states (scenes, n, 1, 13) after each of n strides, as `Simulation.advance` does."""
-        states = np.full((len(self.models), len(strides), 1, 13), np.nan)
+        states = np.full((len(self.joints), len(strides), 1, 13), np.nan)
         before, warm = self.states.copy(), self.warmstarts.copy()
         for places in self._parts(int(strides.sum())):
             with external_force(self.forces[places[0]]):
@@ -89,46 +83,47 @@ class Worlds:
 
     def _parts(self, steps: int) -> Iterator[list[int]]:
         """Yield the places of the scenes that are rolled out together, without those that MuJoCo gave up."""
-        left = [place for place in range(len(self.models)) if place not in self.signals]
-        size = max(len(self.data), MOST_STATES // max(1, steps)) if self.together else 1
+        left = [place for place in range(len(self.joints)) if place not in self.signals]
+        size = min(self.models.most, max(len(self.data), MOST_STATES // max(1, steps))) if self.together else 1
         for first in range(0, len(left), size):
             yield left[first : first + size]
 
-    def _rolled_out(self, places: Sequence[int], ends: Strides) -> tuple[Array, Array]:
+    def _rolled_out(self, places: list[int], ends: Strides) -> tuple[Array, Array]:
         """Advance some scenes to the ends (n,) of strides, in steps from the current state.
 
         Returns the coordinates and velocities (scenes, n, nq + nv) there, and whether MuJoCo gave no warning (scenes,).
         """
-        width = self.models[0].nq + self.models[0].nv
-        seen, sound = np.empty((len(places), len(ends), width)), np.ones(len(places), dtype=bool)
+        models, now = self.models.of(places), self.states[places]
+        seen = np.empty((len(places), len(ends), self.moving.stop - 1))
+        seen[:, ends == 0] = now[:, None, self.moving]
+        sound = np.ones(len(places), dtype=bool)
         most, done = max(1, MOST_STATES // len(places)), 0
-        while True:
+        while done < ends[-1]:
             count = min(most, int(ends[-1]) - done)
-            block = np.empty((len(places), count + 1, self.states.shape[1]))
-            block[:, 0] = self.states[places]
-            if count:
-                block[:, 1:] = self._rollout(places, count)
-            first, last = np.searchsorted(ends, (done, done + count + 1))
-            seen[:, first:last] = block[:, ends[first:last] - done, 1 : 1 + width]
+            states = self._rollout(models, now, self.warmstarts[places], count)
+            first, last = np.searchsorted(ends, (done, done + count), side="right")
+            seen[:, first:last] = states[:, ends[first:last] - done - 1, self.moving]
             # After a warning the clock of a rollout stands still, and after a reset it jumps back.
-            sound &= (np.diff(block[:, :, 0], axis=1) > 0).all(axis=1)
+            clock = states[:, :, 0]
+            sound &= (clock[:, 0] > now[:, 0]) & (clock[:, 1:] > clock[:, :-1]).all(axis=1)
             sound &= self.together or not warnings(self.data[0])
-            self.states[places] = block[:, -1]
-            if not self.together and count:
+            now = states[:, -1].copy()
+            if not self.together:
                 self.warmstarts[places] = self.data[0].qacc_warmstart
             done += count
-            if done == ends[-1]:
-                return seen, sound
+        self.states[places] = now
+        return seen, sound
 
-    def _rollout(self, places: Sequence[int], count: int) -> Array:
-        """Return the states (scenes, count, ...) after each of a number of steps of some scenes."""
-        models, start = [self.models[place] for place in places], self.states[places]
-        states, _ = self.pool.rollout(models, self.data, start, nstep=count, initial_warmstart=self.warmstarts[places])
-        return np.asarray(states)
+    def _rollout(self, models: list[mujoco.MjModel], start: Array, warmstarts: Array, count: int) -> Array:
+        """Return the states (scenes, count, ...) after each of a number of steps, which are valid until the next call."""
+        shape = len(models), count, start.shape[1]
+        states = self.scratch[: math.prod(shape)].reshape(shape)
+        self.pool.rollout(models, self.data, start, nstep=count, initial_warmstart=warmstarts, state=states, skip_checks=True)
+        return states
 
     def _until_signal(self, place: int, before: Array, warm: Array, strides: Strides) -> Array:
         """Repeat the strides of a scene that MuJoCo gave up, and return its states (k, 1, 13) before the signal."""
-        model, data = self.models[place], self.data[0]
+        (model,), data = self.models.of([place]), self.data[0]
         mujoco.mj_resetData(model, data)
         mujoco.mj_setState(model, data, before, FULL)
         data.time -= model.opt.timestep

@@ -1,7 +1,8 @@
 """The adapter of Pinocchio.
 
-The module `engine` is the adapter. `models` lists the models of a scene, `joints` builds the joints of a body, `schemes`
-contains the integration schemes, and `contact` steps a body with Pinocchio's rigid contact.
+The module `engine` is the adapter. `models` lists the models of a scene, `joints` builds the joints of a body, `coordinates`
+converts their coordinates to states, `schemes` contains the integration schemes, `flights` steps bodies in flight, and
+`contact` a body with Pinocchio's rigid contact.
 
 Links are appended to the last joint, as the bodies of fixed joints in a URDF file are, and Pinocchio adds up their inertia.
 Schemes on the body twist take the same steps about any origin; `semi-implicit-euler` integrates the velocity of the origin

@@ -1,9 +1,9 @@
-"""The adapter of Pinocchio. It steps one body by the articulated-body algorithm, in a Python loop.
+"""The adapter of Pinocchio. It steps bodies by the articulated-body algorithm, in a Python loop.
 
 Pinocchio computes accelerations and leaves the time integration to its user, so the integrators here are those that users
 write. `semi-implicit-euler` integrates the linear velocity in the world frame and the angular velocity in the body frame. The
 others integrate the body twist, which is a different scheme for a body that moves and rotates. The module `joints` builds the
-joints of the body, as many as the scene needs.
+joints of the body, as many as the scene needs, and `flights` steps one or several bodies in flight.
 
 A body on a plane has two integrators, both semi-implicit Euler. `admm` uses Pinocchio's own rigid contact at the corners.
 `law-force` applies the reference's law of friction as an external force; with `model=planar-joint` it integrates the body
@@ -17,14 +17,14 @@ import numpy as np
 import pinocchio as pin
 
 from bodycheck.adapters import flat_contact
-from bodycheck.adapters.contract import Engine, Integrator, Link, Method, Model, SceneUnsupported, choice
-from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting
+from bodycheck.adapters.contract import Engine, Integrator, Link, Method, Model, SceneUnsupported, Simulation, choice
+from bodycheck.adapters.in_turn import InTurn
+from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting, flights
 from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.errors import NotFlat
-from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.sliding.friction import friction
 from bodycheck.reference.sliding.motion import smallest_friction
@@ -86,6 +86,8 @@ engine = Engine(
     integrators=integrators(),
     models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
     variants={"plane": ("law-force:model=planar-joint",)},
+    batch=2,
+    varies=frozenset({"body"}),
     defaults=defaults(),
 )
 
@@ -162,9 +164,19 @@ def contact_load(scene: Scene, method: Method, steps: int) -> None:
     """Return None: Pinocchio's contacts are rigid and bear the weight at all times."""
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Loop[tuple[Array, Array]]:
-    """Return the simulation of one scene, as `Adapter.prepare` does; `admm` accepts only bodies with corners."""
-    (scene,) = scenes
+def prepare(scenes: Sequence[Scene], method: Method) -> Simulation:
+    """Return the simulation of one or more scenes, as `Adapter.prepare` does; `admm` accepts only bodies with corners."""
+    first = scenes[0]
+    if first.plane is None and (coordinates := scene_models.COORDINATES.get(model_of(first, method))) is not None:
+        check_supported(first, method)
+        return flights.flights(scenes, method, coordinates)
+    if len(scenes) == 1:
+        return alone(first, method)
+    return InTurn([((place,), alone(scene, method)) for place, scene in enumerate(scenes)])
+
+
+def alone(scene: Scene, method: Method) -> Loop[tuple[Array, Array]]:
+    """Return the simulation of one scene that is not stepped with others. Raises `SceneUnsupported`."""
     check_supported(scene, method)
     model = model_of(scene, method)
     touches = scene.plane is not None and method.integrator == "admm"
@@ -233,18 +245,8 @@ def flight_step(scene: Scene, scheme: Scheme, joints: Joints, timestep: float) -
     timestep
         The time step (s).
     """
-    model, data, no_force = joints.model, joints.model.createData(), np.zeros(joints.model.nv)
-
-    def free(q: Array, v: Array) -> Array:
-        return np.asarray(pin.aba(model, data, q, v, no_force))
-
-    def resisted(q: Array, v: Array) -> Array:
-        # The generalized force of -k |v| v at the centre of mass acts only on the linear velocity.
-        force = np.zeros(model.nv)
-        force[:3] = -scene.drag * np.linalg.norm(v[:3]) * v[:3]
-        return np.asarray(pin.aba(model, data, q, v, force))
-
-    acceleration = resisted if requirements(scene).drag else free
+    model = joints.model
+    acceleration = flights.acceleration_of(scene, model, model.createData(), 1)
     return lambda q, v: scheme(model, acceleration, q, v, timestep)
 
 

@@ -3,7 +3,7 @@
 from bodycheck.adapters import scripts
 from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.pinocchio.joints import Joints
-from bodycheck.adapters.pinocchio.schemes import SCHEMES
+from bodycheck.adapters.pinocchio.schemes import SCHEMES, rk4, transport
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Scene
@@ -41,7 +41,7 @@ v = np.array({v})"""
 JOINT = "joint = model.addJoint(joint, pin.{kind}(), pin.SE3.Identity(), {name!r})"
 
 #: Drag at the centre of mass, which acts on the linear velocity alone.
-DRAG = "    force[:3] = {drag!r} * np.linalg.norm(v[:3]) * v[:3]\n"
+DRAG = "    x, y, z = v[:3]\n    force[:3] = {drag!r} * np.sqrt(x * x + y * y + z * z) * v[:3]\n"
 
 #: The state of a body from q and v, by the name of the model. Pinocchio's quaternions are x y z w.
 STATES = {
@@ -91,13 +91,13 @@ def script(scene: Scene, method: Method, joints: Joints, model: str, duration: f
     initial = scene.initial
     scheme, _ = SCHEMES[method.integrator]
     step = f"for _ in range(step - done):\n    q, v = {scheme.__name__}(model, acceleration, q, v, TIMESTEP)"
-    needed = (scheme, rotate) if model == "six-coordinates" else (scheme,)
+    needed = [transport, scheme] if scheme is rk4 else [scheme]
     return SCRIPT.format(
         future=scripts.FUTURE,
         sampling=scripts.sampling(method.timestep, duration, samples),
         body=body_lines(joints),
         drag=DRAG.format(drag=-scene.drag) if requirements(scene).drag else "",
-        source=scripts.source(*needed),
+        source=scripts.source(*needed, *([rotate] if model == "six-coordinates" else [])),
         loop=scripts.loop(
             step,
             STATES[model].format(attitude=scripts.written(initial.quaternion), position=scripts.written(initial.position)),

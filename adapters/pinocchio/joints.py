@@ -8,14 +8,21 @@ Pinocchio's planar joint, with the twist in the body frame. Pinocchio's quaterni
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pinocchio as pin
 
 from bodycheck.adapters.contract import Link, states
 from bodycheck.adapters.links import links_of, tensor
-from bodycheck.reference.kinematics import rotate
+from bodycheck.adapters.pinocchio.coordinates import (
+    FREE_FLYER,
+    ROTATION,
+    TRANSLATION,
+    TRANSLATION_AND_ROTATION,
+    Coordinates,
+    initial_states,
+)
 from bodycheck.reference.planar import planar_state
 from bodycheck.reference.scene import Quaternion, Scene
 from bodycheck.reference.trajectory import Array
@@ -53,56 +60,34 @@ class Joints:
     heading: Callable[[Array], tuple[float, float]] = lambda q: (1.0, 0.0)
 
 
+def in_flight(coordinates: Coordinates, scene: Scene, gravity: float, links: Sequence[Link] = ()) -> Joints:
+    """Return a body on the joints of given coordinates; with links, it is made of them. `gravity` is in m/s^2, as below."""
+    first = initial_states([scene])
+    attitude = to_pinocchio(scene.initial.quaternion).matrix() if coordinates.turned else None
+    model, joint = body_on_joints(links_of(scene, links), gravity, [kind() for kind in coordinates.kinds], attitude)
+    (q,), (v,) = coordinates.start(first)
+    return Joints(model, joint, q, v, lambda q, v: np.asarray(coordinates.rows(first, q[None], v[None])[0]))
+
+
 def translation(scene: Scene, gravity: float) -> Joints:
-    """Return a translation joint, for a body that does not rotate. `gravity` is in m/s^2, as in all functions below."""
-    initial = scene.initial
-
-    def rows(q: Array, v: Array) -> Array:
-        return states(q, np.tile(initial.quaternion, (len(q), 1)), v, np.zeros((len(q), 3)))
-
-    model, joint = body_on_joints(
-        links_of(scene), gravity, [pin.JointModelTranslation()], to_pinocchio(initial.quaternion).matrix()
-    )
-    return Joints(model, joint, np.array(initial.position), np.array(initial.velocity), rows)
+    """Return a translation joint, for a body that does not rotate."""
+    return in_flight(TRANSLATION, scene, gravity)
 
 
 def rotation(scene: Scene, gravity: float) -> Joints:
     """Return a spherical joint, for a body whose centre of mass does not move."""
-    initial = scene.initial
-
-    def rows(q: Array, v: Array) -> Array:
-        return states(np.tile(initial.position, (len(q), 1)), q[:, [3, 0, 1, 2]], np.zeros((len(q), 3)), v)
-
-    model, joint = body_on_joints(links_of(scene), gravity, [pin.JointModelSpherical()])
-    return Joints(model, joint, to_pinocchio(initial.quaternion).coeffs(), np.array(initial.angular_velocity), rows)
+    return in_flight(ROTATION, scene, gravity)
 
 
 def translation_and_rotation(scene: Scene, gravity: float, links: Sequence[Link] = ()) -> Joints:
     """Return a translation joint and a spherical joint; with links, the body is made of them."""
-    initial = scene.initial
-    model, joint = body_on_joints(links_of(scene, links), gravity, [pin.JointModelTranslation(), pin.JointModelSpherical()])
-    q = np.concatenate([initial.position, to_pinocchio(initial.quaternion).coeffs()])
-    v = np.array([*initial.velocity, *initial.angular_velocity])
-
-    def rows(q: Array, v: Array) -> Array:
-        return states(q[:, :3], q[:, [6, 3, 4, 5]], v[:, :3], v[:, 3:])
-
-    return Joints(model, joint, q, v, rows, lambda q: (float(q[6] ** 2 - q[5] ** 2), float(2 * q[6] * q[5])))
+    joints = in_flight(TRANSLATION_AND_ROTATION, scene, gravity, links)
+    return replace(joints, heading=lambda q: (float(q[6] ** 2 - q[5] ** 2), float(2 * q[6] * q[5])))
 
 
 def free_flyer(scene: Scene, gravity: float, links: Sequence[Link] = ()) -> Joints:
     """Return one free-flyer joint; with links, the body is made of them."""
-    initial = scene.initial
-    model, joint = body_on_joints(links_of(scene, links), gravity, [pin.JointModelFreeFlyer()])
-    attitude = to_pinocchio(initial.quaternion)
-    q = np.concatenate([initial.position, attitude.coeffs()])
-    v = np.concatenate([attitude.matrix().T @ np.array(initial.velocity), initial.angular_velocity])
-
-    def rows(q: Array, v: Array) -> Array:
-        attitude = q[:, [6, 3, 4, 5]]
-        return states(q[:, :3], attitude, rotate(attitude, v[:, :3]), v[:, 3:])
-
-    return Joints(model, joint, q, v, rows)
+    return in_flight(FREE_FLYER, scene, gravity, links)
 
 
 def prismatic_and_revolute(scene: Scene, gravity: float) -> Joints:
@@ -139,32 +124,43 @@ def planar_joint(scene: Scene, gravity: float) -> Joints:
 
 
 def body_on_joints(
-    links: Sequence[Link], gravity: float, joints: list[pin.JointModel], attitude: Array | None = None
+    links: Sequence[Link], gravity: float, joints: Sequence[pin.JointModel], attitude: Array | None = None
 ) -> tuple[pin.Model, int]:
-    """Return the model of a body on a chain of joints, and the index of the last joint.
+    """Return the model of a body on a chain of joints, and the index of the last joint; see `add_body`."""
+    model = world(gravity)
+    return model, add_body(model, links, joints, attitude)
+
+
+def world(gravity: float) -> pin.Model:
+    """Return a model without bodies, with a gravitational acceleration (m/s^2) along -z."""
+    model = pin.Model()
+    model.gravity.linear[:] = 0.0, 0.0, -gravity
+    return model
+
+
+def add_body(model: pin.Model, links: Sequence[Link], joints: Sequence[pin.JointModel], attitude: Array | None = None) -> int:
+    """Add a body on a chain of joints of its own to a model, and return the index of the last joint.
 
     Parameters
     ----------
+    model
+        The model.
     links
         The links of the body, which are fixed to the last joint. Pinocchio adds up their inertia.
-    gravity
-        The gravitational acceleration (m/s^2) along -z.
     joints
         The joints of the chain, from the world to the body.
     attitude
         The rotation matrix (3, 3) from the body frame to the frame of the last joint; the identity if it is None.
     """
-    model = pin.Model()
-    model.gravity.linear[:] = 0.0, 0.0, -gravity
     joint = UNIVERSE
-    for number, kind in enumerate(joints):
-        joint = model.addJoint(joint, kind, pin.SE3.Identity(), f"joint {number}")
+    for kind in joints:
+        joint = model.addJoint(joint, kind, pin.SE3.Identity(), f"joint {model.njoints - 1}")
     turn = np.eye(3) if attitude is None else attitude
     for link in links:
         inertia = pin.Inertia(link.mass, np.array(link.center_of_mass), tensor(link))
         place = pin.SE3(to_pinocchio(link.quaternion).matrix(), np.array(link.position))
         model.appendBodyToJoint(joint, inertia, pin.SE3(turn, np.zeros(3)) * place)
-    return model, joint
+    return joint
 
 
 def to_pinocchio(quaternion: Quaternion) -> pin.Quaternion:

@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 
 from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.adapters.pinocchio import coordinates
 from bodycheck.adapters.pinocchio import joints as scene_joints
 from bodycheck.adapters.pinocchio.joints import UNIVERSE, Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES
@@ -44,6 +45,14 @@ JOINTS = {
     "six-coordinates": scene_joints.free_flyer,
     "far-geometry": scene_joints.free_flyer,
     "everything": scene_joints.free_flyer,
+}
+
+#: The coordinates of each model in flight that has nothing but the joints of the body.
+COORDINATES = {
+    "translation": coordinates.TRANSLATION,
+    "rotation": coordinates.ROTATION,
+    "translation-and-rotation": coordinates.TRANSLATION_AND_ROTATION,
+    "six-coordinates": coordinates.FREE_FLYER,
 }
 
 #: The functions that build the joints of each model of a body of links, of which the first has its origin anywhere.

@@ -5,13 +5,17 @@ Each scheme takes a model, a function for the acceleration, the configuration q 
 """
 
 from collections.abc import Callable
+from functools import partial
+from typing import Any
 
+import numpy as np
 import pinocchio as pin
 
 from bodycheck.reference.trajectory import Array
 
-Acceleration = Callable[[Array, Array], Array]
+Acceleration = Callable[[Array, Array], Any]
 Scheme = Callable[[pin.Model, Acceleration, Array, Array, float], tuple[Array, Array]]
+Transport = Callable[[pin.Model, Array, Array, Array], Array]
 
 
 def euler(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float) -> tuple[Array, Array]:
@@ -32,19 +36,25 @@ def rk4_naive(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float)
     return pin.integrate(model, q, h / 6 * (v + 2 * v2 + 2 * v3 + v4)), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
 
 
-def rk4(model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float) -> tuple[Array, Array]:
+def transport(model: pin.Model, q: Array, there: Array, velocity: Array) -> Array:
+    """Return a velocity at the configuration `there` in the tangent space at q.
+
+    The inverse derivative of the exponential map equals Pinocchio's derivative of the difference of two configurations.
+    """
+    return np.asarray(pin.dDifference(model, q, there, pin.ARG1) @ velocity)
+
+
+def rk4(
+    model: pin.Model, aba: Acceleration, q: Array, v: Array, h: float, transport: Transport = transport
+) -> tuple[Array, Array]:
     """Take a step of the Runge-Kutta-Munthe-Kaas method of order 4 (Munthe-Kaas, BIT 38, 1998).
 
-    The inverse derivative of the exponential map brings each stage velocity to the tangent space at q; it equals Pinocchio's
-    derivative of the difference of two configurations. This is the only difference from `rk4_naive`.
+    The velocity of each stage is transported to the tangent space at q. This is the only difference from `rk4_naive`.
     """
 
     def slope(u: Array, velocity: Array) -> tuple[Array, Array]:
         there = pin.integrate(model, q, u)
-        return (
-            pin.dDifference(model, q, there, pin.ARG1) @ velocity,
-            aba(there, velocity),
-        )
+        return transport(model, q, there, velocity), aba(there, velocity)
 
     u1, a1 = v, aba(q, v)
     u2, a2 = slope(h / 2 * u1, v + h / 2 * a1)
@@ -60,3 +70,24 @@ SCHEMES: dict[str, tuple[Scheme, bool]] = {
     "rk4": (rk4, True),
     "rk4-naive": (rk4_naive, True),
 }
+
+
+def of_bodies(integrator: str, count: int) -> Scheme:
+    """Return the scheme of an integrator for a model of some bodies on equal joints, none of which affects another."""
+    scheme, _ = SCHEMES[integrator]
+    return partial(rk4, transport=_transport_each(count)) if scheme is rk4 and count > 1 else scheme
+
+
+def _transport_each(count: int) -> Transport:
+    """Return `transport` for the velocities of some bodies, whose derivative has a block for each of them.
+
+    Only the blocks are multiplied, because a zero times the velocity of a body that overflowed is not a number.
+    """
+
+    def transport(model: pin.Model, q: Array, there: Array, velocity: Array) -> Array:
+        derivative = np.asarray(pin.dDifference(model, q, there, pin.ARG1)).reshape(count, model.nv // count, count, -1)
+        blocks = np.einsum("aiaj->aij", derivative)
+        products = blocks * velocity.reshape(count, 1, -1)
+        return np.asarray(sum(np.moveaxis(products, 2, 0))).ravel()  # in the same order for any number of bodies
+
+    return transport

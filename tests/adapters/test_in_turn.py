@@ -9,8 +9,9 @@ import pytest
 
 from bodycheck import load
 from bodycheck.adapters import offers, registry
-from bodycheck.adapters.contract import EngineDiverged, Method, Signals
-from bodycheck.reference.scene import Scene
+from bodycheck.adapters.contract import EngineDiverged, Method, Signals, Varied
+from bodycheck.reference.requirements import requirements
+from bodycheck.reference.scene import Plane, Scene, State
 
 EULER, STRIDES = Method.parse("euler", 0.01), np.array([0, 5, 20])
 
@@ -37,6 +38,44 @@ def test_scenes_that_differ_in_their_initial_states_alone_are_stepped_together(b
     assert batching.asked == [3, 2, 1]
     for scene, rows in zip(scenes, together, strict=True):
         np.testing.assert_array_equal(rows, batching.prepare([scene], EULER).advance(STRIDES)[0])
+
+
+@pytest.mark.parametrize(
+    ("varies", "groups"),
+    [((), [2, 1, 1, 1, 1]), (("body",), [3, 1, 1, 1]), (("gravity",), [3, 1, 1, 1]), (("body", "gravity"), [4, 1, 1])],
+)
+def test_scenes_that_differ_in_what_an_engine_allows_are_stepped_together(
+    batching: Any, varies: tuple[Varied, ...], groups: list[int]
+) -> None:
+    """But not a scene with gravity and one without, or one that turns and one that does not: their models are others."""
+    allowing = replace(batching, varies=frozenset(varies))
+    heavier = replace(FLYING, body=replace(FLYING.body, mass=2.0, moments=(0.3, 0.4, 0.5)))
+    turning_alone = replace(FLYING, initial=replace(FLYING.initial, velocity=(0.0, 0.0, 0.0)), gravity=0.0)
+    still = replace(FLYING, initial=replace(FLYING.initial, angular_velocity=(0.0, 0.0, 0.0)))
+    scenes = [moving(1.0), moving(2.0, heavier), moving(3.0, replace(FLYING, gravity=2.0)), moving(4.0), turning_alone, still]
+    together = offers.prepare(allowing, scenes, EULER).advance(STRIDES)
+    assert sorted(batching.asked, reverse=True) == groups
+    for scene, rows in zip(scenes, together, strict=True):
+        np.testing.assert_array_equal(rows, batching.prepare([scene], EULER).advance(STRIDES)[0])
+
+
+def test_scenes_are_grouped_by_what_they_require(batching: Any) -> None:
+    """By `requirements` itself, which is slower: of flights at rest, moving, turning, falling, and on a plane."""
+    states = [
+        State((0.0, 0.0, height), velocity=velocity, angular_velocity=spin)
+        for height in (0.1, 0.3)
+        for velocity in ((0.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+        for spin in ((0.0, 0.0, 0.0), (0.0, 0.0, 2.0))
+    ]
+    scenes = [
+        Scene(FLYING.body, state, gravity, plane, drag)
+        for state in states
+        for gravity in (0.0, 9.81)
+        for plane in (None, Plane(0.5))
+        for drag in (0.0, 0.1)
+    ]
+    offers.prepare(batching, scenes, EULER)
+    assert len(batching.asked) == len({(replace(one, initial=State()), requirements(one)) for one in scenes})
 
 
 @pytest.mark.parametrize("apart", [False, True])

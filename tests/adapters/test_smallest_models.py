@@ -232,6 +232,9 @@ def sizes(adapter: Any, scene: Scene, method: str) -> tuple[int, int]:
     simulation = adapter.prepare([scene], Method.parse(method, 1e-3))
     if adapter is MUJOCO:
         return simulation.model.nq, simulation.model.nv
+    model = simulation.parts[0].model if hasattr(simulation, "parts") else None
+    if model is not None:
+        return model.nq, model.nv
     q, v = simulation.state
     return len(q), len(v)
 

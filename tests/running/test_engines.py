@@ -120,6 +120,10 @@ def test_no_engine_is_imported_by_a_command_that_runs_it() -> None:
         (Engine("e", "d", "1", ("Euler",), frozenset()), "its integrators are"),  # type: ignore[arg-type]
         (Engine("e", "d", "1", (Integrator("a", demonstrates="b\n"),), frozenset()), "its integrator a demonstrates 'b"),
         (Engine("e", "d", "1", (), frozenset(), batch=0), "its batch is 0"),
+        (
+            Engine("e", "d", "1", (), frozenset(), varies=frozenset({"mass"})),
+            "its varies is .*, not a frozenset of body, gravity",
+        ),  # type: ignore[arg-type]
         (Engine("e", "d", "1", (), frozenset(), variants={"flight": ("\n",)}), "its variants for 'flight'"),
     ],
 )

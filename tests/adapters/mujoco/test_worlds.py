@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from bodycheck import load
-from bodycheck.adapters import registry
-from bodycheck.adapters.contract import EngineReset, Method
-from bodycheck.adapters.mujoco import worlds
+from bodycheck.adapters import offers, registry
+from bodycheck.adapters.contract import EngineReset, Method, SceneUnsupported
+from bodycheck.adapters.mujoco import bodies, worlds
 from bodycheck.reference.scene import Scene
 
 MUJOCO = registry.load("mujoco")
@@ -71,3 +71,66 @@ def test_a_reset_ends_one_scene_alone(most: int, monkeypatch: pytest.MonkeyPatch
         assert 3 < len(sound) < len(strides)
         np.testing.assert_array_equal(rows[: len(sound)], sound)
         assert np.isnan(rows[len(sound) :]).all()
+
+
+def with_other_bodies(scene: Scene, count: int) -> list[Scene]:
+    """The scene with several masses, moments of inertia, gravities and angular velocities, the first its own."""
+    found = []
+    for place, one in enumerate(turned(scene, count)):
+        a, b, c = one.body.moments
+        body = replace(one.body, mass=one.body.mass * (1 + place / 3), moments=(a, b * (1 + place / 50), c), shape=None)
+        found.append(replace(one, body=body, gravity=one.gravity * (1 + place / 7)))
+    return found
+
+
+@pytest.mark.parametrize(
+    ("case", "method"),
+    [
+        ("osrf-boxes-complex", "RK4"),
+        ("mujoco-free-body", "Euler:model=translation-and-rotation"),
+        ("dumbbell", "implicit"),  # principal axes that are not those of the body
+        ("football-drag", "Euler"),  # a force in Python: one copy serves all
+        ("football-drag", "Euler:drag=fluid"),  # another density of the fluid for each body
+        ("projectile", "Euler"),  # an attitude in the model
+    ],
+)
+def test_bodies_that_differ_are_each_as_if_alone(case: str, method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """To the last bit, with fewer copies of the model than scenes, and where one stride takes several rollouts."""
+    monkeypatch.setattr(bodies, "COPIES", 3)
+    monkeypatch.setattr(worlds, "MOST_STATES", 200)
+    spelled = Method.parse(method, 1e-3)
+    scenes = with_other_bodies(load(case).scene, 7)
+    together = offers.prepare(MUJOCO, scenes, spelled)
+    assert isinstance(together, worlds.Worlds)
+    found = np.concatenate([together.advance(strides) for strides in PIECES], axis=1)
+    for scene, rows in zip(scenes, found, strict=True):
+        alone = MUJOCO.prepare([scene], spelled)
+        np.testing.assert_array_equal(rows, np.concatenate([alone.advance(strides)[0] for strides in PIECES]))
+
+
+def test_a_copy_with_another_body_is_the_model_from_its_xml() -> None:
+    """In every array and option of the model, to the last bit."""
+    scenes = with_other_bodies(load("osrf-boxes-complex").scene, 3)
+    first, *others = (MUJOCO.prepare([scene], Method.parse("RK4", 1e-3)).model for scene in scenes)
+    assert first.body_mass[1] != others[0].body_mass[1]
+    copies = bodies.with_bodies(first, scenes).of([1, 2])
+    names = [name for name in dir(first) if isinstance(getattr(first, name), np.ndarray)]
+    assert {"body_inertia", "body_subtreemass", "body_invweight0", "dof_M0", "dof_invweight0"} <= set(names)
+    for copy, other in zip(copies, others, strict=True):
+        for name in names:
+            np.testing.assert_array_equal(getattr(copy, name), getattr(other, name), err_msg=name)
+        options = [name for name in dir(other.opt) if isinstance(getattr(other.opt, name), float | np.ndarray)]
+        assert "gravity" in options
+        for name in options:
+            np.testing.assert_array_equal(getattr(copy.opt, name), getattr(other.opt, name), name)
+
+
+def test_a_body_that_mujoco_refuses_is_refused_among_others() -> None:
+    scene = load("intermediate-axis-flip").scene
+    impossible = replace(scene, body=replace(scene.body, moments=(0.1, 0.2, 0.4), shape=None))
+    with pytest.raises(SceneUnsupported) as alone:
+        MUJOCO.prepare([impossible], Method.parse("Euler", 1e-3))
+    with pytest.raises(SceneUnsupported) as together:
+        MUJOCO.prepare([scene, impossible, scene], Method.parse("Euler", 1e-3))
+    assert str(together.value) == str(alone.value)
+    assert bodies.may_be_refused([scene, impossible, scene]) == [1]

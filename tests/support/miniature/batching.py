@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Method
+from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Method, Varied
 from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
@@ -19,7 +19,7 @@ class Worlds:
     """Semi-implicit Euler for bodies whose moments are equal, as (scenes, 13)."""
 
     states: Array
-    gravity: float
+    gravity: Array
     timestep: float
     signals: dict[int, str] = field(default_factory=dict)
 
@@ -51,23 +51,30 @@ class Worlds:
 
 @dataclass(frozen=True)
 class Batching:
-    """The adapter of the engine. `asked` has the numbers of scenes of each call of `prepare`."""
+    """The adapter of the engine. `asked` has the numbers of scenes of each call of `prepare`, and `varies` is of its record."""
 
     name: str = "batching"
     asked: list[int] = field(default_factory=list)
+    varies: frozenset[Varied] = frozenset()
 
     @property
     def engine(self) -> Engine:
         modelled = frozenset({"gravity", "translation", "rotation"})
         return Engine(
-            self.name, "bodycheck-miniature", "1.0", (Integrator("euler", order=1, evaluations=1),), modelled, batch=2
+            self.name,
+            "bodycheck-miniature",
+            "1.0",
+            (Integrator("euler", order=1, evaluations=1),),
+            modelled,
+            batch=2,
+            varies=self.varies,
         )
 
     def prepare(self, scenes: Sequence[Scene], method: Method) -> Worlds:
         self.asked.append(len(scenes))
         starts = [one.initial for one in scenes]
         rows = [(*own.position, *own.quaternion, *own.velocity, *own.angular_velocity) for own in starts]
-        return Worlds(np.array(rows), scenes[0].gravity, method.timestep)
+        return Worlds(np.array(rows), np.array([one.gravity for one in scenes]), method.timestep)
 
 
 BATCHING = Batching()

@@ -1,0 +1,86 @@
+"""The models of several scenes in MuJoCo, as many at a time as are rolled out together.
+
+Compiling an XML text takes MuJoCo about a millisecond. Scenes in flight whose models differ in nothing but the mass, the
+moments of inertia and gravity have copies of one compiled model instead, in which these numbers are set, and what MuJoCo
+derives from them (`mj_setConst`). The copies are then equal to the models from XML in every number that counts in a flight,
+and serve one group of scenes after another. Only the mean inertia stays that of the first model, by which MuJoCo scales the
+tolerance of its constraint solver.
+"""
+
+import copy
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.trajectory import Array
+
+#: Most copies of a model, each of which takes about as much memory and time to make as one from XML takes to read.
+COPIES = 64
+
+#: The number of the body in its model; number 0 is the world.
+BODY = 1
+
+
+@dataclass(frozen=True)
+class Models:
+    """The models of several scenes.
+
+    Parameters
+    ----------
+    of
+        Returns the models of the scenes at some places. They are valid until the next call.
+    most
+        The largest number of places in a call.
+    """
+
+    of: Callable[[Sequence[int]], list[mujoco.MjModel]]
+    most: int
+
+
+def compiled(models: Sequence[mujoco.MjModel]) -> Models:
+    """Return models that were each compiled by itself."""
+    return Models(lambda places: [models[place] for place in places], len(models))
+
+
+def with_bodies(model: mujoco.MjModel, scenes: Sequence[Scene]) -> Models:
+    """Return models of scenes that differ from a compiled one in the mass, the moments and gravity alone.
+
+    Parameters
+    ----------
+    model
+        The compiled model of the first scene.
+    scenes
+        The scenes, whose bodies have their principal axes as the first one has, and which `may_be_refused` does not name.
+    """
+    numbers = numbers_of(scenes)
+    if (numbers == numbers[0]).all():
+        return Models(lambda places: [model] * len(places), len(scenes))
+    copies = [copy.copy(model) for _ in range(min(COPIES, len(scenes)))]
+    data = mujoco.MjData(model)
+
+    def of(places: Sequence[int]) -> list[mujoco.MjModel]:
+        chosen = copies[: len(places)]
+        for one, (mass, *moments, gravity) in zip(chosen, numbers[list(places)].tolist(), strict=True):
+            one.body_mass[BODY], one.body_inertia[BODY], one.opt.gravity[2] = mass, moments, -gravity
+            mujoco.mj_setConst(one, data)
+        return chosen
+
+    return Models(of, len(copies))
+
+
+def numbers_of(scenes: Sequence[Scene]) -> Array:
+    """Return the mass (kg), the three moments (kg m^2) and the gravity (m/s^2) of scenes, as (scenes, 5)."""
+    return np.array([(one.body.mass, *one.body.moments, one.gravity) for one in scenes])
+
+
+def may_be_refused(scenes: Sequence[Scene]) -> list[int]:
+    """Return the places of scenes whose bodies MuJoCo may refuse, so that it must be asked: see `mujoco.mjMINVAL`.
+
+    MuJoCo refuses bodies of almost no mass or moment, and moments that no body has: it compares sums as they are rounded.
+    """
+    mass, a, b, c, _ = numbers_of(scenes).T
+    tiny = np.minimum(mass, np.minimum(np.minimum(a, b), c)) <= 10 * mujoco.mjMINVAL
+    return np.flatnonzero(tiny | ~((a + b >= c) & (b + c >= a) & (c + a >= b))).tolist()
