@@ -9,6 +9,7 @@ from bodycheck.commands.diff import diff
 from bodycheck.commands.engines import engines
 from bodycheck.commands.export import export
 from bodycheck.commands.listing import cases
+from bodycheck.commands.query import query
 from bodycheck.commands.report import report
 from bodycheck.commands.run import run
 from bodycheck.commands.truth import truth
@@ -32,7 +33,7 @@ app = App(
 
 #: All commands, in the order of their registration.
 COMMANDS = (
-    *(run, tradeoff, recommend, extremes, ablate, audit, releases, bisect, report, diff),
+    *(run, tradeoff, recommend, extremes, ablate, audit, query, releases, bisect, report, diff),
     *(truth, export, cases, engines, validate, new, schema, expect),
 )
 

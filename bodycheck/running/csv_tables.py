@@ -49,7 +49,7 @@ def write(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]],
     stream = io.StringIO()
     writer = csv.DictWriter(stream, columns, lineterminator="\n")
     writer.writeheader()
-    writer.writerows({name: _entry(value) for name, value in row.items()} for row in rows)
+    writer.writerows({name: entry(value) for name, value in row.items()} for row in rows)
     writing.write(path, stream.getvalue().encode("utf-8", "replace"))
     writing.write(path.with_name(path.name + BESIDE), beside(path, columns, origins))
 
@@ -87,8 +87,8 @@ def read(path: Path, parsers: Mapping[str, Parser]) -> list[dict[str, Any]]:
     return [{name: value(name, text) for name, text in row.items()} for row in table]
 
 
-def _entry(value: Any) -> Any:
-    """Return what is written for a value."""
+def entry(value: Any) -> Any:
+    """Return what a table has for a value: nothing for NaN, and an apostrophe before a text that looks like a formula."""
     if isinstance(value, str):
         return f"'{value}" if _is_formula(value) else value
     return value if value == value else None  # NaN is the only value that differs from itself

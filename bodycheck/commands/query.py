@@ -1,0 +1,124 @@
+"""The command `bodycheck query`.
+
+The imports are inside the function, so that `--help` answers at once.
+"""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+from cyclopts import Parameter
+
+from bodycheck.console.options import Json
+from bodycheck.errors import OK, BadInput
+
+if TYPE_CHECKING:
+    from bodycheck.studies.ensemble.queries import Answer
+
+#: Most rows of the table on a terminal, and elsewhere. All are kept until the widths of the columns are known.
+TERMINAL_ROWS, TABLE_ROWS = 100, 100_000
+
+
+def query(
+    question: str,
+    folder: Path,
+    *,
+    json: Json = False,
+    csv: Annotated[bool, Parameter(help="Print CSV instead of tables.")] = False,
+    show: bool = False,
+) -> int:
+    """Ask a question in SQL about the results of an ensemble. This needs bodycheck[scale].
+
+    The tables are runs, members and truths. DuckDB answers the question from the files of the folder, and neither reads other
+    files nor writes any. An example, with the mean and the largest error of each method:
+
+    bodycheck query "SELECT engine, integrator, avg(attitude_error), max(attitude_error) FROM runs GROUP BY ALL" results
+
+    Parameters
+    ----------
+    question
+        One SELECT statement in the SQL of DuckDB.
+    folder
+        The folder with the results of `bodycheck ensemble`.
+    show
+        Print the question in SQL with the definitions of its tables, for other programs, and do not answer it.
+    """
+    from bodycheck.studies.ensemble import queries
+
+    if json and csv:
+        raise BadInput("--json and --csv: give one of them")
+    if show:
+        print(queries.sql(folder, question), end="")
+        return OK
+    with queries.answer(folder, question) as answer:
+        if json:
+            _print_json(answer)
+        elif csv:
+            _print_csv(answer)
+        else:
+            _print_table(answer)
+    return OK
+
+
+def _print_table(answer: "Answer") -> None:
+    from itertools import islice
+    from operator import itemgetter
+
+    from bodycheck.console import tables
+    from bodycheck.console.output import tell
+
+    def column(place: int, name: str) -> tables.Column[tuple[Any, ...]]:
+        return tables.Column(name, name, lambda row: _text(row[place]), itemgetter(place))
+
+    most = TERMINAL_ROWS if sys.stdout.isatty() else TABLE_ROWS
+    rows = list(islice(answer.rows, most))
+    tables.show([column(place, name) for place, name in enumerate(answer.columns)], rows)
+    if next(answer.rows, None) is not None:
+        tell(f"these are the first {most} rows; --csv and --json print all")
+
+
+def _print_csv(answer: "Answer") -> None:
+    import csv
+
+    from bodycheck.running.csv_tables import entry
+
+    writer = csv.writer(sys.stdout, lineterminator="\n")
+    writer.writerow(map(entry, answer.columns))
+    writer.writerows(map(entry, row) for row in answer.rows)
+
+
+def _print_json(answer: "Answer") -> None:
+    """Print an array of objects, one on a line, as they are computed."""
+    import json
+
+    before = "["
+    for row in answer.rows:
+        values = {name: _plain(value) for name, value in zip(answer.columns, row, strict=True)}
+        print(before, json.dumps(values, ensure_ascii=False, allow_nan=False), sep="\n", end="")
+        before = ","
+    print("\n]" if before == "," else "[]")
+
+
+def _text(value: Any) -> str:
+    """Return a value as the text of a cell."""
+    return "" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _plain(value: Any) -> Any:
+    """Return a value of DuckDB as one that JSON has. Numbers that are infinite or none become None."""
+    from decimal import Decimal
+    from math import isfinite
+
+    match value:
+        case Decimal():
+            return float(value)
+        case float():
+            return value if isfinite(value) else None
+        case None | bool() | int() | str():
+            return value
+        case dict():
+            return {str(name): _plain(one) for name, one in value.items()}
+        case list() | tuple():
+            return [_plain(one) for one in value]
+        case _:
+            return str(value)

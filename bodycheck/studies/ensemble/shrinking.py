@@ -1,0 +1,234 @@
+"""Make a case simpler while it still fails in the same way: shorter, with fewer numbers that are not zero, and rounder ones.
+
+The search is delta debugging over the keys of the case file: candidates with a part left out are tried, those that still fail
+are taken, and this is repeated until none does. A. Zeller and R. Hildebrandt, "Simplifying and isolating failure-inducing
+input", IEEE Transactions on Software Engineering 28 (2002). It is deterministic, and the number of trials is bounded.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from copy import deepcopy
+from dataclasses import dataclass, field
+from decimal import Decimal
+from itertools import islice
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.kinematics import euler_from_quaternion
+
+#: A case file as `tomllib` reads it.
+Document = dict[str, Any]
+
+#: The place of a key, or of an element of an array, in a document.
+Path = tuple[str | int, ...]
+
+#: A function that tells of each of some documents whether it is a case that fails in the same way.
+Fails = Callable[[Sequence[Document]], Sequence[bool]]
+
+#: Most trials for one case.
+MOST_TRIALS = 300
+
+#: Candidates that are tried at once where one of them suffices.
+BLOCK = 8
+
+#: Numbers of samples that are tried, and of significant digits.
+SAMPLES = (2, 3, 6, 11, 21, 51, 101, 201, 501, 1001)
+DIGITS = (1, 2, 3, 4, 6)
+
+#: Most durations that are tried, and most solids or particles of a body that are left out one by one.
+MOST_DURATIONS, MOST_PARTS = 12, 30
+
+#: The tables with numbers that are left out and rounded.
+TABLES = ("body", "initial", "scene")
+
+
+@dataclass
+class Search:
+    """The simplest document so far that fails.
+
+    Attributes
+    ----------
+    document
+        The document.
+    fails
+        What tells whether others fail in the same way.
+    left
+        The number of trials that are left.
+    known
+        What came of the trials that were made, by the text of the document.
+    """
+
+    document: Document
+    fails: Fails
+    left: int
+    known: dict[str, bool] = field(default_factory=dict)
+
+    def tried(self, candidates: Sequence[Document]) -> list[bool]:
+        """Return which of some candidates fail in the same way; those for which no trial is left count as others."""
+        new = {key: one for one in candidates if (key := repr(one)) not in self.known}
+        new = dict(islice(new.items(), self.left))
+        self.left -= len(new)
+        if new:
+            self.known |= zip(new, self.fails(list(new.values())), strict=True)
+        return [self.known.get(repr(one), False) for one in candidates]
+
+    def take(self, candidates: Sequence[Document]) -> bool:
+        """Take the first of some candidates, the simplest first, that fails in the same way; return whether there is one."""
+        others = [one for one in candidates if one != self.document]
+        for first in range(0, len(others), BLOCK):
+            block = others[first : first + BLOCK]
+            for candidate, failing in zip(block, self.tried(block), strict=True):
+                if failing:
+                    self.document = candidate
+                    return True
+        return False
+
+
+def shrink(document: Document, fails: Fails, shortest: float, most: int = MOST_TRIALS) -> Document:
+    """Return the simplest document that was found to fail in the same way.
+
+    Parameters
+    ----------
+    document
+        A case file that fails.
+    fails
+        What tells whether others fail in the same way. A document that is no valid case does not.
+    shortest
+        The shortest duration (s) that is tried, a time step.
+    most
+        The number of trials.
+    """
+    search = Search(_tidy(deepcopy(document)), fails, most)
+    if search.document != document and not search.tried([search.document])[0]:
+        search.document = deepcopy(document)
+    before = None
+    while search.left > 0 and search.document != before:
+        before = search.document
+        _shorten(search, shortest)
+        _leave_out(search)
+        _name_angles(search)
+        _round(search)
+        search.take([_with(search.document, {("run", "samples"): n}) for n in SAMPLES if n < search.document["run"]["samples"]])
+    return search.document
+
+
+def _shorten(search: Search, shortest: float) -> None:
+    """Take the shortest of some round durations."""
+    present: float = search.document["run"]["duration"]
+    exponents = range(-12, 13)
+    durations = [float(f"{digit}e{exponent}") for exponent in exponents for digit in (1, 2, 5)]
+    allowed = [one for one in durations if shortest <= one < present][-MOST_DURATIONS:]
+    search.take([_with(search.document, {("run", "duration"): one}) for one in allowed])
+
+
+def _leave_out(search: Search) -> None:
+    """Leave out what the failure does not need: all at once that can be left out alone, or else one after another."""
+    parts = list(_parts(search.document))
+    failing = search.tried([_without(search.document, [part]) for part in parts])
+    needless = [part for part, one in zip(parts, failing, strict=True) if one]
+    if needless and not search.take([_without(search.document, needless)]):
+        for part in reversed(needless):  # from the end, so that the places of the others remain
+            search.take([_without(search.document, [part])])
+
+
+def _name_angles(search: Search) -> None:
+    """Take an attitude of round Euler angles instead of a quaternion, whose components cannot be rounded one by one."""
+    quaternion = search.document.get("initial", {}).get("quaternion")
+    if quaternion is None:
+        return
+    angles = euler_from_quaternion(np.array(quaternion) / np.linalg.norm(quaternion))
+    other = _without(search.document, [("initial", "quaternion")])
+    rounded = [[round(float(angle), digits) + 0.0 for angle in angles] for digits in DIGITS]
+    search.take([_tidy(_with(other, {("initial", "euler_zxz"): each})) for each in rounded])
+
+
+def _round(search: Search) -> None:
+    """Round all numbers at once, and then each as far as it goes."""
+    numbers = dict(_numbers(search.document))
+    together = [{path: _rounded(value, digits) for path, value in numbers.items()} for digits in DIGITS]
+    search.take([_tidy(_with(search.document, changes)) for changes in together])
+    for path, value in dict(_numbers(search.document)).items():
+        if (present := _digits(value)) > 1:
+            simpler = [_rounded(value, digits) for digits in DIGITS if digits < present]
+            search.take([_tidy(_with(search.document, {path: one})) for one in simpler])
+
+
+def _parts(document: Document) -> Iterator[Path]:
+    """Yield what may be left out of a document: keys, components of vectors, and parts of a composed body."""
+    for table in ("scene", "initial"):
+        for key, value in document.get(table, {}).items():
+            yield table, key
+            if isinstance(value, list) and key != "quaternion":
+                yield from ((table, key, place) for place, component in enumerate(value) if component != 0)
+    body = document["body"]
+    if "shape" in body and "inertia" in body:
+        yield "body", "inertia"
+    for key in ("particles", "parts"):
+        if 1 < len(body.get(key, ())) <= MOST_PARTS:
+            yield from (("body", key, place) for place in range(len(body[key])))
+
+
+def _numbers(document: Document) -> Iterator[tuple[Path, float]]:
+    """Yield the numbers of a document that may be rounded one by one, with their places."""
+    left: list[tuple[Path, Any]] = [((table,), document.get(table, {})) for table in TABLES]
+    while left:
+        path, value = left.pop(0)
+        if isinstance(value, dict):
+            left += [((*path, key), one) for key, one in value.items() if key != "quaternion"]
+        elif isinstance(value, list):
+            left += [((*path, place), one) for place, one in enumerate(value)]
+        elif isinstance(value, float | int) and value != 0:
+            yield path, float(value)
+
+
+def _with(document: Document, changes: dict[Path, Any]) -> Document:
+    """Return a document with other values at some places; tables that it lacks are added."""
+    made = deepcopy(document)
+    for (*path, last), value in changes.items():
+        table: Any = made
+        for key in path:
+            table = table.setdefault(key, {}) if isinstance(table, dict) else table[key]
+        table[last] = value
+    return made
+
+
+def _without(document: Document, parts: Sequence[Path]) -> Document:
+    """Return a document without some parts; a component of a vector becomes zero."""
+    made = deepcopy(document)
+    for *path, last in reversed(parts):
+        table: Any = made
+        for key in path:
+            table = table.get(key, {}) if isinstance(table, dict) else table[key]
+        if isinstance(table, dict):
+            table.pop(last, None)
+        elif isinstance(table[last], dict):
+            del table[last]
+        else:
+            table[last] = 0.0
+    return _tidy(made)
+
+
+def _tidy(document: Document) -> Document:
+    """Return a document without the numbers that it would have without them, and without empty tables. It is changed."""
+    initial, scene = document.get("initial", {}), document.get("scene", {})
+    zero = [key for key, value in initial.items() if not any(value) and (key != "position" or "plane" not in scene)]
+    for key in zero:
+        del initial[key]
+    if abs(initial.get("quaternion", [0])[0]) == 1.0:
+        del initial["quaternion"]
+    if scene.get("gravity") == 0:
+        del scene["gravity"]
+    for table in ("initial", "scene"):
+        if not document.get(table, True):
+            del document[table]
+    return document
+
+
+def _rounded(value: float, digits: int) -> float:
+    """Return a number with so many significant digits."""
+    return float(f"{value:.{digits - 1}e}")
+
+
+def _digits(value: float) -> int:
+    """Return the number of significant digits of a number as it is written."""
+    return len(Decimal(repr(value)).normalize().as_tuple().digits)
