@@ -18,6 +18,7 @@ from bodycheck.casefile import grammar
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.checkable import uncheckable
 from bodycheck.casefile.contradictions import contradictions
+from bodycheck.casefile.ensemble import Ensemble, build_ensemble
 from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
 from bodycheck.casefile.finding import SUFFIX
 from bodycheck.casefile.scenes import Inconsistent, build_scene
@@ -86,6 +87,8 @@ class Case:
         The names of axes, each with the values at which a study of extremes tries the case.
     text
         The text of the file.
+    ensemble
+        What many members are drawn from the case with; None where the file does not say it.
     """
 
     name: str
@@ -98,6 +101,7 @@ class Case:
     expectations: tuple[Expectation, ...]
     extremes: tuple[tuple[str, tuple[float, ...]], ...]
     text: str
+    ensemble: Ensemble | None = None
 
     @property
     def instants(self) -> Array:
@@ -169,7 +173,7 @@ def _parsed(document: dict[str, Any], text: str, file: str, further: Iterable[tu
         unreported += len(records[MAX_FAULTS:])
     if not errors:
         try:
-            return _case(table, text)
+            return _case(table, document, text)
         except Inconsistent as error:
             errors += error.faults
     unreported += len(errors[MAX_FAULTS:])
@@ -257,19 +261,15 @@ def _is_misleading(record: Any) -> bool:
 
 def _explain(record: Any, document: dict[str, Any]) -> tuple[Path, str]:
     """Return the path in the document and the message for one of pydantic's error records."""
-    path = tuple(record["loc"])
-    if path[:1] == ("body",):
-        # Pydantic adds the names of union members to the path; they are not keys of the document.
-        path = ("body", *(key for key in path[1:] if key not in (*grammar.SHAPE_TABLES, "moments", "tensor")))
-    if path[:1] == ("expect",):
-        path = tuple(key for key in path if key not in ("limit", "range"))
+    path = grammar.untagged(tuple(record["loc"]))
     kind = record["type"]
     if kind == "missing":
         return path, "is missing"
-    if kind == "union_tag_not_found":
-        return (*path, "shape"), f"is missing; allowed: {', '.join(grammar.SHAPE_TABLES)}"
-    if kind == "union_tag_invalid":
-        return (*path, "shape"), _allowed(record["input"].get("shape"), grammar.SHAPE_TABLES)
+    if kind in ("union_tag_not_found", "union_tag_invalid"):
+        word, known = grammar.known_types(path)
+        if kind == "union_tag_not_found":
+            return (*path, word), f"is missing; allowed: {', '.join(known)}"
+        return (*path, word), _allowed(record["input"].get(word), known)
     if kind == "extra_forbidden" and (table := grammar.table_at(path[:-1], document)) is not None:
         return path, f"unknown key; {_allowed(path[-1], table.model_fields)}"
     message = TOML_WORDING.get(kind) or str(record["msg"]).removeprefix("Input ").removeprefix("Value error, ")
@@ -334,7 +334,7 @@ def _quote(value: Any) -> str:
     return quote if len(quote) <= MAX_QUOTE_LENGTH else quote[: MAX_QUOTE_LENGTH - 1] + "…"
 
 
-def _case(table: grammar.CaseTable, text: str) -> Case:
+def _case(table: grammar.CaseTable, document: dict[str, Any], text: str) -> Case:
     scene = build_scene(table)
     extremes = tuple((name, values) for name, values in table.extremes if values is not None)
     if faults := [(("extremes", name), fault) for name, _ in extremes if (fault := AXES[name].missing(scene))]:
@@ -350,6 +350,7 @@ def _case(table: grammar.CaseTable, text: str) -> Case:
         expectations=tuple(_expectation(expect) for expect in table.expect),
         extremes=extremes,
         text=text,
+        ensemble=build_ensemble(table.ensemble, document) if table.ensemble else None,
     )
 
 

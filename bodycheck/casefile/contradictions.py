@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.casefile.axes import AXES
+from bodycheck.casefile.ensemble_faults import ensemble_faults
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS
 from bodycheck.casefile.grammar import Status, shape_of, with_shape
 from bodycheck.casefile.raw_values import mapping, number, numbers
@@ -55,6 +56,7 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
         for path, message in _expect_contradictions(mapping(expectation), duration):
             yield ("expect", index, *path), message
     yield from _extremes_contradictions(mapping(document.get("extremes")), duration)
+    yield from ensemble_faults(document)
 
 
 def _timesteps(expectations: list[Any]) -> set[float]:

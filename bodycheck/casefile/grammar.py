@@ -7,9 +7,10 @@ reported together with the faults of single keys.
 from datetime import date
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, create_model
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, create_model
 
 from bodycheck.casefile.axes import AXES
+from bodycheck.casefile.ensemble_grammar import DISTRIBUTIONS, FORMS, EnsembleTable, distribution_of
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import (
     MAX_EXPECTATIONS,
@@ -24,6 +25,7 @@ from bodycheck.casefile.values import (
     Positive,
     PositiveVector,
     Spelling,
+    Table,
     Text,
     Vector,
 )
@@ -39,12 +41,6 @@ def _kind_of_inertia(value: Any) -> str:
 
 Matrix = tuple[Vector, Vector, Vector]
 Quaternion = tuple[Number, Number, Number, Number]
-
-
-class Table(BaseModel):
-    """A table that allows no unknown keys."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 #: Description of the key `inertia`.
@@ -272,6 +268,7 @@ class CaseTable(Table):
     scene: SceneTable = SceneTable()
     run: RunTable
     extremes: ExtremesTable = ExtremesTable()
+    ensemble: EnsembleTable | None = None
     expect: Annotated[tuple[ExpectTable, ...], Field(max_length=MAX_EXPECTATIONS)] = Field(
         default=(), description="what must hold, a table a method"
     )
@@ -287,6 +284,7 @@ TABLES: dict[Path, type[Table]] = {
     ("scene", "drag"): DragTable,
     ("run",): RunTable,
     ("extremes",): ExtremesTable,
+    ("ensemble",): EnsembleTable,
     ("expect",): ExpectTable,
     **{("expect", name): RangeTable for name in LIMITED},
 }
@@ -302,4 +300,24 @@ def table_at(path: Path, document: dict[str, Any]) -> type[Table] | None:
     """Return the grammar of the table at a path of a document; None if there is no table."""
     if path == ("body",):
         return SHAPE_TABLES.get(shape_of(with_shape(document.get("body"))))
+    match path:
+        case ("ensemble", "vary", int(index)):  # pydantic has found a list with a table at this place
+            return DISTRIBUTIONS.get(distribution_of(document["ensemble"]["vary"][index]))
     return TABLES.get(tuple(key for key in path if isinstance(key, str)))
+
+
+def untagged(path: Path) -> Path:
+    """Return the path in the document for one of pydantic's, which adds the names of the members of unions to it."""
+    match path:
+        case ("body", *rest):
+            return ("body", *(key for key in rest if key not in (*SHAPE_TABLES, "moments", "tensor")))
+        case ("expect", *rest):
+            return ("expect", *(key for key in rest if key not in ("limit", "range")))
+        case ("ensemble", "vary", index, _, *rest):
+            return ("ensemble", "vary", index, *rest[:1], *(key for key in rest[1:] if key not in FORMS))
+    return path
+
+
+def known_types(path: Path) -> tuple[str, dict[str, type[Table]]]:
+    """Return the key that says of which type the table at a path is, and the tables by its values."""
+    return ("distribution", DISTRIBUTIONS) if path[:1] == ("ensemble",) else ("shape", SHAPE_TABLES)

@@ -9,7 +9,7 @@ from typing import Any
 from bodycheck.casefile.case import Case
 
 #: Tables and keys of a case file that do not affect the motion.
-NOT_PHYSICS = {"format", "name", "title", "source", "tags", "extremes", "expect"}
+NOT_PHYSICS = {"format", "name", "title", "source", "tags", "extremes", "ensemble", "expect"}
 
 
 def physics(case: Case) -> dict[str, Any]:

@@ -1,8 +1,8 @@
-"""Types of the values in case files: numbers, texts and arrays, with the limits that the grammar sets."""
+"""Types of the values in case files: numbers, texts, arrays and tables, with the limits that the grammar sets."""
 
 from typing import Annotated
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from bodycheck.adapters.engine_name import EngineName as NameOfEngine
 from bodycheck.adapters.method import Method
@@ -20,8 +20,19 @@ MAX_EXPECTATIONS = 1000
 MAX_INSTANTS = 50 * MAX_SAMPLES
 MAX_VALUES = 50
 MAX_POINTS = 500
+#: Limits of ensembles: of their members, the seed of their random numbers, the keys that vary, and the values of a choice.
+MAX_MEMBERS = 10**9
+MAX_SEED = 2**63 - 1
+MAX_VARIATIONS = 50
+MAX_CHOICES = 1000
 #: Largest absolute value of a number. Its inverse is the smallest one except 0, so that squares and products do not overflow.
 MAX_NUMBER = 1e100
+
+
+class Table(BaseModel):
+    """A table that allows no unknown keys."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 def _not_vanishing(value: float) -> float:

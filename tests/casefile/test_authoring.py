@@ -55,6 +55,10 @@ ALTERNATIVES = {
     "plane": (["[scene.plane]", "friction", "law", "pressure"], ["position", "euler_zxz"]),
     "drag": (["[scene.drag]", "quadratic"], []),
     "extremes": (["[extremes]", "spin", "timestep = [0"], []),
+    "ensemble": (
+        ["[ensemble]", "members", "seed", "[[ensemble.vary]]", "key", "distribution", "mean", "standard_deviation"],
+        [],
+    ),
     "limits": (["[[expect]]", "engine", "integrator", "timestep = 0", "attitude_error", "energy_drift"], []),
     "order": (["[[expect]]", "engine", "integrator", "timestep = 0", "order", "known", "until"], []),
 }

@@ -53,6 +53,21 @@ samples = 101
 spin = [1.0, 1e3]
 timestep = [0.001, 0.002]
 
+[ensemble]
+members = 1000
+seed = 1
+
+[[ensemble.vary]]
+key = "initial.velocity"
+distribution = "normal"
+mean = [0.0, 0.0, 0.0]
+standard_deviation = 3.0
+
+[[ensemble.vary]]
+key = "body.parts.0.mass"
+distribution = "choice"
+values = [1.0, 2.0]
+
 [[expect]]
 engine = "mujoco"
 integrator = "RK4"

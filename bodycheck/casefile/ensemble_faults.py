@@ -1,0 +1,106 @@
+"""Check the rules of a table `[ensemble]` that the grammar of single keys cannot express.
+
+Each key path leads to a number or vector of the file, no two are about the same quantity, and the parameters of each
+distribution fit its key and one another.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from bodycheck.casefile import grammar
+from bodycheck.casefile.ensemble_grammar import distribution_of
+from bodycheck.casefile.key_paths import ATTITUDE, Key, Unknown, find, keys
+from bodycheck.casefile.raw_values import mapping, numbers
+from bodycheck.casefile.toml_positions import Path
+from bodycheck.casefile.values import MAX_CHOICES, MAX_VARIATIONS
+
+#: The parameters of each distribution that are numbers or vectors.
+PARAMETERS = {"uniform": ("low", "high"), "log-uniform": ("low", "high"), "normal": ("mean", "standard_deviation")}
+
+
+def ensemble_faults(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
+    """Yield the faults of the ensemble of a raw document, which may have any other faults too, as pairs of path and message."""
+    vary = mapping(document.get("ensemble")).get("vary")
+    if not isinstance(vary, list):
+        return
+    known = keys(document)
+    without_body = grammar.table_at(("body",), dict(document)) is None  # a fault of its own
+    taken: list[Key] = []
+    for index, variation in enumerate(map(mapping, vary[:MAX_VARIATIONS])):
+        path: Path = ("ensemble", "vary", index)
+        attitude = distribution_of(variation) == "attitude"
+        text = ATTITUDE if attitude else variation.get("key")
+        if not isinstance(text, str) or (without_body and text.startswith("body.")):
+            continue
+        at = path if attitude else (*path, "key")
+        try:
+            key = find(text, document, known)
+        except Unknown as error:
+            yield at, str(error)
+            continue
+        if (other := next((other for other in taken if other.is_about(key)), None)) is not None:
+            what = "the attitude" if attitude else key.text
+            yield at, f"{what} is drawn twice, as {other.text} is drawn too; give only one"
+        taken.append(key)
+        for name, message in _of_distribution(variation, key):
+            yield (*path, *name), message
+
+
+def _of_distribution(variation: Mapping[str, Any], key: Key) -> Iterator[tuple[Path, str]]:
+    """Yield the faults of the parameters of a distribution with their paths below its table."""
+    distribution = distribution_of(variation)
+    given = {name: variation[name] for name in PARAMETERS.get(distribution, ()) if name in variation}
+    expanded = {}
+    for name, value in given.items():
+        if (fault := _misfit(value, key)) is not None:
+            yield (name,), fault
+        elif (each := _each(value, key)) is not None:
+            expanded[name] = each
+    low, high = expanded.get("low"), expanded.get("high")
+    if low is not None and high is not None and any(one >= other for one, other in zip(low, high, strict=True)):
+        yield ("high",), f"must be above low, {variation['low']}{', in every component' if key.components else ''}"
+    if distribution == "uniform" and key.sign != "any" and low is not None and min(low) < 0:
+        yield ("low",), f"draws negative numbers; {_allowed(key)}"
+    if distribution == "normal" and key.sign != "any" and min(expanded.get("mean", [1.0])) <= 0:
+        yield ("mean",), f"draws negative numbers; {_allowed(key)}"
+    if distribution == "sphere":
+        if key.components != 3:
+            yield (), f"a sphere draws vectors of three components, and {key.text} is {_form(key)}"
+        elif key.sign != "any":
+            yield (), f"a sphere draws negative numbers; {_allowed(key)}"
+    values = variation.get("values")
+    if distribution == "choice" and isinstance(values, list):
+        for index, value in enumerate(values[:MAX_CHOICES]):
+            if (fault := _misfit_of_choice(value, key)) is not None:
+                yield ("values", index), fault
+
+
+def _misfit(value: Any, key: Key) -> str | None:
+    """Return why a parameter does not have the form of a key; None if it has, and for what the grammar reports."""
+    if isinstance(value, list) and len(value) != key.components:
+        return f"{key.text} is {_form(key)}; allowed: a number{f', or {key.components} numbers' if key.components else ''}"
+    return None
+
+
+def _misfit_of_choice(value: Any, key: Key) -> str | None:
+    """Return why a value cannot be that of a key; None if it can, and for what the grammar reports."""
+    if isinstance(value, list) != (key.components is not None) or (isinstance(value, list) and len(value) != key.components):
+        return f"{key.text} is {_form(key)}; allowed: {'a number' if key.components is None else f'{key.components} numbers'}"
+    each = _each(value, key)
+    if each is not None and (min(each) < 0 or (min(each) == 0 and key.sign == "positive")) and key.sign != "any":
+        return _allowed(key)
+    return None
+
+
+def _each(value: Any, key: Key) -> list[float] | None:
+    """Return a number for each component; None for what the grammar reports."""
+    size = key.components or 1
+    return numbers(value if isinstance(value, list) else [value] * size, size)
+
+
+def _form(key: Key) -> str:
+    return "a number" if key.components is None else f"a vector of {key.components} components"
+
+
+def _allowed(key: Key) -> str:
+    return f"{key.text} is {'positive' if key.sign == 'positive' else 'not negative'}"

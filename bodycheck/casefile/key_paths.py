@@ -1,0 +1,287 @@
+"""Key paths: the numbers and vectors of a case file that can be drawn, such as `body.mass` or `initial.velocity.2`.
+
+Which there are follows from the grammar of the tables that say how a body moves and what the file holds: a new key of such a
+table can be drawn at once.
+"""
+
+import re
+import types
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
+
+from pydantic import TypeAdapter, ValidationError
+
+from bodycheck.casefile import grammar
+from bodycheck.casefile.raw_values import mapping
+from bodycheck.casefile.toml_positions import Path
+from bodycheck.casefile.values import Table
+from bodycheck.suggestion import did_you_mean
+
+#: The tables whose numbers make the motion.
+MOVING = ("body", "initial", "scene", "run")
+
+#: The key of the initial attitude as a quaternion, which the distribution `attitude` draws.
+ATTITUDE = "initial.quaternion"
+
+#: Two keys of a table that state the same quantity. A vector that is drawn as a whole replaces the other one.
+SAME = (("euler_zxz", "quaternion"), ("euler_rates", "angular_velocity"))
+
+#: Values of vectors that a file may leave out, by their names; those of others are in the grammar.
+DEFAULTS: dict[str, tuple[float, ...]] = {
+    "position": (0.0, 0.0, 0.0),
+    "euler_zxz": (0.0, 0.0, 0.0),
+    "quaternion": (1.0, 0.0, 0.0, 0.0),
+    "euler_rates": (0.0, 0.0, 0.0),
+    "angular_velocity": (0.0, 0.0, 0.0),
+    "velocity": (0.0, 0.0, 0.0),
+}
+
+#: Keys that can be drawn although the file leaves them out and the grammar has no value for them, by their names.
+OPTIONAL = frozenset({*DEFAULTS, "inertia"})
+
+#: A number that counts the items of an array, from 0.
+INDEX = re.compile(r"0|[1-9][0-9]{0,5}")
+
+#: The most keys that a message lists.
+MAX_LISTED = 30
+
+#: Which numbers a key may have.
+Sign = Literal["any", "not negative", "positive"]
+
+
+class Unknown(Exception):
+    """There is no number or vector of this path; the text says what there is."""
+
+
+@dataclass(frozen=True)
+class Key:
+    """A number or a vector of a case file.
+
+    Attributes
+    ----------
+    whole
+        The path of the number or array in the file.
+    shape
+        The shape of the whole: () for a number, (k,) for a vector, (3, 3) for a tensor.
+    place
+        The place of one component in the array; () for all of it.
+    sign
+        Which numbers it may have.
+    """
+
+    whole: Path
+    shape: tuple[int, ...]
+    place: tuple[int, ...] = ()
+    sign: Sign = "any"
+
+    @property
+    def text(self) -> str:
+        """The path as a case file has it, with a dot between the parts."""
+        return ".".join(map(str, (*self.whole, *self.place)))
+
+    @property
+    def components(self) -> int | None:
+        """The number of components of the vector that is drawn; None for a single number."""
+        return self.shape[0] if self.shape and not self.place else None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The paths of all numbers that are drawn, as columns of tables are named."""
+        return (self.text,) if self.components is None else tuple(f"{self.text}.{place}" for place in range(self.components))
+
+    def is_about(self, other: "Key") -> bool:
+        """Return whether both state a quantity that is the same, at least in part."""
+        if self.whole != other.whole:
+            return other.whole in rivals(self.whole)
+        shared = min(len(self.place), len(other.place))
+        return self.place[:shared] == other.place[:shared]
+
+
+def rivals(whole: Path) -> tuple[Path, ...]:
+    """Return the paths of the keys that state the same quantity as that of a path."""
+    name = whole[-1]
+    return tuple((*whole[:-1], other) for pair in SAME for other in pair if name in pair and other != name)
+
+
+def keys(document: Mapping[str, Any]) -> dict[str, Key]:
+    """Return the keys of all numbers, vectors and tensors of a document, present or left to their defaults, by their texts.
+
+    The document may have any faults; a body whose shape is not known has no keys.
+    """
+    found: dict[str, Key] = {}
+    for name in MOVING:
+        table = grammar.table_at((name,), dict(document))
+        content = mapping(document.get(name))
+        for key in _of_table(table, (name,), content) if table is not None else ():
+            found[key.text] = key
+    if any(part in mapping(document.get("body")) for part in ("particles", "parts")):
+        for text in ("body.mass", "body.inertia"):  # they follow from the particles or parts
+            found.pop(text, None)
+    return found
+
+
+def find(text: str, document: Mapping[str, Any], known: Mapping[str, Key] | None = None) -> Key:
+    """Return the key of a path such as "initial.velocity" or "initial.velocity.2".
+
+    Parameters
+    ----------
+    text
+        The path.
+    document
+        The document of the case file, which may have other faults.
+    known
+        Its `keys`, if they are at hand.
+
+    Raises
+    ------
+    Unknown
+        There is no such number or vector, or it cannot be drawn. The text says why, or what can be drawn.
+    """
+    known = keys(document) if known is None else known
+    if (key := known.get(text)) is not None:
+        if len(key.shape) > 1:
+            raise Unknown(f"is a tensor, which is drawn by its components, such as {text}.0.0 or {text}.0.1")
+        return key
+    parts = text.split(".")
+    for length in (1, 2):
+        whole = known.get(".".join(parts[:-length]))
+        if whole is not None and whole.shape and all(map(INDEX.fullmatch, parts[-length:])):
+            return _component(whole, tuple(map(int, parts[-length:])), document)
+    raise Unknown(_advice(text, known, document))
+
+
+def _component(whole: Key, place: tuple[int, ...], document: Mapping[str, Any]) -> Key:
+    """Return the key of a component of a vector or tensor. Raises `Unknown` if there is none."""
+    if len(place) != len(whole.shape) or any(index >= size for index, size in zip(place, whole.shape, strict=True)):
+        last = ".".join(str(size - 1) for size in whole.shape)
+        raise Unknown(
+            f"there is no such component; allowed: {whole.text}.{'.'.join('0' for _ in whole.shape)} to {whole.text}.{last}"
+        )
+    if list(place) != sorted(place):
+        raise Unknown(
+            f"is below the diagonal of a symmetric tensor; allowed: {whole.text}.{place[1]}.{place[0]}, which means both"
+        )
+    if base(document, whole) is None:
+        raise Unknown(f"the file gives no {whole.text}; give it, or draw the whole vector")
+    for rival in rivals(whole.whole):
+        if present(document, rival):
+            told = ".".join(map(str, rival))
+            raise Unknown(f"the file gives {told} instead; draw components of that, or the whole vector {whole.text}")
+    return Key(whole.whole, whole.shape, place, whole.sign)
+
+
+def present(document: Mapping[str, Any], path: Path) -> bool:
+    """Return whether a document has a value at a path."""
+    return value_at(document, path) is not None
+
+
+def value_at(document: Mapping[str, Any], path: Path) -> Any:
+    """Return the value at a path of a document; None if there is none."""
+    value: Any = document
+    for part in path:
+        try:
+            value = value[part]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return value
+
+
+def base(document: Mapping[str, Any], key: Key) -> Any:
+    """Return the value of a number or array in a document, or its default; None if it has neither."""
+    value = value_at(document, key.whole)
+    return DEFAULTS.get(str(key.whole[-1])) if value is None else value
+
+
+def _advice(text: str, known: Mapping[str, Key], document: Mapping[str, Any]) -> str:
+    """Return why there is no key of a path, and what there is."""
+    parts = text.split(".")
+    for length in range(2, len(parts)):
+        path = tuple(parts[:length])
+        if path in grammar.TABLES and path[0] in MOVING and not present(document, path):
+            return f"the file has no table [{'.'.join(path)}]; give it, so that a number in it can be drawn"
+    around = text.rpartition(".")[0]
+    listed = [key for key in known if not any(map(str.isdecimal, key.split("."))) or key.rpartition(".")[0] == around]
+    return (
+        f"there is no number or vector of this path; allowed: {', '.join(listed[:MAX_LISTED])}, or a component of a vector, "
+        f"such as initial.velocity.2{did_you_mean(text, listed)}"
+    )
+
+
+@dataclass(frozen=True)
+class _Form:
+    """What a value of a table of the grammar can be: numbers of a shape and sign, a table, or an array of such tables."""
+
+    shape: tuple[int, ...] = ()
+    sign: Sign = "any"
+    table: type[Table] | None = None
+    repeated: bool = False
+
+
+def _of_table(table: type[Table], path: Path, content: Mapping[str, Any]) -> Iterator[Key]:
+    """Yield the keys of a table with this grammar, of which a document has this content."""
+    for name, forms in _forms(table).items():
+        value = content.get(name)
+        if value is None and table.model_fields[name].default is None and name not in OPTIONAL:
+            continue
+        form = next((form for form in forms if len(form.shape) == _depth(value)), forms[0])
+        if form.table is None:
+            yield Key((*path, name), form.shape, sign=form.sign)
+        elif form.repeated:
+            for index, item in enumerate(value if isinstance(value, list) else ()):
+                yield from _of_table(form.table, (*path, name, index), mapping(item))
+        elif isinstance(value, dict):
+            yield from _of_table(form.table, (*path, name), value)
+
+
+def _depth(value: Any) -> int:
+    """Return how many arrays are around the first number of a value: 2 for a tensor. No key has more."""
+    if not (isinstance(value, list) and value):
+        return 0
+    return 2 if isinstance(value[0], list) else 1
+
+
+@cache
+def _forms(table: type[Table]) -> dict[str, tuple[_Form, ...]]:
+    """Return the forms of the keys of a table that have numbers in them."""
+    found = {}
+    for name, field in table.model_fields.items():
+        kind = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
+        if forms := tuple(_forms_of(kind)):
+            found[name] = forms
+    return found
+
+
+def _forms_of(kind: Any) -> Iterator[_Form]:
+    """Yield the forms of an annotation of the grammar; none for texts and whole numbers."""
+    form, parts = get_origin(kind), get_args(kind)
+    if kind is float or (form is Annotated and parts[0] is float):
+        yield _Form(sign=_sign(kind))
+    elif form is Annotated:
+        yield from _forms_of(parts[0])
+    elif form in (Union, types.UnionType):
+        for part in parts:
+            yield from _forms_of(part)
+    elif isinstance(kind, type) and issubclass(kind, Table):
+        yield _Form(table=kind)
+    elif form is tuple and parts[-1] is Ellipsis:
+        yield from (replace(inner, repeated=True) for inner in _forms_of(parts[0]) if inner.table is not None)
+    elif form is tuple:
+        for inner in _forms_of(parts[0]):
+            yield replace(inner, shape=(len(parts), *inner.shape))
+
+
+def _sign(kind: Any) -> Sign:
+    """Return which numbers an annotation of the grammar allows."""
+    if _fits(kind, -1.0):
+        return "any"
+    return "not negative" if _fits(kind, 0.0) else "positive"
+
+
+def _fits(kind: Any, value: float) -> bool:
+    try:
+        TypeAdapter(kind).validate_python(value)
+    except ValidationError:
+        return False
+    return True
