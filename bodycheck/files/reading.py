@@ -98,6 +98,11 @@ def _entries(folder: Path) -> Iterator[os.DirEntry[str]]:
             raise BadFolder(f"{folder}: cannot be read: {error}") from error
 
 
+def check_regular(path: Path) -> None:
+    """Raise `Refused` unless a path that the user named leads to a regular file, and `OSError` if it leads nowhere."""
+    _check_kind(path, os.stat(path).st_mode)
+
+
 def _check_kind(path: Path, mode: int) -> None:
     """Raise `Refused` unless the mode is that of a regular file."""
     if stat.S_ISLNK(mode):

@@ -14,7 +14,7 @@ from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.ensemble import draws
 from bodycheck.studies.ensemble.sobol import HALF_CELL, SEQUENCES, points
-from tests.support.ensembles import BRICK, attitude, choice, ensemble_of, log_uniform, normal, sphere, uniform
+from tests.support.ensemble_texts import BRICK, attitude, choice, ensemble_of, log_uniform, normal, sphere, uniform
 
 #: Points of each sequence that make a net, as a power of 2, and all of them together.
 POWER = 8

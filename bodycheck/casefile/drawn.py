@@ -1,0 +1,139 @@
+"""Put drawn numbers into the document of a case file: the members of an ensemble as arrays, or one as a document of its own."""
+
+import copy
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.casefile.key_paths import ATTITUDE, base, find, keys, present, rivals, value_at
+from bodycheck.casefile.raw_values import mapping
+from bodycheck.casefile.toml_positions import Path
+from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_TEXT_LENGTH
+from bodycheck.reference.trajectory import Array
+
+#: How far the length of a quaternion may be from 1 before it is divided by it; a file allows twice as much.
+MAX_DEVIATION = 0.0005
+
+#: Numbers between the first and its inverse make no motion whose squares overflow. Moments of inertia that keep clear of the
+#: limits by the second ratio are those of a body.
+SMALLEST, SMALLEST_RATIO = 1e-20, 1e-14
+
+#: Tables that are about the case and not about one member of it.
+NOT_OF_A_MEMBER = ("extremes", "ensemble")
+
+#: By the shape of a body that can lie on a plane: the key of half its height, which is the last of the semi-axes.
+HALF_HEIGHTS = {"brick": "body.semi_axes", "cylinder": "body.half_length"}
+
+
+def wholes(document: Mapping[str, Any], values: Mapping[str, Array]) -> dict[str, Array]:
+    """Return drawn values as whole numbers of keys, vectors and tensors.
+
+    Parameters
+    ----------
+    document
+        The document of the case file, without faults.
+    values
+        Arrays (m,) of numbers and (m, k) of vectors by their key paths, in SI units.
+
+    Returns
+    -------
+    Arrays (m,), (m, k) or (m, 3, 3) by the paths of keys of the file. Components that are not drawn are those of the file or
+    its defaults; a body on a plane whose position the file does not give lies on it. A component of a tensor off its diagonal
+    counts at both its places. An initial quaternion whose length is not 1 is divided by it, unless it is 0.
+
+    Raises
+    ------
+    Unknown
+        A key path leads to no number or vector that can be drawn.
+    """
+    known, made = keys(document), dict[str, Array]()
+    for text in sorted(values, key=lambda text: not text.startswith("body.")):  # the height of a start depends on the body
+        key, array = find(text, document, known), np.asarray(values[text], dtype=float)
+        if not key.place:
+            made[text] = array
+            continue
+        whole = ".".join(map(str, key.whole))
+        if whole not in made:
+            height = _half_height(document, made) if whole == "initial.position" and not present(document, key.whole) else None
+            made[whole] = np.tile(np.asarray(base(document, key), dtype=float), (len(array), *[1] * len(key.shape)))
+            if height is not None:
+                made[whole][:, 2] = height
+        for place in {key.place, key.place[::-1]}:
+            component: tuple[slice | int, ...] = (slice(None), *place)
+            made[whole][component] = array
+    if ATTITUDE in made:
+        made[ATTITUDE] = _directions(made[ATTITUDE])
+    return made
+
+
+def _half_height(document: Mapping[str, Any], made: Mapping[str, Array]) -> Any:
+    """Return the height (m,) or () at which the centre of a body that lies on the plane is (m); None without plane or face."""
+    text = HALF_HEIGHTS.get(mapping(document.get("body")).get("shape", ""), "")
+    if not text or not present(document, ("scene", "plane")):
+        return None
+    sizes = made[text] if text in made else np.asarray(value_at(document, tuple(text.split("."))), dtype=float)
+    return sizes[..., 2] if text == "body.semi_axes" else sizes
+
+
+def _directions(quaternions: Array) -> Array:
+    """Return quaternions (m, 4) with those divided by their lengths whose lengths are not 1, and not 0 either."""
+    w, x, y, z = np.moveaxis(quaternions, -1, 0)
+    length = np.sqrt(w * w + x * x + y * y + z * z)
+    off = (np.abs(length - 1) > MAX_DEVIATION) & (length > 0)
+    return np.asarray(np.where(off[:, None], quaternions / np.where(off, length, 1.0)[:, None], quaternions))
+
+
+def member_document(document: Mapping[str, Any], whole: Mapping[str, Array], place: int, member: int) -> dict[str, Any]:
+    """Return the document of one member as a case of its own, without `[ensemble]` and `[extremes]`.
+
+    Parameters
+    ----------
+    document
+        The document of the case file.
+    whole
+        The drawn values, as `wholes` returns them.
+    place
+        The place of the member in them.
+    member
+        Its number, which becomes the end of the name.
+    """
+    made = {name: copy.deepcopy(value) for name, value in document.items() if name not in NOT_OF_A_MEMBER}
+    name, end = str(document["name"]), f"-{member}"
+    made["name"] = name[: MAX_NAME_LENGTH - len(end)] + end
+    made["title"] = f"Member {member} of {name}: {document['title']}"[:MAX_TEXT_LENGTH]
+    for text, array in whole.items():
+        path: Path = tuple(int(part) if part.isdecimal() else part for part in text.split("."))
+        table: Any = made
+        for part in path[:-1]:
+            table = table.setdefault(part, {}) if isinstance(table, dict) else table[part]
+        for rival in rivals(path):
+            table.pop(rival[-1], None)
+        table[path[-1]] = array[place].tolist()
+    return made
+
+
+def outside(whole: Mapping[str, Array], document: Mapping[str, Any]) -> NDArray[np.bool_]:
+    """Return which members (m,) may be no valid cases, because of a number that its key does not allow or that is extreme.
+
+    All others are valid as far as single numbers, quaternions and moments of inertia go. The limits are somewhat stricter than
+    those of case files: whoever wants to know builds the member.
+    """
+    known = keys(document)
+    found = np.zeros(len(next(iter(whole.values()))), dtype=bool)
+    for text, array in whole.items():
+        numbers = array.reshape(len(array), -1)
+        size = np.abs(numbers)
+        fine = (size <= 1 / SMALLEST) & ((size >= SMALLEST) | (size == 0))
+        if known[text].sign != "any":
+            fine &= (numbers > 0) | ((numbers == 0) & (known[text].sign == "not negative"))
+        found |= ~fine.all(axis=1)
+    if ATTITUDE in whole:
+        found |= (whole[ATTITUDE] == 0).all(axis=1)
+    if (inertia := whole.get("body.inertia")) is not None:
+        usable = np.where(np.isfinite(inertia), inertia, 0.0)
+        moments = np.sort(usable if usable.ndim == 2 else np.linalg.eigvalsh(usable), axis=1)
+        least, middle, most = np.moveaxis(moments, -1, 0)
+        found |= (least <= SMALLEST_RATIO * most) | (most > (least + middle) * (1 + SMALLEST_RATIO))
+    return found
