@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from hashlib import sha256
 from importlib.metadata import version
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Protocol
 
@@ -19,7 +18,7 @@ from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running import engines, pool, store, truths
+from bodycheck.running import engines, pool, store, truths, versions
 from bodycheck.running.engines import locks
 from bodycheck.running.header import Header
 from bodycheck.running.machine import fingerprint
@@ -31,9 +30,6 @@ from bodycheck.running.unchecked import Unchecked
 
 #: Time limit of one run or one truth.
 TIME_LIMIT_S = 300.0
-
-#: The packages that the numbers of results depend on; those that are installed are in their header.
-PACKAGES = ("numpy", "scipy", "heyoka", "pyarrow")
 
 
 class Advance(Protocol):
@@ -76,7 +72,7 @@ def header(command: Sequence[str], records: Mapping[str, Engine], missing: Mappi
         "command": list(command),
         "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "machine": fingerprint(),
-        "packages": {name: version(name) for name in PACKAGES if find_spec(name)},
+        "packages": versions.packages(),
         "engines": {name: record.version for name, record in records.items()},
         "missing": dict(missing),
         "environments": locks(records),

@@ -1,0 +1,211 @@
+"""Chunks: consecutive members of an ensemble that one engine runs with all its methods, and the receipts for them.
+
+Members are treated in aligned blocks, so that no row depends on how an ensemble is cut into chunks: a chunk is a number of
+whole blocks. A chunk holds everything that a worker needs, wherever it runs, and is small enough to be sent there.
+"""
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import date
+from typing import Any, Protocol
+
+from bodycheck.adapters.method import Method
+from bodycheck.casefile.case import Case
+from bodycheck.reference.trajectory import Array
+
+#: The number of members in a block of a case of usual length, and the sizes of blocks of longer ones. All divide the first.
+BLOCK_SIZES = (1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
+
+#: Most states of all members of a block, of one method: 26 MiB.
+MOST_STATES = 1 << 18
+
+#: Most steps of all members of a block, with one method: some minutes for an engine that is stepped from Python.
+MOST_STEPS = 1 << 21
+
+#: Steps of all members and methods in a chunk: 10 to 60 s for a compiled engine.
+CHUNK_STEPS = 1 << 22
+
+#: Most blocks in a chunk, whose rows are in memory until they are written.
+MOST_BLOCKS = 100
+
+
+class Source(Protocol):
+    """Where the numbers come from in which members differ. It can be pickled, and is the same wherever it is read."""
+
+    @property
+    def origin(self) -> object:
+        """What they are drawn with, or a table, whose attribute `digest` tells its content."""
+        ...
+
+    @property
+    def size(self) -> int:
+        """The number of members."""
+        ...
+
+    @property
+    def names(self) -> Sequence[str]:
+        """The names of the numbers, one for each component of a vector, such as "initial.velocity.0"."""
+        ...
+
+    def values(self, first: int, count: int) -> Mapping[str, Array]:
+        """Return the numbers of some members by the path of the key, as arrays (count,) or (count, k)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Work:
+    """What all chunks of an ensemble have in common.
+
+    Attributes
+    ----------
+    identity
+        A digest of everything that determines the rows.
+    case
+        The text of the case file.
+    source
+        The numbers in which members differ.
+    block
+        The number of members in a block.
+    sample
+        Of every so manieth member the trajectory is kept.
+    versions
+        The versions of bodycheck and of the packages that the rows depend on, which every worker must have.
+    today
+        The day as of which known discrepancies are tolerated or not, so that it is the same for all rows.
+    limit, memory
+        The time limit (s) and the memory limit (bytes) of one call of an engine or of the reference.
+    """
+
+    identity: str
+    case: str
+    source: Any
+    block: int
+    sample: int
+    versions: Mapping[str, str]
+    today: date
+    limit: float
+    memory: int
+
+
+@dataclass(frozen=True)
+class Share:
+    """The share of an engine in an ensemble.
+
+    Attributes
+    ----------
+    engine, version
+        The name and the version of the engine.
+    methods
+        Its methods, in the order of the plan.
+    truths_of
+        The time steps (s) for which its chunks write the truths, so that each is written once; not empty where the chunks also
+        write the members.
+    """
+
+    engine: str
+    version: str
+    methods: tuple[Method, ...]
+    truths_of: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Chunk:
+    """Consecutive members of an ensemble for one engine.
+
+    Attributes
+    ----------
+    work, share
+        What it belongs to.
+    number
+        The number of the chunk in the whole plan, from 0. A chunk that is cut into several ones passes it on to them.
+    first, count
+        The first member and the number of members.
+    """
+
+    work: Work
+    share: Share
+    number: int
+    first: int
+    count: int
+
+    @property
+    def blocks(self) -> tuple[range, ...]:
+        """The members of each block."""
+        end = self.first + self.count
+        return tuple(range(first, min(end, first + self.work.block)) for first in range(self.first, end, self.work.block))
+
+    @property
+    def name(self) -> str:
+        """The engine and the members in words."""
+        return f"{self.share.engine} · members {self.first} to {self.first + self.count - 1}"
+
+    @property
+    def rows(self) -> int:
+        """The number of its runs."""
+        return self.count * len(self.share.methods)
+
+
+@dataclass(frozen=True)
+class Receipt:
+    """What became of a chunk. It is small, whatever the chunk.
+
+    Attributes
+    ----------
+    name
+        The engine and the members in words.
+    engine, first, count
+        The name of the engine, the first member and the number of members.
+    rows, failed
+        The number of runs, and of those that failed.
+    seconds
+        How long (s) the chunk took, and of this the stepping of the engine and the truths.
+    digest
+        A digest of the rows without measured times.
+    """
+
+    name: str
+    engine: str
+    first: int
+    count: int
+    rows: int
+    failed: int
+    seconds: float
+    engine_seconds: float
+    truth_seconds: float
+    digest: str
+
+
+def block_size(case: Case, timesteps: Collection[float]) -> int:
+    """Return the number of members in a block of a case, which limits its states, and its steps at these time steps (s)."""
+    steps = max(case.duration / timestep for timestep in timesteps)
+    most = min(MOST_STATES / case.samples, MOST_STEPS / max(1.0, steps))
+    return next((size for size in BLOCK_SIZES if size <= most), 1)
+
+
+def blocks_of_chunk(case: Case, share: Share, block: int) -> int:
+    """Return the number of blocks in a chunk of an engine, from the steps of its methods alone, so that all workers agree."""
+    steps = sum(case.duration / method.timestep for method in share.methods)
+    return int(min(MOST_BLOCKS, max(1, CHUNK_STEPS // (block * max(1.0, steps)))))
+
+
+def cut(work: Work, share: Share, blocks: int, number: int = 0) -> list[Chunk]:
+    """Return the chunks of an engine, each of so many blocks; the first has this number."""
+    size = blocks * work.block
+    firsts = range(0, work.source.size, size)
+    return [
+        Chunk(work, share, number + place, first, min(size, work.source.size - first)) for place, first in enumerate(firsts)
+    ]
+
+
+def left(chunk: Chunk, done: Collection[int]) -> Iterator[Chunk]:
+    """Yield what is left of a chunk, in pieces of consecutive blocks.
+
+    done: the first members of the blocks that are done.
+    """
+    piece: list[range] = []
+    for block in (*chunk.blocks, None):
+        if block is not None and block.start not in done:
+            piece.append(block)
+        elif piece:
+            yield replace(chunk, first=piece[0].start, count=piece[-1].stop - piece[0].start)
+            piece = []

@@ -1,0 +1,76 @@
+"""The worker processes of a thread that carries out chunks: one for its present engine and one for the reference.
+
+They are kept from chunk to chunk, because an import takes as long as many members. A thread has one engine at a time, so that
+the memory of a machine does not depend on the number of engines. Processes end with the thread that started them.
+"""
+
+import threading
+from collections.abc import Callable
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from bodycheck.running import engines, pool
+
+#: Variables that make the libraries of a worker process use one thread, as there is a worker process for each processor.
+ONE_THREAD = tuple((name, "1") for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"))
+
+#: A function that makes a call in a worker process, and returns its result, `Crashed` or `TimedOut`.
+Call = Callable[[Any], Any]
+
+
+@dataclass
+class _Crew:
+    """The callers of a thread, by the engine (None for the reference), each with what it was made for and its own end."""
+
+    callers: dict[bool, tuple[object, Call, ExitStack]] = field(default_factory=dict)
+
+    def end(self) -> None:
+        for _, _, stack in self.callers.values():
+            stack.close()
+        self.callers.clear()
+
+
+#: The crews of the threads of this process, by the numbers of the threads.
+_crews: dict[int, _Crew] = {}
+
+
+def home(engine: str | None) -> pool.Home:
+    """Return where the processes of an engine live, or of the reference (None), which use one thread each."""
+    found = engines.home(engine)
+    variables = tuple(pair for pair in found.interpreter.variables if pair[0] not in dict(ONE_THREAD))
+    return replace(found, interpreter=replace(found.interpreter, variables=(*variables, *ONE_THREAD)))
+
+
+def call(function: Call, engine: str | None, limit: float, memory: int) -> Call:
+    """Return a function that calls another one in this thread's process of an engine, or of the reference (None).
+
+    The process of another engine ends. Parameters are those of `pool.caller`.
+    """
+    crew = _crews.setdefault(threading.get_ident(), _Crew())
+    wanted = (function, engine, limit, memory)
+    if (found := crew.callers.get(engine is None)) is not None:
+        if found[0] == wanted:
+            return found[1]
+        found[2].close()
+    stack = ExitStack()
+    made: Call = stack.enter_context(single(function, engine, limit, memory))
+    crew.callers[engine is None] = wanted, made, stack
+    return made
+
+
+def single(function: Call, engine: str | None, limit: float, memory: int) -> Any:
+    """Return a context that provides the function of `call` with a process of its own, which ends with the context."""
+    return pool.caller(function, limit, memory, group=lambda argument: engine, home=home)
+
+
+def end_own() -> None:
+    """End the processes of this thread."""
+    if (crew := _crews.pop(threading.get_ident(), None)) is not None:
+        crew.end()
+
+
+def end_all() -> None:
+    """End the processes of all threads of this process, which must not be in use."""
+    while _crews:
+        _crews.popitem()[1].end()

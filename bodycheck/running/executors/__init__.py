@@ -1,0 +1,29 @@
+"""Executors: they carry out the chunks of an ensemble somewhere and yield the receipts, in any order.
+
+All have the same signature, so that the rows do not depend on which one it is: `own` has threads and processes of this machine,
+`dask_cluster` any cluster that Dask runs on, and `shards` a share of the chunks for one of several jobs of a queue.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Protocol
+
+from bodycheck.running.chunks import Chunk, Receipt
+
+#: A function that carries out a chunk. It can be pickled.
+Perform = Callable[[Chunk], Receipt]
+
+
+class Executor(Protocol):
+    """Carries out chunks."""
+
+    @property
+    def whole(self) -> bool:
+        """Whether it carries out all chunks, and not only a share of them."""
+        ...
+
+    def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Iterator[Receipt]:
+        """Carry out chunks, and yield the receipt of each as soon as it is done.
+
+        Raises what the function raises, after which no further chunks are begun.
+        """
+        ...
