@@ -12,6 +12,7 @@ Start here:
 - `certificate`: every way of computing one truth, compared with every other.
 - `scene`: bodies, initial states, planes. `definition`: what a file says of the body and its start. `trajectory`: sampled
   states. `bounds`: bounds of the errors of these. All other modules use them.
+- `scenes`: many scenes in free flight that differ in numbers only, as arrays.
 - `errors`: the exceptions for scenes and motions that the reference cannot compute.
 
 Mechanics of any motion:

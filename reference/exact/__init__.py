@@ -4,6 +4,7 @@
 - `rotations`: products of quaternions, rotated vectors, quaternions and body rates of Euler angles.
 - `inertia`: mass, centre of mass and inertia tensor of solids, particles and bodies of parts.
 - `axes`: principal moments and principal axes of a tensor.
+- `pairs`: arithmetic of some 120 bits for many numbers at once, for ensembles.
 - `start`: the principal moments, attitude and angular velocity of a scene at t = 0. Open this first.
 
 A motion can amplify a rounding error of its initial state a million times and more, so that nothing is rounded before the
