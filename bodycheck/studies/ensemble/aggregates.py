@@ -301,7 +301,8 @@ def _tail(values: Array, members: int, without: int) -> tuple[Array, Array]:
     The points are close together in the tail: of the largest values every one, and then ever fewer.
     """
     ordered = np.sort(values)[::-1]
-    ranks = np.unique(np.geomspace(1, len(ordered), POINTS).round().astype(np.intp))[::-1]
+    spread = np.concatenate([np.geomspace(1, len(ordered), POINTS), np.linspace(1, len(ordered), POINTS // 4)])
+    ranks = np.unique(spread.round().astype(np.intp))[::-1]
     return ordered[ranks - 1], (ranks + without) / members
 
 

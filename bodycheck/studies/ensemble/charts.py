@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from bodycheck.reference.trajectory import Array
-from bodycheck.reports.charts import Spec, framed, log_axis, method_scale, zoomable
+from bodycheck.reports.charts import INK, Spec, framed, log_axis, method_scale, zoomable
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, Quantity
 from bodycheck.reports.series import rounded
@@ -80,7 +80,15 @@ def failure_map(drawn: Map, place: int) -> Spec:
         "type": "quantitative",
         "title": title,
         "scale": {"scheme": "viridis", "reverse": True, "type": "sqrt" if of_failures else "log", "nice": False},
-        "legend": {"orient": "top", "gradientLength": 240, "format": "~g" if of_failures else "~e", "title": title},
+        "legend": {
+            "orient": "top",
+            "gradientLength": 240,
+            "format": "~g" if of_failures else "~e",
+            "title": title,
+            "titleLimit": 400,
+            "titleColor": INK,
+            "titleFontWeight": "normal",
+        },
     }
     if of_failures:
         colour["scale"]["domainMin"] = 0

@@ -176,7 +176,7 @@ def _ranking(ensemble: Aggregates, lines: Sequence[Line]) -> list[Finding]:
 
     def told(place: int) -> str:
         method, own = ensemble.methods[place], figure.distributions.get(place)
-        failing = f"{share_text(method)} failed" if _failed(method) else "none failed"
+        failing = f"{percent(_failed(method))} failed" if _failed(method) else "none failed"
         return f"{lines[place].label} ({failing}" + (
             f", 99 % up to {quantity.with_unit(own.quantiles['q99'])})" if own else ")"
         )
@@ -219,7 +219,7 @@ def _dependences(found: Material, lines: Sequence[Line]) -> list[Finding]:
         what = "Whether a member fails" if figure == FAILURE else f"The {QUANTITIES[figure].title.lower()}" if figure else ""
         for name, own in strongest.items():
             shares = sorted(one.share for one in own)
-            explains = percent(shares[0]) if len(own) == 1 else f"{percent(shares[0])} to {percent(shares[-1])}"
+            explains = " to ".join(dict.fromkeys((percent(shares[0]), percent(shares[-1]))))
             methods = listing([lines[one.method].label for one in own], MOST_NAMES, "method")
             told.append(
                 Finding("Causes", f"{what} depends most on {name} with {methods}: it explains {explains} of the variance.")

@@ -45,7 +45,7 @@ def method_table(ensemble: Aggregates, lines: Sequence[Line]) -> Table:
         cells = [Entry(str(method.members), method.members), _share(method.failed.value)]
         cells += [Entry(f"{percent(method.failed.low)} to {percent(method.failed.high)}", method.failed.high)]
         if figure is not None:
-            cells += _quantiles(figure.distributions.get(place), ("q50", "q99"))
+            cells += _quantiles(figure.distributions.get(place), ("q50", "q99"), with_intervals=False)
             cells += [_share(figure.best[place]) if place in figure.best else Entry("–")]
         each = 1e6 * method.wall_time / method.members
         rows.append((*_key(lines[place], method), *cells, Entry(number(each, 3), each)))
@@ -172,15 +172,15 @@ def _share(value: float) -> Entry:
     return Entry(percent(value), value)
 
 
-def _quantiles(own: Distribution | None, names: Sequence[str]) -> list[Entry]:
-    """Return the cells of quantiles and of the largest value."""
+def _quantiles(own: Distribution | None, names: Sequence[str], with_intervals: bool = True) -> list[Entry]:
+    """Return the cells of quantiles, with their intervals where these are known, and of the largest value."""
     if own is None:
         return [Entry("–")] * (len(names) + 1)
     cells = []
     for name in names:
         value, interval = own.quantiles[name], own.intervals.get(name)
         text = number(value, 3)
-        if interval is not None and interval[0] < interval[1]:
+        if with_intervals and interval is not None and interval[0] < interval[1]:
             text += f" ({number(interval[0], 3)}–{number(interval[1], 3)})"
         cells.append(Entry(text, value))
     return [*cells, Entry(number(own.largest, 3), own.largest)]

@@ -7,6 +7,7 @@ This is the first-order index of Sobol, estimated by the correlation ratio. What
 subtracted (the epsilon squared of Kelley, "An unbiased correlation ratio measure", Proc. Natl. Acad. Sci. 21 (1935)).
 """
 
+import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -132,11 +133,23 @@ def logarithms(values: Array) -> Array:
 
 
 def strongest(found: Sequence[Dependence], most: int = 2) -> list[str]:
-    """Return the names of the numbers with the largest share of the variance, summed over methods and figures."""
+    """Return the names of the numbers with the largest share of the variance, summed over methods and figures.
+
+    Of the length of a vector and its components, which say much of each other, there are not both.
+    """
     shares: dict[str, float] = {}
     for one in found:
         shares[one.number] = shares.get(one.number, 0.0) + one.share
-    return sorted(shares, key=lambda name: -shares[name])[:most]
+    chosen: list[str] = []
+    for name in sorted(shares, key=lambda name: -shares[name]):
+        if len(chosen) < most and not any(_is_length_of(one, name) or _is_length_of(name, one) for one in chosen):
+            chosen.append(name)
+    return chosen
+
+
+def _is_length_of(name: str, component: str) -> bool:
+    """Return whether a number is the length of the vector that another one is a component of."""
+    return name == f"|{component.rpartition('.')[0]}|"
 
 
 def first_order(ranks: Array, values: Array) -> float:
@@ -147,7 +160,7 @@ def first_order(ranks: Array, values: Array) -> float:
     counts = np.bincount(where, minlength=bins)
     used = int(np.count_nonzero(counts))
     centred = values - values.mean()
-    whole = float(centred @ centred) if total else 0.0
+    whole = float(np.sum(centred * centred))
     if used < 2 or total <= used or not whole > 0:
         return 0.0
     sums = np.bincount(where, centred, bins)
@@ -176,8 +189,8 @@ def _dependences(place: int, figure: str, values: Array, ranks: Mapping[str, Arr
 def _correlation(one: Array, other: Array) -> float:
     """Return Pearson's correlation of two rows (n,), 0 if one of them is constant."""
     a, b = one - one.mean(), other - other.mean()
-    size = float(np.sqrt((a @ a) * (b @ b)))
-    return float(a @ b) / size if size > 0 else 0.0
+    size = math.sqrt(float(np.sum(a * a)) * float(np.sum(b * b)))  # no BLAS, whose threads wait for each other
+    return float(np.sum(a * b)) / size if size > 0 else 0.0
 
 
 def _length(components: list[Array]) -> Array:
