@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from bodycheck.casefile.checkable import uncheckable
 from bodycheck.casefile.key_paths import ATTITUDE, base, find, keys, present, rivals, value_at
 from bodycheck.casefile.raw_values import mapping
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_TEXT_LENGTH
+from bodycheck.figures.columns import LIMITED
 from bodycheck.reference.trajectory import Array
 
 #: How far the length of a quaternion may be from 1 before it is divided by it; a file allows twice as much.
@@ -88,6 +90,8 @@ def _directions(quaternions: Array) -> Array:
 def member_document(document: Mapping[str, Any], whole: Mapping[str, Array], place: int, member: int) -> dict[str, Any]:
     """Return the document of one member as a case of its own, without `[ensemble]` and `[extremes]`.
 
+    A limit of its expectations that no run of the member can break, because it is shorter, is left out too.
+
     Parameters
     ----------
     document
@@ -111,7 +115,24 @@ def member_document(document: Mapping[str, Any], whole: Mapping[str, Array], pla
         for rival in rivals(path):
             table.pop(rival[-1], None)
         table[path[-1]] = array[place].tolist()
+    if "expect" in made:
+        made["expect"] = _checkable(made)
     return made
+
+
+def _checkable(document: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the expectations of a document without limits that cannot fail, and without those of unknown engines."""
+    expectations, unknown = document["expect"], set()
+    for path, _ in list(uncheckable(document)):
+        match path:
+            case (_, int(index), "engine"):
+                unknown.add(index)
+            case (_, int(index), str(name), str(end)) if len(expectations[index][name]) > 1:
+                del expectations[index][name][end]
+            case (_, int(index), str(name), *_):
+                del expectations[index][name]
+    said = {"status", *LIMITED}
+    return [table for index, table in enumerate(expectations) if index not in unknown and said & set(table)]
 
 
 def outside(whole: Mapping[str, Array], document: Mapping[str, Any]) -> NDArray[np.bool_]:

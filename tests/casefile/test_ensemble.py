@@ -22,8 +22,22 @@ from bodycheck.casefile.ensemble import (
 )
 from bodycheck.casefile.identity import identity
 from bodycheck.casefile.values import MAX_CHOICES, MAX_MEMBERS, MAX_VARIATIONS
-from tests.support.cases import a_case
-from tests.support.ensemble_texts import BRICK, attitude, choice, ensemble_of, log_uniform, normal, sphere, uniform
+from tests.support.ensemble_texts import (
+    BRICK,
+    CYLINDER_ON_PLANE,
+    DRAGGED,
+    MOMENTS,
+    PARTICLES,
+    PARTS,
+    TENSOR,
+    attitude,
+    choice,
+    ensemble_of,
+    log_uniform,
+    normal,
+    sphere,
+    uniform,
+)
 
 
 def vary(*tables: str, text: str = BRICK) -> Ensemble:
@@ -75,24 +89,6 @@ def test_an_ensemble_has_members_and_a_seed() -> None:
     assert (ensemble.members, ensemble.seed) == (MAX_MEMBERS, 0)
     assert parse(BRICK, "f").ensemble is None
 
-
-CYLINDER_ON_PLANE = a_case(
-    body={"shape": "cylinder", "radius": 0.1, "half_length": 0.2, "mass": 1.0},
-    initial={"euler_zxz": [0.0, 0.0, 0.5], "euler_rates": [0.0, 0.0, 5.0]},
-    scene={"gravity": 9.81, "plane": {}},
-)
-DRAGGED = a_case(initial={"velocity": [1.0, 0.0, 0.0]}, scene={"drag": {"quadratic": 0.1}})
-MOMENTS = a_case(body={"shape": "none", "mass": 1.0, "inertia": [1.0, 2.0, 2.5]})
-TENSOR = a_case(body={"shape": "none", "mass": 1.0, "inertia": [[1.0, 0.1, 0.0], [0.1, 2.0, 0.0], [0.0, 0.0, 2.5]]})
-PARTS = a_case(
-    body={
-        "parts": [
-            {"shape": "sphere", "radius": 0.1, "mass": 1.0, "position": [0.0, 0.0, 1.0]},
-            {"shape": "brick", "semi_axes": [0.1, 0.2, 0.3], "mass": 1.0},
-        ]
-    }
-)
-PARTICLES = a_case(body={"particles": [{"mass": 1.0, "position": [float(k == i) for k in range(3)]} for i in range(3)]})
 
 EXISTING = {
     BRICK: [

@@ -13,6 +13,25 @@ BRICK = a_case(
     initial={"angular_velocity": [0.5, 5.0, 1.0]},
 )
 
+#: Cases whose members are made one by one.
+CYLINDER_ON_PLANE = a_case(
+    body={"shape": "cylinder", "radius": 0.1, "half_length": 0.2, "mass": 1.0},
+    initial={"euler_zxz": [0.0, 0.0, 0.5], "euler_rates": [0.0, 0.0, 5.0]},
+    scene={"gravity": 9.81, "plane": {}},
+)
+DRAGGED = a_case(initial={"velocity": [1.0, 0.0, 0.0]}, scene={"drag": {"quadratic": 0.1}})
+MOMENTS = a_case(body={"shape": "none", "mass": 1.0, "inertia": [1.0, 2.0, 2.5]})
+TENSOR = a_case(body={"shape": "none", "mass": 1.0, "inertia": [[1.0, 0.1, 0.0], [0.1, 2.0, 0.0], [0.0, 0.0, 2.5]]})
+PARTS = a_case(
+    body={
+        "parts": [
+            {"shape": "sphere", "radius": 0.1, "mass": 1.0, "position": [0.0, 0.0, 1.0]},
+            {"shape": "brick", "semi_axes": [0.1, 0.2, 0.3], "mass": 1.0},
+        ]
+    }
+)
+PARTICLES = a_case(body={"particles": [{"mass": 1.0, "position": [float(k == i) for k in range(3)]} for i in range(3)]})
+
 
 def ensemble_of(text: str, *vary: str) -> str:
     """The text of a case file with 1000 members in which these tables vary."""
