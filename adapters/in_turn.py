@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from bodycheck.adapters import norm_errors
 from bodycheck.adapters.contract import EngineDiverged, Signals, Simulation, Strides
 from bodycheck.reference.trajectory import Array
 
@@ -26,7 +27,7 @@ class InTurn:
 
     def advance(self, strides: Strides) -> Array:
         """Return the states (scenes, n, 1, 13) of all scenes after each of n strides, as `Simulation.advance` does."""
-        states = np.full((sum(len(places) for places, _ in self.parts), len(strides), 1, 13), np.nan)
+        states = np.full((self._scenes, len(strides), 1, 13), np.nan)
         for places, simulation in self.parts:
             if len(places) == 1:
                 self._advance_one(places[0], simulation, strides, states)
@@ -35,6 +36,18 @@ class InTurn:
             if isinstance(simulation, Signals):
                 self.signals |= {places[own]: text for own, text in simulation.signals.items()}
         return states
+
+    @property
+    def quaternion_norm_errors(self) -> Array:
+        """The largest deviations of norms from 1 of the scenes (scenes,), as `NormalisingEach` has them."""
+        found = np.zeros(self._scenes)
+        for places, simulation in self.parts:
+            found[list(places)] = norm_errors.of_each(simulation, len(places))
+        return found
+
+    @property
+    def _scenes(self) -> int:
+        return sum(len(places) for places, _ in self.parts)
 
     def _advance_one(self, place: int, simulation: Simulation, strides: Strides, states: Array) -> None:
         """Fill in the states of one scene, unless its engine has given it up before."""

@@ -1,7 +1,7 @@
 """Simulations for engines that are stepped from Python, and for engines that do not normalise their quaternions."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Generic, TypeVar
 
 import numpy as np
@@ -63,10 +63,13 @@ class Normalised:
     quaternion_norm_error
         The largest deviation of their norms from 1 so far; infinite after a norm that is not a number. Of several scenes, those
         that end in such norms do not count.
+    quaternion_norm_errors
+        The largest deviation so far of each scene (scenes,), infinite after a norm that is not a number.
     """
 
     simulation: Simulation
     quaternion_norm_error: float = 0.0
+    quaternion_norm_errors: Array = field(default_factory=lambda: np.zeros(1))
 
     def advance(self, strides: Strides) -> Array:
         """Return the states (scenes, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
@@ -81,5 +84,7 @@ class Normalised:
         norms = np.linalg.norm(states[..., 3:7], axis=-1, keepdims=True)
         off = np.nan_to_num(np.abs(norms - 1), nan=np.inf if len(states) == 1 else 0.0)
         self.quaternion_norm_error = max(self.quaternion_norm_error, float(off.max(initial=0.0)))
+        each = np.nan_to_num(np.abs(norms - 1), nan=np.inf).max(axis=(1, 2, 3), initial=0.0)
+        self.quaternion_norm_errors = np.maximum(self.quaternion_norm_errors, each)
         states[..., 3:7] /= norms
         return states

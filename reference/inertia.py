@@ -96,6 +96,8 @@ def angular_momentum(body: Body, angular_velocity: NDArray[np.float64]) -> Array
 
     Both are in the body frame.
     """
+    if body.axes == IDENTITY:
+        return np.asarray(np.array(body.moments) * angular_velocity)
     to_body = np.array(body.axes)
     return rotate(to_body, np.array(body.moments) * rotate(conjugate(to_body), angular_velocity))
 

@@ -14,6 +14,7 @@ from bodycheck.reference.bounds import Bounds
 from bodycheck.reference.errors import NotFlat, NotModelled, WouldTip, within_range
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.drag.translation import translation
+from bodycheck.reference.kinematics import dot
 from bodycheck.reference.planar import Stop, planar_state
 from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.requirements import requirements
@@ -236,8 +237,9 @@ def with_drag(flight: Truth) -> Truth:
 
 
 def distance(one: Array, other: Array) -> Array:
-    """Euclidean distances (n,) between vectors (n, 3)."""
-    return np.asarray(np.linalg.norm(one - other, axis=1))
+    """Euclidean distances (...) between vectors (..., k)."""
+    difference = one - other
+    return np.asarray(np.sqrt(dot(difference, difference)))
 
 
 def _slide_bounds(scene: Scene, found: Slide) -> Bounds:

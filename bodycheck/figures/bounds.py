@@ -32,21 +32,24 @@ def rounded_up(value: float, digits: int) -> float:
 
 
 def _where_known(compute: Callable[[Comparison], Array]) -> Callable[[Comparison], Array | None]:
-    """Return a function that computes a bound, or None where it is not known: earlier versions did not store all of them."""
+    """Return a function that computes a bound, or None where it is not known: earlier versions did not store all of them.
+
+    Of several scenes it is NaN in those of which it is not known.
+    """
 
     def known(compared: Comparison) -> Array | None:
         values = compute(compared)
-        return None if np.isnan(values).any() else values
+        return None if np.isnan(values).any(axis=-1).all() else values
 
     return known
 
 
 def _energy(compared: Comparison) -> Array:
-    return compared.truth.bounds.energy_error / energy_size(compared.expected)
+    return compared.truth.bounds.energy_error / energy_size(compared.expected)[..., None]
 
 
 def _angular_momentum(compared: Comparison) -> Array:
-    return compared.truth.bounds.angular_momentum_error / angular_momentum_size(compared.scene, compared.expected)
+    return compared.truth.bounds.angular_momentum_error / angular_momentum_size(compared.scene, compared.expected)[..., None]
 
 
 #: The bound of the attitude error, the first that was known: its column stands before those of the cost.

@@ -11,61 +11,70 @@ import numpy as np
 from bodycheck.figures.definition import Comparison, Figure
 from bodycheck.reference.observables import Observables
 from bodycheck.reference.scene import Scene
+from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import distance
 
 
 def total_energy(compared: Comparison) -> Array:
-    """Return how far (n,) the total energy is from its initial value or from that of the truth, relative."""
+    """Return how far (..., n) the total energy is from its initial value or from that of the truth, relative."""
     size = energy_size(compared.expected)
-    return _relative(compared, compared.seen.total_energy[:, None], compared.expected.total_energy[:, None], size)
+    return _relative(compared, compared.seen.total_energy[..., None], compared.expected.total_energy[..., None], size)
 
 
 def rotational_energy(compared: Comparison) -> Array:
-    """Return how far (n,) the rotational energy is from its initial value or from that of the truth, relative."""
-    size = rotational_energy_size(compared.expected)
-    return _relative(compared, compared.seen.rotational_energy[:, None], compared.expected.rotational_energy[:, None], size)
+    """Return how far (..., n) the rotational energy is from its initial value or from that of the truth, relative."""
+    seen, expected = compared.seen.rotational_energy[..., None], compared.expected.rotational_energy[..., None]
+    return _relative(compared, seen, expected, rotational_energy_size(compared.expected))
 
 
 def angular_momentum(compared: Comparison) -> Array:
-    """Return how far (n,) the angular momentum in the world frame is from its initial value or that of the truth, relative."""
+    """Return how far (..., n) the angular momentum (world) is from its initial value or from that of the truth, relative."""
     size = angular_momentum_size(compared.scene, compared.expected)
     return _relative(compared, compared.seen.angular_momentum, compared.expected.angular_momentum, size)
 
 
-def energy_size(reference: Observables) -> float:
-    """Return the size (J) that a total energy is relative to, from the truth's values.
+def energy_size(reference: Observables) -> Array:
+    """Return the size (J) that a total energy is relative to, from the truth's values: one number, or (m,) of m scenes.
 
     It is the initial kinetic energy or, where that is zero, the largest kinetic energy. A potential energy would make it depend
     on where the origin is.
     """
-    return float(reference.kinetic_energy[0]) or _largest_kinetic_energy(reference)
+    return _first(reference.kinetic_energy[..., 0], lambda: _largest(reference))
 
 
-def rotational_energy_size(reference: Observables) -> float:
-    """Return the size (J) that a rotational energy is relative to, from the truth's values.
+def rotational_energy_size(reference: Observables) -> Array:
+    """Return the size (J) that a rotational energy is relative to, from the truth's values: one number, or (m,) of m scenes.
 
     It is the initial rotational energy or, where that is zero, the largest kinetic energy.
     """
-    return abs(float(reference.rotational_energy[0])) or _largest_kinetic_energy(reference)
+    return _first(np.abs(reference.rotational_energy[..., 0]), lambda: _largest(reference))
 
 
-def angular_momentum_size(scene: Scene, reference: Observables) -> float:
-    """Return the size (kg m^2/s) that an angular momentum is relative to, from the truth's values.
+def angular_momentum_size(scene: Scene | Scenes, reference: Observables) -> Array:
+    """Return the size (kg m^2/s) that an angular momentum is relative to, from the truth's values: one number, or (m,).
 
     It is the initial angular momentum or, where that is zero, the one that the largest kinetic energy would give to the largest
     moment of the body.
     """
-    kinetic = _largest_kinetic_energy(reference)
-    return float(np.linalg.norm(reference.angular_momentum[0])) or float(np.sqrt(2 * kinetic * max(scene.body.moments)))
+    moments = np.array(scene.body.moments) if isinstance(scene, Scene) else scene.moments
+    momentum = np.hypot.reduce(reference.angular_momentum[..., 0, :], axis=-1)
+    return _first(momentum, lambda: np.sqrt(2 * _largest(reference) * moments.max(axis=-1)))
 
 
-def _largest_kinetic_energy(reference: Observables) -> float:
-    return float(reference.kinetic_energy.max()) or 1.0
+def _largest(reference: Observables) -> Array:
+    """Return the largest kinetic energy of each scene, or 1 J where that is zero."""
+    return _first(reference.kinetic_energy.max(axis=-1), lambda: np.array(1.0))
 
 
-def _relative(compared: Comparison, values: Array, expected: Array, size: float) -> Array:
-    return distance(values, values[:1] if compared.scene.conserves else expected) / size
+def _first(size: Array, other: Callable[[], Array]) -> Array:
+    """Return sizes, and other ones where they are zero."""
+    there = size != 0
+    return size if there.all() else np.where(there, size, other())
+
+
+def _relative(compared: Comparison, values: Array, expected: Array, size: Array) -> Array:
+    return distance(values, values[..., :1, :] if compared.conserves else expected) / size[..., None]
 
 
 Compute = Callable[[Comparison], Array | None]
@@ -73,7 +82,7 @@ Compute = Callable[[Comparison], Array | None]
 
 def _where(conserves: bool, compute: Callable[[Comparison], Array]) -> Compute:
     """Return a function that computes a figure in scenes that conserve energy and angular momentum, or in the others."""
-    return lambda compared: compute(compared) if compared.scene.conserves == conserves else None
+    return lambda compared: compute(compared) if compared.conserves == conserves else None
 
 
 #: What the figures of energy were before they were relative to the initial kinetic energy.

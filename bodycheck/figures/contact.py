@@ -24,12 +24,13 @@ def creep(compared: Comparison) -> float | None:
 
 def penetration(compared: Comparison) -> Array | None:
     """Return the depth (n,), m, of the lowest point of the body below the plane; None where there is no plane."""
-    return contact_observables.penetration(compared.scene, compared.trajectory) if compared.scene.plane is not None else None
+    scene = compared.on_plane
+    return None if scene is None else contact_observables.penetration(scene, compared.trajectory)
 
 
 def tilt(compared: Comparison) -> Array | None:
     """Return the angle (n,), rad, between the body axis K and the vertical; None where there is no plane."""
-    return contact_observables.tilt(compared.trajectory) if compared.scene.plane is not None else None
+    return None if compared.on_plane is None else contact_observables.tilt(compared.trajectory)
 
 
 def _of_stops(difference: Callable[[Stop, Stop], float]) -> Callable[[Comparison], float | None]:

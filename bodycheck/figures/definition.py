@@ -4,14 +4,15 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Literal, Protocol
 
+from bodycheck.reference.bounds import Bounds
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.observables import Observables, observe
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Scene
+from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth
 
 #: Types of values, as JSON Schema calls them.
 Kind = Literal["string", "boolean", "integer", "number"]
@@ -77,9 +78,39 @@ class Load:
     time_in_contact: float
 
 
+class Exact(Protocol):
+    """What runs are compared with: the truth of a scene, `Truth`, or those of m scenes in free flight.
+
+    Those of several scenes have the scenes as the first axis of all arrays but the instants, which they have in common.
+    """
+
+    @property
+    def scene(self) -> Scene | Scenes:
+        """The scene, or the scenes."""
+        ...
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The exact states."""
+        ...
+
+    @property
+    def bounds(self) -> Bounds:
+        """Bounds of their errors."""
+        ...
+
+    @property
+    def stop(self) -> Stop | None:
+        """The stop of a body that slides to rest."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Comparison:
     """A run's trajectory beside the truth at the same instants: what figures are computed from.
+
+    Runs of several scenes are compared at once where the arrays of truth and trajectory have the scenes as their first axis.
+    What is computed has this axis too, and is for each scene what it is where the scene is compared alone, to the last bit.
 
     Attributes
     ----------
@@ -90,18 +121,29 @@ class Comparison:
     load
         The load on the plane; None where there is no plane or the engine does not measure it.
     quaternion_norm_error
-        The largest deviation from 1 of the norm of a quaternion, as the engine returned it; None if it is not known.
+        The largest deviation from 1 of the norm of a quaternion, as the engine returned it; (m,) of m scenes; None if it is not
+        known.
     """
 
-    truth: Truth
+    truth: Exact
     trajectory: Trajectory
     load: Load | None = None
-    quaternion_norm_error: float | None = None
+    quaternion_norm_error: float | Array | None = None
 
     @property
-    def scene(self) -> Scene:
+    def scene(self) -> Scene | Scenes:
         """The scene of the truth."""
         return self.truth.scene
+
+    @property
+    def conserves(self) -> bool:
+        """Whether energy and angular momentum are conserved, as they are in several scenes, which are all in free flight."""
+        return not isinstance(self.scene, Scene) or self.scene.conserves
+
+    @property
+    def on_plane(self) -> Scene | None:
+        """The scene, if it has a plane."""
+        return self.scene if isinstance(self.scene, Scene) and self.scene.plane is not None else None
 
     @cached_property
     def seen(self) -> Observables:
@@ -115,7 +157,8 @@ class Comparison:
 
     @cached_property
     def stop(self) -> Stop:
-        """The stop of the run."""
+        """The stop of the run of one scene."""
+        assert isinstance(self.scene, Scene)
         return measured_stop(self.scene, self.trajectory)
 
 
@@ -149,7 +192,8 @@ class Figure(Column):
     ----------
     compute
         Function from a comparison to the figure: an array (n,) of values that are never negative where `largest` is set, else a
-        number. It returns None where the figure does not exist in the scene or was not measured.
+        number. Of several scenes it returns arrays (m, n) and (m,), so that what it takes of a trajectory is counted from the
+        last axes. It returns None where the figure does not exist in the scene or was not measured.
     scale
         Function to the size of the numbers that the figure is a difference of, in the figure's unit.
     limited

@@ -29,9 +29,9 @@ def in_run(truth: Truth, trajectory: Trajectory) -> Scales:
         angle=max(1.0, rate * duration),
         rate=rate,
         duration=duration,
-        energy=float((seen.kinetic_energy + weighed).max()) / energy_size(reference),
-        rotational_energy=float(seen.rotational_energy.max()) / rotational_energy_size(reference),
-        angular_momentum=largest(seen.angular_momentum) / angular_momentum_size(scene, reference),
+        energy=float((seen.kinetic_energy + weighed).max()) / float(energy_size(reference)),
+        rotational_energy=float(seen.rotational_energy.max()) / float(rotational_energy_size(reference)),
+        angular_momentum=largest(seen.angular_momentum) / float(angular_momentum_size(scene, reference)),
     )
 
 

@@ -212,13 +212,31 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
         return Verdict(run, outcome, discrepancy, False if outcome.failed else None, outcome.reason, **told)
     order = _order(truth, (run, *finer)) if any(expectation.needs_order for expectation in expectations) else None
     bounds = {} if isinstance(truth, NoTruth) else {name: float(b.max()) for name, b in truth_bounds(truth).items()}
+    judged, reason = settled(expectations, outcome, discrepancy, order, bounds, today or this_day(), run)
+    known = any(expectation.known for expectation in expectations)
+    return Verdict(run, outcome, discrepancy, all(one.held for one in judged), reason, known, judged, **told)
+
+
+def this_day() -> date:
+    """Return the present day (UTC)."""
+    return datetime.now(UTC).date()
+
+
+def settled(
+    expectations: Sequence[Expectation],
+    outcome: Outcome,
+    discrepancy: Summary | None,
+    order: float | None,
+    bounds: Mapping[str, float],
+    today: date,
+    run: Run,
+) -> tuple[tuple[Judged, ...], str]:
+    """Return the judgement on each expectation that concerns a run, and the run's reason. For the arguments see `broken`."""
     judged = tuple(
-        settle(expectation, broken(expectation, outcome, discrepancy, order, bounds), today or datetime.now(UTC).date(), run)
+        settle(expectation, broken(expectation, outcome, discrepancy, order, bounds), today, run)
         for expectation in expectations
     )
-    reasons = [one.text for one in judged if one.text] or [outcome.reason]
-    known = any(expectation.known for expectation in expectations)
-    return Verdict(run, outcome, discrepancy, all(one.held for one in judged), "; ".join(reasons), known, judged, **told)
+    return judged, "; ".join([one.text for one in judged if one.text] or [outcome.reason])
 
 
 def _without_truth(missing: NoTruth) -> Outcome:

@@ -50,6 +50,8 @@ START_TOLERANCE = 1e-4
 
 #: Ratio of the kinetic energy to the largest possible one, above which a run has diverged.
 DIVERGED_ENERGY_RATIO = 100.0
+#: The outcome of a run that leaves the rounding of numbers changed, so that the instants of its states are others too.
+OTHER_ROUNDING = Crashed("it changed how its process rounds floating-point numbers")
 
 
 class AdapterFault(Exception):
@@ -91,37 +93,48 @@ def simulate(case: Case, engine: str, integrator: str, timestep: float = DEFAULT
 def run(case: Case, engine: str, method: Method) -> Run:
     """Run a case with a method of an engine. Raises `EngineMissing` as `simulate` does."""
     adapter = registry.load(engine)
-    named = in_words(engine, adapter.engine.version)
     law: Plane | None = None
     try:
         if case.scene.plane is not None and isinstance(adapter, Contact):
             law = adapter.contact_law(case.scene, method)
-        outcome = _outcome(adapter, engine, case, method)
-    except SceneUnsupported as error:
-        outcome = Unsupported(str(error))
-    except EngineDiverged as error:
-        outcome = Diverged(str(error))
-    except AdapterFault as fault:
-        outcome = Crashed(f"the adapter of {named} is at fault in the case {case.name}: {fault}")
+        steps = sampling_steps(case.instants, method.timestep)
+        outcome = outcome_in(adapter, engine, case.scene, method, steps)
     except (Exception, SystemExit) as error:  # an engine may raise anything
-        outcome = crash(error)
-    if rounding() != TO_NEAREST:  # the instants of the states are already others
-        outcome = Crashed("it changed how its process rounds floating-point numbers")
-    return Run(case.name, engine, adapter.engine.version, method, outcome, law, case.scene)
+        outcome = ended_by(error, in_words(engine, adapter.engine.version), case.name)
+    return Run(case.name, engine, adapter.engine.version, method, where_rounded_to_nearest(outcome), law, case.scene)
 
 
-def _outcome(adapter: Adapter, engine: str, case: Case, method: Method) -> Outcome:
+def ended_by(error: BaseException, engine: str, case: str) -> Outcome:
+    """Return the outcome of a run that an exception ended. engine: in words, with its version. case: its name."""
+    match error:
+        case SceneUnsupported():
+            return Unsupported(str(error))
+        case EngineDiverged():
+            return Diverged(str(error))
+        case AdapterFault():
+            return Crashed(f"the adapter of {engine} is at fault in the case {case}: {error}")
+        case _:
+            return crash(error)
+
+
+def where_rounded_to_nearest(outcome: Outcome) -> Outcome:
+    """Return the outcome of a run that has just ended; it counts for nothing if the engine changed how numbers are rounded."""
+    return outcome if rounding() == TO_NEAREST else OTHER_ROUNDING
+
+
+def outcome_in(adapter: Adapter, engine: str, scene: Scene, method: Method, steps: Strides) -> Outcome:
+    """Return the outcome of a run of a scene, sampled after numbers of steps (n,). Raises whatever the engine raises."""
     named = in_words(engine, adapter.engine.version)
-    if (lacking := offers.not_offered(adapter.engine, case.scene, method)) is not None:
+    if (lacking := offers.not_offered(adapter.engine, scene, method)) is not None:
         return Unsupported(f"{named} {lacking}")
-    if (missing := missing_model(case.scene)) is not None:
+    if (missing := missing_model(scene)) is not None:
         return Unsupported(f"the reference does not model {missing}")
-    if (lacking := offers.not_modelled(adapter.engine, case.scene)) is not None:
+    if (lacking := offers.not_modelled(adapter.engine, scene)) is not None:
         return Unsupported(f"{named} {lacking}")
-    outcome = _advance(offers.prepare(adapter, [case.scene], method), case, method)
-    if case.scene.plane is None or not isinstance(outcome, Completed) or not isinstance(adapter, Contact):
+    outcome = _advance(offers.prepare(adapter, [scene], method), scene, method, steps)
+    if scene.plane is None or not isinstance(outcome, Completed) or not isinstance(adapter, Contact):
         return outcome
-    return replace(outcome, load=_load(adapter, case.scene, method, outcome))
+    return replace(outcome, load=_load(adapter, scene, method, outcome))
 
 
 def _load(adapter: Contact, scene: Scene, method: Method, outcome: Completed) -> Load | None:
@@ -139,8 +152,7 @@ def sampling_steps(instants: Array, timestep: float) -> Strides:
     return np.unique(np.rint(instants / timestep).astype(np.int64))
 
 
-def _advance(simulation: Simulation, case: Case, method: Method) -> Outcome:
-    steps = sampling_steps(case.instants, method.timestep)
+def _advance(simulation: Simulation, scene: Scene, method: Method, steps: Strides) -> Outcome:
     strides = np.diff(steps, prepend=0)
     with np.errstate(all="ignore"):  # a run that overflows is judged by its states
         start = time.perf_counter()
@@ -148,19 +160,21 @@ def _advance(simulation: Simulation, case: Case, method: Method) -> Outcome:
             states = simulation.advance(strides)
         except EngineDiverged as error:
             signal: Literal["gave up", "reset"] = "reset" if isinstance(error, EngineReset) else "gave up"
-            return Diverged(str(error), signal, _trajectory(steps, method, error.states[0, :, 0]))
+            return Diverged(str(error), signal, trajectory_of(steps, method, error.states[0, :, 0]))
         wall_time = time.perf_counter() - start
-    return outcome_of(_rows(states, len(steps)), simulation, case.scene, method, steps, wall_time)
+    return outcome_of(rows_of(states, 1, len(steps))[0], simulation, scene, method, steps, wall_time)
 
 
-def outcome_of(rows: Array, simulation: Simulation, scene: Scene, method: Method, steps: Strides, wall_time: float) -> Outcome:
+def outcome_of(rows: Array, simulation: object, scene: Scene, method: Method, steps: Strides, wall_time: float) -> Outcome:
     """Return the outcome of a run whose engine went to the end.
 
     Parameters
     ----------
     rows
         The states (n, 13) of the body, in the columns of `Simulation.advance`.
-    simulation, scene, method
+    simulation
+        The simulation of the scene, or anything else that is `Normalising` if the adapter normalised the quaternions.
+    scene, method
         What was run.
     steps
         The numbers of steps (n,) from the start to each state.
@@ -172,7 +186,7 @@ def outcome_of(rows: Array, simulation: Simulation, scene: Scene, method: Method
     AdapterFault
         If the rows cannot be the states of the engine.
     """
-    trajectory = _trajectory(steps, method, rows)
+    trajectory = trajectory_of(steps, method, rows)
     if (diverged := _divergence(scene, trajectory)) is not None:
         return diverged
     norm_error = _norm_error(trajectory)
@@ -184,22 +198,25 @@ def outcome_of(rows: Array, simulation: Simulation, scene: Scene, method: Method
     return Completed(trajectory, int(steps[-1]), wall_time, quaternion_norm_error=norm_error)
 
 
-def _rows(states: object, count: int) -> Array:
-    """Return the rows (count, 13) of states in an engine's own type of array. Raises `AdapterFault` unless they are these."""
+def rows_of(states: object, scenes: int, count: int) -> Array:
+    """Return the rows (scenes, count, 13) of states in an engine's own type of array.
+
+    Raises `AdapterFault` if they are not those of so many scenes at so many instants.
+    """
     if isinstance(states, np.ma.MaskedArray):
         raise AdapterFault("its states are a masked array")
     array = np.asarray(states)
     if array.dtype.kind not in "fiu":
         raise AdapterFault(f"its states are of the type {array.dtype}, not real numbers")
-    if array.shape != (1, count, 1, 13):
-        raise AdapterFault(f"its states have the shape {array.shape}, not {(1, count, 1, 13)}")
-    return array.astype(np.float64)[0, :, 0]
+    if array.shape != (scenes, count, 1, 13):
+        raise AdapterFault(f"its states have the shape {array.shape}, not {(scenes, count, 1, 13)}")
+    return array.astype(np.float64)[:, :, 0]
 
 
-def _trajectory(steps: Strides, method: Method, rows: Array) -> Trajectory:
-    """Return the trajectory of states (k, 13) after the first k of some numbers of steps."""
-    t = steps[: len(rows)].astype(np.float64) * method.timestep
-    return Trajectory(t, rows[:, :3], rows[:, 3:7], rows[:, 7:10], rows[:, 10:])
+def trajectory_of(steps: Strides, method: Method, rows: Array) -> Trajectory:
+    """Return the trajectory of states (..., k, 13) after the first k of some numbers of steps (n,)."""
+    t = steps[: rows.shape[-2]].astype(np.float64) * method.timestep
+    return Trajectory(t, rows[..., :3], rows[..., 3:7], rows[..., 7:10], rows[..., 10:])
 
 
 def _divergence(scene: Scene, trajectory: Trajectory) -> Diverged | None:

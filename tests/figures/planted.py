@@ -27,7 +27,7 @@ motion.ERRORS += (
         meaning="difference of the height of the centre of mass from that of mechanics",
         unit="m",
         largest=True,
-        compute=lambda compared: np.abs(compared.trajectory.position[:, 2] - compared.truth.trajectory.position[:, 2]),
+        compute=lambda compared: np.abs(compared.trajectory.position[..., 2] - compared.truth.trajectory.position[..., 2]),
         scale=lambda scales: scales.length,
         plotted=True,
     ),
