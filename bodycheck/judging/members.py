@@ -1,0 +1,235 @@
+"""Judge the runs of many members of an ensemble with one method: one value of every column for each member.
+
+A member has the status, the reason, the judgement and the figures that its run has where `judgement.verdict` judges it alone.
+Members in free flight are judged together. Only runs that may not have completed, and runs that may break an expectation, are
+looked at one by one.
+"""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import date
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.adapters.contract import Method
+from bodycheck.adapters.engine_name import in_words
+from bodycheck.casefile.case import Case
+from bodycheck.casefile.expectation import OK, Expectation, Limit
+from bodycheck.figures.columns import FIGURES
+from bodycheck.figures.definition import Comparison
+from bodycheck.judging.discrepancy import Summary
+from bodycheck.judging.judgement import settled, this_day, verdict
+from bodycheck.reference.bounds import NAMES, Bounds
+from bodycheck.reference.scenes import Scenes
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import NoTruth, Truth
+from bodycheck.running import members, simulation
+from bodycheck.running.members import Flown, NormError
+from bodycheck.running.outcome import Completed, Outcome, Run
+
+#: Members whose figures are computed at once: few enough for their numbers to stay in the cache of a processor.
+AT_ONCE = 100
+
+#: Values (m,) by the names of columns. "status" and "reason" are texts, "passed" is true, false or None, and a figure that was
+#: not measured is NaN.
+Columns = dict[str, NDArray[Any]]
+
+
+class Motions(Protocol):
+    """The exact motions of m scenes, such as `reference.flight.flights.Flights`."""
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The motions, in arrays (m, n, ...)."""
+        ...
+
+    @property
+    def bounds(self) -> Bounds:
+        """The bounds of their errors (m, n)."""
+        ...
+
+
+def judged(
+    scenes: Scenes,
+    truth: Motions,
+    flown: Flown,
+    method: Method,
+    expectations: Sequence[Expectation],
+    today: date | None = None,
+) -> Columns:
+    """Return "status", "reason", "passed" and every figure of the runs of m scenes in free flight.
+
+    Parameters
+    ----------
+    scenes, truth
+        The m scenes, and their exact motions at the instants of the runs.
+    flown
+        Their runs, as `running.members.fly` returns them.
+    method
+        The method of the runs.
+    expectations
+        The expectations of the case; those that concern other methods do not count.
+    today
+        The day from which on a known discrepancy may no longer be tolerated; by default the present day (UTC).
+    """
+    concerned = [expectation for expectation in expectations if expectation.concerns(flown.engine, method)]
+    limited = {limit.name for expectation in concerned for limit in expectation.limits}
+    measured = _together([_measured(_exact(scenes, truth, part), flown, part, limited) for part in _parts(len(scenes))])
+    others = _other_outcomes(scenes, flown, measured.doubtful)
+    columns: Columns = {name: np.full(len(scenes), value, dtype=object) for name, value in (("status", OK), ("reason", ""))}
+    columns["passed"] = np.full(len(scenes), None, dtype=object)
+    for place, outcome in others.items():
+        columns["status"][place], columns["reason"][place] = outcome.status, outcome.reason
+        for values in measured.largest.values():
+            values[place] = np.nan
+    if concerned:
+        _settle(columns, measured, flown, concerned, others, today or this_day())
+    else:
+        columns["passed"][[place for place, outcome in others.items() if outcome.failed]] = False
+    missing = np.full(len(scenes), np.nan)
+    return columns | {name: measured.largest.get(name, missing) for name in FIGURES}
+
+
+def one_by_one(cases: Sequence[Case], truths: Sequence[Truth | NoTruth], flown: Flown, today: date | None = None) -> Columns:
+    """Return the same columns as `judged` for the runs of cases, each with its truth at the instants of its run."""
+    rows = []
+    for place, (case, truth) in enumerate(zip(cases, truths, strict=True)):
+        run = Run(case.name, flown.engine, flown.version, flown.method, flown.ended[place], scene=case.scene)
+        rows.append(verdict(case, truth, run, today=today).row())
+    columns: Columns = {name: np.array([row[name] for row in rows], dtype=object) for name in ("status", "reason", "passed")}
+    return columns | {name: np.array([row.get(name, np.nan) for row in rows], dtype=float) for name in FIGURES}
+
+
+@dataclass(frozen=True, eq=False)
+class _Exact:
+    """The exact motions of several scenes, as `figures.definition.Exact` has them."""
+
+    scene: Scenes
+    trajectory: Trajectory
+    bounds: Bounds
+    stop: None = None
+
+
+@dataclass(frozen=True, eq=False)
+class _Measured:
+    """What is computed of m members at once.
+
+    Attributes
+    ----------
+    largest
+        The figures (m,) by name, of series over time the largest values; NaN where there is none.
+    instants
+        When the series that are limited first reach their largest values (m,), s, by name.
+    doubtful
+        Which runs (m,) may not have completed.
+    """
+
+    largest: dict[str, Array]
+    instants: dict[str, Array]
+    doubtful: NDArray[np.bool_]
+
+
+def _parts(count: int) -> list[slice]:
+    return [slice(first, first + AT_ONCE) for first in range(0, count, AT_ONCE)]
+
+
+def _exact(scenes: Scenes, truth: Motions, part: slice) -> _Exact:
+    """Return the exact motions of some of the scenes."""
+    whole = truth.trajectory
+    states = (whole.position[part], whole.quaternion[part], whole.velocity[part], whole.angular_velocity[part])
+    bounds = Bounds(*(getattr(truth.bounds, name)[part] for name in NAMES))
+    return _Exact(scenes.part(part), Trajectory(whole.t, *states), bounds)
+
+
+def _measured(exact: _Exact, flown: Flown, part: slice, limited: Collection[str]) -> _Measured:
+    """Return what is computed of some of the members. limited: the names of the figures whose instants count."""
+    trajectory = simulation.trajectory_of(flown.steps, flown.method, flown.states[part])
+    largest, instants = {}, {}
+    with np.errstate(all="ignore"):  # states that cannot be may overflow, and errors too large for a number are infinite
+        off = members.norm_deviations(trajectory)
+        compared = Comparison(exact, trajectory, None, np.maximum(off.max(axis=-1), flown.norm_error[part]))
+        for name, figure in FIGURES.items():
+            values = figure.compute(compared)
+            if isinstance(values, np.ndarray):
+                largest[name] = values.max(axis=-1) if figure.largest else values
+                if figure.largest and name in limited:
+                    instants[name] = trajectory.t[np.argmax(values, axis=-1)]
+        doubtful = members.doubtful(exact.scene, trajectory, compared.seen.kinetic_energy, off)
+    return _Measured(largest, instants, doubtful)
+
+
+def _together(parts: Sequence[_Measured]) -> _Measured:
+    """Return what was computed of all members."""
+
+    def column(own: Callable[[_Measured], Mapping[str, Array]], name: str) -> Array:
+        return np.concatenate([own(part).get(name, np.full(len(part.doubtful), np.nan)) for part in parts])
+
+    measured = {name for part in parts for name in part.largest}
+    return _Measured(
+        {name: column(lambda part: part.largest, name) for name in FIGURES if name in measured},
+        {name: column(lambda part: part.instants, name) for name in parts[0].instants},
+        np.concatenate([part.doubtful for part in parts]),
+    )
+
+
+def _other_outcomes(scenes: Scenes, flown: Flown, doubtful: NDArray[np.bool_]) -> dict[int, Outcome]:
+    """Return how the runs ended that have not completed, by the places of their scenes."""
+    found = dict(flown.ended)
+    for place in np.flatnonzero(doubtful).tolist():
+        if place in found:
+            continue
+        rows, normalised = flown.states[place], NormError(float(flown.norm_error[place]))
+        try:
+            outcome = simulation.outcome_of(rows, normalised, scenes.scene(place), flown.method, flown.steps, 0.0)
+        except simulation.AdapterFault as fault:
+            outcome = simulation.ended_by(fault, in_words(flown.engine, flown.version), flown.names[place])
+        if not isinstance(outcome, Completed):
+            found[place] = outcome
+    return found
+
+
+def _settle(
+    columns: Columns,
+    measured: _Measured,
+    flown: Flown,
+    expectations: Sequence[Expectation],
+    others: Mapping[int, Outcome],
+    today: date,
+) -> None:
+    """Fill in whether the runs meet the expectations that concern them, and what is said of those that do not."""
+    met = _surely_met(columns["status"], measured.largest, expectations)
+    columns["passed"][met] = True
+    for place in np.flatnonzero(~met).tolist():
+        values = {name: float(column[place]) for name, column in measured.largest.items()}
+        summary = Summary(values, {name: float(column[place]) for name, column in measured.instants.items()})
+        bounds = {figure.name: values.get(figure.bounded_by, np.nan) for figure in FIGURES.values() if figure.bounded_by}
+        known = {name: bound for name, bound in bounds.items() if not np.isnan(bound)}
+        outcome = others.get(place) or _completed(flown, place)
+        discrepancy = summary if isinstance(outcome, Completed) else None
+        run = Run(flown.names[place], flown.engine, flown.version, flown.method, outcome)
+        found, columns["reason"][place] = settled(expectations, outcome, discrepancy, None, known, today, run)
+        columns["passed"][place] = all(one.held for one in found)
+
+
+def _surely_met(status: NDArray[Any], largest: Mapping[str, Array], expectations: Sequence[Expectation]) -> NDArray[np.bool_]:
+    """Return which runs (m,) meet all expectations, with nothing to be said of them."""
+    met = np.asarray(status == OK, dtype=bool)
+    for expectation in expectations:
+        met &= expectation.status == OK and not expectation.known
+        for limit in expectation.limits:
+            met &= _within(limit, largest[limit.name]) if limit.name in largest else False
+    return met
+
+
+def _within(limit: Limit, values: Array) -> NDArray[np.bool_]:
+    """Return which values are in the range of a limit, as `Limit.holds` does for one."""
+    above = -np.inf if limit.at_least is None else limit.at_least
+    below = np.inf if limit.at_most is None else limit.at_most
+    return np.asarray((values >= above) & (values <= below))
+
+
+def _completed(flown: Flown, place: int) -> Completed:
+    trajectory = simulation.trajectory_of(flown.steps, flown.method, flown.states[place])
+    return Completed(trajectory, int(flown.steps[-1]), flown.wall_time / len(flown))
