@@ -30,8 +30,8 @@ def dot(a: Floats[Float], b: Floats[Float]) -> Floats[Float]:
 
 def multiply(p: Floats[Float], q: Floats[Float]) -> Floats[Float]:
     """Hamilton product p q (..., 4) of quaternions (..., 4): the rotation q followed, in the world frame, by the rotation p."""
-    pw, px, py, pz = np.moveaxis(p, -1, 0)
-    qw, qx, qy, qz = np.moveaxis(q, -1, 0)
+    pw, px, py, pz = (p[..., part] for part in range(4))
+    qw, qx, qy, qz = (q[..., part] for part in range(4))
     return np.stack(
         [
             pw * qw - px * qx - py * qy - pz * qz,

@@ -76,6 +76,28 @@ class Flight:
     form: Form
 
 
+@dataclass(frozen=True, eq=False)
+class Numbers:
+    """The numbers of a scene, or of m scenes with leading axes (m,), in doubles, as far as the bounds depend on them.
+
+    Attributes
+    ----------
+    mass, gravity
+        (...) mass (kg) and gravitational acceleration (m/s^2).
+    moments, rates
+        (..., 3) principal moments (kg m^2) and initial angular velocity along the principal axes (rad/s).
+    position, velocity
+        (..., 3) initial position (m) and velocity (m/s), world frame.
+    """
+
+    mass: Array
+    gravity: Array
+    moments: Array
+    rates: Array
+    position: Array
+    velocity: Array
+
+
 def smallest_form(moments: Vector3, rates: Vector3) -> Form:
     """The simplest form that is exact for these principal moments (kg m^2) and this angular velocity (rad/s) along their axes.
 
@@ -102,26 +124,45 @@ def flight(scene: Scene, times: Array) -> Flight:
     form = smallest_form(begin.moments, begin.rates)
     turning = form.rotation(begin, times)
     attitude, angular_velocity = turning.attitude, turning.angular_velocity
-    if begin.axes != IDENTITY:
+    turned = begin.axes != IDENTITY
+    if turned:
         axes = np.broadcast_to(np.array(doubles(begin.axes)), attitude.shape)
         attitude, angular_velocity = multiply(attitude, conjugate(axes)), rotate(axes, angular_velocity)
     position, velocity = parabola(scene, times)
     motion = Trajectory(times, position, attitude, velocity, angular_velocity)
-    return Flight(motion, _bounds(scene, begin, turning, motion), form)
+    numbers = Numbers(
+        mass=np.asarray(scene.body.mass),
+        gravity=np.asarray(scene.gravity),
+        moments=np.array(doubles(begin.moments)),
+        rates=np.array(doubles(begin.rates)),
+        position=np.array(scene.initial.position),
+        velocity=np.array(scene.initial.velocity),
+    )
+    return Flight(motion, bounds(numbers, turning, motion, turned=turned), form)
 
 
 def parabola(scene: Scene, times: Array) -> tuple[Array, Array]:
     """Positions (n, 3), m, and velocities (n, 3), m/s, world frame, at times (n,), s, under gravity alone."""
-    t, half = times.astype(Wide), -Wide(scene.gravity) / 2
-    position, velocity = np.empty((len(t), 3)), np.tile(scene.initial.velocity, (len(t), 1))
-    for axis, (first, speed) in enumerate(zip(scene.initial.position, scene.initial.velocity, strict=True)):
-        position[:, axis] = Wide(first) + t * (Wide(speed) + t * half if axis == 2 else Wide(speed))
-    velocity[:, 2] = Wide(scene.initial.velocity[2]) + t * (2 * half)
-    return position, velocity
+    initial = scene.initial
+    return parabolas(np.array(initial.position), np.array(initial.velocity), np.asarray(scene.gravity), times)
 
 
-def _bounds(scene: Scene, begin: Start, turning: Turning, motion: Trajectory) -> Bounds:
-    """The bounds of the errors of a motion in free flight.
+def parabolas(position: Array, velocity: Array, gravity: Array, times: Array) -> tuple[Array, Array]:
+    """Positions (..., n, 3), m, and velocities (..., n, 3), m/s, world frame, at times (n,), s, under gravity alone.
+
+    position, velocity: (..., 3) at t = 0. gravity: (...), m/s^2. All is computed in the wide type and rounded once.
+    """
+    t, half = times.astype(Wide), -gravity.astype(Wide)[..., None] / 2
+    positions, velocities = (np.empty((*position.shape[:-1], len(t), 3)) for _ in range(2))
+    for axis in range(3):
+        first, speed = (vector[..., axis, None].astype(Wide) for vector in (position, velocity))
+        positions[..., axis] = first + t * (speed + t * half if axis == 2 else speed)
+        velocities[..., axis] = speed + t * (2 * half) if axis == 2 else speed
+    return positions, velocities
+
+
+def bounds(numbers: Numbers, turning: Turning, motion: Trajectory, *, turned: bool) -> Bounds:
+    """The bounds of the errors of a motion in free flight, or of those of m bodies with leading axes (m,).
 
     Angles within one turn are in double precision. The angles before this reduction, such as the phase u = u0 + lambda t and
     the mean precession, have the accuracy of the wide type: 5e-20 per radian where it has 80 bits, 2e-16 where there is no
@@ -129,42 +170,66 @@ def _bounds(scene: Scene, begin: Start, turning: Turning, motion: Trajectory) ->
     and k' is accurate to all digits. An error of the phase changes each component of the angular velocity by at most its
     amplitude times the error. It does not change the energy, and the angular momentum only by what the phases of attitude and
     angular velocity differ. A body frame that is not along the principal axes adds the rounding of rotated components.
+
+    Parameters
+    ----------
+    numbers
+        The numbers of the scene.
+    turning
+        The rotation along the principal axes.
+    motion
+        The motion, in the frame of the body.
+    turned
+        Whether this frame is not along the principal axes.
     """
-    turned = begin.axes != IDENTITY
-    phase = ERROR_PER_RADIAN * (turning.first_angle + turning.angle_rate * np.abs(motion.t))
-    attitude = np.asarray((1.5 if turned else 1.0) * STORED_ERROR_RAD + phase)
-    amplitude, moments = turning.amplitude, np.array(doubles(begin.moments))
-    speed = float(np.linalg.norm(amplitude))
+    angles = np.asarray(turning.first_angle)[..., None] + np.asarray(turning.angle_rate)[..., None] * np.abs(motion.t)
+    phase = ERROR_PER_RADIAN * angles
+    attitude = (1.5 if turned else 1.0) * STORED_ERROR_RAD + phase
+    amplitude, moments, rates = turning.amplitude, numbers.moments, numbers.rates
+    speed = _length(amplitude)[..., None]
     frame = ROUNDINGS * speed if turned else 0.0
-    momentum = moments * amplitude
-    begun = np.array(doubles(begin.rates))
-    rotational, spin = float(moments @ begun**2) / 2, float(np.linalg.norm(moments * begun))
-    position, velocity = translation_bounds(scene, motion)
-    speeds = np.linalg.norm(motion.velocity, axis=1)
-    heights = np.abs(motion.position[:, 2] - scene.initial.position[2])
-    mass, weight = scene.body.mass, scene.body.mass * scene.gravity
+    momentum = (moments * amplitude).sum(axis=-1)[..., None] if turned else 0.0
+    size = _length(moments)[..., None] if turned else 0.0
+    rotational = _dot(moments, rates * rates)[..., None] / 2
+    spin = _length(moments * rates)[..., None]
+    position, velocity = translation_bounds(numbers, motion)
+    speeds = _length(motion.velocity)
+    heights = np.abs(motion.position[..., 2] - numbers.position[..., 2, None])
+    mass = numbers.mass[..., None]
+    weight = mass * numbers.gravity[..., None]
     translational = mass * speeds * (velocity + ROUNDINGS * speeds) + weight * (position + ROUNDINGS * heights)
     return Bounds(
         error=attitude,
         position_error=position,
         velocity_error=velocity,
         angular_velocity_error=speed * attitude + frame,
-        energy_error=CONSERVED_ROUNDINGS * rotational + float(momentum.sum()) * frame + translational,
-        angular_momentum_error=spin * (CONSERVED_ROUNDINGS + 2 * phase) + float(np.linalg.norm(moments)) * frame,
+        energy_error=CONSERVED_ROUNDINGS * rotational + momentum * frame + translational,
+        angular_momentum_error=spin * (CONSERVED_ROUNDINGS + 2 * phase) + size * frame,
     )
 
 
-def translation_bounds(scene: Scene, motion: Trajectory) -> tuple[Array, Array]:
-    """Bounds (n,) of the errors of the position (m) and of the velocity (m/s) of the parabola.
+def translation_bounds(numbers: Numbers, motion: Trajectory) -> tuple[Array, Array]:
+    """Bounds (..., n) of the errors of the position (m) and of the velocity (m/s) of the parabola.
 
     Each is rounded to double once, after a few roundings in the wide type of the terms that it consists of.
     """
-    initial, t, g = scene.initial, np.abs(motion.t), scene.gravity
-    speed, wide_eps = float(np.linalg.norm(initial.velocity)), 4 * float(np.finfo(Wide).eps)
-    terms = float(np.linalg.norm(initial.position)) + t * (speed + g * t / 2)
-    position = EPS * np.linalg.norm(motion.position, axis=1) + wide_eps * terms
-    velocity = EPS * np.linalg.norm(motion.velocity, axis=1) + wide_eps * (speed + g * t)
-    return np.asarray(position), np.asarray(velocity)
+    t, g = np.abs(motion.t), numbers.gravity[..., None]
+    speed, wide_eps = _length(numbers.velocity)[..., None], 4 * float(np.finfo(Wide).eps)
+    terms = _length(numbers.position)[..., None] + t * (speed + g * t / 2)
+    position = EPS * _length(motion.position) + wide_eps * terms
+    velocity = EPS * _length(motion.velocity) + wide_eps * (speed + g * t)
+    return position, velocity
+
+
+def _dot(one: Array, other: Array) -> Array:
+    """Scalar products (...) of vectors (..., 3), whose terms are added in the order of the axes, whatever the shape."""
+    product = one * other
+    return np.asarray(product[..., 0] + product[..., 1] + product[..., 2])
+
+
+def _length(vectors: Array) -> Array:
+    """Lengths (...) of vectors (..., 3)."""
+    return np.asarray(np.sqrt(_dot(vectors, vectors)))
 
 
 def flip_period(scene: Scene) -> float:

@@ -27,33 +27,38 @@ the motion itself.
 """
 
 import functools
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Real, Vector3, Wide, doubles, real, wide
+from bodycheck.reference.exact import pairs
+from bodycheck.reference.exact.numbers import MP, Vector3, Wide, doubles, wide
 from bodycheck.reference.exact.start import Start
+from bodycheck.reference.flight.constants import Branch, Constants, branch, constants
 from bodycheck.reference.flight.elliptic import (
     PI,
     ThetaSeries,
     WideArray,
+    Wides,
     complete,
     first_kind,
     jacobi,
     quarter_period,
     theta_series,
 )
-from bodycheck.reference.flight.turning import Turning
-from bodycheck.reference.kinematics import conjugate, normalise
+from bodycheck.reference.flight.turning import Turning, placed
 from bodycheck.reference.trajectory import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Polhode:
     """The motion of the angular momentum in the body frame, with the symbols of the module.
+
+    It is that of one body, or those of m bodies on the same branch. Then the attributes are arrays (m,), but for `branch`, and
+    `order` is (m, 3).
 
     Attributes
     ----------
@@ -61,8 +66,8 @@ class Polhode:
         Indices, among I, J, K, of the axes 1, 2, 3.
     handedness
         +1 if that order is right-handed, -1 if it is left-handed.
-    p
-        Index of the axis p in that order, 0 or 2.
+    branch
+        The axes p and f, and whether k > k'.
     unit
         The unit of angular velocity (rad/s), a power of two, whose inverse is the unit of time. The unit of the moments is
         another power of two, which has no effect.
@@ -88,26 +93,31 @@ class Polhode:
         K.
     """
 
-    order: tuple[int, int, int]
-    handedness: int
-    p: int
-    unit: Wide
-    moments: tuple[Wide, Wide, Wide]
-    gaps: tuple[Wide, Wide]
-    e: tuple[Wide, Wide, Wide]
-    momentum: Wide
-    size: tuple[Wide, Wide, Wide]
-    sign: tuple[float, float, float]
-    rate: Wide
-    start: Wide
-    k: Wide
-    kc: Wide
-    quarter: Wide
+    order: NDArray[np.int_]
+    handedness: Any
+    branch: Branch
+    unit: Wides
+    moments: tuple[Wides, Wides, Wides]
+    gaps: tuple[Wides, Wides]
+    e: tuple[Wides, Wides, Wides]
+    momentum: Wides
+    size: tuple[Wides, Wides, Wides]
+    sign: tuple[Any, Any, Any]
+    rate: Wides
+    start: Wides
+    k: Wides
+    kc: Wides
+    quarter: Wides
+
+    @property
+    def p(self) -> int:
+        """Index of the axis p in the order 1, 2, 3: 0 or 2."""
+        return self.branch.p
 
 
 @dataclass(frozen=True, eq=False)
 class Precession:
-    """The rotation about the angular momentum.
+    """The rotation about the angular momentum, of one body or of m bodies.
 
     Attributes
     ----------
@@ -123,7 +133,7 @@ class Precession:
 
     f: int
     g: int
-    rate: Wide
+    rate: Wides
     sense: float
     series: ThetaSeries
 
@@ -134,54 +144,13 @@ def polhode(moments: Sequence[Any], rates: Sequence[Any]) -> Polhode | None:
     The numbers are of any type and are meant exactly: E1, E2, E3 and the differences of moments are computed with a hundred
     digits and rounded once. None for a steady spin.
     """
-    order = sorted(range(3), key=moments.__getitem__)
-    i, _ = scaled([real(moments[axis]) for axis in order])
-    w, unit = scaled([real(rates[axis]) for axis in order])
-    exact_gaps = i[1] - i[0], i[2] - i[1], i[2] - i[0]
-    axial, transverse = i[2] * exact_gaps[1] * w[2] ** 2, i[0] * exact_gaps[0] * w[0] ** 2
-    difference = axial - transverse
-    if abs(difference) <= NEGLIGIBLE * (axial + transverse):
-        difference = real(0)
-    middle_part = i[1] * w[1] ** 2
-    e1 = wide(middle_part * exact_gaps[0] + i[2] * exact_gaps[2] * w[2] ** 2)
-    e3 = wide(i[0] * exact_gaps[2] * w[0] ** 2 + middle_part * exact_gaps[1])
-    e = (e1, wide(difference), e3)
-    p = 2 if e[1] >= 0 else 0
-    r = 2 - p
-    i1, i2, i3 = (wide(moment) for moment in i)
-    low, high, span = (wide(gap) for gap in exact_gaps)
-    apart, other = (high, low) if p == 2 else (low, high)
-    if not apart * e[r] * e[p] > 0:
+    known = constants(moments, rates)
+    chosen = branch(known)
+    apart, e_r, e_p = (known.high, known.e1, known.e3) if chosen.p == 2 else (known.low, known.e3, known.e1)
+    if not apart * e_r * e_p > 0:
         return None
-    wide_moments, wide_rates = (i1, i2, i3), tuple(wide(rate) for rate in w)
-    size = [np.sqrt(i2 * e[p] / apart)] * 3
-    size[p], size[r] = np.sqrt(wide_moments[p] * e[r] / span), np.sqrt(wide_moments[r] * e[p] / span)
-    sn, cn, dn = (abs(wide_moments[axis] * wide_rates[axis]) / size[axis] for axis in (1, r, p))
-    if not cn * cn + dn * dn > 0:
-        return None
-    handedness = 1 if order in ([0, 1, 2], [1, 2, 0], [2, 0, 1]) else -1
-    first, last = math.copysign(1, wide_rates[0]), math.copysign(1, wide_rates[2])
-    # dL2/dt = (1/I1 - 1/I3) L3 L1 for a right-handed order of the axes 1, 2, 3, and the negative of it for a left-handed one.
-    middle = handedness * first * last
-    scale = apart * e[r]
-    kc = np.sqrt(span * abs(e[1]) / scale)
-    return Polhode(
-        order=(order[0], order[1], order[2]),
-        handedness=handedness,
-        p=p,
-        unit=unit,
-        moments=wide_moments,
-        gaps=(low, high),
-        e=e,
-        momentum=np.sqrt(sum((moment * rate) ** 2 for moment, rate in zip(wide_moments, wide_rates, strict=True))),
-        size=(size[0], size[1], size[2]),
-        sign=(first, middle, last),
-        rate=np.sqrt(scale / (i1 * i2 * i3)),
-        start=first_kind(math.copysign(1, middle * wide_rates[1]) * sn, cn, dn),
-        k=np.sqrt(other * e[p] / scale),
-        kc=kc,
-        quarter=quarter_period(kc),
-    )
+    _, cn, dn = _functions_at_start(known, chosen)
+    return polhodes(known, chosen) if cn * cn + dn * dn > 0 else None
 
 
 @functools.lru_cache(maxsize=64)
@@ -190,50 +159,89 @@ def polhode_of(start: Start) -> Polhode | None:
     return polhode(start.moments, start.rates)
 
 
-def scaled(values: list[Real]) -> tuple[list[Real], Wide]:
-    """Numbers in the unit of a power of two, in which the largest is between 1/2 and 1, and this unit."""
-    _, exponent = MP.frexp(max(abs(value) for value in values))
-    return [MP.ldexp(value, -exponent) for value in values], Wide(np.ldexp(Wide(1), exponent))
+def polhodes(c: Constants, chosen: Branch) -> Polhode:
+    """The polhode of one body that has one, or those of m bodies on the same branch."""
+    p, r = chosen.p, 2 - chosen.p
+    e, moments = (c.e1, c.e2, c.e3), (c.i1, c.i2, c.i3)
+    apart, other = (c.high, c.low) if p == 2 else (c.low, c.high)
+    first, last = np.copysign(1.0, c.w1.astype(float)), np.copysign(1.0, c.w3.astype(float))
+    # dL2/dt = (1/I1 - 1/I3) L3 L1 for a right-handed order of the axes 1, 2, 3, and the negative of it for a left-handed one.
+    middle = c.handedness * first * last
+    scale = apart * e[r]
+    kc = np.sqrt(c.span * abs(c.e2) / scale)
+    sn, cn, dn = _functions_at_start(c, chosen)
+    momenta = [moment * rate for moment, rate in zip(moments, (c.w1, c.w2, c.w3), strict=True)]
+    return Polhode(
+        order=c.order,
+        handedness=c.handedness,
+        branch=chosen,
+        unit=c.unit,
+        moments=moments,
+        gaps=(c.low, c.high),
+        e=e,
+        momentum=np.sqrt(momenta[0] * momenta[0] + momenta[1] * momenta[1] + momenta[2] * momenta[2]),
+        size=_amplitudes(c, p),
+        sign=(first, middle, last),
+        rate=np.sqrt(scale / (c.i1 * c.i2 * c.i3)),
+        start=first_kind(np.copysign(Wide(1), middle * c.w2) * sn, cn, dn),
+        k=np.sqrt(other * e[p] / scale),
+        kc=kc,
+        quarter=quarter_period(kc),
+    )
 
 
-@functools.lru_cache(maxsize=64)
+def _amplitudes(c: Constants, p: int) -> tuple[Wides, Wides, Wides]:
+    """M1, M2, M3."""
+    e_p, e_r, apart = (c.e3, c.e1, c.high) if p == 2 else (c.e1, c.e3, c.low)
+    first, last = (e_p, e_r) if p == 2 else (e_r, e_p)
+    return np.sqrt(c.i1 * first / c.span), np.sqrt(c.i2 * e_p / apart), np.sqrt(c.i3 * last / c.span)
+
+
+def _functions_at_start(c: Constants, chosen: Branch) -> tuple[Wides, Wides, Wides]:
+    """The sizes of sn, cn and dn at t = 0."""
+    m1, m2, m3 = _amplitudes(c, chosen.p)
+    one, middle, three = abs(c.i1 * c.w1) / m1, abs(c.i2 * c.w2) / m2, abs(c.i3 * c.w3) / m3
+    return (middle, one, three) if chosen.p == 2 else (middle, three, one)
+
+
+@functools.lru_cache(maxsize=16)
 def precession(motion: Polhode) -> Precession:
-    """The rotation about the angular momentum for a polhode."""
+    """The rotation about the angular momentum for a polhode, or for m of them."""
     i, e, size, (low, high) = motion.moments, motion.e, motion.size, motion.gaps
-    f = 2 if i[2] * low <= i[0] * high else 0
+    f = motion.branch.f
     g = 2 - f
     # Ig - I2, with its sign, and |I2 - If|.
     gap_g, gap_f = (-low, high) if g == 0 else (high, low)
     around_g, around_f = e[g] / e[f], abs(gap_g) / gap_f
     nu = i[f] / i[g] * (around_g if g == motion.p else around_f)
     k2 = motion.k**2
-    eta = first_kind(*(np.sqrt(part / (nu + k2)) for part in (nu, k2, k2 * (1 + nu)))) if nu > 0 else Wide(0)
-    mean = complete(motion.kc, 1 + nu, Wide(0), Wide(1)) / motion.quarter if motion.kc > 0 else 1 / (1 + nu)
+    # Of many bodies none has nu or k' so small that it is zero; see `constants_of_many`.
+    parts = (nu, k2, k2 * (1 + nu))
+    eta = first_kind(*(np.sqrt(part / (nu + k2)) for part in parts)) if np.all(nu > 0) else Wide(0)
+    third_kind = complete(motion.kc, 1 + nu, Wide(0), Wide(1)) if np.all(motion.kc > 0) else None
+    mean = 1 / (1 + nu) if third_kind is None else third_kind / motion.quarter
     excess = motion.momentum * gap_g / (i[1] * i[g]) * (size[1] / size[g]) ** 2
     return Precession(
         f=f,
         g=g,
         rate=motion.momentum / i[g] + excess * mean,
-        sense=float(-np.sign(excess)),
-        series=theta_series(motion.k, motion.kc, motion.quarter, eta),
+        sense=1.0 if g == 0 else -1.0,  # the opposite of the sign of Ig - I2
+        series=theta_series(motion.k, motion.kc, motion.quarter, eta, motion.branch.hyperbolic),
     )
 
 
-def half_period(motion: Polhode) -> Wide:
+def half_period(motion: Polhode) -> Wides:
     """The time (s) after which L2 and Lr have changed sign and Lp has the same value: 2 K / lambda."""
     return 2 * motion.quarter / motion.rate / motion.unit
 
 
-def remainder(value: WideArray, period: Wide) -> tuple[Array, Array]:
-    """Values (n,) minus the nearest whole number of periods, and these whole numbers (n,), both in double precision."""
-    count = np.rint(value.astype(float) * float(1 / period))
+def remainder(value: WideArray, period: Wides) -> tuple[Array, Array]:
+    """Values (..., n) minus the nearest whole number of periods, and these whole numbers (..., n), both in double precision.
+
+    period: a number, or (..., 1) where each row has its own.
+    """
+    count = np.rint(value.astype(float) * (1 / period).astype(float))
     return (value - period * count.astype(Wide)).astype(float), count
-
-
-def left_factor(q: Array) -> Array:
-    """The matrix (4, 4) that multiplies a quaternion (4,) from the left by the quaternion q (4,)."""
-    w, x, y, z = q
-    return np.array([[w, -x, -y, -z], [x, w, -z, y], [y, z, w, -x], [z, -y, x, w]])
 
 
 def rotation(start: Start, times: Array) -> Turning:
@@ -241,27 +249,38 @@ def rotation(start: Start, times: Array) -> Turning:
     t = np.concatenate(([0.0], times))
     motion = polhode_of(start)
     turning = steady_spin(start.rates, t) if motion is None else tumbling(motion, t)
-    # The rotation of the closed form begins anywhere; it is placed so that it begins with the attitude of the start.
-    first = left_factor(normalise(np.array(doubles(start.attitude)))) @ left_factor(conjugate(turning.attitude[0]))
-    return replace(turning, attitude=turning.attitude[1:] @ first.T, angular_velocity=turning.angular_velocity[1:])
+    return placed(turning, np.array(doubles(start.attitude)))
 
 
 def steady_spin(rates: Vector3, t: Array) -> Turning:
     """A steady spin with the angular velocity `rates` (rad/s) at times t (n,), s, from any attitude."""
     speed = MP.sqrt(sum(rate * rate for rate in rates))
-    turn, _ = remainder(wide(speed) * t.astype(Wide), 4 * PI)
-    axis = np.array([float(rate / speed) for rate in rates])
-    attitude = np.column_stack([np.cos(turn / 2), np.outer(np.sin(turn / 2), axis)])
-    constant = np.array(doubles(rates))
-    return Turning(attitude, np.tile(constant, (len(t), 1)), np.abs(constant), 0.0, float(speed))
+    return spinning(np.array(doubles(rates)), wide(speed), t)
+
+
+def steady_spins(rates: Array, t: Array) -> Turning:
+    """Steady spins with the angular velocities `rates` (m, 3), rad/s, at times t (n,), s, from any attitudes."""
+    x, y, z = (pairs.squares(rates[:, axis]) for axis in range(3))
+    return spinning(rates, pairs.root(x + y + z).high, t)
+
+
+def spinning(rates: Array, speed: Wides, t: Array) -> Turning:
+    """Steady spins with angular velocities `rates` (..., 3) of the sizes `speed` (...), rad/s, at times t (n,), s."""
+    speed = np.asarray(speed)
+    turn, _ = remainder(speed[..., None] * t.astype(Wide), 4 * PI)
+    axis = (rates / speed[..., None]).astype(float)
+    sine = np.sin(turn / 2)
+    attitude = np.stack([np.cos(turn / 2), *(sine * axis[..., each, None] for each in range(3))], axis=-1)
+    constant = np.broadcast_to(rates[..., None, :], (*turn.shape, 3))
+    return Turning(attitude, constant, np.abs(rates), np.zeros_like(speed, dtype=float), speed.astype(float))
 
 
 def tumbling(motion: Polhode, t: Array) -> Turning:
-    """The rotation of a body on a polhode at times t (n,), s, from any attitude."""
+    """The rotation of a body on a polhode, or of m bodies, at times t (n,), s, from any attitudes."""
     turn = precession(motion)
-    elapsed = t.astype(Wide) * motion.unit
-    u, half_periods = remainder(motion.start + motion.rate * elapsed, 2 * motion.quarter)
-    secular, _ = remainder(turn.rate * elapsed, 2 * PI)
+    elapsed = t.astype(Wide) * _column(motion.unit)
+    u, half_periods = remainder(_column(motion.start) + _column(motion.rate) * elapsed, _column(2 * motion.quarter))
+    secular, _ = remainder(_column(turn.rate) * elapsed, 2 * PI)
     sn, cn, dn, phase = jacobi(turn.series, u)
     parity = 1 - 2 * (half_periods - 2 * np.floor(half_periods / 2))
     elliptic = [parity * sn] * 3
@@ -270,10 +289,10 @@ def tumbling(motion: Polhode, t: Array) -> Turning:
     axes = (1, turn.g, turn.f)
     # Angular momentum is an axial vector: its components along a left-handed order of axes have the opposite sign.
     handedness = motion.handedness if turn.g == 2 else -motion.handedness
-    middle, g, f = (handedness * float(motion.sign[n] * motion.size[n] / motion.momentum) * elliptic[n] for n in axes)
+    middle, g, f = (_factor(handedness * motion.sign[n] * motion.size[n] / motion.momentum) * elliptic[n] for n in axes)
     # psi is computed from the ratio of the amplitudes, which is accurate even where both are below the smallest normal number.
-    slope = handedness * motion.sign[1] * float(motion.size[1] / motion.size[turn.g])
-    psi = np.arctan2(slope * elliptic[1], handedness * motion.sign[turn.g] * elliptic[turn.g])
+    slope = _factor(handedness * motion.sign[1] * (motion.size[1] / motion.size[turn.g]))
+    psi = np.arctan2(slope * elliptic[1], _factor(handedness * motion.sign[turn.g]) * elliptic[turn.g])
     phi = secular + turn.sense * phase
     across, along = np.hypot(middle, g), 1 + np.abs(f)
     # tan(theta/2) has two forms; this is the one without cancellation for the sign of cos(theta).
@@ -281,12 +300,31 @@ def tumbling(motion: Polhode, t: Array) -> Turning:
     half_sum, half_difference = (phi + psi) / 2, (phi - psi) / 2
     vector = (half_sine * np.cos(half_difference), half_sine * np.sin(half_difference), half_cosine * np.sin(half_sum))
 
-    attitude, body_rates, amplitude = np.empty((len(t), 4)), np.empty((len(t), 3)), np.empty(3)
-    attitude[:, 0] = half_cosine * np.cos(half_sum)
+    attitude, body_rates = np.empty((*u.shape, 4)), np.empty((*u.shape, 3))
+    amplitude = np.empty((*u.shape[:-1], 3))
+    attitude[..., 0] = half_cosine * np.cos(half_sum)
     for n, part, momentum in zip(axes, vector, (middle, g, f), strict=True):
-        axis = motion.order[n]
-        attitude[:, 1 + axis] = handedness * part
-        body_rates[:, axis] = handedness * float(motion.unit * motion.momentum / motion.moments[n]) * momentum
-        amplitude[axis] = float(motion.unit * motion.size[n] / motion.moments[n])
-    angle_rate = float(motion.unit * (motion.rate + abs(turn.rate)))
-    return Turning(attitude, body_rates, amplitude, abs(float(motion.start)), angle_rate)
+        axis = motion.order[..., n]
+        _put(attitude, 1 + axis, _factor(handedness) * part)
+        _put(body_rates, axis, _factor(handedness * (motion.unit * motion.momentum / motion.moments[n])) * momentum)
+        _put(amplitude[..., None, :], axis, _factor(motion.unit * motion.size[n] / motion.moments[n]))
+    angle_rate = (motion.unit * (motion.rate + abs(turn.rate))).astype(float)
+    return Turning(attitude, body_rates, amplitude, abs(motion.start).astype(float), angle_rate)
+
+
+def _column(values: Wides) -> WideArray:
+    """Numbers (...) as (..., 1), to be combined with instants (n,)."""
+    return np.asarray(values, dtype=Wide)[..., None]
+
+
+def _factor(values: Any) -> Array:
+    """Numbers (...) as (..., 1), in double precision."""
+    return np.asarray(values).astype(float)[..., None]
+
+
+def _put(vectors: Array, axis: NDArray[np.int_], part: Array) -> None:
+    """Set the component along an axis of vectors (n, k), or along one axis (m,) for each row of vectors (m, n, k)."""
+    if axis.ndim:
+        np.put_along_axis(vectors, np.broadcast_to(axis[:, None, None], (*part.shape, 1)), part[..., None], axis=-1)
+    else:
+        vectors[..., axis] = part
