@@ -18,9 +18,9 @@ from bodycheck.reference.trajectory import Array
 #: How far the length of a quaternion may be from 1 before it is divided by it; a file allows twice as much.
 MAX_DEVIATION = 0.0005
 
-#: Numbers between the first and its inverse make no motion whose squares overflow. Moments of inertia that keep clear of the
-#: limits by the second ratio are those of a body.
-SMALLEST, SMALLEST_RATIO = 1e-20, 1e-14
+#: Numbers between these two make no motion that is too large for a case file: its energy, moments and their inverses stay below
+#: 1e120. Moments of inertia that keep clear of the limits by the ratio are those of a body.
+SMALLEST, LARGEST, SMALLEST_RATIO = 1e-40, 1e20, 1e-14
 
 #: Tables that are about the case and not about one member of it.
 NOT_OF_A_MEMBER = ("extremes", "ensemble")
@@ -142,11 +142,12 @@ def outside(whole: Mapping[str, Array], document: Mapping[str, Any]) -> NDArray[
     those of case files: whoever wants to know builds the member.
     """
     known = keys(document)
-    found = np.zeros(len(next(iter(whole.values()))), dtype=bool)
+    given = [base(document, key) for text, key in known.items() if text not in whole]
+    extreme = not all(_moderate(np.asarray(value, dtype=float)).all() for value in given if value is not None)
+    found = np.full(len(next(iter(whole.values()))), extreme)
     for text, array in whole.items():
         numbers = array.reshape(len(array), -1)
-        size = np.abs(numbers)
-        fine = (size <= 1 / SMALLEST) & ((size >= SMALLEST) | (size == 0))
+        fine = _moderate(numbers)
         if known[text].sign != "any":
             fine &= (numbers > 0) | ((numbers == 0) & (known[text].sign == "not negative"))
         found |= ~fine.all(axis=1)
@@ -158,3 +159,9 @@ def outside(whole: Mapping[str, Array], document: Mapping[str, Any]) -> NDArray[
         least, middle, most = np.moveaxis(moments, -1, 0)
         found |= (least <= SMALLEST_RATIO * most) | (most > (least + middle) * (1 + SMALLEST_RATIO))
     return found
+
+
+def _moderate(numbers: Array) -> NDArray[np.bool_]:
+    """Return which numbers are 0 or of a size that raises no question; NaN is not."""
+    size = np.abs(numbers)
+    return np.asarray((size <= LARGEST) & ((size >= SMALLEST) | (size == 0)))

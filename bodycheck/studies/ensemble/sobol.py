@@ -30,7 +30,7 @@ def points(seed: int, dimensions: int, first: int, count: int) -> Array:
 
     Point n of a sequence is its first one, with the exclusive or of the direction numbers whose bits are 1 in the Gray code
     of n [Antonov and Saleev, 1979], so that points far along a sequence take no longer. SciPy's own `fast_forward` fails for
-    more than 32 bits.
+    more than 32 bits (1.17).
 
     Parameters
     ----------

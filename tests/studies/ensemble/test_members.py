@@ -182,6 +182,10 @@ INVALID = {
         ensemble_of(BRICK, choice("initial.quaternion", [[1, 0, 0, 0], [0, 0, 0, 0]])),
         r"(\d+): initial.quaternion: .*its length is 0",
     ),
+    "speed over a long time": (
+        ensemble_of(BRICK.replace("duration = 0.5", "duration = 1e90"), uniform("scene.gravity", 1, 2)),
+        r"member (\d+): run.duration: .*its distance from the origin",
+    ),
     "speed": (ensemble_of(BRICK, log_uniform("initial.velocity", 1, 1e90)), r"member (\d+): initial: its kinetic energy"),
 }
 
