@@ -22,6 +22,7 @@ from bodycheck.figures.definition import Comparison
 from bodycheck.judging.discrepancy import Summary
 from bodycheck.judging.judgement import settled, this_day, verdict
 from bodycheck.reference.bounds import NAMES, Bounds
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import NoTruth, Truth
@@ -93,10 +94,14 @@ def judged(
 
 
 def one_by_one(cases: Sequence[Case], truths: Sequence[Truth | NoTruth], flown: Flown, today: date | None = None) -> Columns:
-    """Return the same columns as `judged` for the runs of cases, each with its truth at the instants of its run."""
+    """Return the same columns as `judged` for the runs of cases, each with its truth at the instants of its run.
+
+    The runs are those of these cases, or those of scenes that the cases have.
+    """
     rows = []
     for place, (case, truth) in enumerate(zip(cases, truths, strict=True)):
-        run = Run(case.name, flown.engine, flown.version, flown.method, flown.ended[place], scene=case.scene)
+        outcome = _outcome(flown, place, case.scene)
+        run = Run(case.name, flown.engine, flown.version, flown.method, outcome, scene=case.scene)
         rows.append(verdict(case, truth, run, today=today).row())
     columns: Columns = {name: np.array([row[name] for row in rows], dtype=object) for name in ("status", "reason", "passed")}
     return columns | {name: np.array([row.get(name, np.nan) for row in rows], dtype=float) for name in FIGURES}
@@ -178,16 +183,20 @@ def _other_outcomes(scenes: Scenes, flown: Flown, doubtful: NDArray[np.bool_]) -
     """Return how the runs ended that have not completed, by the places of their scenes."""
     found = dict(flown.ended)
     for place in np.flatnonzero(doubtful).tolist():
-        if place in found:
-            continue
-        rows, normalised = flown.states[place], NormError(float(flown.norm_error[place]))
-        try:
-            outcome = simulation.outcome_of(rows, normalised, scenes.scene(place), flown.method, flown.steps, 0.0)
-        except simulation.AdapterFault as fault:
-            outcome = simulation.ended_by(fault, in_words(flown.engine, flown.version), flown.names[place])
-        if not isinstance(outcome, Completed):
+        if place not in found and not isinstance(outcome := _outcome(flown, place, scenes.scene(place)), Completed):
             found[place] = outcome
     return found
+
+
+def _outcome(flown: Flown, place: int, scene: Scene) -> Outcome:
+    """Return how the run of a member ended, whose scene is given."""
+    if place in flown.ended:
+        return flown.ended[place]
+    seconds, normalised = flown.wall_time / len(flown), NormError(float(flown.norm_error[place]))
+    try:
+        return simulation.outcome_of(flown.states[place], normalised, scene, flown.method, flown.steps, seconds)
+    except simulation.AdapterFault as fault:
+        return simulation.ended_by(fault, in_words(flown.engine, flown.version), flown.names[place])
 
 
 def _settle(

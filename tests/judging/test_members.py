@@ -206,6 +206,11 @@ def test_runs_that_fail_are_told_as_if_they_were_alone(drawn: Drawn, limit: floa
     columns = judged(drawn.scenes, drawn.flights, flown, method, expectations, TODAY)
     with np.errstate(all="ignore"):
         assert_same(columns, alone(drawn, runs, expectations))
+        apart = one_by_one(
+            [replace(case, expectations=tuple(expectations)) for case in drawn.cases], drawn.truths, flown, TODAY
+        )
+    for name, values in columns.items():
+        np.testing.assert_array_equal(apart[name], values, err_msg=name)
     assert {place: columns["status"][place] for place in faults} == faults
     assert "of mujoco 1.0 is at fault in the case mujoco-free-body-24: its quaternion has the norm" in columns["reason"][24]
     assert np.isnan(columns["position_error"][20])
