@@ -91,11 +91,13 @@ def quantile(values: Array, probability: float) -> float:
 
 
 def quantiles(values: Array, probabilities: Sequence[float]) -> Array:
-    """Return quantiles (k,) of values (n,): the smallest ones that at least these shares of all values do not exceed.
+    """Return quantiles (k,) of values (n,), interpolated between neighbours as NumPy and pandas do unless asked otherwise.
 
-    No values are averaged, so that every quantile is the value of a member, and infinite values are harmless.
+    Between a finite value and an infinite one, or two infinite ones, a quantile is infinite.
     """
-    return np.asarray(np.quantile(values, probabilities, method="inverted_cdf"))
+    with np.errstate(invalid="ignore"):
+        found = np.quantile(values, probabilities)
+    return np.asarray(np.where(np.isnan(found), np.inf, found))
 
 
 def _half_width(shares: Array) -> float:
