@@ -93,11 +93,11 @@ def quantile(values: Array, probability: float) -> float:
 def quantiles(values: Array, probabilities: Sequence[float]) -> Array:
     """Return quantiles (k,) of values (n,), interpolated between neighbours as NumPy and pandas do unless asked otherwise.
 
-    Between a finite value and an infinite one, or two infinite ones, a quantile is infinite.
+    Beside infinite values, which cannot be interpolated, a quantile is the larger neighbour.
     """
     with np.errstate(invalid="ignore"):
         found = np.quantile(values, probabilities)
-    return np.asarray(np.where(np.isnan(found), np.inf, found))
+    return np.asarray(np.where(np.isnan(found), np.quantile(values, probabilities, method="higher"), found))
 
 
 def _half_width(shares: Array) -> float:
