@@ -32,7 +32,7 @@ from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.scene import Body, Brick, Scene
 from bodycheck.reference.trajectory import Array
 
-TURNS = 9
+TURNS = 5
 SCENES = 1000
 TIMESTEP_S = 0.002
 STRIDES = np.array([0, *[10] * 25])

@@ -28,12 +28,12 @@ BODIES = 16
 
 @dataclass
 class Part:
-    """Some bodies in one model, with their current configurations q (bodies nq,) and velocities v (bodies nv,)."""
+    """Some bodies in one model, with the time step (bodies nv,), and their configurations q (bodies nq,) and velocities v."""
 
     model: pin.Model
     scheme: Scheme
     acceleration: Acceleration
-    timestep: float
+    timestep: Array
     q: Array
     v: Array
 
@@ -94,7 +94,7 @@ def flights(scenes: Sequence[Scene], method: Method, coordinates: Coordinates) -
         bodies = asked
         data, count = workspace(coordinates, len(asked)), len(asked)
         scheme, acceleration = schemes.of_bodies(method.integrator, count), acceleration_of(scenes[0], model, data, count)
-        parts.append(Part(model, scheme, acceleration, method.timestep, q[part].ravel(), v[part].ravel()))
+        parts.append(Part(model, scheme, acceleration, np.full(model.nv, method.timestep), q[part].ravel(), v[part].ravel()))
     return Flights(parts, coordinates, first)
 
 
