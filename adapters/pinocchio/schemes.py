@@ -89,6 +89,6 @@ def _transport_each(count: int) -> Transport:
 
     def transport(model: pin.Model, q: Array, there: Array, velocity: Array) -> Array:
         derivative = pin.dDifference(model, q, there, pin.ARG1).reshape(count, model.nv // count, count, -1)
-        return np.einsum("aiaj,aj->ai", derivative, velocity.reshape(count, -1)).ravel()
+        return np.asarray(np.einsum("aiaj,aj->ai", derivative, velocity.reshape(count, -1))).ravel()
 
     return transport
