@@ -1,8 +1,10 @@
 """Texts of case files with an ensemble, and of the tables of what varies in it."""
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
+from bodycheck.reference.trajectory import Array
 from tests.support.cases import a_case
 
 #: A brick that tumbles freely, which many members can be made of at once.
@@ -64,3 +66,10 @@ def attitude() -> str:
 
 def _table(**keys: Any) -> str:
     return "\n".join(f"{name} = {json.dumps(value)}" for name, value in keys.items())
+
+
+def columns_of(values: Mapping[str, Array]) -> dict[str, Array]:
+    """Drawn numbers and vectors as columns of single numbers."""
+    parts = {key: array[:, None] if array.ndim == 1 else array for key, array in values.items()}
+    names = {key: [key] if array.ndim == 1 else [f"{key}.{k}" for k in range(array.shape[1])] for key, array in values.items()}
+    return {name: column for key, array in parts.items() for name, column in zip(names[key], array.T, strict=True)}

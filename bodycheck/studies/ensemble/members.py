@@ -49,7 +49,7 @@ class Source:
     origin
         What they are drawn with, or the table.
     names
-        The paths of all single numbers that differ, such as "initial.velocity.0": the columns of stored members.
+        The paths of all single numbers that differ, such as "initial.velocity.0", in the order of `values`.
     vectors
         The vectors of which a table has all components as columns.
     """
@@ -69,16 +69,6 @@ class Source:
         if isinstance(self.origin, Ensemble):
             return draws.values(self.origin, first, count)
         return _grouped(tables.values(self.origin, first, count), self.vectors)
-
-    def columns(self, first: int, count: int) -> dict[str, Array]:
-        """Return the same as single numbers: arrays (count,) by `names`."""
-        found = {}
-        for key, array in self.values(first, count).items():
-            if array.ndim == 1:
-                found[key] = array
-            else:
-                found |= {f"{key}.{place}": array[:, place] for place in range(array.shape[1])}
-        return {name: found[name] for name in self.names}
 
 
 def _grouped(read: Mapping[str, Array], vectors: Sequence[str]) -> dict[str, Array]:
@@ -219,7 +209,7 @@ def _count(whole: Mapping[str, Array]) -> int:
 
 
 def _read(path: Path, columns: Sequence[str], document: dict[str, Any]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the columns of a table, and the vectors of which it has all components, which are drawn as wholes.
+    """Return the columns of a table, components of a vector together, and the vectors of which it has all components.
 
     Raises `BadInput` for a column that is no number of the case, and for two that are about the same quantity.
     """
@@ -238,4 +228,5 @@ def _read(path: Path, columns: Sequence[str], document: dict[str, Any]) -> tuple
     for one, other in combinations(found.values(), 2):
         if one.is_about(other):
             raise BadInput(f"{path}: has columns for {one.text} and for {other.text}; allowed: one of them")
-    return tuple(columns), tuple(text for text, key in found.items() if key.components is not None)
+    names = tuple(name for key in found.values() for name in key.names)
+    return names, tuple(text for text, key in found.items() if key.components is not None)

@@ -14,7 +14,7 @@ from bodycheck.casefile.case import parse
 from bodycheck.errors import BadInput
 from bodycheck.reference.scenes import Scenes
 from bodycheck.studies.ensemble import members
-from tests.support.ensemble_texts import BRICK, attitude, ensemble_of, log_uniform, normal
+from tests.support.ensemble_texts import BRICK, attitude, columns_of, ensemble_of, log_uniform, normal
 
 CASE = parse(BRICK, "f")
 
@@ -51,13 +51,23 @@ def test_stored_members_can_be_run_again(tmp_path: Path, end: str) -> None:
     """The columns of what was drawn, to the last bit, with those that say whose they are."""
     case = parse(ensemble_of(BRICK, attitude(), normal("initial.angular_velocity", 0, 3), log_uniform("body.mass", 1, 2)), "f")
     source = members.drawn(case, 50)
-    columns = {"member": list(range(50)), **{name: column.tolist() for name, column in source.columns(0, 50).items()}}
+    columns = {
+        "member": list(range(50)),
+        **{name: column.tolist() for name, column in columns_of(source.values(0, 50)).items()},
+    }
     stored = members.tabled(case, written(tmp_path / f"m.{end}", columns))
     assert stored.names == source.names
     for (key, one), (other_key, other) in zip(source.values(7, 20).items(), stored.values(7, 20).items(), strict=True):
         assert key == other_key
         assert np.array_equal(one, other)
     assert members.text(case, stored, 31) == members.text(case, source, 31)
+
+
+def test_columns_of_a_vector_may_stand_anywhere(tmp_path: Path) -> None:
+    columns = {"initial.velocity.2": [3.0], "body.mass": [2.0], "initial.velocity.0": [1.0], "initial.velocity.1": [2.0]}
+    source = members.tabled(CASE, written(tmp_path / "m.csv", columns))
+    assert source.values(0, 1)["initial.velocity"].tolist() == [[1.0, 2.0, 3.0]]
+    assert tuple(columns_of(source.values(0, 1))) == source.names
 
 
 def test_a_whole_vector_replaces_what_the_file_says_otherwise(tmp_path: Path) -> None:
