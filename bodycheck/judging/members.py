@@ -8,7 +8,7 @@ looked at one by one.
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from bodycheck.figures.definition import Comparison
 from bodycheck.judging.discrepancy import Summary
 from bodycheck.judging.judgement import settled, this_day, verdict
 from bodycheck.reference.bounds import NAMES, Bounds
+from bodycheck.reference.flight.flights import Flights
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -38,23 +39,9 @@ AT_ONCE = 100
 Columns = dict[str, NDArray[Any]]
 
 
-class Motions(Protocol):
-    """The exact motions of m scenes, such as `reference.flight.flights.Flights`."""
-
-    @property
-    def trajectory(self) -> Trajectory:
-        """The motions, in arrays (m, n, ...)."""
-        ...
-
-    @property
-    def bounds(self) -> Bounds:
-        """The bounds of their errors (m, n)."""
-        ...
-
-
 def judged(
     scenes: Scenes,
-    truth: Motions,
+    truth: Flights,
     flown: Flown,
     method: Method,
     expectations: Sequence[Expectation],
@@ -140,7 +127,7 @@ def _parts(count: int) -> list[slice]:
     return [slice(first, first + AT_ONCE) for first in range(0, count, AT_ONCE)]
 
 
-def _exact(scenes: Scenes, truth: Motions, part: slice) -> _Exact:
+def _exact(scenes: Scenes, truth: Flights, part: slice) -> _Exact:
     """Return the exact motions of some of the scenes."""
     whole = truth.trajectory
     states = (whole.position[part], whole.quaternion[part], whole.velocity[part], whole.angular_velocity[part])

@@ -15,6 +15,7 @@ from bodycheck.figures.definition import Comparison
 from bodycheck.judging import members
 from bodycheck.judging.judgement import verdict
 from bodycheck.judging.members import Columns, judged, one_by_one
+from bodycheck.reference.flight.flights import Flights, flights
 from bodycheck.reference.scenes import Scenes, vary
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import NoTruth, truth
@@ -22,7 +23,7 @@ from bodycheck.running import simulation
 from bodycheck.running.members import Flown, NormError, fly
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Outcome, Run
 from tests.support.cases import shortened
-from tests.support.members import Motions, assert_same_row, rows_of, together, truths_alone
+from tests.support.members import assert_same_row, rows_of, together, truths_alone
 
 BASE = shortened(load("mujoco-free-body"), 0.5, 11)
 METHODS = [Method.parse("Euler", 0.01), Method.parse("RK4", 0.01)]
@@ -38,7 +39,7 @@ class Drawn:
     scenes: Scenes
     cases: list[Case]
     truths: list[Truth]
-    flights: Motions
+    flights: Flights
 
 
 @pytest.fixture(scope="module")
@@ -140,6 +141,18 @@ def test_the_rows_of_members_are_those_of_single_runs(drawn: Drawn, method: Meth
         assert_same(columns, alone(drawn, runs, expectations))
         if expectations == [half]:
             assert 0 < (columns["passed"] == True).sum() < COUNT  # noqa: E712 - the column has objects
+
+
+def test_truths_of_many_give_the_figures_that_truths_alone_give(drawn: Drawn) -> None:
+    """Both are within their bounds of the exact motion, so that errors are within the bounds of each other."""
+    flown = fly("mujoco", METHODS[0], drawn.scenes, STEPS)
+    many = judged(drawn.scenes, flights(drawn.scenes, STEPS * 0.01), flown, METHODS[0], (), TODAY)
+    each = judged(drawn.scenes, drawn.flights, flown, METHODS[0], (), TODAY)
+    for figure in FIGURES.values():
+        if figure.bounded_by and not np.isnan(each[figure.name]).all():
+            bound = 2 * (many[figure.bounded_by] + each[figure.bounded_by])  # twice, as drifts are of two instants
+            assert (np.abs(many[figure.name] - each[figure.name]) <= bound).all(), figure.name
+            assert (many[figure.name] > 1e3 * bound).any() or figure.name == "velocity_error", figure.name
 
 
 def planted(drawn: Drawn) -> tuple[Array, dict[int, str]]:

@@ -1,13 +1,13 @@
 """Members of an ensemble in free flight, with the truth of each computed alone."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from bodycheck.figures.columns import FIGURES
 from bodycheck.reference.bounds import NAMES, Bounds
+from bodycheck.reference.flight.flights import Flights
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth, truth
@@ -15,24 +15,17 @@ from bodycheck.reference.truth import Truth, truth
 STATES = ("position", "quaternion", "velocity", "angular_velocity")
 
 
-@dataclass(frozen=True, eq=False)
-class Motions:
-    """Exact motions of several scenes."""
-
-    trajectory: Trajectory
-    bounds: Bounds
-
-
 def truths_alone(scenes: Scenes, times: Array) -> list[Truth]:
     """The truths of scenes at some instants, each computed by itself."""
     return [truth(scenes.scene(place), times, vouched=False) for place in range(len(scenes))]
 
 
-def together(truths: list[Truth]) -> Motions:
+def together(truths: list[Truth]) -> Flights:
     """The truths of scenes at the same instants, with the scenes as the first axis."""
     states = (np.array([getattr(one.trajectory, name) for one in truths]) for name in STATES)
     bounds = (np.array([getattr(one.bounds, name) for one in truths]) for name in NAMES)
-    return Motions(Trajectory(truths[0].trajectory.t, *states), Bounds(*bounds))
+    forms = np.array([one.model.removeprefix("closed form: ") for one in truths])
+    return Flights(Trajectory(truths[0].trajectory.t, *states), Bounds(*bounds), forms)
 
 
 def rows_of(trajectory: Trajectory) -> Array:
