@@ -55,6 +55,19 @@ def test_rotate_agrees_with_scipy(q: np.ndarray, v: list[float]) -> None:
     np.testing.assert_allclose(k.rotate(q, np.array(v)), theirs, atol=1e-13 * (1 + math.hypot(*v)), rtol=0)
 
 
+@pytest.mark.parametrize("kind", [np.float64, np.longdouble])
+@pytest.mark.parametrize("shape", [(), (1,), (7,), (5, 7)])
+def test_products_of_vectors_are_the_same_whichever_are_beside_them(shape: tuple[int, ...], kind: type[np.floating]) -> None:
+    random = np.random.default_rng(3)
+    a, b = (random.normal(0, 1, (*shape, 3)).astype(kind) / 3 for _ in range(2))
+    q = k.normalise(random.normal(0, 1, (*shape, 4)).astype(kind))
+    assert k.rotate(q, b).dtype == k.dot(a, b).dtype == kind
+    np.testing.assert_array_equal(k.dot(a, b), (a * b).sum(axis=-1))
+    for place in np.ndindex(shape):
+        np.testing.assert_array_equal(k.rotate(q, b)[place], k.rotate(q[place], b[place]))
+        assert k.dot(a, b)[place] == k.dot(a[place], b[place])
+
+
 @given(UNIT, UNIT)
 def test_product_is_composition(p: np.ndarray, q: np.ndarray) -> None:
     theirs = Rotation.from_quat(p, scalar_first=True) * Rotation.from_quat(q, scalar_first=True)
