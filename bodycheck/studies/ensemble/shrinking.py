@@ -28,7 +28,7 @@ Fails = Callable[[Sequence[Document]], Sequence[bool]]
 #: Most trials for one case.
 MOST_TRIALS = 300
 
-#: Candidates that are tried at once where one of them suffices.
+#: Candidates that are tried at once where one of them suffices, unless a trial that fails is costly.
 BLOCK = 8
 
 #: Numbers of samples that are tried, and of significant digits.
@@ -54,6 +54,8 @@ class Search:
         What tells whether others fail in the same way.
     left
         The number of trials that are left.
+    block
+        The number of candidates that are tried at once.
     known
         What came of the trials that were made, by the text of the document.
     """
@@ -61,6 +63,7 @@ class Search:
     document: Document
     fails: Fails
     left: int
+    block: int = BLOCK
     known: dict[str, bool] = field(default_factory=dict)
 
     def tried(self, candidates: Sequence[Document]) -> list[bool]:
@@ -75,8 +78,8 @@ class Search:
     def take(self, candidates: Sequence[Document]) -> bool:
         """Take the first of some candidates, the simplest first, that fails in the same way; return whether there is one."""
         others = [one for one in candidates if one != self.document]
-        for first in range(0, len(others), BLOCK):
-            block = others[first : first + BLOCK]
+        for first in range(0, len(others), self.block):
+            block = others[first : first + self.block]
             for candidate, failing in zip(block, self.tried(block), strict=True):
                 if failing:
                     self.document = candidate
@@ -84,7 +87,7 @@ class Search:
         return False
 
 
-def shrink(document: Document, fails: Fails, shortest: float, most: int = MOST_TRIALS) -> Document:
+def shrink(document: Document, fails: Fails, shortest: float, most: int = MOST_TRIALS, block: int = BLOCK) -> Document:
     """Return the simplest document that was found to fail in the same way.
 
     Parameters
@@ -97,15 +100,17 @@ def shrink(document: Document, fails: Fails, shortest: float, most: int = MOST_T
         The shortest duration (s) that is tried, a time step.
     most
         The number of trials.
+    block
+        The number of candidates that are tried at once. With 1, hardly any trial fails that is not taken.
     """
-    search = Search(_tidy(deepcopy(document)), fails, most)
+    search = Search(_tidy(deepcopy(document)), fails, most, block)
     if search.document != document and not search.tried([search.document])[0]:
         search.document = deepcopy(document)
     before = None
     while search.left > 0 and search.document != before:
         before = search.document
         _shorten(search, shortest)
-        _leave_out(search)
+        _leave_out(search, list(_parts(search.document)))
         _name_angles(search)
         _round(search)
         search.take([_with(search.document, {("run", "samples"): n}) for n in SAMPLES if n < search.document["run"]["samples"]])
@@ -121,14 +126,13 @@ def _shorten(search: Search, shortest: float) -> None:
     search.take([_with(search.document, {("run", "duration"): one}) for one in allowed])
 
 
-def _leave_out(search: Search) -> None:
-    """Leave out what the failure does not need: all at once that can be left out alone, or else one after another."""
-    parts = list(_parts(search.document))
-    failing = search.tried([_without(search.document, [part]) for part in parts])
-    needless = [part for part, one in zip(parts, failing, strict=True) if one]
-    if needless and not search.take([_without(search.document, needless)]):
-        for part in reversed(needless):  # from the end, so that the places of the others remain
-            search.take([_without(search.document, [part])])
+def _leave_out(search: Search, parts: Sequence[Path]) -> None:
+    """Leave out what the failure does not need of some parts: all of them, or else what it does not need of either half."""
+    if not parts or search.take([_without(search.document, parts)]) or len(parts) == 1:
+        return
+    middle = len(parts) // 2
+    _leave_out(search, parts[middle:])  # the end first, so that the places of the others remain
+    _leave_out(search, parts[:middle])
 
 
 def _name_angles(search: Search) -> None:
