@@ -123,7 +123,7 @@ def _over_values(
         "field": "value",
         "type": "quantitative",
         "title": quantity.label,
-        "scale": {"type": "log", "nice": False},
+        "scale": {"type": "log", "nice": False, "padding": 8},
         "axis": log_axis("x"),
     }
     hover = {"type": "point", "on": "pointermove", "nearest": True, "clear": "pointerout", "encodings": ["x", "y"]}

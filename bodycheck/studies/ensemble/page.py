@@ -235,7 +235,7 @@ def _methods(ensemble: Aggregates, lines: Sequence[Line]) -> Part:
 
 
 def _distributions(ensemble: Aggregates, lines: Sequence[Line]) -> Part:
-    drawn = [figure for name, figure in ensemble.figures.items() if name in PLOTTED and figure.edges.size]
+    drawn = [ensemble.figures[name] for name in PLOTTED if name in ensemble.figures and ensemble.figures[name].edges.size]
     shown = tuple(chart for figure in drawn for chart in _charts(figure, lines))
     tables = tuple((QUANTITIES[name].label, figure_table(figure, lines)) for name, figure in ensemble.figures.items())
     there = [line for place, line in enumerate(lines) if any(place in figure.distributions for figure in drawn)]

@@ -33,7 +33,7 @@ FAILURE = "failure"
 #: The smallest share of the variance that is more than chance.
 RELEVANT = 0.02
 
-#: The relative spread below which the length of a drawn vector counts as constant, far above its rounding.
+#: The relative spread below which numbers count as constant, such as the lengths of vectors on a sphere: far above rounding.
 CONSTANT = 1e-9
 
 
@@ -176,7 +176,7 @@ def binned(ranks: Array, bins: int) -> NDArray[np.int64]:
 def _dependences(place: int, figure: str, values: Array, ranks: Mapping[str, Array]) -> list[Dependence]:
     there = np.isfinite(values)
     own = values[there]
-    if np.count_nonzero(there) < 2 * LEAST_OF_BIN or own.min() == own.max():
+    if np.count_nonzero(there) < 2 * LEAST_OF_BIN or not _varies(own):
         return []
     own_ranks = rankdata(own)
     found = []
