@@ -231,6 +231,49 @@ def test_runs_that_fail_are_told_as_if_they_were_alone(drawn: Drawn, limit: floa
     assert columns["quaternion_norm_error"][45] == pytest.approx(norm_error[45], rel=1e-12)
 
 
+def damaged(rows: Array, random: np.random.Generator) -> Array:
+    """The states (n, 13) of a member with one of several kinds of damage, or none."""
+    rows, place, column = rows.copy(), random.integers(len(rows)), random.integers(13)
+    match random.integers(9):
+        case 0:
+            rows[place, column] = random.choice([np.nan, np.inf, -np.inf, 1e200, 1e308, -1e160])
+        case 1:
+            rows[place, 3:7] *= 1 + random.choice([-1, 1]) * 1e-6 * random.uniform(0.9, 1.1)
+        case 2:
+            rows[0, column] += 1e-4 * random.uniform(0.5, 2)
+        case 3:
+            rows[:] = rows[0]
+        case 4:
+            rows[place, 7:] *= random.uniform(5, 30)
+        case 5:
+            rows[-1] = rows[0]
+        case 6:
+            rows[:, 3:7] *= -1
+        case 7:
+            rows[:, 3:7] = 0
+    return rows
+
+
+@pytest.mark.parametrize(("name", "shape"), [("football-wobble", {"semi_axes": 3}), ("projectile", {"radius": 0})])
+def test_any_damage_is_told_as_if_the_member_were_alone(name: str, shape: dict[str, int]) -> None:
+    base, random = shortened(load(name), 0.4, 9), np.random.default_rng(9)
+    sizes = {key: random.uniform(0.05, 0.5, (COUNT, width) if width else COUNT) for key, width in shape.items()}
+    scenes = vary(base.scene, {**sizes, "velocity": random.normal(0, 3, (COUNT, 3))})
+    method, steps = METHODS[1], simulation.sampling_steps(base.instants, 0.01)
+    truths = truths_alone(scenes, steps * 0.01)
+    whole = fly("mujoco", method, scenes, steps)
+    flown = replace(whole, states=np.array([damaged(rows, random) for rows in whole.states]))
+    expectations = (Expectation("mujoco", method, (Limit("attitude_error", None, 1e-3), Limit("energy_drift", None, 1e-6))),)
+    cases = [replace(base, scene=scenes.scene(place), expectations=expectations) for place in range(COUNT)]
+    cases = [replace(case, name=called) for case, called in zip(cases, flown.names, strict=True)]
+    columns = judged(scenes, together(truths), flown, method, expectations, TODAY)
+    with np.errstate(all="ignore"):
+        apart = one_by_one(cases, truths, flown, TODAY)
+    assert set(columns["status"]) == {"ok", "diverged", "crashed"}
+    for key, values in columns.items():
+        np.testing.assert_array_equal(values, apart[key], err_msg=key)
+
+
 def test_cases_are_judged_one_by_one(drawn: Drawn) -> None:
     """A case may slide, last longer than another one, or have no truth."""
     cases = [
