@@ -10,7 +10,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from bodycheck.reference.trajectory import Array
 
@@ -60,6 +59,8 @@ def _sequences(seed: int, dimensions: int) -> tuple[Cells, Cells]:
 
     The scrambling of a sequence depends on the seed and the number of the sequence.
     """
+    from scipy.stats import qmc  # takes a second and tens of megabytes, of which processes that draw nothing have no use
+
     starts, directions = [], []
     for number in range(SEQUENCES):
         generator = np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(number,))))

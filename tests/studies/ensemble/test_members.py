@@ -4,6 +4,7 @@ import pickle
 import tomllib
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from bodycheck import load
@@ -12,6 +13,9 @@ from bodycheck.casefile.expectation import Limit
 from bodycheck.errors import BadInput
 from bodycheck.reference.exact.numbers import Real, Wide, real
 from bodycheck.reference.exact.start import start
+from bodycheck.reference.flight.closed_form import flight
+from bodycheck.reference.flight.flights import flights
+from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scenes import Scenes
 from bodycheck.studies.ensemble import members
 from tests.support.cases import a_case, expecting
@@ -58,6 +62,9 @@ QUICK = {
     "radius": ensemble_of(BALL, uniform("body.radius", 1, 2)),
     "cylinder": ensemble_of(ROD, uniform("body.half_length", 1, 2), uniform("body.radius", 0.1, 0.2)),
     "any quaternion": ensemble_of(BRICK, normal("initial.quaternion", 0, 1)),
+    "Euler angles that stay": ensemble_of(
+        BRICK.replace("[initial]", "[initial]\neuler_zxz = [0.1, 1.0, 0.3]"), uniform("body.semi_axes", 0.1, [0.2, 0.3, 0.4])
+    ),
     "instead of Euler angles": ensemble_of(TURNED, attitude(), normal("initial.angular_velocity", 0, 3)),
 }
 
@@ -104,6 +111,21 @@ def test_members_as_arrays_are_those_of_their_files(name: str) -> None:
         exact = start(alone).moments
         for moment, one, rest in zip(exact, scenes.exact_moments.high[k], scenes.exact_moments.low[k], strict=True):
             assert abs(moment - exactly(one) - exactly(rest)) <= moment * 1e-30
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_the_motion_of_a_member_is_that_of_its_file(name: str) -> None:
+    """Within the bounds of both."""
+    case, source = source_of(QUICK[name])
+    scenes = members.scenes(case, source.values(0, 5))
+    assert isinstance(scenes, Scenes)
+    many = flights(scenes, case.instants)
+    for k in range(5):
+        alone = flight(parse(members.text(case, source, k), "f").scene, case.instants)
+        apart = geodesic_angle(many.trajectory.quaternion[k], alone.motion.quaternion)
+        assert (apart <= many.bounds.error[k] + alone.bounds.error).all()
+        apart = np.abs(many.trajectory.position[k] - alone.motion.position).max(axis=1)
+        assert (apart <= many.bounds.position_error[k] + alone.bounds.position_error).all()
 
 
 @pytest.mark.parametrize("name", ONE_BY_ONE)
