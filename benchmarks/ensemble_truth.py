@@ -1,6 +1,6 @@
 """Measure the cost of the truths of an ensemble: all members of a block at once, and the same members one by one.
 
-Both are timed alternately in one process on one core, after a first turn that warms up. Each member has 101 samples in 2 s.
+The CPU time of both is taken alternately in one process, after a first turn that warms up. Each member has 101 samples in 2 s.
 Run: python benchmarks/ensemble_truth.py
 """
 
@@ -48,7 +48,9 @@ def base(shape: Shape) -> Scene:
 
 
 def main() -> None:
-    print(f"{MEMBERS} members, {len(TIMES)} samples in {TIMES[-1]:g} s, microseconds a member, median of {TURNS} turns")
+    print(
+        f"{MEMBERS} members, {len(TIMES)} samples in {TIMES[-1]:g} s, microseconds of CPU time a member, median of {TURNS} turns"
+    )
     print(f"{'':32} at once  one by one  ratio")
     for name, scenes in ensembles().items():
         single = [scenes.scene(k) for k in range(ALONE)]
@@ -64,10 +66,10 @@ def main() -> None:
         costs: dict[str, list[float]] = {way: [] for way in ways}
         for turn in range(TURNS + 1):
             for way, (call, members) in ways.items():
-                start = time.perf_counter()
+                start = time.process_time()
                 call()
                 if turn:  # the first turn warms up
-                    costs[way].append((time.perf_counter() - start) / members * 1e6)
+                    costs[way].append((time.process_time() - start) / members * 1e6)
         at_once, alone = (statistics.median(costs[way]) for way in ways)
         ratio = statistics.median(a / b for a, b in zip(costs["at once"], costs["one by one"], strict=True))
         print(f"{name:32}{at_once:8.1f}{alone:12.1f}{ratio:7.3f}")

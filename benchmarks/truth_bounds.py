@@ -5,7 +5,7 @@ tests that shares nothing with it and computes with 120 digits (`tests/support/m
 how many bounds are broken, and how large the bound is as a multiple of the error, or of a rounding where the error is smaller.
 The exit status is 1 if a bound is broken or a truth could not be computed.
 
-Run: python benchmarks/truth_bounds.py [--cases 5000] [--seed 0] [--regime separatrix] [--closed-form] [--processes 2]
+Run: python benchmarks/truth_bounds.py [--cases 5000] [--seed 0] [--regime separatrix] [--closed-form] [--members] [--processes 2]
 """
 
 import argparse
@@ -34,13 +34,14 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="seed of the first case of each regime")
     parser.add_argument("--regime", action="append", choices=list(REGIMES), help="a regime; by default all of them")
     parser.add_argument("--closed-form", action="store_true", help="leave out the witnesses, which add to the bounds")
+    parser.add_argument("--members", action="store_true", help="truths as those of members of ensembles, where cases can be")
     parser.add_argument("--processes", type=int, default=2, help="number of processes")
     options = parser.parse_args()
     regimes = options.regime or list(REGIMES)
     count = -(-options.cases // len(regimes))
     tasks = [(regime, options.seed + n) for n in range(count) for regime in regimes]
     begun, found = time.perf_counter(), []
-    examined = partial(examine, vouched=not options.closed_form)
+    examined = partial(examine, vouched=not options.closed_form, member=options.members)
     with multiprocessing.Pool(options.processes, warm_up) as pool:
         for each in pool.imap_unordered(examined, tasks):
             found.append(each)
@@ -62,10 +63,10 @@ def warm_up() -> None:
     check("turned-frame", 0, vouched=True)
 
 
-def examine(task: tuple[str, int], vouched: bool) -> Found:
-    """Check one case of a regime and a seed. vouched: whether its truth is compared with witnesses."""
+def examine(task: tuple[str, int], vouched: bool, member: bool) -> Found:
+    """Check one case of a regime and a seed; the other arguments are those of `check`."""
     try:
-        return *task, check(*task, vouched=vouched)
+        return *task, check(*task, vouched=vouched, member=member)
     except Exception as error:
         return *task, traceback.format_exception_only(error)[-1].strip()
 

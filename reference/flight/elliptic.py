@@ -122,8 +122,10 @@ def _each_until(
             state = advance(*state)
             done = converged(*state)
         return state
-    parts = tuple(np.broadcast_to(part, done.shape) for part in state)
-    found, left = tuple(np.array(part) for part in parts), np.arange(done.size)
+    parts = found = tuple(np.empty(done.shape, dtype=Wide) for _ in state)
+    for whole, part in zip(found, state, strict=True):
+        whole[...] = part
+    left = np.arange(done.size)
     while True:
         left, parts = left[~done], tuple(part[~done] for part in parts)
         if not len(left):

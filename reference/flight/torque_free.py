@@ -324,7 +324,9 @@ def _factor(values: Any) -> Array:
 
 def _put(vectors: Array, axis: NDArray[np.int_], part: Array) -> None:
     """Set the component along an axis of vectors (n, k), or along one axis (m,) for each row of vectors (m, n, k)."""
-    if axis.ndim:
-        np.put_along_axis(vectors, np.broadcast_to(axis[:, None, None], (*part.shape, 1)), part[..., None], axis=-1)
-    else:
+    if not axis.ndim:
         vectors[..., axis] = part
+        return
+    for each in set(axis.tolist()):
+        rows = axis == each
+        vectors[..., each][rows] = part[rows]

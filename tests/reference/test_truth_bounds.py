@@ -9,11 +9,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from bodycheck.casefile.case import parse
+from bodycheck.reference.scenes import variable
 from tests.support.bound_checks import UNITS, Check, check
-from tests.support.random_cases import REGIMES
+from tests.support.random_cases import REGIMES, drawn
 
 #: The largest median, over the cases of a regime, of the bound of an attitude over its error or a rounding, if that is larger.
 LARGEST_MEDIAN = 100
+
+#: The regimes whose bodies can be members of ensembles whose truths are computed at once.
+MEMBERS = ("principal-frame", "slender", "separatrix", "principal-spin", "symmetric-top")
 
 
 def broken(found: Check) -> list[str]:
@@ -29,6 +34,13 @@ def broken(found: Check) -> list[str]:
 def test_no_bound_is_broken(regime: str) -> None:
     for seed in range(2):
         assert broken(check(regime, seed, vouched=False)) == []
+
+
+@pytest.mark.parametrize("regime", MEMBERS)
+def test_no_bound_of_a_member_of_an_ensemble_is_broken(regime: str) -> None:
+    for seed in range(2, 4):
+        assert variable(parse(drawn(regime, seed)[0], regime).scene)
+        assert broken(check(regime, seed, vouched=False, member=True)) == []
 
 
 @pytest.mark.slow

@@ -8,8 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.casefile.case import parse
+from bodycheck.reference.bounds import NAMES, Bounds
+from bodycheck.reference.definition import EulerAngles, Tensor
+from bodycheck.reference.flight.flights import flights
 from bodycheck.reference.observables import observe
-from bodycheck.reference.trajectory import Array
+from bodycheck.reference.scene import Brick, Ellipsoid, Scene
+from bodycheck.reference.scenes import variable, vary
+from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth, truth
 from tests.support.multiprecision.arithmetic import MP, cross, dot, norm, real, vector
 from tests.support.multiprecision.flight import Flight, Moment, read
@@ -83,18 +88,38 @@ class Check:
     seconds: tuple[float, float]
 
 
-def check(regime: str, seed: int, *, vouched: bool) -> Check:
+def check(regime: str, seed: int, *, vouched: bool, member: bool = False) -> Check:
     """Compare the truth of the case of a regime and a seed with multiprecision arithmetic. Raises what the truth raises.
 
     vouched: whether the truth is compared with its witnesses. They only add to its bounds, and could hide that one is broken.
+    member: whether the truth is computed as that of a member of an ensemble, where the case can be one.
     """
     text, times = drawn(regime, seed)
     begun = time.process_time()
     case = parse(text, f"{regime}-{seed}")
     read_at = time.process_time()
-    found = truth(case.scene, np.array(times), vouched=vouched)
+    of_member = member and variable(case.scene)
+    found = member_truth(case.scene, np.array(times)) if of_member else truth(case.scene, np.array(times), vouched=vouched)
     seconds = read_at - begun, time.process_time() - read_at
     return Check(regime, seed, figures(text, found), seconds)
+
+
+def member_truth(scene: Scene, times: Array) -> Truth:
+    """The truth of a scene as that of a member of an ensemble, in which all numbers vary."""
+    definition, body, initial = scene.definition, scene.body, scene.initial
+    assert definition is not None
+    values: dict[str, object] = {"mass": body.mass, "gravity": scene.gravity, "angular_velocity": initial.angular_velocity}
+    values |= {"position": initial.position, "velocity": initial.velocity}
+    if not isinstance(definition.attitude, EulerAngles):
+        values["quaternion"] = definition.attitude
+    if isinstance(definition.inertia, Tensor):
+        values["moments"] = body.moments
+    elif isinstance(body.shape, Brick | Ellipsoid):
+        values["semi_axes"] = body.shape.semi_axes
+    found = flights(vary(scene, {name: np.array([value], dtype=float) for name, value in values.items()}), times)
+    arrays = (getattr(found.trajectory, name)[0] for name in ("position", "quaternion", "velocity", "angular_velocity"))
+    bounds = Bounds(*(getattr(found.bounds, name)[0] for name in NAMES))
+    return Truth(scene, Trajectory(times, *arrays), bounds, found.forms[0], "", "")
 
 
 def figures(text: str, found: Truth) -> dict[str, Figure]:
