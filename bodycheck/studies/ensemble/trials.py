@@ -16,6 +16,7 @@ from bodycheck.judging.expectation_writer import floors
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.truth import truth
 from bodycheck.running import engines, pool
+from bodycheck.running.halving import in_halves
 from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut, Unsupported
 from bodycheck.running.simulation import run
 
@@ -72,10 +73,10 @@ def trials(limit: float = TIME_LIMIT_S) -> Iterator[Trials]:
     with pool.caller(_carry_out, limit, group=_group, home=engines.home) as ask:
 
         def tried(engine: str, method: Method, cases: Sequence[Case]) -> list[Tried]:
-            made = _halved(ask, lambda some: _Runs(engine, method, tuple(some)), cases)
+            made = _asked(ask, lambda some: _Runs(engine, method, tuple(some)), cases)
             flown = [(place, one) for place, one in enumerate(made) if isinstance(one, Run)]
             pairs = [(cases[place], one) for place, one in flown]
-            compared = _halved(ask, lambda some: _Comparisons(tuple(some)), pairs)
+            compared = _asked(ask, lambda some: _Comparisons(tuple(some)), pairs)
             found = dict(zip((place for place, _ in flown), compared, strict=True))
             answers = [found.get(place, one) for place, one in enumerate(made)]
             return [one if isinstance(one, Tried) else Tried(one.status, one.reason) for one in answers]
@@ -83,17 +84,14 @@ def trials(limit: float = TIME_LIMIT_S) -> Iterator[Trials]:
         yield tried
 
 
-def _halved(ask: Callable[[Any], Any], question: Callable[[Sequence[Any]], Any], items: Sequence[Any]) -> list[Any]:
+def _asked(ask: Callable[[Any], Any], question: Callable[[Sequence[Any]], Any], items: Sequence[Any]) -> list[Any]:
     """Return the answers about some items, which are asked together, and by halves if the process fails."""
     if not items:
         return []
-    answer = ask(question(items))
-    if not isinstance(answer, Crashed | TimedOut):
-        return list(answer)
-    if len(items) == 1:
-        return [answer]
-    middle = len(items) // 2
-    return _halved(ask, question, items[:middle]) + _halved(ask, question, items[middle:])
+    found: list[Any] = []
+    for _, answer in in_halves(lambda first, last: ask(question(items[first:last])), 0, len(items)):
+        found += [answer] if isinstance(answer, Crashed | TimedOut) else answer
+    return found
 
 
 def _group(question: _Runs | _Comparisons) -> str | None:

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import ceil, floor, inf, isfinite, log10
+from decimal import ROUND_CEILING, Context
+from math import inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,9 @@ OUTSTANDING = 10.0
 
 #: The quantile above which the largest value of a figure must stay.
 HIGH = 0.99
+
+#: Numbers of digits of limits, of which the first is taken that leaves a limit below the value.
+DIGITS = (2, 3, 4, 6)
 
 #: Most worst members that are written, the worst ways of failing first.
 MOST_FILES = 40
@@ -154,11 +158,9 @@ def _largest(ensemble: Ensemble, flown: Flown, values: Array, name: str) -> Iter
 
 
 def _below(bound: float, value: float) -> float | None:
-    """Return a bound with two digits, rounded up, or as it is where that is not below a value; None if it is not either."""
-    if not 0 <= bound < value or bound > MAX_NUMBER:
+    """Return a bound rounded up to as few digits as leave it below a value; None if it is not below it, or no valid limit."""
+    bound = max(bound, 1 / MAX_NUMBER)
+    if not bound < value or bound > MAX_NUMBER:
         return None
-    if bound < 1 / MAX_NUMBER:
-        return 1 / MAX_NUMBER if value > 1 / MAX_NUMBER else None
-    exponent = floor(log10(bound)) - 1
-    rounded = float(f"{ceil(bound / 10.0**exponent)}e{exponent}")
-    return rounded if rounded < value else bound
+    rounded = (float(Context(prec=digits, rounding=ROUND_CEILING).create_decimal(repr(bound))) for digits in DIGITS)
+    return next((one for one in rounded if one < value), bound)
