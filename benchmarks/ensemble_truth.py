@@ -48,9 +48,7 @@ def base(shape: Shape) -> Scene:
 
 
 def main() -> None:
-    print(
-        f"{MEMBERS} members, {len(TIMES)} samples in {TIMES[-1]:g} s, microseconds of CPU time a member, median of {TURNS} turns"
-    )
+    print(f"{MEMBERS} members, {len(TIMES)} samples in {TIMES[-1]:g} s; CPU time a member in microseconds, median of {TURNS}")
     print(f"{'':32} at once  one by one  ratio")
     for name, scenes in ensembles().items():
         single = [scenes.scene(k) for k in range(ALONE)]

@@ -5,7 +5,8 @@ tests that shares nothing with it and computes with 120 digits (`tests/support/m
 how many bounds are broken, and how large the bound is as a multiple of the error, or of a rounding where the error is smaller.
 The exit status is 1 if a bound is broken or a truth could not be computed.
 
-Run: python benchmarks/truth_bounds.py [--cases 5000] [--seed 0] [--regime separatrix] [--closed-form] [--members] [--processes 2]
+Run: python benchmarks/truth_bounds.py [--cases 5000] [--seed 0] [--regime separatrix] [--closed-form] [--members]
+[--processes 2]
 """
 
 import argparse
