@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference.bounds import Bounds
+from bodycheck.reference.bounds import NAMES, Bounds
 from bodycheck.reference.exact import inertia, pairs
 from bodycheck.reference.exact.numbers import Wide, vector
 from bodycheck.reference.exact.rotations import IDENTITY
@@ -79,10 +79,24 @@ def flights(scenes: Scenes, times: Array) -> Flights:
         forms[places] = form.name
         for name, values in vars(part).items():
             getattr(turning, name)[places] = values
-    position, velocity = parabolas(scenes.position, scenes.velocity, scenes.gravity, times)
-    motion = Trajectory(times, position, turning.attitude, velocity, turning.angular_velocity)
+    motion = Trajectory(times, np.empty((m, n, 3)), turning.attitude, np.empty((m, n, 3)), turning.angular_velocity)
+    limits = Bounds(*(np.empty((m, n)) for _ in NAMES))
+    for places in _cut(np.arange(m), times):
+        rows = slice(places[0], places[-1] + 1)
+        _translate(scenes.part(rows), rows, turning, motion, limits)
+    return Flights(motion, limits, forms)
+
+
+def _translate(scenes: Scenes, rows: slice, turning: Turning, motion: Trajectory, limits: Bounds) -> None:
+    """Set the translation, and the bounds of all errors, in the rows of some of the scenes."""
+    translation = parabolas(scenes.position, scenes.velocity, scenes.gravity, motion.t)
+    motion.position[rows], motion.velocity[rows] = translation
     numbers = Numbers(scenes.mass, scenes.gravity, scenes.moments, scenes.angular_velocity, scenes.position, scenes.velocity)
-    return Flights(motion, bounds(numbers, turning, motion, turned=False), forms)
+    own = Trajectory(motion.t, translation[0], motion.quaternion[rows], translation[1], motion.angular_velocity[rows])
+    turned = Turning(*(value[rows] for value in vars(turning).values()))
+    found = bounds(numbers, turned, own, turned=False)
+    for name in NAMES:
+        getattr(limits, name)[rows] = getattr(found, name)
 
 
 def _rotations(scenes: Scenes, times: Array) -> Iterator[tuple[Form, Places, Turning]]:
