@@ -18,7 +18,7 @@ from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
 #: Most copies of a model, each of which takes about as much memory and time to make as one from XML takes to read.
-COPIES = 64
+COPIES = 32
 
 #: The number of the body in its model; number 0 is the world.
 BODY = 1

@@ -22,7 +22,7 @@ from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 
-#: Most bodies in one model. Pinocchio's data grow with the third power of their number, to 40 MiB with 16 free bodies.
+#: Most bodies in one model. The data of Pinocchio grow with the third power of their number, to 31 MiB for 16 free bodies.
 BODIES = 16
 
 
