@@ -15,9 +15,13 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from bodycheck.judging.result_set import ResultSet
+    from bodycheck.reports.study import StudyReport
+    from bodycheck.running.store import Results
 
 
-def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit: JUnit = None) -> int:
+def report(
+    *folders: Path, case: tuple[str, ...] = (), out: Path | None = None, figures: Figures = (), junit: JUnit = None
+) -> int:
     """Write the report of saved results again, without new simulations. The results may be runs or a study.
 
     Several folders of runs are compared in one report, for example those of two releases of an engine, of two machines, or
@@ -28,6 +32,9 @@ def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit
     ----------
     folders
         Folders that `--out` of an earlier command wrote.
+    case
+        A case that the report is about, by its name, with its curves and animation. May be given several times. Needs --out.
+        Default: all cases.
     out
         The folder for the report and its tables. It may be omitted if there is only one folder of results; the report is then
         written into that folder.
@@ -41,9 +48,14 @@ def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit
 
     arguments.check_writable("--junit", junit)
     into = arguments.folder_for(folders, out)
+    if case and (out is None or into.resolve() in {folder.resolve() for folder in folders}):
+        raise BadInput("--case: needs --out, another folder, for a report of these cases alone")
     if all((folder / release_rows.RECORDS).is_file() for folder in folders):
+        _refuse_cases(case, folders[0])
         return _report_releases(folders, into, figures, junit)
     found = [saved.read(folder) for folder in folders]
+    if case:
+        found = _of_cases(found, folders, case)
     arguments.make_folder("--out", into)
     if isinstance(found[0], StudyReport) and len(found) == 1:
         if junit is not None:
@@ -70,6 +82,32 @@ def report(*folders: Path, out: Path | None = None, figures: Figures = (), junit
     for judged in sets:
         unchecked.show(judged.results.unchecked, sys.stderr)
     return FAILED if any(judged.failed for judged in sets) else OK
+
+
+def _refuse_cases(cases: tuple[str, ...], folder: Path) -> None:
+    """Raise `BadInput` if cases are asked for of a study, whose report is about all."""
+    if cases:
+        raise BadInput(f"--case {cases[0]}: {folder} contains a study; only results of runs can be reported by case")
+
+
+def _of_cases(
+    found: "Sequence[Results | StudyReport]", folders: tuple[Path, ...], cases: tuple[str, ...]
+) -> "list[Results | StudyReport]":
+    """Return results of runs without all other cases. Raises `BadInput` for a study, and for a case that is in no folder."""
+    from bodycheck.running.store import Results
+    from bodycheck.suggestion import did_you_mean
+
+    for folder, one in zip(folders, found, strict=True):
+        if not isinstance(one, Results):
+            _refuse_cases(cases, folder)
+    results = [one for one in found if isinstance(one, Results)]
+    known = dict.fromkeys(entry["name"] for one in results for entry in one.header["cases"])
+    for name in cases:
+        if name not in known:
+            raise BadInput(
+                f"--case {name}: there is no such case in these results of {len(known)} cases{did_you_mean(name, known)}"
+            )
+    return [one.only(cases) for one in results]
 
 
 def _report_releases(folders: tuple[Path, ...], into: Path, figures: Figures, junit: Path | None) -> int:

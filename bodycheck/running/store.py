@@ -10,7 +10,7 @@ import os
 from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
@@ -159,21 +159,33 @@ class Results:
         The records of truths, runs and stops.
     complete
         Whether the work was completed.
+    known
+        Cases by name, which need not be made of their texts again where these are the same.
     """
 
     folder: Path
     header: StoredHeader
     records: tuple[dict[str, Any], ...]
     complete: bool
+    known: Mapping[str, Case] = field(default_factory=dict, repr=False, compare=False)
 
     @cached_property
     def cases(self) -> dict[str, Case]:
         """The cases that were run, by name. Raises `CaseFaults` or `BadFolder` if their texts are damaged."""
-        found = {entry["name"]: parse_stored(entry["text"], entry["name"]) for entry in self.header["cases"]}
+        found = {entry["name"]: self._case(entry["name"], entry["text"]) for entry in self.header["cases"]}
         for name, case in found.items():
             if case.name != name:
                 raise BadFolder(f"{self.folder}: damaged: the case {name} is called {case.name} in its own text")
         return found
+
+    def only(self, names: Collection[str]) -> "Results":
+        """Return the results of the cases with some names alone."""
+        header = self.header | {
+            "cases": [entry for entry in self.header["cases"] if entry["name"] in names],
+            "unchecked": [entry for entry in self.header.get("unchecked", ()) if entry["case"] in names],
+        }
+        kept = tuple(record for record in self.records if record["case"] in names)
+        return replace(self, header=header, records=kept)
 
     @cached_property
     def files(self) -> dict[str, str]:
@@ -208,16 +220,15 @@ class Results:
             # Earlier versions recorded the reason alone.
             return NoTruth(record["reason"], record.get("limit"), record.get("crashed", False))
         trajectory, bounds = trajectory_files.read_truth(self.folder / _path_of(record))
-        return Truth(
-            self.cases[case].scene,
-            trajectory,
-            bounds,
-            model=record["model"],
-            reason=record["why"],
-            backend=record["backend"],
-            witnesses=tuple(record["witnesses"]),
-            stop=_stop(record.get("stop")),
-        )
+        return Truth(self.cases[case].scene, trajectory, bounds, **_ways(record))
+
+    def ways(self, case: str, timestep: float) -> dict[str, Any] | None:
+        """Return how the truth for the runs of a case with a time step (s) was found, which needs no trajectory.
+
+        It is what `Truth` has besides its scene, trajectory and bounds, by name; None where there is no truth.
+        """
+        record = self._truths.get((case, timestep), {"reason": ""})
+        return None if "reason" in record else _ways(record)
 
     @cached_property
     def stops(self) -> dict[tuple[str, Plane], Stop | None]:
@@ -226,6 +237,10 @@ class Results:
         An entry is None if the reference knows no stop. Interrupted results lack some entries, those of earlier versions all.
         """
         return {_law_of(record): _stop(record["stop"]) for record in self.records if record["record"] == "stop"}
+
+    def _case(self, name: str, text: str) -> Case:
+        case = self.known.get(name)
+        return case if case is not None and case.text == text else parse_stored(text, name)
 
     @cached_property
     def _truths(self) -> dict[tuple[str, float], dict[str, Any]]:
@@ -280,7 +295,7 @@ def read(folder: Path) -> Results:
 def _check(header: dict[str, Any], found: Sequence[dict[str, Any]]) -> None:
     """Raise `ValueError` unless the header and the records of a results folder have what is read of them."""
     records.typed(records.HeaderRecord, header)
-    names = [case.name for case in records.typed(records.CasesRecord, header).cases]
+    names = {case.name for case in records.typed(records.CasesRecord, header).cases}
     for record in found:
         records.check(record)
         if record["case"] not in names:
@@ -295,6 +310,17 @@ def _identity_of(record: dict[str, Any]) -> Path | tuple[str, Plane]:
 def _law_of(record: dict[str, Any]) -> tuple[str, Plane]:
     """Return the case and the law of friction in the record of a stop."""
     return record["case"], Plane(**record["law"])
+
+
+def _ways(record: dict[str, Any]) -> dict[str, Any]:
+    """Return how the truth of a record was found, by the names of `Truth`."""
+    return {
+        "model": record["model"],
+        "reason": record["why"],
+        "backend": record["backend"],
+        "witnesses": tuple(record["witnesses"]),
+        "stop": _stop(record.get("stop")),
+    }
 
 
 def _stop(told: dict[str, Any] | None) -> Stop | None:

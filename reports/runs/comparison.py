@@ -55,7 +55,8 @@ def shown(sets: Sequence[ResultSet]) -> tuple[Shown, ...]:
         versions: dict[str, list[ResultSet]] = {}
         for one in sets:
             if name in one.results.cases:
-                versions.setdefault(identity(one.results.cases[name]), []).append(one)
+                kept = identity(one.results.cases[name]) if len(sets) > 1 else ""
+                versions.setdefault(kept, []).append(one)
         several = len(versions) > 1
         for number, own in enumerate(versions.values(), start=1):
             found.append(_shown(name, f"{name}@{number}" if several else name, own, several))

@@ -5,15 +5,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from bodycheck.figures.bounds import ATTITUDE
 from bodycheck.judging import advice
 from bodycheck.judging.advice import Step
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, Quantity
-from bodycheck.reports.runs import comparison, curves
+from bodycheck.reports.runs import chapters, comparison, curves
 from bodycheck.reports.runs.brief import brief
 from bodycheck.reports.runs.commands import Command, command
 from bodycheck.reports.runs.comparison import Shown
@@ -23,7 +24,7 @@ from bodycheck.reports.runs.matrix import Matrix, matrices
 from bodycheck.reports.runs.origins import Origins, origins
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback, playback
 from bodycheck.reports.runs.run_table import run_table
-from bodycheck.reports.runs.scenes import Fact, describe
+from bodycheck.reports.runs.scenes import Fact, Told, describe
 from bodycheck.reports.runs.step_charts import over_steps
 from bodycheck.reports.runs.summary import failure_status
 from bodycheck.reports.runs.unsupported import with_place
@@ -39,6 +40,9 @@ MOST_NUMBERS = 300_000
 
 #: Most points of one curve.
 MOST_POINTS = 256
+
+#: Most instants of the curves of the angular momentum in all cases together, some 1.5 MB, but at least so many in each.
+MOST_INSTANTS, LEAST_INSTANTS = 25_000, 50
 
 #: Processor time (s) that the curves and the animation of one case may take. Those of a thousand runs take some twenty.
 DRAWING_LIMIT_S = 120.0
@@ -86,6 +90,15 @@ class Section:
     origins: Origins | None
     curves: Curves
     playback: Playback | None
+
+
+@dataclass(frozen=True)
+class Room:
+    """What one case may take of a page: points of a curve, instants of the angular momentum, characters of the animation."""
+
+    points: int
+    instants: int
+    characters: int
 
 
 @dataclass(frozen=True)
@@ -151,8 +164,9 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     lines = assign(verdict.key.over_cases for case in every for verdict in case.verdicts)
     shown = tuple(replace(case, verdicts=with_place(case.verdicts)) for case in every)
     verdicts = [verdict for case in shown for verdict in case.verdicts]
-    points = max(2, min(MOST_POINTS, MOST_NUMBERS // max(1, 4 * len(verdicts))))
-    room = MOST_CHARACTERS // max(1, len(shown))
+    told = brief(sets)
+    chosen = frozenset(chapters.drawn(shown, told.findings))
+    room = _room([case for case in shown if case.name in chosen])
     placed = {verdict.key.over_cases for verdict in verdicts}
     header = comparison.header(sets)
     demonstrations = demonstrated(header, lines)
@@ -160,9 +174,9 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     refused = {case.name for case in every if case.verdicts}
     absences = {case.name: ALL_REFUSED if case.name in refused else NONE_FINISHED for case in shown if not case.verdicts}
     sections = tuple(
-        _section(case, absences.get(case.name, ""), lines, anchors, demonstrations, points, room) for case in shown
+        _section(case, absences.get(case.name, ""), lines, anchors, demonstrations, room if case.name in chosen else None)
+        for case in shown
     )
-    told = brief(sets)
     return Contents(
         header=header,
         complete=all(one.results.complete for one in sets),
@@ -189,6 +203,16 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     )
 
 
+def _room(cases: Sequence[Shown]) -> Room:
+    """Return the room of each case of those that are drawn."""
+    curved, amount = sum(len(case.verdicts) for case in cases), max(1, len(cases))
+    return Room(
+        points=max(2, min(MOST_POINTS, MOST_NUMBERS // max(1, 4 * curved))),
+        instants=min(curves.MOST_CORNERS, max(LEAST_INSTANTS, MOST_INSTANTS // amount)),
+        characters=MOST_CHARACTERS // amount,
+    )
+
+
 def _failure(case: Shown, verdict: Verdict, lines: Mapping[RunKey, Line]) -> Failure:
     label, steps = lines[verdict.key.over_cases].label, advice.of_run(verdict, case.file(verdict.label))
     return Failure(verdict.run.case, label, failure_status(verdict), verdict.reason, steps)
@@ -200,21 +224,24 @@ def _section(
     lines: Mapping[RunKey, Line],
     anchors: Mapping[RunKey, str],
     demonstrations: Mapping[RunKey, str],
-    points: int,
-    room: int,
+    room: Room | None,
 ) -> Section:
+    """Return the section of a case. room: what its curves and animation may take; None for neither."""
     case, verdicts = shown.case, shown.verdicts
     timesteps = dict.fromkeys(verdict.run.method.timestep for verdict in verdicts)
-    truths = {(one.label, timestep): one.results.truth(case.name, timestep) for one in shown.sets for timestep in timesteps}
-    known = {key: truth for key, truth in truths.items() if isinstance(truth, Truth)}
     parts = {one.label: one.parts_by_case.get(case.name, ()) for one in shown.sets}
-    facts = describe(case, list(truths.values()))
-    try:
-        with limited(DRAWING_LIMIT_S):
-            drawn, played = _drawn(shown, known, lines, points, room)
-    except TookTooLong as error:
-        drawn, played = curves.draw({}, {}, points), None
-        facts += (Fact("Left out", f"curves and animation, because drawing them took {error} of processor time"),)
+    facts = describe(case, [_told(one, shown, timestep) for one in shown.sets for timestep in timesteps])
+    drawn, played = curves.draw({}, {}, MOST_POINTS), None
+    if room is not None:
+        truths = {(one.label, step): one.results.truth(case.name, step) for one in shown.sets for step in timesteps}
+        known = {key: truth for key, truth in truths.items() if isinstance(truth, Truth)}
+        try:
+            with limited(DRAWING_LIMIT_S):
+                drawn, played = _drawn(shown, known, lines, room)
+        except TookTooLong as error:
+            facts += (Fact("Left out", f"curves and animation, because drawing them took {error} of processor time"),)
+    else:
+        facts += (Fact("Left out", chapters.undrawn(shown.name)),)
     return Section(
         name=shown.name,
         title=shown.title,
@@ -238,8 +265,22 @@ def _section(
     )
 
 
+def _told(one: ResultSet, shown: Shown, timestep: float) -> Told | NoTruth:
+    """Return what is told of the truth for the runs of a case in a set of results with a time step (s).
+
+    The largest error of a truth with which a run was compared is known, so that it is not read again.
+    """
+    runs = (v for v in shown.verdicts if v.label == one.label and v.run.method.timestep == timestep)
+    errors = (run.discrepancy.largest.get(ATTITUDE.name) for run in runs if run.discrepancy is not None)
+    error, ways = next(errors, None), one.results.ways(shown.case.name, timestep)
+    if error is not None and ways is not None:
+        return Told(**ways, error=error)
+    truth = one.results.truth(shown.case.name, timestep)
+    return Told.of(truth) if isinstance(truth, Truth) else truth
+
+
 def _drawn(
-    shown: Shown, known: Mapping[tuple[str, float], Truth], lines: Mapping[RunKey, Line], points: int, room: int
+    shown: Shown, known: Mapping[tuple[str, float], Truth], lines: Mapping[RunKey, Line], room: Room
 ) -> tuple[Curves, Playback | None]:
     """Return the curves and the animation of a case. known: its truths by the label of their set and the time step."""
     labels = [one.label for one in shown.sets]
@@ -247,11 +288,11 @@ def _drawn(
         (v for v in shown.verdicts if v.discrepancy is not None), key=lambda verdict: labels.index(verdict.label)
     )
     return (
-        curves.draw({lines[verdict.key.over_cases].label: verdict for verdict in completed}, known, points),
+        curves.draw({lines[verdict.key.over_cases].label: verdict for verdict in completed}, known, room.points, room.instants),
         playback(
             shown.case.scene,
             {lines[verdict.key.over_cases]: verdict for verdict in shown.verdicts},
             {timestep: truth for (_, timestep), truth in known.items()},
-            room,
+            room.characters,
         ),
     )

@@ -61,7 +61,9 @@ class Curves:
     momentum: str
 
 
-def draw(verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Truth], points: int) -> Curves:
+def draw(
+    verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Truth], points: int, instants: int = MOST_CORNERS
+) -> Curves:
     """Return the curves of completed runs and of their truths.
 
     The trajectory of each run is read and compared with its truth again, one run at a time, as verdicts keep no series.
@@ -74,6 +76,8 @@ def draw(verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Trut
         The truths of the case, by the label of their set of results and the time step (s).
     points
         Most points of one curve.
+    instants
+        Most instants of the curves of the angular momentum.
     """
     truths = {timestep: truth for (_, timestep), truth in known.items()}
     datasets: dict[str, list[dict[str, Any]]] = {"times": [], "series": [], "floor": [], "momentum": []}
@@ -100,7 +104,7 @@ def draw(verdicts: Mapping[str, Verdict], known: Mapping[tuple[str, float], Trut
         datasets["floor"] = [_floor(largest, peaks, points)]
         seen = observe(largest.scene, largest.trajectory)
         if seen.angular_momentum.any():
-            datasets["momentum"] = [_momentum(largest, seen)]
+            datasets["momentum"] = [_momentum(largest, seen, instants)]
             momentum = _constancy(seen)
     drawn = {name: _words(name, own, gaps[name]) for name, own in peaks.items() if any(own.values()) or gaps[name]}
     blank = tuple(name for name in peaks if name not in drawn)
@@ -122,9 +126,9 @@ def _floor(truth: Truth, peaks: Mapping[str, Mapping[str, float]], points: int) 
     return row
 
 
-def _momentum(truth: Truth, seen: Observables) -> dict[str, Any]:
+def _momentum(truth: Truth, seen: Observables, instants: int) -> dict[str, Any]:
     values = np.hstack([seen.body_angular_momentum, seen.angular_momentum])
-    kept = corners(truth.trajectory.t, values, MOST_CORNERS)
+    kept = corners(truth.trajectory.t, values, instants)
     t, thinned = truth.trajectory.t[kept], values[kept]
     names = [component for those in FRAMES.values() for component in those]
     return {"t": rounded(t, INSTANT_DIGITS), **{name: rounded(column) for name, column in zip(names, thinned.T, strict=True)}}

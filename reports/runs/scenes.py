@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bodycheck.casefile.case import Case
+from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reports.quantities import bound, count, listing, number
@@ -18,7 +19,25 @@ class Fact:
     text: str
 
 
-def describe(case: Case, truths: Sequence[Truth | NoTruth]) -> tuple[Fact, ...]:
+@dataclass(frozen=True)
+class Told:
+    """What is told of a truth: how it was found, by the names of `Truth`, and the largest error (rad) of its attitude."""
+
+    model: str
+    reason: str
+    backend: str
+    witnesses: tuple[str, ...]
+    stop: Stop | None
+    error: float
+
+    @classmethod
+    def of(cls, truth: Truth) -> "Told":
+        """Return what is told of a truth."""
+        error = float(truth.bounds.error.max())
+        return cls(truth.model, truth.reason, truth.backend, truth.witnesses, truth.stop, error)
+
+
+def describe(case: Case, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
     """Return the facts of a case. `truths` are those that its runs are compared with, one for each time step."""
     scene, body, start = case.scene, case.scene.body, case.scene.initial
     spin, speed = math.hypot(*start.angular_velocity), math.hypot(*start.velocity)
@@ -39,10 +58,10 @@ def describe(case: Case, truths: Sequence[Truth | NoTruth]) -> tuple[Fact, ...]:
     )
 
 
-def _stop(truths: Sequence[Truth | NoTruth]) -> tuple[Fact, ...]:
+def _stop(truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
     """Return when and where the body comes to rest, which is the same for every time step."""
     for truth in truths:
-        if isinstance(truth, Truth) and truth.stop is not None:
+        if isinstance(truth, Told) and truth.stop is not None:
             stop = truth.stop
             where = f"at {_vector(stop.position)} m, with a yaw of {number(stop.yaw)} rad"
             return (Fact("Rest", f"after {number(stop.time)} s {where}"),)
@@ -67,9 +86,9 @@ def _vector(components: Sequence[float]) -> str:
     return f"({', '.join(map(number, components))})"
 
 
-def _truth(truths: Sequence[Truth | NoTruth]) -> str:
+def _truth(truths: Sequence[Told | NoTruth]) -> str:
     """Return where the truth comes from, why it can be known so, what confirms it, and how wrong it may be."""
-    known = [truth for truth in truths if isinstance(truth, Truth)]
+    known = [truth for truth in truths if isinstance(truth, Told)]
     if not known:
         reasons = dict.fromkeys(truth.reason for truth in truths if isinstance(truth, NoTruth))
         return f"none: {'; '.join(reasons)}"
@@ -77,11 +96,11 @@ def _truth(truths: Sequence[Truth | NoTruth]) -> str:
     # A witness is named by its equations and its solver, with a comma between them.
     witnesses = list(dict.fromkeys(witness.replace(", ", " by ") for truth in known for witness in truth.witnesses))
     checked = f" Checked by {count(len(witnesses), 'independent computation')}: {listing(witnesses)}." if witnesses else ""
-    error = bound(max(float(truth.bounds.error.max()) for truth in known), 2)
+    error = bound(max(truth.error for truth in known), 2)
     return f"{' and '.join(sources)}.{checked} Its attitude is wrong by at most {error} rad."
 
 
-def _source(truth: Truth) -> str:
+def _source(truth: Told) -> str:
     """Return in words how a truth was computed: by a formula, or by integrating equations of motion."""
     formula = truth.model.removeprefix("closed form: ")
     if formula != truth.model:
