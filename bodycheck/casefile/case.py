@@ -5,6 +5,7 @@ import tomllib
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from datetime import date, time
+from functools import cache
 from importlib import resources
 from itertools import accumulate
 from pathlib import Path as FilePath
@@ -109,6 +110,7 @@ class Case:
         return np.linspace(0.0, self.duration, self.samples)
 
 
+@cache
 def shipped() -> tuple[str, ...]:
     """Return the names of the cases that come with the package."""
     entries = resources.files("bodycheck.cases").iterdir()

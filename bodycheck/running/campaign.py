@@ -129,10 +129,10 @@ def results(
     BadJournal
         If another process is writing to the folder.
     """
-    cases = tuple({task.case.name: task.case for task in tasks}.values())
+    cases = {task.case.name: task.case for task in tasks}
     places = {task: place for place, task in enumerate(tasks)}
     identity = _identity(tasks, head, limit, memory)
-    with Writer(folder, head, identity, cases, unchecked, files) as writer:
+    with Writer(folder, head, identity, tuple(cases.values()), unchecked, files) as writer:
         everything: list[TruthTask | Task] = [*_truth_tasks(tasks), *tasks]
         left = [argument for argument in everything if _missing(writer, argument)]
         units = size(tasks)
@@ -143,14 +143,15 @@ def results(
             for argument, result in answers:
                 for done in _add(writer, argument, result, places, head["engines"]):
                     progress(done)
-        needed = _stop_tasks({case.name: case for case in cases}, store.read(folder).runs())
+        runs = store.read(folder).runs() if any(case.scene.plane is not None for case in cases.values()) else ()
+        needed = _stop_tasks(cases, runs)
         stops = [task for task in needed if not writer.has_stop(task.case.name, task.law)]
         with closing(pool.call_all(perform_stop, stops, jobs, limit, memory)) as found:
             for task, stop in found:
                 stopped, reason = (None, stop.reason) if isinstance(stop, Crashed | TimedOut) else (stop, "")
                 writer.add_stop(task.case.name, task.law, stopped, reason)
                 progress(_name(task), 0)
-        yield replace(store.read(folder), complete=True)
+        yield replace(store.read(folder), complete=True, known=cases)
 
 
 def _add(

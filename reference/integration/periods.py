@@ -154,7 +154,7 @@ def inverse(q: WideArray) -> WideArray:
 
 def product(p: WideArray, q: WideArray) -> WideArray:
     """The products (n, 4) of quaternions w, x, y, z (n, 4)."""
-    (a, b, c, d), (w, x, y, z) = np.moveaxis(p, 1, 0), np.moveaxis(q, 1, 0)
+    (a, b, c, d), (w, x, y, z) = p.T, q.T
     return np.stack(
         [
             a * w - b * x - c * y - d * z,
