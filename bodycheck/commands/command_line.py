@@ -8,6 +8,7 @@ from bodycheck.commands.authoring import expect, new, schema, validate
 from bodycheck.commands.diff import diff
 from bodycheck.commands.engines import engines
 from bodycheck.commands.export import export
+from bodycheck.commands.gather import gather
 from bodycheck.commands.listing import cases
 from bodycheck.commands.query import query
 from bodycheck.commands.report import report
@@ -33,7 +34,7 @@ app = App(
 
 #: All commands, in the order of their registration.
 COMMANDS = (
-    *(run, tradeoff, recommend, extremes, ablate, audit, query, releases, bisect, report, diff),
+    *(run, tradeoff, recommend, extremes, ablate, audit, gather, query, releases, bisect, report, diff),
     *(truth, export, cases, engines, validate, new, schema, expect),
 )
 

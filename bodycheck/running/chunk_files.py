@@ -22,7 +22,7 @@ from bodycheck.errors import BadFolder
 from bodycheck.figures.columns import FIGURES
 from bodycheck.files import reading, writing
 from bodycheck.running.chunks import Chunk
-from bodycheck.running.trajectory_files import BOUND_COLUMNS, STATE_COLUMNS
+from bodycheck.running.trajectory_files import STATE_COLUMNS
 
 #: The folder of the files of chunks, inside the folder of an ensemble.
 CHUNKS = "chunks"
@@ -54,7 +54,13 @@ RUN_SCHEMA = pa.schema(
     ]
 )
 
-#: The columns of truths: the largest bounds over the instants, and the distance of the attitude from that of a witness (rad).
+#: The columns of truths with the largest bounds over the instants, in the order and the units of `reference.bounds.Bounds`: in
+#: rad, m, m/s, rad/s, J and kg m^2/s.
+BOUND_COLUMNS = tuple(
+    f"{name}_bound" for name in ("attitude", "position", "velocity", "angular_velocity", "energy", "angular_momentum")
+)
+
+#: The columns of truths. The difference is the largest one of the attitude from those of witnesses (rad).
 TRUTH_SCHEMA = pa.schema(
     [
         *(("case", _TEXT), ("timestep", _NUMBER), ("member", _COUNT), ("model", _TEXT), ("reason", _TEXT)),

@@ -19,9 +19,33 @@ ONE_THREAD = tuple((name, "1") for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THR
 Call = Callable[[Any], Any]
 
 
+@dataclass(frozen=True)
+class Role:
+    """What worker processes do.
+
+    Attributes
+    ----------
+    function
+        The function that they call.
+    prepare
+        A function that is called with the engine, or None, once in each process, and imports all that calls need: what the
+        first call imported would count as a change of its process, which would not be used again.
+    """
+
+    function: Call
+    prepare: Call
+
+    def home(self, engine: str | None) -> pool.Home:
+        """Return where the processes of an engine live, or of the reference (None), which use one thread each."""
+        found = engines.home(engine)
+        variables = tuple(pair for pair in found.interpreter.variables if pair[0] not in dict(ONE_THREAD))
+        interpreter = replace(found.interpreter, variables=(*variables, *ONE_THREAD))
+        return replace(found, interpreter=interpreter, prepare=self.prepare)
+
+
 @dataclass
 class _Crew:
-    """The callers of a thread, by the engine (None for the reference), each with what it was made for and its own end."""
+    """The callers of a thread, of its engine and of the reference, each with what it was made for and with its own end."""
 
     callers: dict[bool, tuple[object, Call, ExitStack]] = field(default_factory=dict)
 
@@ -35,33 +59,26 @@ class _Crew:
 _crews: dict[int, _Crew] = {}
 
 
-def home(engine: str | None) -> pool.Home:
-    """Return where the processes of an engine live, or of the reference (None), which use one thread each."""
-    found = engines.home(engine)
-    variables = tuple(pair for pair in found.interpreter.variables if pair[0] not in dict(ONE_THREAD))
-    return replace(found, interpreter=replace(found.interpreter, variables=(*variables, *ONE_THREAD)))
+def call(role: Role, engine: str | None, limit: float, memory: int) -> Call:
+    """Return a function that makes calls in this thread's process of an engine, or of the reference (None).
 
-
-def call(function: Call, engine: str | None, limit: float, memory: int) -> Call:
-    """Return a function that calls another one in this thread's process of an engine, or of the reference (None).
-
-    The process of another engine ends. Parameters are those of `pool.caller`.
+    The process of another engine ends. limit, memory: those of one call, in s and bytes.
     """
     crew = _crews.setdefault(threading.get_ident(), _Crew())
-    wanted = (function, engine, limit, memory)
+    wanted = (role, engine, limit, memory)
     if (found := crew.callers.get(engine is None)) is not None:
         if found[0] == wanted:
             return found[1]
         found[2].close()
     stack = ExitStack()
-    made: Call = stack.enter_context(single(function, engine, limit, memory))
+    made: Call = stack.enter_context(single(role, engine, limit, memory))
     crew.callers[engine is None] = wanted, made, stack
     return made
 
 
-def single(function: Call, engine: str | None, limit: float, memory: int) -> Any:
+def single(role: Role, engine: str | None, limit: float, memory: int) -> Any:
     """Return a context that provides the function of `call` with a process of its own, which ends with the context."""
-    return pool.caller(function, limit, memory, group=lambda argument: engine, home=home)
+    return pool.caller(role.function, limit, memory, group=lambda argument: engine, home=role.home)
 
 
 def end_own() -> None:

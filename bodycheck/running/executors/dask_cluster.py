@@ -126,7 +126,7 @@ def _receipts(client: "Client", address: str, perform: Perform, chunks: Sequence
 
     waiting, session = iter(chunks), secrets.token_hex(4)
     submitted: dict[Future, _Submitted] = {}
-    completed = as_completed()
+    completed = as_completed(loop=client.loop)
 
     def submit(one: _Submitted) -> None:
         key = f"bodycheck-{session}-{one.chunk.number}-{one.chunk.first}-{one.attempts}"

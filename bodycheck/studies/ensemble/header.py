@@ -1,0 +1,199 @@
+"""The header of an ensemble, `header.json`: what was run, with which versions, and whether it is complete.
+
+It also decides whether work in a folder is the same: its identity is a digest of everything that determines the rows.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from datetime import UTC, date, datetime
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, TypedDict, cast
+
+from bodycheck.adapters.method import Method
+from bodycheck.casefile.case import Case, parse_stored
+from bodycheck.casefile.ensemble import Ensemble
+from bodycheck.casefile.finding import SUFFIX
+from bodycheck.errors import BadFolder
+from bodycheck.figures.revisions import REVISIONS
+from bodycheck.files import reading, writing
+from bodycheck.running import chunk_files, chunks, compaction, records
+from bodycheck.running.chunks import Share, Source
+from bodycheck.running.header import Header
+
+#: The file, and the version of the format of the folder.
+FILE, FORMAT = "header.json", 1
+
+#: The largest size of a header in bytes.
+MAX_BYTES = 1 << 24
+
+
+class StoredMethod(TypedDict):
+    """A method: its spelling and its time step (s)."""
+
+    integrator: str
+    timestep: float
+
+
+class StoredShare(TypedDict):
+    """The share of an engine in an ensemble, as `bodycheck.running.chunks.Share`."""
+
+    engine: str
+    version: str
+    methods: list[StoredMethod]
+    truths_of: list[float]
+
+
+class EnsembleHeader(Header):
+    """The header of an ensemble, beside what every set of results tells of its origin.
+
+    Attributes
+    ----------
+    format, identity
+        The version of the format, and the digest of everything that determines the rows.
+    case, text
+        The name of the case and the text of its file.
+    members, drawn
+        The number of members, and the names of the numbers in which they differ.
+    source
+        Where these come from, in words.
+    shares
+        The engines with their methods, in the order of the rows.
+    block, sample
+        The number of members that are treated at once, and of every so manieth member the trajectory is kept.
+    limit, memory
+        The time limit (s) and the memory limit (bytes) of one call.
+    today
+        The day as of which known discrepancies are tolerated or not.
+    revisions
+        The revisions of the figures whose definition ever changed.
+    complete
+        Whether all members were run, and the tables are compacted.
+    """
+
+    format: int
+    identity: str
+    case: str
+    text: str
+    members: int
+    drawn: list[str]
+    source: str
+    shares: list[StoredShare]
+    block: int
+    sample: int
+    limit: float
+    memory: int
+    today: str
+    revisions: dict[str, int]
+    complete: bool
+
+
+def of(
+    head: Header, case: Case, source: Source, shares: Sequence[Share], limit: float, memory: int, samples: int
+) -> EnsembleHeader:
+    """Return the header of an ensemble that is not complete.
+
+    head: what every set of results tells of its origin. samples: the number of members whose trajectories are kept. The other
+    parameters are those of `study.run`.
+    """
+    block = chunks.block_size(case, [method.timestep for share in shares for method in share.methods])
+    stored = [_stored(share) for share in shares]
+    depends = (FORMAT, head["bodycheck"], head["packages"], case.text, _told(source), stored, block, limit, memory)
+    return {
+        **head,
+        "format": FORMAT,
+        "identity": sha256(repr(depends).encode("utf-8")).hexdigest(),
+        "case": case.name,
+        "text": case.text,
+        "members": source.size,
+        "drawn": list(source.names),
+        "source": _in_words(source),
+        "shares": stored,
+        "block": block,
+        "sample": max(1, source.size // samples),
+        "limit": limit,
+        "memory": memory,
+        "today": datetime.now(UTC).date().isoformat(),
+        "revisions": dict(REVISIONS),
+        "complete": False,
+    }
+
+
+def _told(source: Source) -> str:
+    """Return what the members depend on: how they are drawn, or the digest of their table wherever it is."""
+    origin = source.origin
+    return repr((source.size, tuple(source.names), getattr(origin, "digest", None) or repr(origin)))
+
+
+def _in_words(source: Source) -> str:
+    """Return where the numbers of members come from."""
+    origin = source.origin
+    return f"seed {origin.seed}" if isinstance(origin, Ensemble) else f"the table {getattr(origin, 'path', '')}"
+
+
+def begin(folder: Path, head: EnsembleHeader, case: Case) -> EnsembleHeader:
+    """Write the header and the case of an ensemble into a folder, in place of other results of an ensemble, and return it.
+
+    The header of the same work that was interrupted stays, and is returned. Raises `BadFolder` for a folder with other files.
+    """
+    names = set(reading.names_in(folder)) - {f"{FILE}.lock"}
+    if names and FILE not in names:
+        raise BadFolder(f"{folder}: contains files that are not results of an ensemble; give an empty or a new folder")
+    reading.refuse_links(folder)
+    there = read(folder) if names else None
+    if there is not None and there["identity"] == head["identity"] and not there["complete"]:
+        head = there
+    else:
+        _replace(folder, head)
+    writing.write(folder / f"{case.name}{SUFFIX}", case.text.encode("utf-8"), folder)
+    return head
+
+
+def _replace(folder: Path, head: EnsembleHeader) -> None:
+    """Remove the results of another ensemble, and write the header of a new one."""
+    for kind in (*chunk_files.KINDS, chunk_files.CHUNKS):
+        compaction.remove(folder / kind, folder)
+    write(folder, head)
+
+
+def write(folder: Path, head: EnsembleHeader) -> None:
+    """Write the header of an ensemble. Raises `NotWritten`."""
+    writing.write(folder / FILE, (json.dumps(head, ensure_ascii=True, indent=1) + "\n").encode("ascii"), folder)
+
+
+def read(folder: Path) -> EnsembleHeader:
+    """Return the header of an ensemble. Raises `BadFolder` if it is missing or damaged."""
+    try:
+        found: Any = json.loads(reading.content(folder / FILE, MAX_BYTES))
+        if not isinstance(found, dict) or found.get("format") != FORMAT:
+            raise ValueError(f"its format is not {FORMAT}")
+        records.typed(records.HeaderRecord, found)
+        for name, kind in EnsembleHeader.__annotations__.items():
+            _check(name, kind, found)
+        date.fromisoformat(found["today"])
+        for share in found["shares"]:
+            share_of(share)
+        parse_stored(found["text"], found["case"])
+    except FileNotFoundError as error:
+        raise BadFolder(f"{folder}: not the results of an ensemble: it contains no {FILE}") from error
+    except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
+        raise BadFolder(f"{folder / FILE}: damaged: {error}") from error
+    return cast(EnsembleHeader, found)
+
+
+def _check(name: str, kind: Any, found: Mapping[str, Any]) -> None:
+    simple: dict[Any, Any] = {int: int, str: str, float: (int, float), bool: bool}
+    wanted = simple.get(kind)
+    if wanted is not None and not isinstance(found[name], wanted):
+        raise ValueError(f"{name} is {found[name]!r:.60}")
+
+
+def _stored(share: Share) -> StoredShare:
+    methods: list[StoredMethod] = [{"integrator": method.name, "timestep": method.timestep} for method in share.methods]
+    return {"engine": share.engine, "version": share.version, "methods": methods, "truths_of": list(share.truths_of)}
+
+
+def share_of(stored: StoredShare) -> Share:
+    """Return the share of an engine. Raises `ValueError`, `KeyError` or `TypeError` if it is damaged."""
+    methods = tuple(Method.parse(str(one["integrator"]), float(one["timestep"])) for one in stored["methods"])
+    return Share(str(stored["engine"]), str(stored["version"]), methods, tuple(map(float, stored["truths_of"])))

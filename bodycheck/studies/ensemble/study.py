@@ -1,0 +1,224 @@
+"""Run an ensemble of a case: plan it, cut it into chunks, have them carried out, and compact their files.
+
+The folder of an ensemble has `header.json`, the case, the files of the chunks that are done, and in the end, in their place,
+the tables `runs/ENGINE/CASE/`, `members/CASE/`, `truths/CASE/` and `trajectories/ENGINE/CASE/`. Work that was interrupted,
+whatever ended it, is resumed from the files of the chunks.
+"""
+
+import contextlib
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from datetime import date
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pyarrow.dataset as ds
+from filelock import FileLock, Timeout
+
+from bodycheck.adapters.contract import Engine
+from bodycheck.casefile.case import Case
+from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
+from bodycheck.errors import BadFolder, Failed
+from bodycheck.files import writing
+from bodycheck.running import campaign, chunk_files, chunks
+from bodycheck.running.campaign import Advance
+from bodycheck.running.chunk_files import RUNS
+from bodycheck.running.chunks import Chunk, Receipt, Share, Source, Work
+from bodycheck.running.executors import Executor
+from bodycheck.running.plan import plan
+from bodycheck.studies.ensemble import header as headers
+from bodycheck.studies.ensemble import result_tables
+from bodycheck.studies.ensemble.carrying import carry_out
+from bodycheck.studies.ensemble.header import EnsembleHeader
+
+#: The number of members whose trajectories are kept as a sample.
+SAMPLE = 100
+
+#: How long (s) the files that workers elsewhere have written may take to appear here, as those on a network do.
+PATIENCE_S = 60.0
+
+#: Interval (s) at which it is looked for them.
+INTERVAL_S = 0.2
+
+
+def _no_progress(done: str, count: int = 1, /) -> None:
+    pass
+
+
+def run(
+    case: Case,
+    source: Source,
+    records: Mapping[str, Engine],
+    integrators: Sequence[str],
+    timesteps: Sequence[float],
+    folder: Path,
+    executor: Executor,
+    progress: Advance = _no_progress,
+    command: Sequence[str] = (),
+    missing: Mapping[str, str] | None = None,
+    limit: float = campaign.TIME_LIMIT_S,
+    memory: int = MEMORY_LIMIT_BYTES,
+    blocks: int | None = None,
+) -> Path:
+    """Run all members of an ensemble with all methods, and return the folder of the results.
+
+    If the same ensemble was interrupted in the folder, it is resumed, and what is done is not repeated. An executor that
+    carries out a share of the chunks leaves the files of these, for `gathering.gather`.
+
+    Parameters
+    ----------
+    case
+        The case from which the members are made.
+    source
+        The numbers in which they differ.
+    records
+        The records of the engines by the names by which they were asked for.
+    integrators, timesteps
+        Spellings of methods and time steps (s); all, and 2 ms with those of the expectations of the case, if they are empty.
+    folder
+        The folder for the results. Workers on other machines must see it at the same path.
+    executor
+        What carries out the chunks.
+    progress
+        A function that is called after each chunk, with the number of runs.
+    command, missing
+        The words of the command, and the engines that cannot be used with the reasons, for the header.
+    limit, memory
+        The time limit (s) and the memory limit (bytes) of one call of an engine or of the reference. A call is about a block of
+        members; one that exceeds a limit is repeated with parts of the block, until one member alone exceeds it.
+    blocks
+        The number of blocks in a chunk; by default so many that a chunk takes 10 to 60 s in most engines. The rows do not
+        depend on it.
+
+    Raises
+    ------
+    BadInput
+        If nothing can be run as asked, or a member is no valid case.
+    BadFolder
+        If the folder contains something else, or another process is writing to it.
+    Failed
+        If a cluster does not carry out all chunks; what is done is kept.
+    """
+    shares = planned(case, records, integrators, timesteps)
+    head = headers.of(campaign.header(command, records, missing or {}), case, source, shares, limit, memory, SAMPLE)
+    folder = folder.resolve()
+    with _held(folder, executor):
+        head = headers.begin(folder, head, case)
+        work = work_of(head, case, source)
+        everything = cut(work, case, shares, blocks)
+        done = _done(folder, head)
+        pieces = [piece for chunk in everything for piece in chunks.left(chunk, done.get(chunk.share.engine, ()))]
+        if there := sum(chunk.rows for chunk in everything) - sum(piece.rows for piece in pieces):
+            progress("", there)
+        for place, receipt in enumerate(executor(partial(carry_out, folder=folder), pieces)):
+            if place == 0:
+                _await(folder, head, [receipt])
+            progress(receipt.name, receipt.rows)
+        if executor.whole:
+            _await(folder, head, pieces)
+            result_tables.compact(folder, head, [folder], executor_jobs(executor))
+    return folder
+
+
+def size(
+    case: Case, source: Source, records: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
+) -> int:
+    """Return the number of runs of an ensemble. Parameters and exceptions are those of `run`."""
+    return source.size * sum(len(share.methods) for share in planned(case, records, integrators, timesteps))
+
+
+def planned(
+    case: Case, records: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
+) -> tuple[Share, ...]:
+    """Return the shares of the engines in an ensemble, in the order of the plan. Parameters and exceptions are as of `run`."""
+    methods: dict[str, list[Any]] = {}
+    for task in plan([case], records, integrators, timesteps):
+        methods.setdefault(task.engine, []).append(task.method)
+    shares, known = [], set[float]()
+    for engine, own in methods.items():
+        new = tuple(dict.fromkeys(method.timestep for method in own if method.timestep not in known))
+        known |= set(new)
+        shares.append(Share(engine, records[engine].version, tuple(own), new))
+    return tuple(shares)
+
+
+def work_of(head: EnsembleHeader, case: Case, source: Source) -> Work:
+    """Return what all chunks of an ensemble have in common."""
+    told = {"bodycheck": head["bodycheck"], **head["packages"]}
+    today = date.fromisoformat(head["today"])
+    return Work(head["identity"], case.text, source, head["block"], head["sample"], told, today, head["limit"], head["memory"])
+
+
+def cut(work: Work, case: Case, shares: Sequence[Share], blocks: int | None = None) -> list[Chunk]:
+    """Return all chunks of an ensemble, engine by engine, numbered from 0; blocks as for `run`."""
+    found: list[Chunk] = []
+    for share in shares:
+        size = blocks or chunks.blocks_of_chunk(case, share, work.block)
+        found += chunks.cut(work, share, size, number=len(found))
+    return found
+
+
+def open_runs(folder: Path) -> Any:
+    """Return the runs of an ensemble as a dataset of PyArrow. Raises `BadFolder`."""
+    if not (folder / RUNS).is_dir():
+        raise BadFolder(f"{folder}: has no runs of an ensemble; an interrupted one is resumed by the same command")
+    try:
+        return ds.dataset(folder / RUNS, format="parquet")
+    except (OSError, ValueError) as error:
+        raise BadFolder(f"{folder}: the runs cannot be read: {error}") from error
+
+
+def executor_jobs(executor: Executor) -> int:
+    """Return how many processes may be used here after the chunks are carried out."""
+    return int(getattr(executor, "jobs", 1))
+
+
+@contextlib.contextmanager
+def _held(folder: Path, executor: Executor) -> Iterator[None]:
+    """Keep other processes from writing to a folder, unless it is shared by jobs that each carry out a share."""
+    writing.make_folder(folder)
+    if not executor.whole:
+        yield
+        return
+    lock = FileLock(folder / f"{headers.FILE}.lock")
+    try:
+        lock.acquire(timeout=0)
+    except Timeout as error:
+        raise BadFolder(f"{folder}: another process is writing to it") from error
+    try:
+        yield
+    finally:
+        Path(lock.lock_file).unlink(missing_ok=True)
+        lock.release()
+
+
+def _done(folder: Path, head: EnsembleHeader) -> dict[str, set[int]]:
+    """Return the first members of the blocks that are done, by engine."""
+    return {
+        share["engine"]: set(result_tables.runs_of(chunk_files.found(folder, head["identity"]), head, share["engine"]))
+        for share in head["shares"]
+    }
+
+
+def _await(folder: Path, head: EnsembleHeader, pieces: Sequence[Chunk | Receipt]) -> None:
+    """Wait until the files of chunks that were carried out are seen. Raises `Failed` if they do not appear."""
+    wanted = {
+        (engine_of(piece), first) for piece in pieces for first in range(piece.first, piece.first + piece.count, head["block"])
+    }
+    deadline = time.monotonic() + PATIENCE_S
+    while True:
+        there = {(engine, first) for engine, firsts in _done(folder, head).items() for first in firsts}
+        if wanted <= there:
+            return
+        if time.monotonic() > deadline:
+            raise Failed(
+                f"{folder}: workers have written the files of {len(wanted - there)} blocks of members that are not seen here; "
+                "the folder must be one that this machine and all workers share, at the same path"
+            )
+        time.sleep(INTERVAL_S)
+
+
+def engine_of(piece: Chunk | Receipt) -> str:
+    """Return the engine of a chunk or of its receipt."""
+    return piece.engine if isinstance(piece, Receipt) else piece.share.engine
