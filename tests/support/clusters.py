@@ -1,0 +1,87 @@
+"""Real clusters of Dask on this machine: a scheduler and workers that are processes of their own, which a test can kill."""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from distributed import Client
+
+#: Time limit for the start of a cluster (s).
+START_S = 60.0
+
+
+@dataclass
+class Cluster:
+    """A scheduler, and workers with nannies that start another worker in the place of one that was killed.
+
+    Attributes
+    ----------
+    address
+        The address of the scheduler.
+    scheduler, nannies
+        Their processes.
+    """
+
+    address: str
+    scheduler: "subprocess.Popen[bytes]"
+    nannies: list["subprocess.Popen[bytes]"]
+
+    def pids(self) -> dict[str, int]:
+        """The identifiers of the processes of the workers that are there, by their addresses."""
+        with Client(self.address, timeout=START_S, set_as_default=False) as client:
+            found: dict[str, int] = client.run(os.getpid, on_error="ignore")
+        return found
+
+    def kill_worker(self, chance: random.Random) -> bool:
+        """Kill one of the workers; return whether there was one."""
+        pids = sorted(self.pids().values())
+        if pids:
+            os.kill(chance.choice(pids), signal.SIGKILL)
+        return bool(pids)
+
+    def kill_scheduler(self) -> None:
+        """Kill the scheduler, and wait for its end."""
+        self.scheduler.kill()
+        self.scheduler.wait()
+
+
+@contextmanager
+def cluster(folder: Path, workers: int = 2, environment: Mapping[str, str] | None = None) -> Iterator[Cluster]:
+    """A cluster with some workers of one thread each. environment: variables of its processes."""
+    file = folder / "scheduler.json"
+    file.unlink(missing_ok=True)
+    variables = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)} | dict(environment or {})
+
+    def start(*arguments: str) -> "subprocess.Popen[bytes]":
+        command = [sys.executable, "-m", "dask", *arguments, "--scheduler-file", str(file), "--no-dashboard"]
+        return subprocess.Popen(command, cwd=folder, env=variables, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    started = [start("scheduler", "--port", "0", "--host", "127.0.0.1")]
+    try:
+        options = ("--nthreads", "1", "--death-timeout", "30", "--local-directory", str(folder))
+        started += [start("worker", *options) for _ in range(workers)]
+        deadline = time.monotonic() + START_S
+        while not file.exists():
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        made = Cluster(json.loads(file.read_text())["address"], started[0], started[1:])
+        with Client(made.address, timeout=START_S, set_as_default=False) as client:
+            client.wait_for_workers(workers, timeout=START_S)
+        yield made
+    finally:
+        for process in reversed(started):
+            process.terminate()
+        for process in reversed(started):
+            try:
+                process.wait(10.0)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
