@@ -1,7 +1,7 @@
 """Try cases: run them with one method of an engine, and compare the runs with the truth, in worker processes.
 
-The engine and the truths have processes of their own. Cases are tried in blocks; where a block ends its process or takes too
-long, it is divided until the case that did it is alone.
+The engine and the truths have processes of their own. Cases are tried in blocks; where a block ends its process, it is divided
+until the case that did it is alone. A block that takes too long is not divided, so that a case that hangs costs the limit once.
 """
 
 import contextlib
@@ -16,12 +16,10 @@ from bodycheck.judging.expectation_writer import floors
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.truth import truth
 from bodycheck.running import engines, pool
+from bodycheck.running.campaign import TIME_LIMIT_S
 from bodycheck.running.halving import in_halves
 from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut, Unsupported
 from bodycheck.running.simulation import run
-
-#: Time limit (s) for the runs of a block, and for their comparison.
-TIME_LIMIT_S = 60.0
 
 
 @dataclass(frozen=True)
@@ -85,11 +83,14 @@ def trials(limit: float = TIME_LIMIT_S) -> Iterator[Trials]:
 
 
 def _asked(ask: Callable[[Any], Any], question: Callable[[Sequence[Any]], Any], items: Sequence[Any]) -> list[Any]:
-    """Return the answers about some items, which are asked together, and by halves if the process fails."""
-    if not items:
-        return []
+    """Return the answers about some items, which are asked together, and by halves if the process dies."""
+
+    def attempt(first: int, last: int) -> Any:
+        answer = ask(question(items[first:last]))
+        return [answer] * (last - first) if isinstance(answer, TimedOut) else answer
+
     found: list[Any] = []
-    for _, answer in in_halves(lambda first, last: ask(question(items[first:last])), 0, len(items)):
+    for _, answer in in_halves(attempt, 0, len(items)) if items else ():
         found += [answer] if isinstance(answer, Crashed | TimedOut) else answer
     return found
 

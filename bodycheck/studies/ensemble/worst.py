@@ -94,23 +94,29 @@ def _write_one(folder: Path, case: str, way: Way, others: Sequence[Way], text: s
     if way.is_largest and way.limit and alone.figures[way.limit.name] < alone.floors[way.limit.name]:
         return None
 
-    def fails(documents: Sequence[Document]) -> list[bool]:
-        made = _tried(documents, way, tried)
-        return [one is not None and way.shown(one.status, one.figures) for one in made]
-
-    simple = drawn
-    if way.status != TimedOut.status:  # each trial of it would take the whole limit
-        # A run that ends its process costs a new one, so that no more of them are made than are needed.
-        block = 1 if way.status == Crashed.status else BLOCK
-        simple = shrink(drawn, fails, way.method.timestep, block=block)
+    simple = _simplest(drawn, way, tried)
     (last,) = _tried([simple], way, tried)
     if last is None or not way.shown(last.status, last.figures):  # an engine that is not deterministic
         simple, last = drawn, alone
+    comments = _comments(case, way, others, origin, simple != drawn)
     simple["title"] = title = _title(way, last)
     path = folder / FOLDER / f"{case}-{way.member}{SUFFIX}"
-    comments = _comments(case, way, others, origin, simple is not drawn)
     writing.write(path, case_text(simple, comments).encode("utf-8"), inside=folder)
     return Worst(way, path, title)
+
+
+def _simplest(drawn: Document, way: Way, tried: Trials) -> Document:
+    """Return the simplest document that fails in the same way. The search ends with the first trial that takes too long."""
+    over = way.status == TimedOut.status
+
+    def fails(documents: Sequence[Document]) -> list[bool]:
+        nonlocal over
+        made = [None] * len(documents) if over else _tried(documents, way, tried)
+        over = over or any(one is not None and one.status == TimedOut.status for one in made)
+        return [one is not None and way.shown(one.status, one.figures) for one in made]
+
+    # A run that ends its process costs a new one, so that no more of them are made than are needed.
+    return shrink(drawn, fails, way.method.timestep, block=1 if way.status == Crashed.status else BLOCK)
 
 
 def _document(drawn: Document, case: str, way: Way, origin: str) -> Document:

@@ -1,6 +1,7 @@
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from bodycheck.casefile.case import Case, load, parse
+from bodycheck.adapters.method import Method
+from bodycheck.casefile.case import Case, load, parse, parse_stored
 from bodycheck.studies.ensemble import stored, worst
 from bodycheck.studies.ensemble.case_text import MOST_LINES, case_text
+from bodycheck.studies.ensemble.trials import Tried
 from bodycheck.studies.ensemble.worst import Worst
 from tests.support.cases import a_case
 from tests.support.commands import bodycheck
@@ -157,3 +160,23 @@ def test_a_member_that_does_not_fail_alone_is_told_and_not_written(
     made = written(tmp_path / "out")[WRONG]
     assert made.path is None
     assert made.title == "member 61 has position_error with narrow step in the ensemble, and not when it is run alone"
+
+
+def test_the_first_trial_that_takes_too_long_ends_the_search(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls: list[int] = []
+
+    def slow(engine: str, method: Method, cases: Sequence[Case]) -> list[Tried]:
+        """Cases that differ from those that were drawn take too long."""
+        calls.append(len(cases))
+        drawn = [case.duration == 2.0 and case.scene.gravity > 0 for case in cases]
+        ok = Tried("ok", "", {"position_error": LARGE}, {"position_error": 1e-12}, "1.0")
+        return [ok if one else Tried("timeout", "stopped after 300 s") for one in drawn]
+
+    monkeypatch.setattr(worst, "trials", lambda: nullcontext(slow))
+    monkeypatch.setattr(worst, "parse", lambda text, file: parse_stored(text, file))  # the engine is not there
+    made = written(tmp_path / "out")[WRONG]
+    assert made.path is not None
+    text = made.path.read_text("utf-8")
+    assert "as it was drawn" in text
+    assert tomllib.loads(text)["initial"] == document(WRONG)["initial"]
+    assert len(calls) == 3 + 2  # alone, the first candidates, and as it is written; two others do not fail alone
