@@ -18,6 +18,7 @@ from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, NO_ROOM, BadInput, 
 from bodycheck.runner_log import guarded
 from bodycheck.studies.ablation.command import ablate
 from bodycheck.studies.audit.command import audit
+from bodycheck.studies.ensemble.command import ensemble
 from bodycheck.studies.extremes.command import extremes
 from bodycheck.studies.recommend.command import recommend
 from bodycheck.studies.releases.command import bisect, releases
@@ -34,7 +35,7 @@ app = App(
 
 #: All commands, in the order of their registration.
 COMMANDS = (
-    *(run, tradeoff, recommend, extremes, ablate, audit, gather, query, releases, bisect, report, diff),
+    *(run, tradeoff, recommend, extremes, ensemble, ablate, audit, gather, query, releases, bisect, report, diff),
     *(truth, export, cases, engines, validate, new, schema, expect),
 )
 

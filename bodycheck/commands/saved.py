@@ -26,6 +26,8 @@ from bodycheck.studies.ablation.rows import Change, ModelRow
 from bodycheck.studies.audit import page as audit
 from bodycheck.studies.audit.rows import Facts, Fault, read_classes
 from bodycheck.studies.audit.rows import Row as AuditRow
+from bodycheck.studies.ensemble import reporting as ensemble
+from bodycheck.studies.ensemble.header import FILE as ENSEMBLE
 from bodycheck.studies.extremes import page as extremes
 from bodycheck.studies.extremes.rows import Limit, Row
 from bodycheck.studies.orders import Order
@@ -73,7 +75,7 @@ def read(folder: Path) -> Results | StudyReport:
     if not folder.is_dir():
         raise BadFolder(f"{folder}: there is no such folder" if not folder.exists() else f"{folder}: is not a folder")
     reading.refuse_links(folder)
-    files = (store.RECORDS, EXTREMES, RECOMMEND, AUDIT)
+    files = (store.RECORDS, EXTREMES, RECOMMEND, AUDIT, ENSEMBLE)
     there = [name for name in files if (folder / name).is_file()]
     if len(there) != 1:
         found = " and ".join(there) or f"neither {', '.join(files[:-1])} nor {files[-1]}"
@@ -87,6 +89,8 @@ def read(folder: Path) -> Results | StudyReport:
             return _recommend(folder)
         if there == [AUDIT]:
             return _audit(folder)
+        if there == [ENSEMBLE]:
+            return ensemble.again(folder)
         results = store.read(folder)
         return _study(results) or results
 
