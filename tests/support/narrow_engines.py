@@ -50,3 +50,36 @@ def prepare(scenes, method):
     made.timestep = method.timestep
     return made
 """
+
+#: What the module of an engine of free bodies does that takes their motion from the reference. Its attitude is wrong where the
+#: second component of the spin is within `{width}` rad/s of `{middle}` rad/s at the start.
+FAULTY = """
+from dataclasses import replace
+import numpy as np
+from bodycheck.reference.flight.flights import flights
+from bodycheck.reference.kinematics import multiply
+from bodycheck.reference.requirements import Requirements
+from bodycheck.reference.scenes import vary
+
+engine = RECORD = replace(RECORD, models=frozenset(Requirements.__dataclass_fields__), batch=1000)
+
+class Bodies:
+    def __init__(self, scenes, timestep):
+        initial = [scene.initial for scene in scenes]
+        names = ("position", "quaternion", "velocity", "angular_velocity")
+        self.scenes = vary(scenes[0], {{name: np.array([getattr(one, name) for one in initial]) for name in names}})
+        self.timestep = timestep
+
+    def advance(self, strides):
+        t = np.cumsum(strides) * self.timestep
+        flown = flights(self.scenes, t).trajectory
+        wrong = np.abs(self.scenes.angular_velocity[:, 1] - {middle}) <= {width}
+        half = np.where(wrong[:, None], 0.5, 1e-7) * t / 2
+        turned = np.stack([np.cos(half), np.sin(half), np.zeros_like(half), np.zeros_like(half)], axis=-1)
+        quaternion = multiply(flown.quaternion, turned)
+        parts = [flown.position, quaternion, flown.velocity, flown.angular_velocity]
+        return np.concatenate(parts, axis=2)[:, :, None, :]
+
+def prepare(scenes, method):
+    return Bodies(scenes, method.timestep)
+"""
