@@ -99,6 +99,7 @@ def ensemble(
     source = drawing.drawn(loaded, members) if from_ is None else drawing.tabled(loaded, from_, members)
     if member is not None and write is not None:
         return _write_member(loaded, source, member, write)
+    drawing.check(loaded, source)
     engines = load_engines(engine)
     shown = _Shown(out, figures, json, view, quiet)
     broken = _carry_out(loaded, source, engines, (integrator, timestep), _executor(dask, shard, processes(jobs)), shown)

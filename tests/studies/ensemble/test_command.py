@@ -120,6 +120,15 @@ def test_wrong_options(case: Path, tmp_path: Path, options: tuple[str, ...], mes
     assert not list(tmp_path.iterdir())
 
 
+def test_a_member_that_is_no_case_ends_the_command_before_anything_runs(case: Path, tmp_path: Path) -> None:
+    table = tmp_path / "masses.csv"
+    table.write_text("body.mass\n" + "1.0\n" * 2500 + "-1.0\n", "utf-8")
+    done = bodycheck("ensemble", case, *METHODS, "--from", table, "--out", tmp_path / "out")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "spin: member 2500: body.mass: read -1.0; should be greater than 0\n"
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_case_without_an_ensemble() -> None:
     done = bodycheck("ensemble", "free-brick")
     assert done.returncode == 2
