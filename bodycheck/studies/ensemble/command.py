@@ -173,7 +173,8 @@ def _carry_out(
             run = partial(study.run, command=sys.argv, missing=engines.missing)
             folder = run(case, source, engines.records, *methods, folder, executor, progress)
         if not executor.whole:
-            tell(f"This share is done. When all are, join them: bodycheck gather {folder} --out FOLDER")
+            if not shown.quiet:
+                tell(f"This share is done. When all are, join them: bodycheck gather {folder} --out FOLDER")
             return False
         head = header.read(folder)
         made = reporting.read(folder, case, head)
@@ -181,12 +182,6 @@ def _carry_out(
             text_of = partial(members.text, case, source)
             with terminal.progress("worst members", made.worst, shown.quiet) as progress:
                 publishing.write(made, folder, case, head, text_of, study.executor_jobs(executor), progress, shown.figures)
-    if shown.json:
-        terminal.print_json(made.records())
-    elif not shown.quiet:
-        printing.print_ensemble(made.analysis.aggregates, made.analysis.dependence_rows(), made.sentences, shown.view)
-    else:
-        for sentence in made.broken:
-            tell(f"FAILED {sentence}")
+    printing.print_made(made, shown.json, shown.view, shown.quiet)
     say_where(shown.out, shown.quiet)
     return bool(made.broken)

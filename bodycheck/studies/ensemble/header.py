@@ -107,7 +107,7 @@ def of(
         "text": case.text,
         "members": source.size,
         "drawn": list(source.names),
-        "source": _in_words(source),
+        "source": in_words(source),
         "shares": stored,
         "block": block,
         "sample": max(1, source.size // samples),
@@ -125,7 +125,7 @@ def _told(source: Source) -> str:
     return repr((source.size, tuple(source.names), getattr(origin, "digest", None) or repr(origin)))
 
 
-def _in_words(source: Source) -> str:
+def in_words(source: Source) -> str:
     """Return where the numbers of members come from."""
     origin = source.origin
     return f"seed {origin.seed}" if isinstance(origin, Ensemble) else f"the table {getattr(origin, 'path', '')}"

@@ -6,7 +6,9 @@ from typing import Any
 from bodycheck.console.options import View
 from bodycheck.console.output import say, tell
 from bodycheck.console.tables import Column, attribute, show
+from bodycheck.console.terminal import print_json
 from bodycheck.studies.ensemble.aggregates import Aggregates
+from bodycheck.studies.ensemble.reporting import Made
 from bodycheck.studies.ensemble.rows import DependenceRow, Row
 from bodycheck.studies.ensemble.sensitivity import RELEVANT
 
@@ -52,6 +54,17 @@ DEPENDENCES: tuple[Column[Any], ...] = (
     attribute("share", "of variance", ".2f"),
     attribute("rank_correlation", "rank corr.", ".2f", goes=2),
 )
+
+
+def print_made(made: Made, json: bool, view: View, quiet: bool) -> None:
+    """Print what is known of an ensemble: its tables, or JSON, or only the methods that break expectations."""
+    if json:
+        print_json(made.records())
+    elif quiet:
+        for sentence in made.broken:
+            tell(f"FAILED {sentence}")
+    else:
+        print_ensemble(made.analysis.aggregates, made.analysis.dependence_rows(), made.sentences, view)
 
 
 def print_ensemble(ensemble: Aggregates, dependences: Sequence[DependenceRow], sentences: Sequence[str], view: View) -> None:

@@ -139,3 +139,13 @@ def test_the_report_is_made_again_without_running_anything(folder: Path, tmp_pat
     assert call("report", folder, "--out", tmp_path) == 0
     assert (tmp_path / "report.html").read_bytes() == (folder / "report.html").read_bytes()
     assert (tmp_path / "report.md").read_bytes() == (folder / "report.md").read_bytes()
+
+
+def test_shares_are_gathered_into_the_same_tables(case: Path, folder: Path, tmp_path: Path) -> None:
+    for share in ("1/2", "2/2"):
+        assert call("ensemble", case, *METHODS, "--out", tmp_path, "--jobs", 1, "--shard", share, "--quiet") == 0
+        assert not (tmp_path / "ensemble.csv").exists()
+    assert call("gather", tmp_path, "--out", tmp_path, "--jobs", 1, "--quiet") == 0
+    for name in ("ensemble.csv", "sensitivity.csv"):
+        assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
+    assert {path.name for path in (tmp_path / "worst").iterdir()} == {path.name for path in (folder / "worst").iterdir()}
