@@ -13,6 +13,9 @@ import numpy as np
 #: Pairs whose quotients are others if rounding is directed, and one whose quotient is zero if small numbers are flushed.
 _ROUNDED, _SMALL = ((1.0, 3.0), (-1.0, 3.0)), ((sys.float_info.min, 3.0),)
 
+#: All signals, in one order.
+_SIGNALS = tuple(sorted(signal.valid_signals()))
+
 
 def rounding() -> Hashable:
     """Return numbers that tell how floating-point numbers are rounded."""
@@ -38,7 +41,7 @@ def state() -> tuple[Hashable, ...]:
         tuple(one / other for one, other in _SMALL),
         tuple(np.reciprocal(np.array([3.0, -3.0, 1e308 * 1.7])).tolist()),
         tuple(np.geterr().items()),
-        tuple(map(_handler, sorted(signal.valid_signals()))),
+        tuple(map(_handler, _SIGNALS)),
         random.getstate(),
         _numpy_generator(),
         threading.active_count(),

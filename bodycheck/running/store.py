@@ -167,7 +167,7 @@ class Results:
     header: StoredHeader
     records: tuple[dict[str, Any], ...]
     complete: bool
-    known: Mapping[str, Case] = field(default_factory=dict, repr=False, compare=False)
+    known: Mapping[str, Case] = field(default_factory=dict, repr=False, compare=False, kw_only=True)
 
     @cached_property
     def cases(self) -> dict[str, Case]:

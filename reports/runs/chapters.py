@@ -14,12 +14,6 @@ from bodycheck.reports.runs.matrix import kind_of
 #: Most cases whose curves and animations a report has.
 MOST_DRAWN = 100
 
-#: What the chapter of any other case says, with the name of the case.
-UNDRAWN = (
-    "curves and animation, which a report of more than {most} cases has of those alone that findings name, that failed, or "
-    "whose errors are largest; bodycheck report FOLDER --case {case} --out OTHER draws them"
-)
-
 
 def drawn(cases: Sequence[Shown], findings: Sequence[Finding]) -> Collection[str]:
     """Return the names of the cases that are drawn, at most `MOST_DRAWN`.
@@ -44,7 +38,7 @@ def drawn(cases: Sequence[Shown], findings: Sequence[Finding]) -> Collection[str
 
 def undrawn(case: str) -> str:
     """Return what the chapter of a case that is not drawn says of it."""
-    return UNDRAWN.format(most=MOST_DRAWN, case=case)
+    return f"curves and animation, to keep this page small; bodycheck report FOLDER --case {case} --out OTHER draws them"
 
 
 def _largest(case: Shown) -> float:

@@ -1,5 +1,6 @@
 """The contents of the report of runs, before they are laid out; every writer uses the same."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -59,7 +60,8 @@ class Section:
     Parameters
     ----------
     name, title, source, tags
-        Those of the case; the name has a number behind it if several sets have different cases of this name.
+        Those of the case; the name has a number behind it if several sets have different cases of this name, and the title has
+        the name behind it if several cases have this title.
     facts
         The case in words.
     table
@@ -138,6 +140,8 @@ class Contents:
         The cases.
     plotted
         The quantities that any section draws over time.
+    undrawn
+        The number of cases without curves over time and animation, because the report has so many.
     """
 
     header: Header
@@ -152,6 +156,7 @@ class Contents:
     matrices: tuple[Matrix, ...]
     sections: tuple[Section, ...]
     plotted: tuple[Quantity, ...]
+    undrawn: int
 
 
 @np.errstate(over="ignore", invalid="ignore", divide="ignore")
@@ -173,8 +178,17 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
     anchors = {verdict.key: f"run-{case.name}-{place}" for case in shown for place, verdict in enumerate(case.verdicts, 1)}
     refused = {case.name for case in every if case.verdicts}
     absences = {case.name: ALL_REFUSED if case.name in refused else NONE_FINISHED for case in shown if not case.verdicts}
+    titles = Counter(case.title for case in shown)
     sections = tuple(
-        _section(case, absences.get(case.name, ""), lines, anchors, demonstrations, room if case.name in chosen else None)
+        _section(
+            case,
+            absences.get(case.name, ""),
+            lines,
+            anchors,
+            demonstrations,
+            room if case.name in chosen else None,
+            case.title if titles[case.title] == 1 else f"{case.title} ({case.name})",
+        )
         for case in shown
     )
     return Contents(
@@ -200,6 +214,7 @@ def gather(sets: Sequence[ResultSet]) -> Contents:
         ),
         sections=sections,
         plotted=tuple(QUANTITIES[name] for name in PLOTTED if any(name in section.curves.drawn for section in sections)),
+        undrawn=len(shown) - len(chosen),
     )
 
 
@@ -225,6 +240,7 @@ def _section(
     anchors: Mapping[RunKey, str],
     demonstrations: Mapping[RunKey, str],
     room: Room | None,
+    title: str,
 ) -> Section:
     """Return the section of a case. room: what its curves and animation may take; None for neither."""
     case, verdicts = shown.case, shown.verdicts
@@ -244,7 +260,7 @@ def _section(
         facts += (Fact("Left out", chapters.undrawn(shown.name)),)
     return Section(
         name=shown.name,
-        title=shown.title,
+        title=title,
         source=case.source,
         tags=case.tags,
         facts=facts,
