@@ -8,8 +8,10 @@ import threading
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import Any
 
+from bodycheck.files.temporary import temporary_folder
 from bodycheck.running import engines, pool
 
 #: Variables that make the libraries of a worker process use one thread, as there is a worker process for each processor.
@@ -45,11 +47,14 @@ class Role:
 
 @dataclass
 class _Crew:
-    """The callers of a thread, of its engine and of the reference, each with what it was made for and with its own end."""
+    """The callers of a thread, for its engine and for the reference, each with what it was made for and its end; its folder."""
 
     callers: dict[bool, tuple[object, Call, ExitStack]] = field(default_factory=dict)
+    folder: Path | None = None
+    stack: ExitStack = field(default_factory=ExitStack)
 
     def end(self) -> None:
+        self.stack.close()
         for _, _, stack in self.callers.values():
             stack.close()
         self.callers.clear()
@@ -79,6 +84,14 @@ def call(role: Role, engine: str | None, limit: float, memory: int) -> Call:
 def single(role: Role, engine: str | None, limit: float, memory: int) -> Any:
     """Return a context that provides the function of `call` with a process of its own, which ends with the context."""
     return pool.caller(role.function, limit, memory, group=lambda argument: engine, home=role.home)
+
+
+def folder() -> Path:
+    """Return a temporary folder of this thread, in which its processes leave files for each other."""
+    crew = _crews.setdefault(threading.get_ident(), _Crew())
+    if crew.folder is None:
+        crew.folder = crew.stack.enter_context(temporary_folder())
+    return crew.folder
 
 
 def end_own() -> None:

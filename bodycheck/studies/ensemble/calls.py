@@ -22,6 +22,7 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running.chunks import Work
 from bodycheck.running.crews import Role
+from bodycheck.running.flying import Stored
 from bodycheck.running.members import Flown
 from bodycheck.running.outcome import Completed
 from bodycheck.running.simulation import sampling_steps
@@ -77,7 +78,7 @@ class Judging:
 
     work: Work
     block: range
-    flown: Flown
+    flown: Flown | Stored
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +119,7 @@ def answer(question: Drawing | TruthTable | Judging) -> Drawn | dict[str, Any] |
                 of_block, _ = _truths(work, block, timestep)
                 return truths.columns(case_of(work.case), _drawn(work, block).columns, block, timestep, of_block)
             case Judging(work, block, flown):
-                return _judged(work, block, flown)
+                return _judged(work, block, flown.read() if isinstance(flown, Stored) else flown)
     except BadInput as error:
         return Refused(str(error))
 

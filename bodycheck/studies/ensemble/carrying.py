@@ -27,7 +27,7 @@ from bodycheck.running.chunk_files import (
     TRUTHS,
 )
 from bodycheck.running.chunks import Chunk, Receipt
-from bodycheck.running.flying import FLYING, Flight, joined
+from bodycheck.running.flying import FLYING, Flight, Stored, joined
 from bodycheck.running.halving import in_halves, limit_of
 from bodycheck.running.members import Flown
 from bodycheck.running.outcome import Crashed, TimedOut
@@ -156,21 +156,22 @@ def _ask(chunk: Chunk, question: Drawing | TruthTable | Judging) -> Any:
     return found
 
 
-def _flown(chunk: Chunk, block: range, drawn: Drawn, method: Method) -> Flown:
+def _flown(chunk: Chunk, block: range, drawn: Drawn, method: Method) -> Flown | Stored:
     """Return what became of the runs of a block; those that end their process or do not end are isolated by halves."""
     work, share = chunk.work, chunk.share
     name = case_of(work.case).name
     names = tuple(f"{name}-{member}" for member in block)
-    flight = Flight(share.engine, share.version, method, drawn.members, steps_of(work.case, method.timestep), names)
+    steps, file = steps_of(work.case, method.timestep), crews.folder() / "states.npy"
+    flight = Flight(share.engine, share.version, method, drawn.members, steps, names, file)
 
-    def attempt(first: int, last: int) -> Flown | Crashed | TimedOut:
+    def attempt(first: int, last: int) -> Flown | Stored | Crashed | TimedOut:
         if last - first == len(block):
             found = crews.call(FLYING, share.engine, work.limit, work.memory)(flight)
         else:
             limit = limit_of(last - first, len(block), work.limit)
             with crews.single(FLYING, share.engine, limit, work.memory) as call:
                 found = call(flight.part(first, last))
-        assert isinstance(found, Flown | Crashed | TimedOut)
+        assert isinstance(found, Flown | Stored | Crashed | TimedOut)
         return found
 
     return joined(flight, in_halves(attempt, 0, len(block)))

@@ -14,11 +14,11 @@ from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.reference.bounds import NAMES, Bounds
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.flight.flights import Flights, flights
+from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import NoTruth, Truth, computed, truth
 from bodycheck.reference.witness import as_way, distances, excess
-from bodycheck.reference.witnesses import backend
 from bodycheck.running.chunk_files import BOUND_COLUMNS
 from bodycheck.running.crews import Role
 from bodycheck.running.simulation import sampling_steps
@@ -26,6 +26,9 @@ from bodycheck.studies.ensemble import members
 
 #: Of every so manieth member the truth is compared with witnesses.
 VOUCHED = 1000
+
+#: A body that tumbles for a moment, with which everything is imported.
+TUMBLING = Scene(Body(1.0, (1.0, 2.0, 2.5)), State(angular_velocity=(0.1, 1.0, 0.1)))
 
 #: The least number of components of a vector.
 COMPONENTS = 3
@@ -91,8 +94,8 @@ def columns(
 
 
 def prepare(group: None) -> None:
-    """Import what witnesses need."""
-    backend()
+    """Import what witnesses need, and let their libraries start their threads."""
+    computed(TUMBLING, np.array([0.0, 0.1]))
 
 
 def vouch(question: Vouching) -> dict[str, Any]:

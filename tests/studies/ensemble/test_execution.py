@@ -10,6 +10,8 @@ import sys
 import threading
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -23,8 +25,10 @@ from bodycheck.running.chunks import Chunk, Receipt
 from bodycheck.running.executors.dask_cluster import Cluster, ClusterLost
 from bodycheck.running.executors.own import Own
 from bodycheck.running.executors.shards import Shard
+from bodycheck.running.interpreter import Interpreter
 from bodycheck.studies.ensemble import gathering, header, study
 from tests.support import ROOT
+from tests.support.clusters import Cluster as Dask
 from tests.support.clusters import cluster
 from tests.support.planted_engines import plant
 from tests.support.thrown import BALL, MORTAL, brick, check_same, check_whole, run, tables
@@ -38,8 +42,15 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_the_number_of_chunks_and_of_threads_changes_nothing(whole: Path, tmp_path: Path) -> None:
+def test_the_number_of_chunks_and_of_threads_changes_nothing(
+    whole: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    started: list[Any] = []
+    start = Interpreter.start
+    monkeypatch.setattr(Interpreter, "start", lambda *told: started.append(told) or start(*told))
     check_same(run(brick(), tmp_path / "out", Own(2), blocks=1), whole)
+    # Each thread keeps one process of the engine and one of the reference; others compare the worst truths with witnesses.
+    assert len(started) <= 2 + 2 + 2
 
 
 def test_jobs_of_a_queue_give_the_same(whole: Path, tmp_path: Path) -> None:
@@ -178,27 +189,66 @@ def dask_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("dask")
 
 
+@dataclass
+class Killing:
+    """A progress that kills a worker after each chunk, and the scheduler after some of them.
+
+    Attributes
+    ----------
+    workers
+        How many workers are to be killed.
+    schedulers
+        After which chunks the scheduler is killed.
+    """
+
+    workers: int
+    schedulers: tuple[int, ...]
+    cluster: Dask | None = None
+    chance: random.Random = field(default_factory=lambda: random.Random(1))
+    done: list[str] = field(default_factory=list)
+    killed: int = 0
+
+    def __call__(self, name: str, count: int = 1, /) -> None:
+        if not name:
+            return
+        assert self.cluster is not None
+        self.done.append(name)
+        if len(self.done) in self.schedulers:
+            self.cluster.kill_scheduler()
+        elif self.killed < self.workers:
+            self.killed += self.cluster.kill_worker(self.chance)
+
+
 def test_a_cluster_gives_the_same_whatever_is_killed(whole: Path, dask_folder: Path, tmp_path: Path) -> None:
-    """A worker and then the scheduler are killed; new ones go on from the files."""
-    chance, folder = random.Random(1), tmp_path / "out"
-    with cluster(dask_folder) as first:
-        done: list[str] = []
+    """A worker and then the scheduler are killed. Threads of this machine go on from the files."""
+    killing = Killing(1, (2,))
+    with (
+        cluster(dask_folder) as killing.cluster,
+        pytest.raises(ClusterLost, match="start a new scheduler and new workers"),
+    ):
+        run(brick(), tmp_path / "out", Cluster(killing.cluster.address, 1), blocks=1, progress=killing)
+    assert (len(killing.done), killing.killed) == (2, 1)
+    resumed = Stopping(100)
+    run(brick(), tmp_path / "out", Own(2), blocks=1, progress=resumed)
+    assert resumed.there >= 2 * 1500
+    check_same(tmp_path / "out", whole)
 
-        def kill(name: str, count: int = 1, /) -> None:
-            done.append(name)
-            if len(done) == 1:
-                assert first.kill_worker(chance)
-            if len(done) == 2:
-                first.kill_scheduler()
 
-        with pytest.raises(ClusterLost, match="start a new scheduler and new workers"):
-            run(brick(), folder, Cluster(first.address, 1), blocks=1, progress=kill)
-        assert len(done) == 2
-    with cluster(dask_folder, workers=1) as second:
-        resumed = Stopping(100)
-        run(brick(), folder, Cluster(second.address, 1), blocks=1, progress=resumed)
-        assert resumed.there >= 2 * 2000
-    check_same(folder, whole)
+@pytest.mark.slow
+def test_nothing_is_lost_or_twice_after_many_kills(dask_folder: Path, tmp_path: Path) -> None:
+    """Twenty workers and three schedulers; some minutes: `pytest -m slow tests/studies/ensemble/test_execution.py`."""
+    case, both = brick(members=10_000), ("mujoco", "pinocchio")
+    whole = run(case, tmp_path / "whole", Own(2), both, ())
+    killing = Killing(20, (4, 8, 12))
+    for lost in (True, True, True, False):
+        with (
+            cluster(dask_folder, workers=3) as killing.cluster,
+            pytest.raises(ClusterLost) if lost else nullcontext(),
+        ):
+            run(case, tmp_path / "out", Cluster(killing.cluster.address, 1), both, (), blocks=1, progress=killing)
+    print(f"{killing.killed} workers were killed after {len(killing.done)} chunks")
+    assert killing.killed >= 15
+    check_same(tmp_path / "out", whole)
 
 
 def test_a_worker_with_other_versions_is_refused(dask_folder: Path, tmp_path: Path) -> None:
