@@ -10,9 +10,9 @@ from bodycheck.console.terminal import print_json
 from bodycheck.studies.ensemble.aggregates import Aggregates
 from bodycheck.studies.ensemble.reporting import Made
 from bodycheck.studies.ensemble.rows import DependenceRow, Row
-from bodycheck.studies.ensemble.sensitivity import RELEVANT
+from bodycheck.studies.ensemble.sensitivity import FAILURE, RELEVANT
 
-#: Most dependences that are printed; sensitivity.csv has all.
+#: Most dependences that are printed, of failures and of the figure that methods are ranked by; sensitivity.csv has all.
 MOST_DEPENDENCES = 6
 
 
@@ -72,7 +72,8 @@ def print_ensemble(ensemble: Aggregates, dependences: Sequence[DependenceRow], s
     if ensemble.ranking:
         say(f"{ensemble.members} members, {ensemble.ranking}, the best method first")
     show(ROWS, [ensemble.row(place, ensemble.ranking) for place in ensemble.ranked], view)
-    strongest = sorted((one for one in dependences if one.share >= RELEVANT), key=lambda one: -one.share)[:MOST_DEPENDENCES]
+    told = [one for one in dependences if one.share >= RELEVANT and one.figure in (FAILURE, ensemble.ranking)]
+    strongest = sorted(told, key=lambda one: -one.share)[:MOST_DEPENDENCES]
     if strongest and (not view.names or {column.name for column in DEPENDENCES} & set(view.names)):
         say("\nwhat errors depend on most")
         show(DEPENDENCES, strongest, view)

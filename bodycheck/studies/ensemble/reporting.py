@@ -69,7 +69,9 @@ def read(folder: Path, case: Case, header: EnsembleHeader) -> Made:
     ensemble = stored.read(folder, case.name, tuple(header["engines"]))
     analysis = analyse(ensemble)
     found = page.findings(material(case, header, analysis))
-    sentences = tuple(f"{finding.subject}: {finding.text}" for finding in found)
+    # Where a finding of the page leads to a part of it, a sentence on the terminal ends.
+    told = ((one.subject, one.before.removesuffix(" See ") if one.where else one.text) for one in found)
+    sentences = tuple(f"{subject}: {text}" for subject, text in told)
     return Made(analysis, sentences, broken(ensemble, case), len(chosen(case, ensemble)))
 
 
