@@ -19,7 +19,7 @@ from bodycheck.files import writing
 from bodycheck.running.campaign import Advance
 from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.running.plan import check_timestep
-from bodycheck.studies.ensemble.case_text import case_text
+from bodycheck.studies.ensemble.case_text import MOST_LINES, case_text
 from bodycheck.studies.ensemble.shrinking import BLOCK, Document, shrink
 from bodycheck.studies.ensemble.stored import Ensemble
 from bodycheck.studies.ensemble.trials import Trials, Tried, trials
@@ -98,10 +98,13 @@ def _write_one(folder: Path, case: str, way: Way, others: Sequence[Way], text: s
     (last,) = _tried([simple], way, tried)
     if last is None or not way.shown(last.status, last.figures):  # an engine that is not deterministic
         simple, last = drawn, alone
-    comments = _comments(case, way, others, origin, simple != drawn)
+    simplified = simple != drawn
     simple["title"] = title = _title(way, last)
     path = folder / FOLDER / f"{case}-{way.member}{SUFFIX}"
-    writing.write(path, case_text(simple, comments).encode("utf-8"), inside=folder)
+    content = case_text(simple, _comments(case, way, others, origin, simplified))
+    if len(content.splitlines()) > MOST_LINES:
+        content = case_text(simple, _comments(case, way, (), origin, simplified))
+    writing.write(path, content.encode("utf-8"), inside=folder)
     return Worst(way, path, title)
 
 
@@ -177,7 +180,7 @@ def _comments(case: str, way: Way, others: Sequence[Way], origin: str, simplifie
         there = f"In the ensemble its {way.limit.name} is {way.value:.3g}{unit(way.limit.name)}. {way.told}"
     else:
         there = f"It is the first member whose run with this method has the status {way.status}."
-    named = [other.name for other in others[:MOST_NAMED]]
-    named += [f"{len(others) - MOST_NAMED} more"] if len(others) > MOST_NAMED else []
-    also = [f"It is also the worst in: {', '.join(named)}."] if named else []
+    names = list(dict.fromkeys(other.name for other in others if other.name != way.name))
+    more = [f"{len(names) - MOST_NAMED} more"] if len(names) > MOST_NAMED else []
+    also = [f"It is also the worst in: {', '.join(names[:MOST_NAMED] + more)}."] if names else []
     return [line for sentence in (first, there, *also) for line in wrap(sentence, COMMENT_WIDTH, break_on_hyphens=False)]

@@ -142,6 +142,9 @@ def test_a_broken_expectation_of_the_case_keeps_its_limit(planted: None, here: N
     found = written(tmp_path / "out", expect=[LIMIT])
     made = tomllib.loads((found[WRONG].path or Path()).read_text("utf-8"))
     assert made["expect"] == [LIMIT | {"version": "1.0"}]
+    assert "also" not in (found[WRONG].path or Path()).read_text(
+        "utf-8"
+    )  # that it has the largest value too goes without saying
     assert made["run"]["duration"] == 0.5  # the first round one after which the error, 0.3 m in a second, breaks the limit
 
 
