@@ -1,5 +1,6 @@
 """Real clusters of Dask on this machine: a scheduler and workers that are processes of their own, which a test can kill."""
 
+import contextlib
 import json
 import os
 import random
@@ -8,7 +9,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -53,7 +53,7 @@ class Cluster:
         self.scheduler.wait()
 
 
-@contextmanager
+@contextlib.contextmanager
 def cluster(folder: Path, workers: int = 2, environment: Mapping[str, str] | None = None) -> Iterator[Cluster]:
     """A cluster with some workers of one thread each. environment: variables of its processes."""
     file = folder / "scheduler.json"
@@ -62,7 +62,8 @@ def cluster(folder: Path, workers: int = 2, environment: Mapping[str, str] | Non
 
     def start(*arguments: str) -> "subprocess.Popen[bytes]":
         command = [sys.executable, "-m", "dask", *arguments, "--scheduler-file", str(file), "--no-dashboard"]
-        return subprocess.Popen(command, cwd=folder, env=variables, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        streams = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        return subprocess.Popen(command, cwd=folder, env=variables, start_new_session=True, **streams)
 
     started = [start("scheduler", "--port", "0", "--host", "127.0.0.1")]
     try:
@@ -80,8 +81,8 @@ def cluster(folder: Path, workers: int = 2, environment: Mapping[str, str] | Non
         for process in reversed(started):
             process.terminate()
         for process in reversed(started):
-            try:
-                process.wait(10.0)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(2.0)
+            with contextlib.suppress(ProcessLookupError):  # its workers too, which it may have left
+                os.killpg(process.pid, signal.SIGKILL)
+            process.wait()

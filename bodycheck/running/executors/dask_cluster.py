@@ -8,7 +8,9 @@ be daemonic, as they are by default.
 
 import contextlib
 import logging
+import math
 import secrets
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -29,6 +31,9 @@ CONNECT_S = 30.0
 
 #: Submitted chunks for each thread of the workers, so that no thread waits for the next one; and the least number in all.
 AHEAD, LEAST_WINDOW = 2, 4
+
+#: Interval (s) at which the scheduler is asked for its workers.
+INTERVAL_S = 10.0
 
 #: How often a chunk is submitted again after Dask has given it up, because several workers were lost that had it. The loss may
 #: be the fault of another chunk, or of the machine.
@@ -99,9 +104,14 @@ def _client(address: str, jobs: int) -> "Iterator[Client]":
 
 
 def _close(client: "Client") -> None:
-    """Disconnect from a scheduler that may be lost."""
-    with contextlib.suppress(Exception):
-        client.close(timeout=1.0)
+    """Disconnect from a scheduler that may be lost, without a word of Dask about what it did not do to the end."""
+    before = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        with contextlib.suppress(Exception):
+            client.close(timeout=1.0)
+    finally:
+        logging.disable(before)
 
 
 def _check_workers(client: "Client") -> None:
@@ -121,10 +131,25 @@ class _Submitted:
     attempts: int = 1
 
 
+@dataclass
+class _Window:
+    """How many chunks are to be submitted at a time. The scheduler is asked now and then, as workers come and go."""
+
+    client: "Client"
+    size: int = LEAST_WINDOW
+    asked: float = -math.inf
+
+    def __call__(self) -> int:
+        if time.monotonic() > self.asked + INTERVAL_S:
+            self.size = max(LEAST_WINDOW, AHEAD * sum(self.client.nthreads().values()))
+            self.asked = time.monotonic()
+        return self.size
+
+
 def _receipts(client: "Client", address: str, perform: Perform, chunks: Sequence[Chunk]) -> Iterator[Receipt]:
     from distributed import KilledWorker, as_completed
 
-    waiting, session = iter(chunks), secrets.token_hex(4)
+    waiting, session, window = iter(chunks), secrets.token_hex(4), _Window(client)
     submitted: dict[Future, _Submitted] = {}
     completed = as_completed(loop=client.loop)
 
@@ -135,7 +160,7 @@ def _receipts(client: "Client", address: str, perform: Perform, chunks: Sequence
         completed.add(future)
 
     def fill() -> None:
-        while len(submitted) < max(LEAST_WINDOW, AHEAD * sum(client.nthreads().values())):
+        while len(submitted) < window():
             if (chunk := next(waiting, None)) is None:
                 return
             submit(_Submitted(chunk))
