@@ -89,14 +89,13 @@ def _write_one(folder: Path, case: str, way: Way, others: Sequence[Way], text: s
     """Write one member; None if its figure is nothing but rounding."""
     drawn = _document(tomllib.loads(text), case, way, origin)
     (alone,) = _tried([drawn], way, tried)
-    if alone is None or not way.shown(alone.status, alone.figures):
-        return Worst(way, None, f"member {way.member} has {way.name} in the ensemble, and not when it is run alone")
-    if way.is_largest and way.limit and alone.figures[way.limit.name] < alone.floors[way.limit.name]:
+    if alone is not None and way.value is not None and _rounding(way, way.value, alone):
         return None
-
+    if alone is None or not _fails(way, alone):
+        return Worst(way, None, f"member {way.member} has {way.name} in the ensemble, and not when it is run alone")
     simple = _simplest(drawn, way, tried)
     (last,) = _tried([simple], way, tried)
-    if last is None or not way.shown(last.status, last.figures):  # an engine that is not deterministic
+    if last is None or not _fails(way, last):  # an engine that is not deterministic
         simple, last = drawn, alone
     simplified = simple != drawn
     simple["title"] = title = _title(way, last)
@@ -116,10 +115,21 @@ def _simplest(drawn: Document, way: Way, tried: Trials) -> Document:
         nonlocal over
         made = [None] * len(documents) if over else _tried(documents, way, tried)
         over = over or any(one is not None and one.status == TimedOut.status for one in made)
-        return [one is not None and way.shown(one.status, one.figures) for one in made]
+        return [one is not None and _fails(way, one) for one in made]
 
     # A run that ends its process costs a new one, so that no more of them are made than are needed.
     return shrink(drawn, fails, way.method.timestep, block=1 if way.status == Crashed.status else BLOCK)
+
+
+def _fails(way: Way, tried: Tried) -> bool:
+    """Return whether a run fails in a way, by more than rounding."""
+    shown = way.shown(tried.status, tried.figures)
+    return shown and (way.limit is None or not _rounding(way, tried.figures[way.limit.name], tried))
+
+
+def _rounding(way: Way, value: float, tried: Tried) -> bool:
+    """Return whether the largest value of a figure is nothing but rounding, of which the case expects nothing."""
+    return way.is_largest and way.limit is not None and value < tried.floors.get(way.limit.name, 0.0)
 
 
 def _document(drawn: Document, case: str, way: Way, origin: str) -> Document:
