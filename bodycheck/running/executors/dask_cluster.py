@@ -9,6 +9,7 @@ be daemonic, as they are by default.
 import contextlib
 import logging
 import math
+import os
 import secrets
 import time
 from collections.abc import Iterator, Sequence
@@ -90,6 +91,7 @@ def _client(address: str, jobs: int) -> "Iterator[Client]":
     except ModuleNotFoundError as error:
         raise BadInput("--dask needs Dask: pip install 'bodycheck[scale]'") from error
     with contextlib.ExitStack() as stack:
+        stack.callback(_restore, dict(os.environ))
         where: Any = address
         if address == LOCAL:
             # The memory limit of Dask counts the worker alone, which needs little; the processes of engines have their own.
@@ -101,6 +103,12 @@ def _client(address: str, jobs: int) -> "Iterator[Client]":
             raise BadInput(f"--dask {address}: the scheduler cannot be reached: {error}") from error
         stack.callback(_close, client)
         yield client
+
+
+def _restore(environment: dict[str, str]) -> None:
+    """Give this process its environment again. Dask leaves variables for its workers in it, which later ones would inherit."""
+    os.environ.clear()
+    os.environ.update(environment)
 
 
 def _close(client: "Client") -> None:

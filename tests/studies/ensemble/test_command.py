@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -149,3 +150,14 @@ def test_shares_are_gathered_into_the_same_tables(case: Path, folder: Path, tmp_
     for name in ("ensemble.csv", "sensitivity.csv"):
         assert (tmp_path / name).read_bytes() == (folder / name).read_bytes()
     assert {path.name for path in (tmp_path / "worst").iterdir()} == {path.name for path in (folder / "worst").iterdir()}
+
+
+def test_a_cluster_leaves_the_environment_as_it_was() -> None:
+    """Dask sets variables for its workers, with which those of engines would be started anew for every call."""
+    pytest.importorskip("distributed")
+    from bodycheck.running.executors import dask_cluster
+
+    before = dict(os.environ)
+    with dask_cluster._client(dask_cluster.LOCAL, 1):
+        assert dict(os.environ) != before
+    assert dict(os.environ) == before
