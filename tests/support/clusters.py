@@ -40,12 +40,13 @@ class Cluster:
             found: dict[str, int] = client.run(os.getpid, on_error="ignore")
         return found
 
-    def kill_worker(self, chance: random.Random) -> bool:
-        """Kill one of the workers; return whether there was one."""
+    def kill_workers(self, count: int, chance: random.Random) -> int:
+        """Kill some of the workers; return how many there were to be killed."""
         pids = sorted(self.pids().values())
-        if pids:
-            os.kill(chance.choice(pids), signal.SIGKILL)
-        return bool(pids)
+        chosen = chance.sample(pids, min(count, len(pids)))
+        for pid in chosen:
+            os.kill(pid, signal.SIGKILL)
+        return len(chosen)
 
     def kill_scheduler(self) -> None:
         """Kill the scheduler, and wait for its end."""

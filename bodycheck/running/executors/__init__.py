@@ -9,6 +9,9 @@ from typing import Protocol
 
 from bodycheck.running.chunks import Chunk, Receipt
 
+#: Chunks for each processor or job, if there are enough members, so that none waits long for the last one.
+CHUNKS_EACH = 4
+
 #: A function that carries out a chunk. It can be pickled.
 Perform = Callable[[Chunk], Receipt]
 
@@ -19,6 +22,11 @@ class Executor(Protocol):
     @property
     def whole(self) -> bool:
         """Whether it carries out all chunks, and not only a share of them."""
+        ...
+
+    @property
+    def chunks(self) -> int:
+        """The number of chunks, if there are enough members, from which on it is evenly busy."""
         ...
 
     def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Iterator[Receipt]:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from bodycheck.errors import BadInput, Failed
 from bodycheck.running import crews, versions
 from bodycheck.running.chunks import Chunk, Receipt
-from bodycheck.running.executors import Perform
+from bodycheck.running.executors import CHUNKS_EACH, Perform
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -32,6 +32,9 @@ CONNECT_S = 30.0
 
 #: Submitted chunks for each thread of the workers, so that no thread waits for the next one; and the least number in all.
 AHEAD, LEAST_WINDOW = 2, 4
+
+#: A number of workers of a cluster for which there are chunks enough.
+MANY_WORKERS = 50
 
 #: Interval (s) at which the scheduler is asked for its workers.
 INTERVAL_S = 10.0
@@ -62,6 +65,11 @@ class Cluster:
     address: str
     jobs: int
     whole: bool = True
+
+    @property
+    def chunks(self) -> int:
+        """The number of chunks from which on it is evenly busy; how many workers another cluster will have is not known."""
+        return CHUNKS_EACH * (self.jobs if self.address == LOCAL else MANY_WORKERS)
 
     def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Iterator[Receipt]:
         """Carry out chunks, as `Executor` says.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from bodycheck.running import crews
 from bodycheck.running.chunks import Chunk, Receipt
-from bodycheck.running.executors import Perform
+from bodycheck.running.executors import CHUNKS_EACH, Perform
 
 
 @dataclass(frozen=True)
@@ -24,6 +24,11 @@ class Own:
 
     jobs: int
     whole: bool = True
+
+    @property
+    def chunks(self) -> int:
+        """The number of chunks from which on it is evenly busy."""
+        return CHUNKS_EACH * self.jobs
 
     def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Iterator[Receipt]:
         """Carry out chunks, as `Executor` says. A thread ends with the chunk that it is at when another one has failed."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from bodycheck.errors import BadInput
 from bodycheck.running.chunks import Chunk, Receipt
-from bodycheck.running.executors import Perform
+from bodycheck.running.executors import CHUNKS_EACH, Perform
 from bodycheck.running.executors.own import Own
 
 
@@ -27,6 +27,11 @@ class Shard:
     of: int
     jobs: int
     whole: bool = False
+
+    @property
+    def chunks(self) -> int:
+        """The number of chunks from which on it is evenly busy."""
+        return CHUNKS_EACH * self.of
 
     @classmethod
     def parse(cls, text: str, jobs: int) -> "Shard":

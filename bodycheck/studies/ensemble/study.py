@@ -106,7 +106,7 @@ def run(
     with _held(folder, executor):
         head = headers.begin(folder, head, case)
         work = work_of(head, case, source)
-        everything = cut(work, case, shares, blocks)
+        everything = cut(work, case, shares, blocks, executor.chunks)
         done = _done(folder, head)
         pieces = [piece for chunk in everything for piece in chunks.left(chunk, done.get(chunk.share.engine, ()))]
         if there := sum(chunk.rows for chunk in everything) - sum(piece.rows for piece in pieces):
@@ -150,11 +150,15 @@ def work_of(head: EnsembleHeader, case: Case, source: Source) -> Work:
     return Work(head["identity"], case.text, source, head["block"], head["sample"], told, today, head["limit"], head["memory"])
 
 
-def cut(work: Work, case: Case, shares: Sequence[Share], blocks: int | None = None) -> list[Chunk]:
-    """Return all chunks of an ensemble, engine by engine, numbered from 0; blocks as for `run`."""
+def cut(work: Work, case: Case, shares: Sequence[Share], blocks: int | None, least: int) -> list[Chunk]:
+    """Return all chunks of an ensemble, engine by engine, numbered from 0.
+
+    blocks: as for `run`. least: the number of chunks of each engine that there should be at least, if there are enough blocks.
+    """
     found: list[Chunk] = []
     for share in shares:
-        size = blocks or chunks.blocks_of_chunk(case, share, work.block)
+        every = -(-work.source.size // work.block)
+        size = blocks or max(1, min(chunks.blocks_of_chunk(case, share, work.block), every // least))
         found += chunks.cut(work, share, size, number=len(found))
     return found
 

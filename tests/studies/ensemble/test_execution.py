@@ -191,7 +191,7 @@ def dask_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @dataclass
 class Killing:
-    """A progress that kills a worker after each chunk, and the scheduler after some of them.
+    """A progress that kills workers after each chunk, and the scheduler after some of them.
 
     Attributes
     ----------
@@ -199,10 +199,13 @@ class Killing:
         How many workers are to be killed.
     schedulers
         After which chunks the scheduler is killed.
+    each
+        How many workers are killed after a chunk.
     """
 
     workers: int
     schedulers: tuple[int, ...]
+    each: int = 1
     cluster: Dask | None = None
     chance: random.Random = field(default_factory=lambda: random.Random(1))
     done: list[str] = field(default_factory=list)
@@ -216,7 +219,7 @@ class Killing:
         if len(self.done) in self.schedulers:
             self.cluster.kill_scheduler()
         elif self.killed < self.workers:
-            self.killed += self.cluster.kill_worker(self.chance)
+            self.killed += self.cluster.kill_workers(min(self.each, self.workers - self.killed), self.chance)
 
 
 def test_a_cluster_gives_the_same_whatever_is_killed(whole: Path, dask_folder: Path, tmp_path: Path) -> None:
@@ -239,7 +242,7 @@ def test_nothing_is_lost_or_twice_after_many_kills(dask_folder: Path, tmp_path: 
     """Twenty workers and three schedulers; some minutes: `pytest -m slow tests/studies/ensemble/test_execution.py`."""
     case, both = brick(members=10_000), ("mujoco", "pinocchio")
     whole = run(case, tmp_path / "whole", Own(2), both, ())
-    killing = Killing(20, (4, 8, 12))
+    killing = Killing(20, (4, 6, 8), each=3)
     for lost in (True, True, True, False):
         with (
             cluster(dask_folder, workers=3) as killing.cluster,
@@ -247,7 +250,7 @@ def test_nothing_is_lost_or_twice_after_many_kills(dask_folder: Path, tmp_path: 
         ):
             run(case, tmp_path / "out", Cluster(killing.cluster.address, 1), both, (), blocks=1, progress=killing)
     print(f"{killing.killed} workers were killed after {len(killing.done)} chunks")
-    assert killing.killed >= 15
+    assert killing.killed == 20
     check_same(tmp_path / "out", whole)
 
 
@@ -278,7 +281,7 @@ def test_a_share_that_is_none_is_refused(text: str) -> None:
 class Elsewhere:
     """An executor whose files are written elsewhere, and appear in the folder of the ensemble later or never."""
 
-    whole = True
+    whole, chunks = True, 1
 
     def __init__(self, hidden: Path, later: float | None) -> None:
         self.hidden, self.later = hidden, later
