@@ -82,8 +82,9 @@ def _half_height(document: Mapping[str, Any], made: Mapping[str, Array]) -> Any:
 def _directions(quaternions: Array) -> Array:
     """Return quaternions (m, 4) with those divided by their lengths whose lengths are not 1, and not 0 either."""
     w, x, y, z = np.moveaxis(quaternions, -1, 0)
-    length = np.sqrt(w * w + x * x + y * y + z * z)
-    off = (np.abs(length - 1) > MAX_DEVIATION) & (length > 0)
+    with np.errstate(over="ignore"):  # numbers whose squares are infinite are no numbers of a case either
+        length = np.sqrt(w * w + x * x + y * y + z * z)
+    off = (np.abs(length - 1) > MAX_DEVIATION) & (length > 0) & np.isfinite(length)
     return np.asarray(np.where(off[:, None], quaternions / np.where(off, length, 1.0)[:, None], quaternions))
 
 

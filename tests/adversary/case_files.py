@@ -12,6 +12,7 @@ from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.case import MAX_FILE_BYTES, shipped
 from bodycheck.casefile.values import MAX_NUMBER, MAX_SAMPLES
 from bodycheck.figures.columns import LIMITED
+from tests.adversary import ensemble_tables
 from tests.support.cases import a_case
 from tests.support.mutants import NASTY, RICH, mutant
 
@@ -84,6 +85,8 @@ def extreme(chance: Chance) -> str:
     axes = chance.sample(list(AXES), chance.choice([0, 0, 0, 1, 3]))
     extremes = {axis: sorted({min(number(positive=True), 1.0) for _ in range(chance.randint(1, 4))}) for axis in axes}
     text = a_case("extreme", body=body, initial=initial, scene=scene, run=run, extremes=extremes or None, expect=expect)
+    if chance.random() < 0.4:
+        text += ensemble_tables.drawn(chance, text, number)
     return text if chance.random() < 0.9 else text.replace(json.dumps(run["duration"]), chance.choice(NASTY), 1)
 
 

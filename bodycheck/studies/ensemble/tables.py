@@ -6,7 +6,9 @@ is one clear message. It is read again by every process that needs members of it
 
 import hashlib
 import os
+import re
 import threading
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -32,6 +34,9 @@ MAX_CSV_BYTES, MAX_PARQUET_BYTES = 1 << 28, 1 << 36
 #: The most columns, the most bytes of the description of a Parquet file, and the most rows of one of its groups, which are read
 #: at once.
 MAX_COLUMNS, MAX_DESCRIPTION, MAX_ROWS = 500, 1 << 24, 1 << 24
+
+#: The line of a CSV file that has the names of its columns, with empty ones before it.
+FIRST_LINE = re.compile(rb"[\r\n]*([^\r\n]*)")
 
 #: The ends of the names of Parquet files. Any other file is CSV.
 PARQUET = (".parquet", ".pq")
@@ -68,13 +73,13 @@ def opened(path: Path) -> Table:
     with _faults_of(path):
         stored = _Stored.of(absolute)
         names = stored.schema.names
-        if twice := sorted({name for name in names if names.count(name) > 1}):
-            raise BadInput(f"{path}: has the column {twice[0]!r:.100} more than once")
         columns = tuple(name for name in names if name not in LABELS)
         if not columns:
             raise BadInput(f"{path}: has no column that is a key path, such as initial.velocity.0")
-        if len(columns) > MAX_COLUMNS:
-            raise BadInput(f"{path}: has {len(columns)} columns; allowed: at most {MAX_COLUMNS}")
+        if len(names) > MAX_COLUMNS:
+            raise BadInput(f"{path}: has {len(names)} columns; allowed: at most {MAX_COLUMNS}")
+        if twice := sorted(name for name, count in Counter(names).items() if count > 1):
+            raise BadInput(f"{path}: has the column {twice[0]!r:.100} more than once")
         for name in columns:
             if not (name.isprintable() and len(name) <= MAX_NAME_LENGTH):
                 raise BadInput(f"{path}: read {name!r:.100} as a column; allowed: key paths")
@@ -97,6 +102,8 @@ def values(table: Table, first: int, count: int) -> dict[str, Array]:
             raise BadInput(f"{path}: has changed since the members were planned; put the file back, or begin anew")
         with READING:
             read = {name: stored.column(name, first, count) for name in table.columns}
+        if any(len(column) != count for column in read.values()):
+            raise ValueError("it has fewer values than it claims to have")
         return {name: _numbers(path, name, column, first) for name, column in read.items()}
 
 
@@ -169,6 +176,8 @@ def _stored(path: Path, size: int, _changed: int, _identity: int) -> _Stored:
         raise BadInput(f"{path}: has {size} bytes; allowed: at most {limit}{advice}")
     if not parquet:
         content = reading.content(path, limit, follow=True)
+        if (columns := FIRST_LINE.match(content)[0].count(b",") + 1) > MAX_COLUMNS:  # PyArrow takes 8 kB for each
+            raise BadInput(f"{path}: has {columns} columns; allowed: at most {MAX_COLUMNS}")
         table = pyarrow.csv.read_csv(pa.BufferReader(content), pyarrow.csv.ReadOptions(use_threads=False))
         return _Stored(hashlib.sha256(content).hexdigest(), table.schema, table.num_rows, table, None)
     with path.open("rb") as file:

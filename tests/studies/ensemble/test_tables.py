@@ -13,7 +13,7 @@ import pytest
 from bodycheck.casefile.case import parse
 from bodycheck.errors import BadInput
 from bodycheck.reference.scenes import Scenes
-from bodycheck.studies.ensemble import members
+from bodycheck.studies.ensemble import members, tables
 from tests.support.ensemble_texts import BRICK, attitude, columns_of, ensemble_of, log_uniform, normal
 
 CASE = parse(BRICK, "f")
@@ -158,3 +158,30 @@ def test_a_table_gives_as_many_members_as_asked_for(tmp_path: Path) -> None:
             members.tabled(CASE, path, number)
     with pytest.raises(ValueError, match="allowed: members 0 to 1"):
         members.tabled(CASE, path, 2).values(0, 3)
+
+
+def test_many_columns_are_refused_before_they_are_read(tmp_path: Path) -> None:
+    """PyArrow takes some kilobytes for each column of a CSV file. Here their names alone have 600 kB."""
+    path = tmp_path / "m.csv"
+    names = [f"c{place}" for place in range(100_000)]
+    path.write_text("\n\n" + ",".join(names) + "\n" + ",".join("1" * len(names)) + "\n")
+    before = pa.total_allocated_bytes()
+    with pytest.raises(BadInput, match="has 100000 columns; allowed: at most 500"):
+        members.tabled(CASE, path)
+    assert pa.total_allocated_bytes() - before < 1 << 20
+
+
+def test_a_column_with_fewer_values_than_claimed_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A damaged Parquet file may have fewer values in a group than its description says."""
+    source = members.tabled(CASE, written(tmp_path / "m.parquet", {"body.mass": [1.0, 2.0, 3.0]}))
+    column = tables._Stored.column
+    monkeypatch.setattr(tables._Stored, "column", lambda *given: column(*given).slice(0, 1))
+    with pytest.raises(BadInput, match="cannot be read as a table: it has fewer values than it claims to have"):
+        source.values(0, 3)
+
+
+def test_a_quaternion_whose_length_is_infinite_is_told_as_it_is(tmp_path: Path) -> None:
+    columns = {f"initial.quaternion.{place}": [1e200 if place < 2 else 0.0] for place in range(4)}
+    source = members.tabled(CASE, written(tmp_path / "m.csv", columns))
+    with pytest.raises(BadInput, match=r"member 0: initial.quaternion\[1\]: read 1e\+200"):
+        members.scenes(CASE, source.values(0, 1))
