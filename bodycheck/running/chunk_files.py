@@ -203,16 +203,31 @@ def blocks(files: Sequence[ChunkFile], size: int, block: int) -> dict[int, tuple
     return dict(sorted(where.items()))
 
 
-def tables(where: Mapping[int, tuple[ChunkFile, int]], schema: Any) -> Iterator[Any]:
-    """Yield the tables of blocks, in the order of the members. Raises `BadFolder` for a file that is damaged."""
+def tables(where: Mapping[int, tuple[ChunkFile, int]], schema: Any, block: int, each: int = 1) -> Iterator[Any]:
+    """Yield the tables of blocks, in the order of the members.
+
+    Raises `BadFolder` for a file that is damaged, also if a table has other members than the name of its file says.
+
+    Parameters
+    ----------
+    where
+        The file and the row group of each block, as `blocks` returns them.
+    schema
+        The columns that the tables have.
+    block, each
+        The number of members of a block, and that of the rows of each member, which follow each other.
+    """
     opened: tuple[Path, Any] | None = None
-    for file, group in where.values():
+    for first, (file, group) in where.items():
         try:
             if opened is None or opened[0] != file.path:
                 opened = file.path, pq.ParquetFile(pa.BufferReader(reading.content(file.path, MAX_BYTES)))
             one = opened[1].read_row_group(group)
             if not one.schema.equals(schema):
                 raise ValueError("it has other columns")
+            members = np.arange(first, min(first + block, file.members.stop))
+            if not np.array_equal(one["member"].to_numpy(), np.repeat(members, each)):
+                raise ValueError("it has other members than its name says")
         except (OSError, pa.ArrowException, ValueError, IndexError) as error:
             raise BadFolder(f"{file.path}: damaged: {error}; remove it, and run the same command again") from error
         yield one

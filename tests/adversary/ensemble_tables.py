@@ -1,4 +1,4 @@
-"""Hostile tables `[ensemble]` for case files, drawn by chance: known and unknown keys, and parameters of any size and length."""
+"""Hostile tables `[ensemble]` for case files, drawn by chance: keys known and unknown, parameters of any size and length."""
 
 import json
 import random
@@ -69,7 +69,7 @@ def _variation(chance: Chance, key: Key, number: Callable[..., float], right: bo
         case "sphere":
             lines["radius"] = repr(_limited(number(True)))
         case "choice":
-            many = chance.choice([1, 2, 5] if right else [0, 1, MAX_CHOICES, MAX_CHOICES + 1, 20_000])
+            many = chance.choice([1, 2, 5] if right or chance.random() < 0.9 else [0, 1, MAX_CHOICES, MAX_CHOICES + 1, 20_000])
             values = [_several([_limited(number(positive)) for _ in range(size or 1)], size) for _ in range(min(many, 50))]
             lines["values"] = f"[{', '.join(values * (many // max(1, len(values))))}]"
     if not right and chance.random() < 0.5:

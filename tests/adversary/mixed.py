@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from tests.adversary import loading, runs, saved
+from tests.adversary import ensembles, loading, runs, saved
 
 
 def any_kind(seed: int, folder: Path) -> str:
@@ -12,6 +12,8 @@ def any_kind(seed: int, folder: Path) -> str:
             return runs.run_of_a_file(seed, folder)
         case 1:
             return saved.report_of_damage(seed, folder)
+        case 2:
+            return ensembles.command_on_damage(seed, folder)
         case place if place < 10:
             return saved.diff_of_damage(seed, folder)
         case _:

@@ -60,14 +60,14 @@ def report_of_damage(seed: int, folder: Path) -> str:
     kind = chance.choice([kind for kind in KINDS if (good() / kind).is_dir()])
     results, outside = folder / "results", folder / "outside"
     shutil.copytree(good() / kind, results, ignore=shutil.ignore_patterns("report.*", "*.svg"))
-    _put_victims(outside)
+    put_victims(outside)
     damage.damage_folder(chance, results, outside)
     folders = [results, good() / "run"] if chance.random() < 0.2 else [results]
     out = ["--out", folder / "out"] if len(folders) > 1 or chance.random() < 0.5 else []
-    before = _contents(outside)
+    before = contents(outside)
     start = time.process_time()
     done = bodycheck("report", *folders, *out)
-    return _wrong(done, time.process_time() - start) or ("" if _contents(outside) == before else "wrote outside the folder")
+    return wrong(done, time.process_time() - start) or ("" if contents(outside) == before else "wrote outside the folder")
 
 
 def diff_of_damage(seed: int, folder: Path) -> str:
@@ -76,17 +76,17 @@ def diff_of_damage(seed: int, folder: Path) -> str:
     paths = folder / "now.parquet", folder / "base.parquet"
     for path in paths:
         shutil.copyfile(baseline(), path)
-    _put_victims(folder / "outside")
+    put_victims(folder / "outside")
     for path in paths[: chance.choice([1, 1, 2])]:
         damage.damage_file(chance, path, folder / "outside")
     start = time.process_time()
     given = paths if chance.random() < 0.5 else paths[::-1]
     options = ["--json"] if chance.random() < 0.5 else []
     done = bodycheck("diff", *given, *options, GITHUB_ACTIONS=chance.choice(["", "true"]))
-    return _wrong(done, time.process_time() - start)
+    return wrong(done, time.process_time() - start)
 
 
-def _wrong(done: Done, taken: float) -> str:
+def wrong(done: Done, taken: float) -> str:
     if done.returncode not in (0, 1, 2):
         return f"exit {done.returncode}: {done.stderr[-1000:]}"
     if done.returncode == 2 and not done.stderr.strip():
@@ -96,12 +96,12 @@ def _wrong(done: Done, taken: float) -> str:
     return f"took {taken:.0f} s" if taken > READING_S else ""
 
 
-def _put_victims(outside: Path) -> None:
+def put_victims(outside: Path) -> None:
     outside.mkdir()
     (outside / "victim").write_text("nobody writes here\n")
     (outside / "below").mkdir()
     (outside / "below" / "victim.parquet").write_text("nor here\n")
 
 
-def _contents(folder: Path) -> dict[str, bytes]:
+def contents(folder: Path) -> dict[str, bytes]:
     return {str(path): path.read_bytes() if path.is_file() else b"" for path in sorted(folder.rglob("*"))}

@@ -42,6 +42,12 @@ def test_damaged_folders_are_reported_or_refused(
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("first", "count"), batches("FOLDERS"))
+def test_damaged_ensembles_are_read_or_refused(first: int, count: int) -> None:
+    assert not failures("ensembles:command_on_damage", first, count)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(("first", "count"), batches("FOLDERS", 2))
 def test_damaged_baselines_are_compared_or_refused(first: int, count: int) -> None:
     assert not failures("saved:diff_of_damage", first, count)

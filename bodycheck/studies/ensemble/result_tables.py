@@ -72,6 +72,12 @@ def runs_of(files: Sequence[ChunkFile], head: EnsembleHeader, engine: str, kind:
     return chunk_files.blocks(own, head["members"], head["block"])
 
 
+def done(files: Sequence[ChunkFile], head: EnsembleHeader, share: Share) -> set[int]:
+    """Return the first members of the blocks of an engine of which all files are there."""
+    kinds = [RUNS, TRAJECTORIES, *([MEMBERS, TRUTHS] if share.truths_of else [])]
+    return set.intersection(*(set(runs_of(files, head, share.engine, kind)) for kind in kinds))
+
+
 def compact(folder: Path, head: EnsembleHeader, sources: Sequence[Path], jobs: int) -> None:
     """Write the tables of an ensemble and its header, and remove the files of chunks in its folder.
 
@@ -99,7 +105,7 @@ def compact(folder: Path, head: EnsembleHeader, sources: Sequence[Path], jobs: i
     for share in shares:
         place = folder / RUNS / chunk_files.folder_of(share.engine) / head["case"]
         where = runs_of(files, head, share.engine)
-        compaction.write(_watched(where, share, found), schema, place, folder)
+        compaction.write(_watched(where, head["block"], share, found), schema, place, folder)
     _write_members(folder, head, files, shares[0])
     _write_truths(folder, head, files, shares, found, jobs)
     for share in shares:
@@ -112,7 +118,7 @@ def compact(folder: Path, head: EnsembleHeader, sources: Sequence[Path], jobs: i
 def _refuse_missing(files: Sequence[ChunkFile], head: EnsembleHeader, shares: Sequence[Share]) -> None:
     """Raise `BadFolder`, naming members that were not run, if there are any."""
     for share in shares:
-        there = runs_of(files, head, share.engine)
+        there = done(files, head, share)
         absent = [first for first in range(0, head["members"], head["block"]) if first not in there]
         if absent:
             last = min(absent[0] + head["block"], head["members"]) - 1
@@ -131,14 +137,19 @@ def _measured(files: Sequence[ChunkFile], head: EnsembleHeader, shares: Sequence
             metadata = pq.read_metadata(pa.BufferReader(reading.content(path, MAX_BYTES)))
             for group in (metadata.row_group(place) for place in range(metadata.num_row_groups)):
                 columns = (group.column(place) for place in range(group.num_columns))
-                present |= {one.path_in_schema for one in columns if one.statistics.null_count < group.num_rows}
+                present |= {one.path_in_schema for one in columns if _has_values(one, group.num_rows)}
     return pa.schema([field for field in RUN_SCHEMA if field.name not in FIGURES or field.name in present])
 
 
-def _watched(where: Where, share: Share, found: Remarkable) -> Iterator[Any]:
+def _has_values(column: Any, rows: int) -> bool:
+    """Return whether a column of a group of rows may have a value, as its description says if it says anything."""
+    return column.statistics is None or column.statistics.null_count != rows
+
+
+def _watched(where: Where, block: int, share: Share, found: Remarkable) -> Iterator[Any]:
     """Yield the tables of runs of an engine, and note its remarkable members."""
     count = len(share.methods)
-    for table in chunk_files.tables(where, RUN_SCHEMA):
+    for table in chunk_files.tables(where, RUN_SCHEMA, block, count):
         member = table["member"].to_numpy()
         bad = _failed(table)
         for place in range(count):
@@ -174,7 +185,7 @@ def _note(
 def _write_members(folder: Path, head: EnsembleHeader, files: Sequence[ChunkFile], share: Share) -> None:
     schema = chunk_files.member_schema(head["drawn"])
     where = runs_of(files, head, share.engine, MEMBERS)
-    compaction.write(chunk_files.tables(where, schema), schema, folder / MEMBERS / head["case"], folder)
+    compaction.write(chunk_files.tables(where, schema, head["block"]), schema, folder / MEMBERS / head["case"], folder)
 
 
 def _write_truths(
@@ -187,7 +198,7 @@ def _write_truths(
         for share in shares:
             if share.truths_of:
                 where = runs_of(files, head, share.engine, TRUTHS)
-                for table in chunk_files.tables(where, TRUTH_SCHEMA):
+                for table in chunk_files.tables(where, TRUTH_SCHEMA, head["block"], len(share.truths_of)):
                     yield _replaced(table, vouched)
 
     compaction.write(tables(), TRUTH_SCHEMA, folder / TRUTHS / head["case"], folder)
@@ -206,7 +217,7 @@ def _vouched(
     questions = []
     for timestep, member in wanted:
         first = member - member % head["block"]
-        (table,) = chunk_files.tables({first: where[first]}, schema)
+        (table,) = chunk_files.tables({first: where[first]}, schema, head["block"])
         drawn = {name: table[name][member - first].as_py() for name in head["drawn"]}
         questions.append(Vouching(head["text"], drawn, member, timestep))
     with closing(pool.call_all(vouch, questions, jobs, head["limit"], head["memory"], lambda _: None, VOUCHER.home)) as answers:
@@ -235,13 +246,15 @@ def _kept(files: Sequence[ChunkFile], head: EnsembleHeader, share: Share, found:
         own = {first for first, (file, _) in where.items() if file.path == path}
         try:
             table = pq.read_table(pa.BufferReader(reading.content(beside, MAX_BYTES))).replace_schema_metadata(None)
-        except (OSError, pa.ArrowException, ValueError) as error:
+            if not table.schema.equals(TRAJECTORY_SCHEMA):
+                raise ValueError("it has other columns")
+            rows = zip(*(table[name].to_pylist() for name in ("integrator", "timestep", "member")), strict=True)
+            why = [
+                reasons[integrator, timestep].get(member, "") if member - member % head["block"] in own else ""
+                for integrator, timestep, member in rows
+            ]
+        except (OSError, pa.ArrowException, ValueError, KeyError, TypeError) as error:
             raise BadFolder(f"{beside}: damaged: {error}; remove it and the file of runs beside it") from error
-        rows = zip(*(table[name].to_pylist() for name in ("integrator", "timestep", "member")), strict=True)
-        why = [
-            reasons[integrator, timestep].get(member, "") if member - member % head["block"] in own else ""
-            for integrator, timestep, member in rows
-        ]
         told = table.set_column(table.schema.get_field_index("kept"), "kept", pa.array(why, pa.string()))
         yield told.filter(pc.not_equal(told["kept"], ""))
 

@@ -34,6 +34,9 @@ OK, UNSUPPORTED = "ok", "unsupported"
 #: Rows that are read at once.
 BATCH = 1 << 16
 
+#: Most methods, and most places in the table of methods and members for each run; where all are there, one is enough.
+MOST_METHODS, MOST_PLACES = 10_000, 16
+
 Codes = NDArray[np.int16]
 Places = NDArray[np.int32]
 Flags = NDArray[np.bool_]
@@ -172,6 +175,9 @@ def read(folder: Path, case: str, engines: Sequence[str] = ()) -> Ensemble:
     known: dict[Flown, int] = {}
     parts = [(path, *_table(path, members, known)) for path in files]
     order = _order(known, engines)
+    runs = sum(len(codes) for _, codes, _ in parts)
+    if len(order) * len(members) > MOST_PLACES * runs:  # so that a small file does not fill the memory
+        raise BadFolder(f"{folder}: has {runs} runs of {len(members)} members with {len(order)} methods; members are missing")
     places = np.empty(len(order), np.int16)
     places[[known[method] for method in order]] = np.arange(len(order))
     sorted_parts = tuple((path, places[codes], where) for path, codes, where in parts)
@@ -201,12 +207,12 @@ def _table(path: Path, members: NDArray[np.int64], known: dict[Flown, int]) -> t
     codes, places = [], []
     for batch in _batches(path, ("member", *METHOD)):
         places.append(_places(batch.column(0), members, path))
-        codes.append(_codes(batch, known))
+        codes.append(_codes(path, batch, known))
     return np.concatenate([np.empty(0, np.int16), *codes]), np.concatenate([np.empty(0, np.int32), *places])
 
 
-def _codes(batch: Any, known: dict[Flown, int]) -> Codes:
-    """Return the place of the method of each row among those that are known."""
+def _codes(path: Path, batch: Any, known: dict[Flown, int]) -> Codes:
+    """Return the place of the method of each row among those that are known. Raises `BadFolder` for too many."""
     columns = [_encoded(batch.column(1 + place)) for place in range(len(METHOD))]
     rows = np.zeros(len(batch), np.int64)
     for indices, values in columns:
@@ -216,6 +222,8 @@ def _codes(batch: Any, known: dict[Flown, int]) -> Codes:
     for place in np.argsort(first):  # in the order of the rows
         engine, version, integrator, timestep = (values[indices[first[place]]] for indices, values in columns)
         method = Flown(str(engine), str(version), str(integrator), float(timestep))
+        if method not in known and len(known) == MOST_METHODS:
+            raise BadFolder(f"{path}: has more than {MOST_METHODS} methods")
         own[place] = known.setdefault(method, len(known))
     return own[inverse.reshape(-1)]
 

@@ -199,10 +199,8 @@ def _held(folder: Path, executor: Executor) -> Iterator[None]:
 
 def _done(folder: Path, head: EnsembleHeader) -> dict[str, set[int]]:
     """Return the first members of the blocks that are done, by engine."""
-    return {
-        share["engine"]: set(result_tables.runs_of(chunk_files.found(folder, head["identity"]), head, share["engine"]))
-        for share in head["shares"]
-    }
+    files = chunk_files.found(folder, head["identity"])
+    return {share["engine"]: result_tables.done(files, head, headers.share_of(share)) for share in head["shares"]}
 
 
 def _await(folder: Path, head: EnsembleHeader, pieces: Sequence[Chunk | Receipt]) -> None:

@@ -176,7 +176,9 @@ def _stored(path: Path, size: int, _changed: int, _identity: int) -> _Stored:
         raise BadInput(f"{path}: has {size} bytes; allowed: at most {limit}{advice}")
     if not parquet:
         content = reading.content(path, limit, follow=True)
-        if (columns := FIRST_LINE.match(content)[0].count(b",") + 1) > MAX_COLUMNS:  # PyArrow takes 8 kB for each
+        line = FIRST_LINE.match(content)
+        assert line is not None  # it may be empty
+        if (columns := line[1].count(b",") + 1) > MAX_COLUMNS:  # PyArrow takes 8 kB for each
             raise BadInput(f"{path}: has {columns} columns; allowed: at most {MAX_COLUMNS}")
         table = pyarrow.csv.read_csv(pa.BufferReader(content), pyarrow.csv.ReadOptions(use_threads=False))
         return _Stored(hashlib.sha256(content).hexdigest(), table.schema, table.num_rows, table, None)
