@@ -19,7 +19,7 @@ from filelock import FileLock, Timeout
 from bodycheck.adapters.contract import Engine
 from bodycheck.casefile.case import Case
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
-from bodycheck.errors import BadFolder, Failed
+from bodycheck.errors import BadFolder, BadInput, Failed
 from bodycheck.files import writing
 from bodycheck.running import campaign, chunk_files, chunks
 from bodycheck.running.campaign import Advance
@@ -34,6 +34,9 @@ from bodycheck.studies.ensemble.header import EnsembleHeader
 
 #: The number of members whose trajectories are kept as a sample.
 SAMPLE = 100
+
+#: Most blocks of members of an ensemble: those of the most members that a case file can ask for, if they are of usual length.
+MOST_BLOCKS = 1_000_000
 
 #: How long (s) the files that workers elsewhere have written may take to appear here, as those on a network do.
 PATIENCE_S = 60.0
@@ -102,6 +105,11 @@ def run(
     """
     shares = planned(case, records, integrators, timesteps)
     head = headers.of(campaign.header(command, records, missing or {}), case, source, shares, limit, memory, SAMPLE)
+    if source.size > MOST_BLOCKS * head["block"]:  # blocks are known one by one, before the first is run
+        raise BadInput(
+            f"{case.name}: {source.size} members, of which {head['block']} are treated at once; allowed: at most "
+            f"{MOST_BLOCKS * head['block']}. There can be more with fewer samples and steps"
+        )
     folder = folder.resolve()
     with _held(folder, executor):
         head = headers.begin(folder, head, case)

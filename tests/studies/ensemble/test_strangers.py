@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from bodycheck.errors import BadFolder
+from bodycheck.errors import BadFolder, BadInput
 from bodycheck.running.executors.own import Own
 from bodycheck.running.executors.shards import Shard
 from bodycheck.studies.ensemble import gathering, stored
@@ -116,3 +117,11 @@ def test_many_methods_in_a_small_file_do_not_fill_the_memory(tmp_path: Path) -> 
     pq.write_table(table, path)
     with pytest.raises(BadFolder, match="has 500 runs of 10000 members with 500 methods; members are missing"):
         stored.read(folder, CASE)
+
+
+def test_more_blocks_than_memory_has_room_for_are_refused_before_they_are_planned(tmp_path: Path) -> None:
+    """A billion members of which each is a block, since it has many samples."""
+    case = replace(brick(members=10**9), samples=10**6)
+    with pytest.raises(BadInput, match="thrown: 1000000000 members, of which 1 are treated at once; allowed: at most 1000000"):
+        run(case, tmp_path / "out", Own(1))
+    assert not (tmp_path / "out").exists()
