@@ -45,10 +45,18 @@ class Role:
         return replace(found, interpreter=interpreter, prepare=self.prepare)
 
 
+class Abandoned(Exception):
+    """Nobody waits any more for what a thread does."""
+
+
 @dataclass
 class _Crew:
-    """The callers of a thread, for its engine and for the reference, each with what it was made for and its end; its folder."""
+    """The callers of a thread, for its engine and for the reference, each with what it was made for and its end; its folder.
 
+    `ended` is set when nobody waits any more for what the thread does.
+    """
+
+    ended: threading.Event = field(default_factory=threading.Event)
     callers: dict[bool, tuple[object, Call, ExitStack]] = field(default_factory=dict)
     folder: Path | None = None
     stack: ExitStack = field(default_factory=ExitStack)
@@ -64,11 +72,23 @@ class _Crew:
 _crews: dict[int, _Crew] = {}
 
 
+def begin(ended: threading.Event) -> None:
+    """Say by which event this thread learns that nobody waits any more for what it does."""
+    _crews[threading.get_ident()] = _Crew(ended)
+
+
+def check() -> None:
+    """Raise `Abandoned` if nobody waits any more for what this thread does."""
+    if (crew := _crews.get(threading.get_ident())) is not None and crew.ended.is_set():
+        raise Abandoned
+
+
 def call(role: Role, engine: str | None, limit: float, memory: int) -> Call:
     """Return a function that makes calls in this thread's process of an engine, or of the reference (None).
 
-    The process of another engine ends. limit, memory: those of one call, in s and bytes.
+    The process of another engine ends. limit, memory: those of one call, in s and bytes. Raises `Abandoned`.
     """
+    check()
     crew = _crews.setdefault(threading.get_ident(), _Crew())
     wanted = (role, engine, limit, memory)
     if (found := crew.callers.get(engine is None)) is not None:
@@ -82,7 +102,11 @@ def call(role: Role, engine: str | None, limit: float, memory: int) -> Call:
 
 
 def single(role: Role, engine: str | None, limit: float, memory: int) -> Any:
-    """Return a context that provides the function of `call` with a process of its own, which ends with the context."""
+    """Return a context that provides the function of `call` with a process of its own, which ends with the context.
+
+    Raises `Abandoned`.
+    """
+    check()
     return pool.caller(role.function, limit, memory, group=lambda argument: engine, home=role.home)
 
 

@@ -1,17 +1,21 @@
 """Chunks: how an ensemble is cut, what is left of it, and how the members that make a call fail are found."""
 
 import random
+import threading
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import date
 from itertools import pairwise
 from types import SimpleNamespace
+from typing import Any, cast
 
 import pytest
 
 from bodycheck import load
 from bodycheck.adapters.method import Method
-from bodycheck.running import chunks
+from bodycheck.running import chunks, crews
 from bodycheck.running.chunks import Chunk, Share, Work
+from bodycheck.running.executors.own import Own
 from bodycheck.running.halving import in_halves, limit_of
 from bodycheck.running.outcome import Crashed, TimedOut
 from tests.support.cases import shortened
@@ -79,3 +83,19 @@ def test_halving_finds_all_that_fail_and_nothing_else(count: int) -> None:
     assert len(asked) <= 1 + 2 * len(bad) * (count - 1).bit_length()
     # A single thing has the time of a whole call.
     assert all(result.limit == 100.0 for _, result in parts if isinstance(result, TimedOut))
+
+
+def test_nothing_is_done_after_the_receipts_are_closed() -> None:
+    threads = threading.active_count()
+    done: list[Chunk] = []
+
+    def perform(chunk: Any) -> Any:
+        crews.check()
+        done.append(chunk)
+        return chunk
+
+    receipts = Own(2)(perform, cast(Sequence[Chunk], range(100_000)))
+    next(receipts)
+    receipts.close()
+    assert threading.active_count() == threads
+    assert len(done) < 100_000

@@ -54,6 +54,14 @@ class Cluster:
         self.scheduler.wait()
 
 
+def _address(file: Path) -> str | None:
+    """The address of a scheduler in its file; None while the file is not there or not yet whole."""
+    try:
+        return str(json.loads(file.read_text())["address"])
+    except (FileNotFoundError, json.JSONDecodeError):
+        return None
+
+
 @contextlib.contextmanager
 def cluster(folder: Path, workers: int = 2, environment: Mapping[str, str] | None = None) -> Iterator[Cluster]:
     """A cluster with some workers of one thread each. environment: variables of its processes."""
@@ -71,10 +79,10 @@ def cluster(folder: Path, workers: int = 2, environment: Mapping[str, str] | Non
         options = ("--nthreads", "1", "--death-timeout", "30", "--local-directory", str(folder))
         started += [start("worker", *options) for _ in range(workers)]
         deadline = time.monotonic() + START_S
-        while not file.exists():
+        while (address := _address(file)) is None:
             assert time.monotonic() < deadline
             time.sleep(0.05)
-        made = Cluster(json.loads(file.read_text())["address"], started[0], started[1:])
+        made = Cluster(address, started[0], started[1:])
         with Client(made.address, timeout=START_S, set_as_default=False) as client:
             client.wait_for_workers(workers, timeout=START_S)
         yield made

@@ -4,7 +4,7 @@ All have the same signature, so that the rows do not depend on which one it is: 
 `dask_cluster` any cluster that Dask runs on, and `shards` a share of the chunks for one of several jobs of a queue.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from typing import Protocol
 
 from bodycheck.running.chunks import Chunk, Receipt
@@ -29,9 +29,9 @@ class Executor(Protocol):
         """The number of chunks, if there are enough members, from which on it is evenly busy."""
         ...
 
-    def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Iterator[Receipt]:
+    def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:
         """Carry out chunks, and yield the receipt of each as soon as it is done.
 
-        Raises what the function raises, after which no further chunks are begun.
+        Raises what the function raises, after which no further chunks are begun, as after the generator is closed.
         """
         ...

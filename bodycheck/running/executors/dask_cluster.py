@@ -12,7 +12,7 @@ import math
 import os
 import secrets
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -71,7 +71,7 @@ class Cluster:
         """The number of chunks from which on it is evenly busy; how many workers another cluster will have is not known."""
         return CHUNKS_EACH * (self.jobs if self.address == LOCAL else MANY_WORKERS)
 
-    def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Iterator[Receipt]:
+    def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:
         """Carry out chunks, as `Executor` says.
 
         Raises
@@ -162,7 +162,7 @@ class _Window:
         return self.size
 
 
-def _receipts(client: "Client", address: str, perform: Perform, chunks: Sequence[Chunk]) -> Iterator[Receipt]:
+def _receipts(client: "Client", address: str, perform: Perform, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:
     from distributed import KilledWorker, as_completed
 
     waiting, session, window = iter(chunks), secrets.token_hex(4), _Window(client)

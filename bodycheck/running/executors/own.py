@@ -2,12 +2,16 @@
 
 import queue
 import threading
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 
 from bodycheck.running import crews
 from bodycheck.running.chunks import Chunk, Receipt
 from bodycheck.running.executors import CHUNKS_EACH, Perform
+
+#: How long (s) threads have for the calls that they are at when nobody waits for them any more. After it they are left alone.
+ENDING_S = 5.0
 
 
 @dataclass(frozen=True)
@@ -30,8 +34,12 @@ class Own:
         """The number of chunks from which on it is evenly busy."""
         return CHUNKS_EACH * self.jobs
 
-    def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Iterator[Receipt]:
-        """Carry out chunks, as `Executor` says. A thread ends with the chunk that it is at when another one has failed."""
+    def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:
+        """Carry out chunks, as `Executor` says.
+
+        Where another chunk has failed, or the generator is closed, a thread ends after the call that it is at, and writes
+        nothing.
+        """
         waiting: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
         for chunk in chunks:
             waiting.put(chunk)
@@ -39,6 +47,7 @@ class Own:
         ended = threading.Event()
 
         def work() -> None:
+            crews.begin(ended)
             try:
                 while not ended.is_set():
                     answers.put(perform(waiting.get_nowait()))
@@ -58,7 +67,8 @@ class Own:
                 if isinstance(answer, BaseException):
                     raise answer
                 yield answer
-            for thread in threads:
-                thread.join()
         finally:
             ended.set()
+            deadline = time.monotonic() + ENDING_S
+            for thread in threads:
+                thread.join(max(0.0, deadline - time.monotonic()))

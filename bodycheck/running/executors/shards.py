@@ -1,6 +1,6 @@
 """Carry out a share of the chunks, for one of several jobs of a queue such as a SLURM array."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 
 from bodycheck.errors import BadInput
@@ -42,6 +42,6 @@ class Shard:
             raise BadInput(f"--shard {text}: read {text!r}; allowed: I/N with 1 <= I <= N, such as 3/20")
         return cls(found[0], found[1], jobs)
 
-    def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Iterator[Receipt]:
+    def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:
         """Carry out its share of chunks, as `Executor` says."""
         yield from Own(self.jobs)(perform, [chunk for chunk in chunks if chunk.number % self.of == self.number - 1])

@@ -83,6 +83,8 @@ def carry_out(chunk: Chunk, folder: Path) -> Receipt:
         If a file cannot be written.
     Failed
         If the reference fails or does not come to its end.
+    Abandoned
+        If nobody waits for it any more.
     """
     start = time.perf_counter()
     _check_versions(chunk)
@@ -90,6 +92,7 @@ def carry_out(chunk: Chunk, folder: Path) -> Receipt:
     for block in chunk.blocks:
         _add_block(made, chunk, block)
     made.tables[TRAJECTORIES] = [_trajectories(chunk, made)]
+    crews.check()
     for kind in (TRUTHS, MEMBERS, TRAJECTORIES, RUNS):  # a chunk is done where there is a file of runs
         if made.tables[kind]:
             chunk_files.write(folder, chunk, kind, made.tables[kind])

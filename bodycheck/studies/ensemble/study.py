@@ -119,10 +119,11 @@ def run(
         pieces = [piece for chunk in everything for piece in chunks.left(chunk, done.get(chunk.share.engine, ()))]
         if there := sum(chunk.rows for chunk in everything) - sum(piece.rows for piece in pieces):
             progress("", there)
-        for place, receipt in enumerate(executor(partial(carry_out, folder=folder), pieces)):
-            if place == 0:
-                _await(folder, head, [receipt])
-            progress(receipt.name, receipt.rows)
+        with contextlib.closing(executor(partial(carry_out, folder=folder), pieces)) as receipts:
+            for place, receipt in enumerate(receipts):
+                if place == 0:
+                    _await(folder, head, [receipt])
+                progress(receipt.name, receipt.rows)
         if executor.whole:
             _await(folder, head, pieces)
             result_tables.compact(folder, head, [folder], executor_jobs(executor))

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, field
 from functools import partial
@@ -287,7 +287,7 @@ class Elsewhere:
         self.hidden, self.later = hidden, later
         hidden.mkdir()
 
-    def __call__(self, perform: Any, chunks: Sequence[Chunk]) -> Iterator[Receipt]:
+    def __call__(self, perform: Any, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:
         folder = perform.keywords["folder"]
         for chunk in chunks:
             receipt = perform.func(chunk, folder=self.hidden)
