@@ -9,6 +9,7 @@ import sys
 
 import pytest
 
+from tests.adversary.kills import TOLD
 from tests.adversary.saved import KINDS, SAVED
 from tests.adversary.sizes import batches
 from tests.adversary.trials import failures
@@ -56,5 +57,8 @@ def test_damaged_baselines_are_compared_or_refused(first: int, count: int) -> No
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="workers end with a killed command on Linux alone")
 @pytest.mark.parametrize(("first", "count"), batches("KILLS", 10))
-def test_what_is_killed_comes_to_the_same(first: int, count: int) -> None:
+def test_what_is_killed_comes_to_the_same(
+    tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch, first: int, count: int
+) -> None:
+    monkeypatch.setenv(TOLD, str(saved_results.shared(tmp_path_factory, "undisturbed")))
     assert not failures("kills:killed_command", first, count)

@@ -70,11 +70,17 @@ TABLES = (
 METHODS = ("--integrator", "Euler", "--integrator", "RK4", "--integrator", "closed-form")
 
 
+def shared(factory: pytest.TempPathFactory, name: str) -> Path:
+    """A folder that all processes of a run of all tests have in common."""
+    base = factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / name
+    folder.mkdir(exist_ok=True)
+    return folder
+
+
 def made(factory: pytest.TempPathFactory, *kinds: str) -> Path:
     """The folder with results of these kinds, which are made once in a run of all tests, by the first process that asks."""
-    base = factory.getbasetemp()
-    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "saved"
-    folder.mkdir(exist_ok=True)
+    folder = shared(factory, "saved")
     for kind in kinds:
         with (folder / f"{kind}.lock").open("w") as lock, pytest.MonkeyPatch.context() as patch:
             fcntl.flock(lock, fcntl.LOCK_EX)
