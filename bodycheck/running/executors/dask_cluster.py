@@ -103,8 +103,10 @@ def _client(address: str, jobs: int) -> "Iterator[Client]":
         where: Any = address
         if address == LOCAL:
             # The memory limit of Dask counts the worker alone, which needs little; the processes of engines have their own.
-            options = {"threads_per_worker": 1, "dashboard_address": None, "memory_limit": 0, "silence_logs": logging.ERROR}
-            where = stack.enter_context(LocalCluster(n_workers=jobs, processes=True, **options))
+            options = {"threads_per_worker": 1, "memory_limit": 0, "silence_logs": logging.ERROR}
+            # Any free port, because another cluster may have the usual one.
+            page = "127.0.0.1:0"
+            where = stack.enter_context(LocalCluster(n_workers=jobs, processes=True, dashboard_address=page, **options))
         try:
             client = Client(where, timeout=CONNECT_S, set_as_default=False)
         except (OSError, ValueError) as error:  # a time-out is an OSError

@@ -1,8 +1,10 @@
 """The command `bodycheck ensemble`: from a case to its tables and its report, and what it makes of wrong options."""
 
+import contextlib
 import csv
 import json
 import os
+import socket
 from pathlib import Path
 
 import pytest
@@ -153,11 +155,18 @@ def test_shares_are_gathered_into_the_same_tables(case: Path, folder: Path, tmp_
 
 
 def test_a_cluster_leaves_the_environment_as_it_was() -> None:
-    """Dask sets variables for its workers, with which those of engines would be started anew for every call."""
+    """Dask sets variables for its workers, with which those of engines would be started anew for every call.
+
+    Another program may have the port on which Dask usually shows its page.
+    """
     pytest.importorskip("distributed")
     from bodycheck.running.executors import dask_cluster
 
     before = dict(os.environ)
-    with dask_cluster._client(dask_cluster.LOCAL, 1):
-        assert dict(os.environ) != before
+    with socket.socket() as other:
+        with contextlib.suppress(OSError):  # it is in use already
+            other.bind(("", 8787))
+            other.listen()
+        with dask_cluster._client(dask_cluster.LOCAL, 1):
+            assert dict(os.environ) != before
     assert dict(os.environ) == before

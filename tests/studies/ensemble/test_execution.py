@@ -179,6 +179,7 @@ def kill_runs(folder: Path, kills: int, seed: int) -> None:
             process.send_signal(signal.SIGKILL)
 
 
+@pytest.mark.slow
 def test_a_command_that_is_killed_goes_on(whole: Path, tmp_path: Path) -> None:
     kill_runs(tmp_path / "out", 2, seed=1)
     check_same(run(brick(), tmp_path / "out", Own(2), blocks=1), whole)
