@@ -65,7 +65,7 @@ def read(path: Path) -> pa.Table:
     names = stored.schema_arrow.names
     if repeated := {name for name in names if names.count(name) > 1}:
         raise ValueError(f"it has the column {min(repeated)!r} more than once")
-    return stored.read()
+    return stored.read(use_threads=False)  # threads that end with the process have aborted it
 
 
 def check(row: dict[str, Any], figures: Iterable[str]) -> dict[str, Any]:
