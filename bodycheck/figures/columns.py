@@ -10,6 +10,7 @@ Three files are renewed by commands:
 """
 
 import math
+from typing import TypeVar
 
 import numpy as np
 
@@ -17,6 +18,9 @@ from bodycheck.figures import bounds, conservation, contact, motion
 from bodycheck.figures.definition import Column, Comparison, Figure
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
+
+#: A number, or an array of numbers.
+Value = TypeVar("Value", float, Array)
 
 #: Figures of a run by name, in the order in which they are computed.
 FIGURES: dict[str, Figure] = {
@@ -126,8 +130,8 @@ def most_possible(name: str, last: float) -> float:
     return FIGURES[name].most(last) if name in FIGURES else math.inf
 
 
-def distance_from_ideal(name: str, value: float) -> float:
-    """Return how far the value of a figure is from the value of a run without any error.
+def distance_from_ideal(name: str, value: Value) -> Value:
+    """Return how far the value of a figure, or each of several (n,), is from the value of a run without any error.
 
     That is the value itself where the ideal value is 0, and for every name that is no figure.
     """

@@ -11,10 +11,11 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 
 from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.errors import BadInput
-from bodycheck.figures.columns import FIGURES
+from bodycheck.figures.columns import FIGURES, distance_from_ideal
 from bodycheck.judging import members as judging
 from bodycheck.reference.flight.flights import Flights, flights
 from bodycheck.reference.scenes import Scenes
@@ -26,7 +27,7 @@ from bodycheck.running.flying import Stored
 from bodycheck.running.members import Flown
 from bodycheck.running.outcome import Completed
 from bodycheck.running.simulation import sampling_steps
-from bodycheck.studies.ensemble import members, truths, worst_values
+from bodycheck.studies.ensemble import members, remarkable, truths
 
 #: Most failed runs of a method in a block whose trajectories are kept.
 MOST_FAILURES = 20
@@ -193,30 +194,15 @@ def _judged(work: Work, block: range, flown: Flown) -> Judged:
         assert not isinstance(of_block, Flights)
         columns = judging.one_by_one(found, of_block, flown, work.today)
         columns |= _costs_each(columns["status"], flown)
-    bad = failed(columns["status"], columns["passed"])
-    worst = {name: told for name in FIGURES if (told := _worst(name, columns[name], block)) is not None}
+    bad = remarkable.failed(pa.array(columns["status"], pa.string()), pa.array(columns["passed"], pa.bool_()))
+    distances = ((name, distance_from_ideal(name, columns[name])) for name in FIGURES)
+    worst = {name: told for name, own in distances if (told := remarkable.worst(own, block)) is not None}
     sample = {member for member in block if member % work.sample == 0}
     sampled = sample | {block[place] for place in np.flatnonzero(bad)[:MOST_FAILURES].tolist()}
     wanted = sorted(sampled | {member for _, member in worst.values()})
     motions = {member: flown.trajectory(member - block.start) for member in wanted}
     kept = {member: _copied(motion) for member, motion in motions.items() if motion is not None}
     return Judged(columns, int(bad.sum()), worst, kept, frozenset(sampled), seconds)
-
-
-def failed(status: Any, passed: Any) -> Any:
-    """Return which runs (m,) failed: their status is neither ok nor unsupported, or they have not passed."""
-    return np.array(
-        [s not in ("ok", "unsupported") or p is False for s, p in zip(status.tolist(), passed.tolist(), strict=True)]
-    )
-
-
-def _worst(name: str, values: Array, block: range) -> tuple[float, int] | None:
-    """Return the distance from the ideal value and the member of the worst of some values (m,); None if all are NaN."""
-    distances = worst_values.distances(name, values)
-    if np.isnan(distances).all():
-        return None
-    place = int(np.nanargmax(distances))
-    return float(distances[place]), block[place]
 
 
 def _copied(motion: Trajectory) -> Trajectory:
@@ -241,10 +227,5 @@ def _costs_each(status: Any, flown: Flown) -> dict[str, Any]:
     return {"steps": steps, "wall_time": wall_times}
 
 
-def prepare(group: None) -> None:
-    """Import what all questions need."""
-    truths.prepare(group)
-
-
 #: What worker processes of the reference do.
-JUDGE = Role(answer, prepare)
+JUDGE = Role(answer, truths.prepare)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from bodycheck.casefile.case import parse_stored
 from bodycheck.errors import BadFolder
-from bodycheck.figures.columns import ALWAYS_TABLED, FIGURES
+from bodycheck.figures.columns import ALWAYS_TABLED, FIGURES, distance_from_ideal
 from bodycheck.files import reading
 from bodycheck.running import chunk_files, compaction, pool
 from bodycheck.running.chunk_files import (
@@ -35,9 +35,9 @@ from bodycheck.running.chunk_files import (
 from bodycheck.running.chunks import Share
 from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.studies.ensemble import header as headers
+from bodycheck.studies.ensemble import remarkable
 from bodycheck.studies.ensemble.header import EnsembleHeader
 from bodycheck.studies.ensemble.truths import VOUCHER, Vouching, vouch
-from bodycheck.studies.ensemble.worst_values import distances
 
 #: Most failed runs of a method whose trajectories are kept.
 MOST_FAILURES = 100
@@ -151,7 +151,7 @@ def _watched(where: Where, block: int, share: Share, found: Remarkable) -> Itera
     count = len(share.methods)
     for table in chunk_files.tables(where, RUN_SCHEMA, block, count):
         member = table["member"].to_numpy()
-        bad = _failed(table)
+        bad = remarkable.failed(table["status"].combine_chunks(), table["passed"].combine_chunks())
         for place in range(count):
             own = slice(place, None, count)  # the methods of a member follow each other
             failures = found.failed.setdefault((share.engine, place), [])
@@ -159,27 +159,19 @@ def _watched(where: Where, block: int, share: Share, found: Remarkable) -> Itera
         for name in FIGURES:
             if table[name].null_count == len(table):
                 continue
-            values = distances(name, table[name].to_numpy())
+            values = distance_from_ideal(name, table[name].to_numpy())
             for place in range(count):
                 _note(found.worst, (share.engine, place, name), values[place::count], member[place::count])
         yield table
-
-
-def _failed(table: Any) -> NDArray[np.bool_]:
-    """Return which runs (n,) failed: their status is neither ok nor unsupported, or they have not passed."""
-    status = pc.is_in(table["status"], value_set=pa.array(["ok", "unsupported"])).to_numpy()
-    return np.asarray(~status | ~table["passed"].fill_null(True).to_numpy())
 
 
 def _note(
     worst: dict[tuple[str, int, str], tuple[float, int]], key: tuple[str, int, str], values: Any, members: NDArray[np.int64]
 ) -> None:
     """Note the worst of some members, if it is worse than what is noted; NaN is no value."""
-    if np.isnan(values).all():
-        return
-    place = int(np.nanargmax(values))
-    if key not in worst or values[place] > worst[key][0]:
-        worst[key] = float(values[place]), int(members[place])
+    found = remarkable.worst(values, members)
+    if found is not None and (key not in worst or found[0] > worst[key][0]):
+        worst[key] = found
 
 
 def _write_members(folder: Path, head: EnsembleHeader, files: Sequence[ChunkFile], share: Share) -> None:
