@@ -1,0 +1,72 @@
+"""How the coordinates and velocities of joints are laid out in arrays.
+
+The coordinates of a mechanism are those of its joints one after another, in the order of the file, and so are its velocities.
+
+- revolute: the angle about the axis (rad); its rate.
+- prismatic: the displacement along the axis (m); its rate.
+- universal: the angle about x of the joint's frame, then that about the turned y (rad); their rates.
+- planar: x and y (m) along x and y of the joint's frame, then the angle about its z (rad); their rates.
+- spherical: the quaternion w, x, y, z from the child's frame to the joint's frame; the angular velocity in the child's frame
+  (rad/s).
+- free: x, y, z (m) of the child's origin in the joint's frame, and the quaternion w, x, y, z from the child's frame to it; the
+  velocity of the child's origin along the axes of the joint's frame (m/s), and the angular velocity in the child's frame (rad/s).
+- fixed: none.
+
+A free body, which no joint has as its child, has no coordinates here.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+from bodycheck.reference.mechanisms.mechanism import JointType, Mechanism
+from bodycheck.reference.trajectory import Array
+
+#: The numbers of coordinates and of velocities of each type of joint.
+COORDINATES: dict[JointType, int] = {
+    "revolute": 1,
+    "prismatic": 1,
+    "universal": 2,
+    "planar": 3,
+    "spherical": 4,
+    "free": 7,
+    "fixed": 0,
+}
+VELOCITIES: dict[JointType, int] = {**COORDINATES, "spherical": 3, "free": 6}
+
+
+@dataclass(frozen=True, eq=False)
+class JointMotion:
+    """The coordinates (n, c) and velocities (n, u) of the joints of a mechanism at n instants, in the layout of this module."""
+
+    position: Array
+    velocity: Array
+
+    def part(self, rows: Any) -> "JointMotion":
+        """The motion at some of the instants, selected by a slice, by indices or by a mask (n,)."""
+        return JointMotion(self.position[rows], self.velocity[rows])
+
+
+def places(mechanism: Mechanism) -> tuple[tuple[slice, slice], ...]:
+    """The slices of each joint's coordinates and velocities in the arrays of the mechanism, in the order of the joints."""
+    found, first, second = [], 0, 0
+    for joint in mechanism.joints:
+        after, beyond = first + COORDINATES[joint.type], second + VELOCITIES[joint.type]
+        found.append((slice(first, after), slice(second, beyond)))
+        first, second = after, beyond
+    return tuple(found)
+
+
+def by_name(mechanism: Mechanism, motion: JointMotion) -> dict[str, dict[str, Array]]:
+    """Coordinates and velocities by the names of joints, with the keys `position` and `velocity`.
+
+    Those of a joint with one coordinate are arrays (n,), of others (n, k).
+    """
+    own = zip(mechanism.joints, places(mechanism), strict=True)
+    return {
+        joint.name: {"position": _single(motion.position[:, held]), "velocity": _single(motion.velocity[:, moving])}
+        for joint, (held, moving) in own
+    }
+
+
+def _single(values: Array) -> Array:
+    return values[:, 0] if values.shape[1] == 1 else values

@@ -1,0 +1,82 @@
+"""The numbers of a mechanism in exact arithmetic: inertia, frames of joints, and the initial states of free bodies.
+
+The way of the truth begins here. Its witness has code of its own from the file on.
+"""
+
+import functools
+from dataclasses import dataclass
+
+from bodycheck.reference.definition import Attitude, EulerRates, Tensor
+from bodycheck.reference.exact.inertia import Components, mass_properties
+from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3, doubles, vector
+from bodycheck.reference.exact.rotations import attitude, body_rates
+from bodycheck.reference.mechanisms.mechanism import Joint, JointedBody
+from bodycheck.reference.scene import Quaternion, Vector
+
+
+@dataclass(frozen=True, eq=False)
+class Inertia:
+    """Mass (kg), centre of mass in the body's frame (m), and the inertia tensor about it along the body's axes (kg m^2)."""
+
+    mass: Real
+    centre: Vector3
+    tensor: Components
+
+
+@functools.lru_cache(maxsize=1024)
+def inertia(body: JointedBody) -> Inertia:
+    """The inertia of a body."""
+    made = mass_properties(body.inertia)
+    centre = vector(body.center_of_mass) if isinstance(body.inertia, Tensor) else made.centre
+    return Inertia(made.mass, centre, made.tensor)
+
+
+@dataclass(frozen=True)
+class NearestInertia:
+    """The doubles nearest to an inertia: see `Inertia`; the tensor is XX, YY, ZZ, XY, XZ, YZ."""
+
+    mass: float
+    centre: Vector
+    tensor: tuple[float, float, float, float, float, float]
+
+
+@functools.lru_cache(maxsize=1024)
+def nearest_inertia(body: JointedBody) -> NearestInertia:
+    """The doubles that are nearest to the inertia of a body, which engines get."""
+    found = inertia(body)
+    (x, y, z), (xx, yy, zz, xy, xz, yz) = doubles(found.centre), doubles(found.tensor)
+    return NearestInertia(float(found.mass), (x, y, z), (xx, yy, zz, xy, xz, yz))
+
+
+@functools.lru_cache(maxsize=1024)
+def unit_axis(joint: Joint) -> Vector3:
+    """The axis of a joint, of length one, in the joint's frame."""
+    x, y, z = vector(joint.axis)
+    square = x * x + y * y + z * z
+    if square == 1:
+        return x, y, z
+    length = MP.sqrt(square)
+    return x / length, y / length, z / length
+
+
+def nearest_axis(joint: Joint) -> Vector:
+    """The doubles that are nearest to the axis of a joint, of length one."""
+    x, y, z = doubles(unit_axis(joint))
+    return x, y, z
+
+
+@functools.lru_cache(maxsize=1024)
+def turn(given: Attitude) -> Quaternion4:
+    """The unit quaternion (w, x, y, z) of an attitude."""
+    return attitude(given)
+
+
+def nearest_turn(given: Attitude) -> Quaternion:
+    """The doubles that are nearest to the unit quaternion (w, x, y, z) of an attitude."""
+    w, x, y, z = doubles(turn(given))
+    return w, x, y, z
+
+
+def rates(given: Attitude, rotation: Vector | EulerRates) -> Vector3:
+    """The angular velocity (rad/s) in the body's frame of a free body."""
+    return body_rates(given, rotation) if isinstance(rotation, EulerRates) else vector(rotation)

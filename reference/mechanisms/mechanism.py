@@ -1,0 +1,162 @@
+"""The physical content of a case of several bodies: bodies, the joints between them, loops, and gravity, in SI units.
+
+World frame: z points up and gravity acts along -z. Each body has a frame of its own, which is the frame of its joint when the
+joint's coordinates are zero, as in URDF. The bodies and joints form trees that begin at the world. A body that is the child of
+no joint is free. The numbers are those of the file and are meant exactly, as those of `definition`; `exact` computes from them.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from bodycheck.reference.definition import Attitude, EulerRates, Given
+from bodycheck.reference.scene import Scene, Shape, Vector
+
+#: The place of the world where the place of a body is meant.
+WORLD = -1
+
+JointType = Literal["revolute", "prismatic", "spherical", "free", "fixed", "planar", "universal"]
+
+
+@dataclass(frozen=True)
+class BodyStart:
+    """The initial state of a body that is the child of no joint.
+
+    Attributes
+    ----------
+    position, velocity
+        Position (m) and velocity (m/s) of its centre of mass, world frame.
+    attitude
+        Its attitude: the rotation from the body's frame to the world.
+    rotation
+        Its angular velocity in the body's frame (rad/s), or the rates of the Euler angles of the attitude.
+    """
+
+    position: Vector = (0.0, 0.0, 0.0)
+    attitude: Attitude = (1.0, 0.0, 0.0, 0.0)
+    velocity: Vector = (0.0, 0.0, 0.0)
+    rotation: Vector | EulerRates = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class JointedBody:
+    """A body of a mechanism.
+
+    Attributes
+    ----------
+    name
+        Its name, unique in the mechanism.
+    inertia
+        What it is made of, in its frame: a solid at its centre of mass, an inertia tensor about the centre of mass, or
+        particles or solids at their places. Moments may be zero.
+    center_of_mass
+        The centre of mass in the body's frame (m). It counts for a tensor alone; solids and particles have their positions.
+    start
+        Its initial state; None where it is the child of a joint.
+    """
+
+    name: str
+    inertia: Given
+    center_of_mass: Vector = (0.0, 0.0, 0.0)
+    start: BodyStart | None = None
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint between a parent and a child.
+
+    Attributes
+    ----------
+    name, type
+        Its name, unique in the mechanism, and its type.
+    parent, child
+        The places of the two bodies in `Mechanism.bodies`; the parent may be `WORLD`.
+    position, attitude
+        The joint's frame in the parent's frame: its origin (m), and the rotation from its axes to those of the parent.
+    axis
+        The axis of a revolute or prismatic joint in the joint's frame, of any length.
+    armature
+        Inertia that is added to that of the joint's coordinate (kg m^2 or kg).
+    damping
+        Coefficient of the force against the joint's velocity (N m s/rad or N s/m).
+    stiffness, rest
+        Coefficient of the force towards the coordinate `rest` (N m/rad or N/m; rad or m).
+    friction
+        Size of the dry friction against the joint's velocity, which holds a joint at rest too (N m or N).
+    effort
+        Constant force along the coordinate (N m or N).
+    start, start_velocity
+        Initial coordinates and velocities as the file gives them, in the layout of `coordinates`; a quaternion may have any
+        length.
+    """
+
+    name: str
+    type: JointType
+    parent: int
+    child: int
+    position: Vector = (0.0, 0.0, 0.0)
+    attitude: Attitude = (1.0, 0.0, 0.0, 0.0)
+    axis: Vector = (0.0, 0.0, 1.0)
+    armature: float = 0.0
+    damping: float = 0.0
+    stiffness: float = 0.0
+    rest: float = 0.0
+    friction: float = 0.0
+    effort: float = 0.0
+    start: tuple[float, ...] = ()
+    start_velocity: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A point of one body that stays on a point of another.
+
+    Attributes
+    ----------
+    bodies
+        The places of the two bodies; one may be `WORLD`.
+    points
+        The two points, each in the frame of its body (m).
+    """
+
+    bodies: tuple[int, int]
+    points: tuple[Vector, Vector]
+
+
+@dataclass(frozen=True)
+class Mechanism:
+    """Bodies on joints.
+
+    Attributes
+    ----------
+    bodies, joints
+        The bodies and the joints, in the order of the file.
+    loops
+        What closes chains.
+    gravity
+        Magnitude of the gravitational acceleration, along -z (m/s^2).
+    """
+
+    bodies: tuple[JointedBody, ...]
+    joints: tuple[Joint, ...] = ()
+    loops: tuple[Loop, ...] = ()
+    gravity: float = 0.0
+
+    @property
+    def conserves(self) -> bool:
+        """Whether energy is conserved: no joint has damping or dry friction."""
+        return not any(joint.damping or joint.friction for joint in self.joints)
+
+    @property
+    def joint_of(self) -> tuple[Joint | None, ...]:
+        """The joint whose child each body is; None for a free body."""
+        found = {joint.child: joint for joint in self.joints}
+        return tuple(found.get(place) for place in range(len(self.bodies)))
+
+
+#: The physical content of any case.
+AnyScene = Scene | Mechanism
+
+
+def shape_of(body: JointedBody) -> Shape | None:
+    """The shape of a body that is one solid, or None."""
+    return getattr(body.inertia, "shape", None)
