@@ -8,8 +8,9 @@ The coordinates of a mechanism are those of its joints one after another, in the
 - planar: x and y (m) along x and y of the joint's frame, then the angle about its z (rad); their rates.
 - spherical: the quaternion w, x, y, z from the child's frame to the joint's frame; the angular velocity in the child's frame
   (rad/s).
-- free: x, y, z (m) of the child's origin in the joint's frame, and the quaternion w, x, y, z from the child's frame to it; the
-  velocity of the child's origin along the axes of the joint's frame (m/s), and the angular velocity in the child's frame (rad/s).
+- free: x, y, z (m) of the child's origin in the joint's frame, and the quaternion w, x, y, z from the child's frame to it;
+  the velocity of the child's origin along the axes of the joint's frame (m/s), and the angular velocity in the child's frame
+  (rad/s).
 - fixed: none.
 
 A free body, which no joint has as its child, has no coordinates here.
