@@ -1,9 +1,10 @@
 """The contract between bodycheck and the adapter of an engine: a module, or any object, with the attributes of `Adapter`.
 
-An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Five protocols are optional:
-`Models` for an adapter that can model a scene in several ways, `Contact` for one that knows the friction law and the load of
-its contacts, `Scripts` for one that can write a run as a script for the engine alone, `Calls` for one that names the functions
-of its engine which its steps call, and `Links` for one that can give its engine a body as links welded together.
+An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Six protocols are optional:
+`Mechanisms` for an adapter that can build bodies on joints, `Models` for one that can model a scene in several ways, `Contact`
+for one that knows the friction law and the load of its contacts, `Scripts` for one that can write a run as a script for the
+engine alone, `Calls` for one that names the functions of its engine which its steps call, and `Links` for one that can give its
+engine a body as links welded together.
 `bodycheck.adapters.offers` handles for all adapters misspelled methods, scenes that an engine cannot model, and several scenes
 for an engine that steps one scene at a time.
 
@@ -11,7 +12,6 @@ Scenes and states follow the conventions of `bodycheck.reference.scene`. An adap
 of its engine. It imports its engine and this package, but nothing of cases, truth or reports.
 """
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol, runtime_checkable
@@ -20,73 +20,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.adapters.method import Method as Method
+from bodycheck.adapters.options import KINDS as KINDS
+from bodycheck.adapters.options import Kind as Kind
+from bodycheck.adapters.options import Option as Option
+from bodycheck.adapters.options import Range as Range
+from bodycheck.adapters.options import choice as choice
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Quaternion, Scene, Vector
 from bodycheck.reference.trajectory import Array
 
 Strides = NDArray[np.int64]
 
-#: Kinds of scene for which engines offer different integrators: free flight, flight against drag, and a body on a plane.
-Kind = Literal["flight", "drag", "plane"]
-KINDS: frozenset[Kind] = frozenset({"flight", "drag", "plane"})
 #: What may differ between scenes that an engine steps together: mass, moments, axes and shape of the body; the gravity.
 Varied = Literal["body", "gravity"]
-
-
-@dataclass(frozen=True)
-class Range:
-    """The numbers that are allowed in one place of an option.
-
-    Parameters
-    ----------
-    least, most
-        The bounds; None for none.
-    above
-        Whether the number must be larger than `least`.
-    whole
-        Whether it must be an integer.
-    """
-
-    least: float | None = None
-    most: float | None = None
-    above: bool = False
-    whole: bool = False
-
-    def has(self, text: str) -> bool:
-        """Return whether a text is such a number."""
-        try:
-            number = int(text) if self.whole else float(text)
-        except ValueError:
-            return False
-        large_enough = self.least is None or (number > self.least if self.above else number >= self.least)
-        return math.isfinite(number) and large_enough and (self.most is None or number <= self.most)
-
-
-@dataclass(frozen=True)
-class Option:
-    """An option of an integrator. Without `words` and `numbers`, any text is allowed.
-
-    Parameters
-    ----------
-    allowed
-        The allowed values in words, for error messages.
-    words
-        The words that are allowed.
-    numbers
-        The sequences of numbers, separated by spaces, that are allowed: one range for each number of a sequence.
-    kinds
-        The kinds of scene in which the option has an effect.
-    """
-
-    allowed: str
-    words: tuple[str, ...] = ()
-    numbers: tuple[tuple[Range, ...], ...] = ()
-    kinds: frozenset[Kind] = KINDS
-
-    def accepts(self, value: str) -> bool:
-        """Return whether a value is allowed."""
-        given = value.split()
-        fits = (len(given) == len(ranges) and all(map(Range.has, ranges, given)) for ranges in self.numbers)
-        return value in self.words or any(fits) or not (self.words or self.numbers)
 
 
 @dataclass(frozen=True)
@@ -131,7 +77,8 @@ class Engine:
         All integrators that the adapter knows.
     models
         The requirements of a scene that the engine can model, by the field names of
-        `bodycheck.reference.requirements.Requirements`.
+        `bodycheck.reference.requirements.Requirements`, and those of mechanisms, by the names in
+        `bodycheck.reference.mechanisms.requirements`.
     variants
         Spellings of methods with options, by kind of scene. If the user names no method, they are run besides the integrators.
     precision, device
@@ -232,6 +179,20 @@ class Adapter(Protocol):
         An engine whose `batch` is 1 receives one scene. Another one may receive several that differ in their initial states
         and in what `Engine.varies` names, and require the same: all or none of them move, turn, or have gravity. The caller has
         checked the method against `engine`, and the scenes against `engine.models`. Raises `SceneUnsupported`.
+        """
+        ...
+
+
+@runtime_checkable
+class Mechanisms(Protocol):
+    """An adapter that can build bodies on joints."""
+
+    def prepare_mechanism(self, mechanism: Mechanism, method: Method) -> Simulation:
+        """Return a simulation of a mechanism, at t = 0, compiled and warmed up.
+
+        The states of the simulation are those of its bodies, in their order: the position and velocity of the centre of mass,
+        the attitude of the body's frame, and the angular velocity along its axes. The caller has checked the method against
+        `Adapter.engine`, and what the mechanism requires against `Engine.models`. Raises `SceneUnsupported`.
         """
         ...
 
@@ -378,16 +339,13 @@ class Links(Protocol):
         ...
 
 
-def kind_of(scene: Scene) -> Kind:
+def kind_of(scene: AnyScene) -> Kind:
     """Return the kind of a scene."""
+    if isinstance(scene, Mechanism):
+        return "mechanism"
     if scene.plane is not None:
         return "plane"
     return "drag" if scene.drag else "flight"
-
-
-def choice(*words: str, kinds: frozenset[Kind] = KINDS) -> Option:
-    """Return an option whose value must be one of the given words."""
-    return Option(" or ".join(filter(None, (", ".join(words[:-1]), words[-1]))), words, kinds=kinds)
 
 
 def states(position: Any, quaternion: Any, velocity: Any, angular_velocity: Any) -> Array:

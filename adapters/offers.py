@@ -7,15 +7,26 @@ which parts of a method it does not know, and which requirements of a scene it d
 from collections import defaultdict
 from collections.abc import Collection, Sequence
 
-from bodycheck.adapters.contract import Adapter, Engine, Integrator, Method, Option, Simulation, kind_of
+from bodycheck.adapters.contract import (
+    Adapter,
+    Engine,
+    Integrator,
+    Mechanisms,
+    Method,
+    Option,
+    SceneUnsupported,
+    Simulation,
+    kind_of,
+)
 from bodycheck.adapters.in_turn import InTurn
 from bodycheck.errors import BadInput
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import missing, requirements
 from bodycheck.reference.scene import Scene
 from bodycheck.suggestion import did_you_mean
 
 
-def offered(engine: Engine, scene: Scene) -> tuple[str, ...]:
+def offered(engine: Engine, scene: AnyScene) -> tuple[str, ...]:
     """Return the spellings of the methods that are run on a scene if the user names none: integrators, then variants."""
     kind = kind_of(scene)
     return (*(own.name for own in engine.integrators if kind in own.kinds), *engine.variants.get(kind, ()))
@@ -27,7 +38,7 @@ def listed(engine: Engine) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*names, *(name for those in engine.variants.values() for name in those))))
 
 
-def chosen(engine: Engine, scene: Scene, asked: Sequence[str]) -> tuple[str, ...]:
+def chosen(engine: Engine, scene: AnyScene, asked: Sequence[str]) -> tuple[str, ...]:
     """Return the spellings of the methods to run on a scene.
 
     Parameters
@@ -95,7 +106,7 @@ def _check_value(engine: Engine, option: Option, written: str, value: str) -> No
         raise BadInput(f"{engine.name} {written}: read {value!r}; allowed: {option.allowed}{meant}")
 
 
-def not_offered(engine: Engine, scene: Scene, method: Method) -> str | None:
+def not_offered(engine: Engine, scene: AnyScene, method: Method) -> str | None:
     """Return which part of a method an engine does not offer for a scene; None if it offers the whole method.
 
     The text is a predicate whose subject is the engine: "has no integrator 'RK4' for this scene".
@@ -107,7 +118,7 @@ def not_offered(engine: Engine, scene: Scene, method: Method) -> str | None:
     return f"has no option {', '.join(idle)} of {own.name!r} for this scene" if idle else None
 
 
-def not_modelled(engine: Engine, scene: Scene) -> str | None:
+def not_modelled(engine: Engine, scene: AnyScene) -> str | None:
     """Return which requirement of a scene an engine does not model; None if it models all of them.
 
     The text is a predicate whose subject is the engine: "does not model drag".
@@ -116,12 +127,29 @@ def not_modelled(engine: Engine, scene: Scene) -> str | None:
     return f"does not model {required}" if required is not None else None
 
 
-def prepare(adapter: Adapter, scenes: Sequence[Scene], method: Method) -> Simulation:
-    """Return one simulation of one or more scenes.
+def prepare(adapter: Adapter, scenes: Sequence[AnyScene], method: Method) -> Simulation:
+    """Return one simulation of one or more scenes; a mechanism is alone.
 
     An engine with batching steps together the scenes that differ only in their initial states and in what `Engine.varies`
     names, and require the same of a model. All others are stepped one after another. Raises `SceneUnsupported`.
     """
+    match scenes:
+        case [Mechanism() as mechanism]:
+            return _prepare_mechanism(adapter, mechanism, method)
+        case _:
+            bodies = [scene for scene in scenes if isinstance(scene, Scene)]
+            assert len(bodies) == len(scenes)  # nobody simulates several mechanisms as one
+            return _prepare_bodies(adapter, bodies, method)
+
+
+def _prepare_mechanism(adapter: Adapter, mechanism: Mechanism, method: Method) -> Simulation:
+    if not isinstance(adapter, Mechanisms):
+        raise SceneUnsupported(f"{adapter.engine.name} does not model mechanisms")
+    return adapter.prepare_mechanism(mechanism, method)
+
+
+def _prepare_bodies(adapter: Adapter, scenes: Sequence[Scene], method: Method) -> Simulation:
+    """Return one simulation of one or more scenes of a single body."""
     if adapter.engine.batch == 1:
         groups = [[place] for place in range(len(scenes))]
     else:

@@ -5,14 +5,17 @@ from dataclasses import dataclass
 from typing import Literal
 
 from bodycheck.reference.errors import NotFlat
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.mechanisms.requirements import MechanismRequirements, of_mechanism
 from bodycheck.reference.planar import planar_state
 from bodycheck.reference.scene import Scene, Vector
 
 #: How many principal moments of a body are equal: all three, two, or none.
 Symmetry = Literal["sphere", "symmetric", "asymmetric"]
 
-#: What happens in a scene: a flight of a turning body, one without rotation, one against drag, or contact with a plane.
-Kind = Literal["turning", "translation", "drag", "contact"]
+#: What happens in a scene: a flight of a turning body, one without rotation, one against drag, contact with a plane, or the
+#: motion of bodies on joints.
+Kind = Literal["turning", "translation", "drag", "contact", "mechanism"]
 
 
 @dataclass(frozen=True)
@@ -106,9 +109,15 @@ def lies_flat(scene: Scene) -> bool:
     return True
 
 
-def missing(scene: Scene, modelled: Collection[str]) -> str | None:
+def needs(scene: AnyScene) -> Requirements | MechanismRequirements:
+    """The requirements of any scene."""
+    return of_mechanism(scene) if isinstance(scene, Mechanism) else requirements(scene)
+
+
+def missing(scene: AnyScene, modelled: Collection[str]) -> str | None:
     """The required effects that a model lacks, as a list in words, or None where it lacks none.
 
-    modelled: the effects that the model contains, by the names of the fields of `Requirements`.
+    modelled: the effects that the model contains, by the names of the fields of `Requirements`, and those of mechanisms by the
+    names that `MechanismRequirements.names` gives.
     """
-    return ", ".join(name for name in requirements(scene).names() if name not in modelled) or None
+    return ", ".join(name for name in needs(scene).names() if name not in modelled) or None

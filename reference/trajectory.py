@@ -1,4 +1,4 @@
-"""A trajectory: sampled states of one rigid body, as arrays."""
+"""A trajectory: sampled states of one rigid body, or of the bodies of a mechanism, as arrays."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,6 +13,8 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """States of a body at n instants, in the conventions of `scene.State`.
+
+    Those of b bodies have the bodies as their first axis: positions (b, n, 3), and so on, at the same instants (n,).
 
     Attributes
     ----------
@@ -39,6 +41,10 @@ class Trajectory:
 
     def part(self, rows: slice | NDArray[Any]) -> "Trajectory":
         """The trajectory at some of the instants, selected by a slice, by indices or by a mask (n,)."""
-        return Trajectory(
-            self.t[rows], self.position[rows], self.quaternion[rows], self.velocity[rows], self.angular_velocity[rows]
-        )
+        states = (self.position, self.quaternion, self.velocity, self.angular_velocity)
+        return Trajectory(self.t[rows], *(values[..., rows, :] for values in states))
+
+    def body(self, place: int) -> "Trajectory":
+        """The trajectory of one of several bodies."""
+        states = (self.position, self.quaternion, self.velocity, self.angular_velocity)
+        return Trajectory(self.t, *(values[place] for values in states))

@@ -1,0 +1,326 @@
+"""Poses and velocities of the bodies of a mechanism from the coordinates of its joints, and these from the poses.
+
+One formula gives the joint coordinates of the truth and of every engine: engines return states of bodies, and what they store
+of their joints may lag by a step. Everything is in double precision. The conventions are those of `coordinates`.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.kinematics import conjugate, dot, multiply, normalise, rotate
+from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms.coordinates import JointMotion, places
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, JointType, Mechanism
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array, Trajectory
+
+#: Types of joints whose coordinates include a quaternion, which has two signs.
+_WITH_QUATERNION: frozenset[JointType] = frozenset({"spherical", "free"})
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """The motion of a frame at n instants.
+
+    Attributes
+    ----------
+    origin, velocity
+        (n, 3) position (m) and velocity (m/s) of its origin, along the axes of the world or of another frame.
+    turn
+        (n, 4) unit quaternions from its axes to these.
+    rate
+        (n, 3) its angular velocity against them, along its own axes (rad/s).
+    """
+
+    origin: Array
+    turn: Array
+    velocity: Array
+    rate: Array
+
+    def after(self, parent: "_Frame") -> "_Frame":
+        """This motion, which is relative to a parent, in the frame to which the motion of the parent is relative."""
+        return _Frame(
+            parent.origin + rotate(parent.turn, self.origin),
+            normalise(multiply(parent.turn, self.turn)),
+            parent.velocity + rotate(parent.turn, np.cross(parent.rate, self.origin) + self.velocity),
+            rotate(conjugate(self.turn), parent.rate) + self.rate,
+        )
+
+    def seen_from(self, parent: "_Frame") -> "_Frame":
+        """This motion relative to that of a parent, both relative to the same frame: the inverse of `after`."""
+        back = conjugate(parent.turn)
+        origin, turn = rotate(back, self.origin - parent.origin), normalise(multiply(back, self.turn))
+        return _Frame(
+            origin,
+            turn,
+            rotate(back, self.velocity - parent.velocity) - np.cross(parent.rate, origin),
+            self.rate - rotate(conjugate(turn), parent.rate),
+        )
+
+
+def bodies(mechanism: Mechanism, joints: JointMotion, free: Trajectory | None = None, t: Array | None = None) -> Trajectory:
+    """The states of all bodies from the motion of the joints and of the free bodies.
+
+    Parameters
+    ----------
+    mechanism
+        The mechanism, of b bodies.
+    joints
+        The motion of its joints at n instants.
+    free
+        The states (f, n, ...) of the f bodies that are the child of no joint, in the order of the file; None if there are none.
+    t
+        (n,) instants (s), which are needed where no body is free.
+
+    Raises
+    ------
+    ValueError
+        If the instants are not known.
+    """
+    instants = t if t is not None else free.t if free is not None else None
+    if instants is None:
+        raise ValueError("the instants of a mechanism without free bodies are missing")
+    held = dict(zip(mechanism.joints, places(mechanism), strict=True))
+    frames: dict[int, _Frame] = {WORLD: _at_rest(len(instants))}
+    unheld = (place for place, joint in enumerate(mechanism.joint_of) if joint is None)
+    for row, place in enumerate(unheld):
+        assert free is not None  # a mechanism with free bodies has their states
+        frames[place] = _frame_of(mechanism.bodies[place], free.body(row))
+    for joint in from_the_root(mechanism):
+        own, moving = held[joint]
+        moved = _moved(joint, joints.position[:, own], joints.velocity[:, moving])
+        frames[joint.child] = moved.after(_joint_frame(joint, frames[joint.parent]))
+    found = [_state_of(body, frames[place], instants) for place, body in enumerate(mechanism.bodies)]
+    parts = ("position", "quaternion", "velocity", "angular_velocity")
+    return Trajectory(instants, *(np.stack([getattr(state, part) for state in found]) for part in parts))
+
+
+def joints(mechanism: Mechanism, trajectory: Trajectory) -> JointMotion:
+    """The motion of the joints (n instants) from the states (b, n, ...) of the bodies.
+
+    Where the bodies of a joint have come apart, its coordinates are what is left of their relative motion along them. Angles go
+    on over full turns: from one instant to the next the mean of both rates predicts the turns, and the poses decide the rest.
+    They begin, as the signs of quaternions do, from the initial values of the mechanism at t = 0.
+    """
+    found = [_coordinates(joint, _relative(mechanism, joint, trajectory), trajectory.t) for joint in mechanism.joints]
+    nothing = np.empty((len(trajectory), 0))
+    position, velocity = ([nothing, *(one[part] for one in found)] for part in (0, 1))
+    return JointMotion(np.concatenate(position, axis=1), np.concatenate(velocity, axis=1))
+
+
+def initial(mechanism: Mechanism) -> Trajectory:
+    """The states (b, 1, ...) of the bodies at t = 0."""
+    free = [body.start for body in mechanism.bodies if body.start is not None]
+    t = np.zeros(1)
+    states = Trajectory(
+        t,
+        np.array([start.position for start in free])[:, None],
+        np.array([exact.nearest_turn(start.attitude) for start in free])[:, None],
+        np.array([start.velocity for start in free])[:, None],
+        np.array([[float(rate) for rate in exact.rates(start.attitude, start.rotation)] for start in free])[:, None],
+    )
+    return bodies(mechanism, start_of(mechanism), states if free else None, t)
+
+
+def start_of(mechanism: Mechanism) -> JointMotion:
+    """The coordinates (1, c) and velocities (1, u) of the joints at t = 0; quaternions have unit length."""
+    position = np.array([value for joint in mechanism.joints for value in _start(joint)], np.float64)
+    velocity = np.array([value for joint in mechanism.joints for value in joint.start_velocity], np.float64)
+    return JointMotion(position[None], velocity[None])
+
+
+def gaps(mechanism: Mechanism, trajectory: Trajectory) -> Array:
+    """How far (n,) the bodies of a joint, or the points of a loop, have come apart at most (m).
+
+    It is the distance between the origins of the joint's frame on both bodies, without what the joint allows: along the axis of
+    a prismatic joint, in the plane of a planar one, and anywhere for a free one.
+    """
+    largest = np.zeros(len(trajectory))
+    for joint in mechanism.joints:
+        largest = np.maximum(largest, _gap(joint, _relative(mechanism, joint, trajectory).origin))
+    for loop in mechanism.loops:
+        first, second = (
+            frame.origin + rotate(frame.turn, _each(point, len(trajectory)))
+            for frame, point in zip((_frame(mechanism, place, trajectory) for place in loop.bodies), loop.points, strict=True)
+        )
+        largest = np.maximum(largest, np.linalg.norm(first - second, axis=-1))
+    return largest
+
+
+def from_the_root(mechanism: Mechanism) -> Iterator[Joint]:
+    """The joints in an order in which each comes after that whose child is its parent."""
+    above = mechanism.joint_of
+    done: set[int] = set()
+
+    def chain(place: int) -> list[Joint]:
+        found: list[Joint] = []
+        while place != WORLD and place not in done and (joint := above[place]) is not None:
+            done.add(place)
+            found.append(joint)
+            place = joint.parent
+        return found[::-1]
+
+    for place in range(len(mechanism.bodies)):
+        yield from chain(place)
+
+
+def _relative(mechanism: Mechanism, joint: Joint, trajectory: Trajectory) -> _Frame:
+    """The motion of a joint's child relative to the joint's frame."""
+    parent = _joint_frame(joint, _frame(mechanism, joint.parent, trajectory))
+    return _frame(mechanism, joint.child, trajectory).seen_from(parent)
+
+
+def _frame(mechanism: Mechanism, place: int, trajectory: Trajectory) -> _Frame:
+    """The motion of the frame of a body or of the world."""
+    return _at_rest(len(trajectory)) if place == WORLD else _frame_of(mechanism.bodies[place], trajectory.body(place))
+
+
+def _at_rest(n: int) -> _Frame:
+    return _Frame(np.zeros((n, 3)), np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)), np.zeros((n, 3)), np.zeros((n, 3)))
+
+
+def _joint_frame(joint: Joint, parent: _Frame) -> _Frame:
+    """The motion of a joint's frame, which is fixed in that of its parent."""
+    n = len(parent.origin)
+    fixed = _Frame(_each(joint.position, n), _each(exact.nearest_turn(joint.attitude), n), np.zeros((n, 3)), np.zeros((n, 3)))
+    return fixed.after(parent)
+
+
+def _frame_of(body: JointedBody, states: Trajectory) -> _Frame:
+    """The motion of a body's frame from the states (n, ...) of the body."""
+    centre = _each(exact.nearest_inertia(body).centre, len(states))
+    turn, rate = states.quaternion, states.angular_velocity
+    return _Frame(states.position - rotate(turn, centre), turn, states.velocity - rotate(turn, np.cross(rate, centre)), rate)
+
+
+def _state_of(body: JointedBody, frame: _Frame, t: Array) -> Trajectory:
+    """The states of a body from the motion of its frame: the inverse of `_frame_of`."""
+    centre = _each(exact.nearest_inertia(body).centre, len(t))
+    position = frame.origin + rotate(frame.turn, centre)
+    velocity = frame.velocity + rotate(frame.turn, np.cross(frame.rate, centre))
+    return Trajectory(t, position, frame.turn, velocity, frame.rate)
+
+
+def _each(values: tuple[float, ...], n: int) -> Array:
+    return np.tile(values, (n, 1))
+
+
+def _moved(joint: Joint, q: Array, v: Array) -> _Frame:
+    """The motion of a joint's child relative to the joint's frame, from its coordinates (n, c) and velocities (n, u)."""
+    still = _at_rest(len(q))
+    axis = np.array(exact.nearest_axis(joint))
+    match joint.type:
+        case "revolute":
+            return _Frame(still.origin, _about(axis, q[:, 0]), still.velocity, axis * v)
+        case "prismatic":
+            return _Frame(axis * q, still.turn, axis * v, still.rate)
+        case "universal":
+            first, second = _about(_X, q[:, 0]), _about(_Y, q[:, 1])
+            rate = _first_axis_of_universal(q[:, 1]) * v[:, :1] + _Y * v[:, 1:]
+            return _Frame(still.origin, multiply(first, second), still.velocity, rate)
+        case "planar":
+            flat = np.array([1.0, 1.0, 0.0])
+            return _Frame(q * flat, _about(_Z, q[:, 2]), v * flat, _Z * v[:, 2:])
+        case "spherical":
+            return _Frame(still.origin, normalise(q), still.velocity, v)
+        case "free":
+            return _Frame(q[:, :3], normalise(q[:, 3:]), v[:, :3], v[:, 3:])
+        case "fixed":
+            return still
+
+
+_X, _Y, _Z = np.eye(3)
+
+
+def _first_axis_of_universal(second: Array) -> Array:
+    """The first axis (n, 3) of a universal joint along the axes of the child, from the second angle (n,)."""
+    return np.stack([np.cos(second), np.zeros(len(second)), np.sin(second)], axis=-1)
+
+
+def _about(axis: Array, angle: Array) -> Array:
+    """The quaternions (n, 4) of rotations about a unit axis by angles (n,)."""
+    return np.concatenate([np.cos(angle / 2)[:, None], np.sin(angle / 2)[:, None] * axis], axis=-1)
+
+
+def _coordinates(joint: Joint, seen: _Frame, t: Array) -> tuple[Array, Array]:
+    """The coordinates (n, c) and velocities (n, u) of a joint from the motion of its child relative to the joint's frame."""
+    axis = np.array(exact.nearest_axis(joint))
+    start, rate = joint.start, joint.start_velocity
+    match joint.type:
+        case "revolute":
+            turning = dot(seen.rate, axis)
+            angle = _turned_on(_angle_about(seen.turn, axis), turning, t, start[0], rate[0])
+            return angle[:, None], turning[:, None]
+        case "prismatic":
+            return dot(seen.origin, axis)[:, None], dot(seen.velocity, axis)[:, None]
+        case "universal":
+            return _of_universal(joint, seen, t)
+        case "planar":
+            angle = _turned_on(_angle_about(seen.turn, _Z), seen.rate[:, 2], t, start[2], rate[2])
+            return np.column_stack([seen.origin[:, :2], angle]), np.column_stack([seen.velocity[:, :2], seen.rate[:, 2]])
+        case "spherical":
+            return _same_sign(seen.turn, np.array(start)), seen.rate
+        case "free":
+            turn = _same_sign(seen.turn, np.array(start[3:]))
+            return np.hstack([seen.origin, turn]), np.hstack([seen.velocity, seen.rate])
+        case "fixed":
+            return np.empty((len(t), 0)), np.empty((len(t), 0))
+
+
+def _of_universal(joint: Joint, seen: _Frame, t: Array) -> tuple[Array, Array]:
+    """As `_coordinates`, of a universal joint.
+
+    The turned y axis is in the plane of y and z of the joint's frame, at the first angle. The first axis is in the plane of x
+    and z of the child, at the second.
+    """
+    turned_y = rotate(seen.turn, _each(tuple(_Y), len(t)))
+    own_x = rotate(conjugate(seen.turn), _each(tuple(_X), len(t)))
+    first, second = np.arctan2(turned_y[:, 2], turned_y[:, 1]), np.arctan2(own_x[:, 2], own_x[:, 0])
+    rates = np.column_stack([dot(seen.rate, _first_axis_of_universal(second)), seen.rate[:, 1]])
+    given = zip((first, second), rates.T, joint.start, joint.start_velocity, strict=True)
+    return np.column_stack([_turned_on(raw, rate, t, *own) for raw, rate, *own in given]), rates
+
+
+def _angle_about(turn: Array, axis: Array) -> Array:
+    """The angles (n,) of rotations about an axis, in [-2 pi, 2 pi]."""
+    return np.asarray(2 * np.arctan2(dot(turn[:, 1:], axis), turn[:, 0]))
+
+
+def _turned_on(raw: Array, rate: Array, t: Array, start: float, start_rate: float) -> Array:
+    """Angles (n,) that go on over full turns, from angles up to these, from their rates, and from the values at t = 0."""
+    angles = np.concatenate([[start], raw])
+    rates, instants = np.concatenate([[start_rate], rate]), np.concatenate([[0.0], t])
+    predicted = np.diff(instants) * (rates[1:] + rates[:-1]) / 2
+    turns = np.cumsum(np.rint((predicted - np.diff(angles)) / (2 * np.pi)))
+    return np.asarray(raw + 2 * np.pi * turns)
+
+
+def _same_sign(turn: Array, start: Array) -> Array:
+    """Quaternions (n, 4) with signs such that each is the nearer one to that before it, and the first to the start."""
+    before = np.concatenate([start[None], turn])
+    signs = np.where(dot(before[1:], before[:-1]) < 0, -1.0, 1.0)
+    return np.asarray(turn * np.cumprod(signs)[:, None])
+
+
+def _start(joint: Joint) -> tuple[float, ...]:
+    """The initial coordinates of a joint, with the quaternion scaled to unit length."""
+    if joint.type not in _WITH_QUATERNION:
+        return joint.start
+    w, x, y, z = joint.start[-4:]
+    return (*joint.start[:-4], *exact.nearest_turn((w, x, y, z)))
+
+
+def _gap(joint: Joint, apart: Array) -> Array:
+    """How far (n,) a joint is open, from the places (n, 3) of the child's origin in the joint's frame."""
+    match joint.type:
+        case "free":
+            return np.zeros(len(apart))
+        case "planar":
+            return np.abs(apart[:, 2])
+        case "prismatic":
+            axis: Vector = exact.nearest_axis(joint)
+            return np.asarray(np.linalg.norm(apart - dot(apart, np.array(axis))[:, None] * np.array(axis), axis=-1))
+        case _:
+            return np.asarray(np.linalg.norm(apart, axis=-1))

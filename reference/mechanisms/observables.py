@@ -1,0 +1,94 @@
+"""Energies and momenta of a mechanism, by the same formulas for the truth and for every engine."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.kinematics import dot, rotate
+from bodycheck.reference.mechanisms import exact, kinematics
+from bodycheck.reference.mechanisms.coordinates import places
+from bodycheck.reference.mechanisms.mechanism import WORLD, JointedBody, Mechanism
+from bodycheck.reference.trajectory import Array, Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class MechanismObservables:
+    """Energies and momenta of a mechanism at n instants.
+
+    Attributes
+    ----------
+    kinetic_energy
+        (n,) kinetic energy of the bodies and of the armatures (J).
+    potential_energy
+        (n,) potential energy (J) of gravity, springs and constant efforts. Gravity counts from the initial heights, and efforts
+        from the initial coordinates, so that it does not depend on where the origin is.
+    momentum
+        (n, 3) linear momentum, world (kg m/s).
+    angular_momentum
+        (n, 3) angular momentum of the bodies about the centre of mass of all, world (kg m^2/s).
+    """
+
+    kinetic_energy: Array
+    potential_energy: Array
+    momentum: Array
+    angular_momentum: Array
+
+    @property
+    def total_energy(self) -> Array:
+        """Kinetic and potential energy together (n,), J."""
+        return self.kinetic_energy + self.potential_energy
+
+
+def observe(mechanism: Mechanism, trajectory: Trajectory) -> MechanismObservables:
+    """The energies and momenta of a mechanism at every instant of a trajectory (b, n, ...)."""
+    mass = masses(mechanism)[:, None]
+    tensors = np.stack([tensor(body) for body in mechanism.bodies])
+    spin = np.einsum("bij,bnj->bni", tensors, trajectory.angular_velocity)
+    kinetic = mass * dot(trajectory.velocity, trajectory.velocity) + dot(spin, trajectory.angular_velocity)
+    turning, stored = _of_joints(mechanism, trajectory)
+    heights = trajectory.position[..., 2] - kinematics.initial(mechanism).position[..., 2]
+    momenta = mass[..., None] * trajectory.velocity
+    momentum, whole = momenta.sum(axis=0), mass.sum()
+    centre = (mass[..., None] * trajectory.position).sum(axis=0) / whole
+    orbital = np.cross(trajectory.position - centre, momenta - mass[..., None] * (momentum / whole))
+    return MechanismObservables(
+        kinetic_energy=kinetic.sum(axis=0) / 2 + turning,
+        potential_energy=(mass * mechanism.gravity * heights).sum(axis=0) + stored,
+        momentum=momentum,
+        angular_momentum=(orbital + rotate(trajectory.quaternion, spin)).sum(axis=0),
+    )
+
+
+def floats(mechanism: Mechanism) -> bool:
+    """Whether nothing holds the mechanism to the world, so that only gravity changes its linear momentum.
+
+    Its angular momentum about the centre of mass of all is then conserved, and the linear one where there is no gravity.
+    """
+    held = any(joint.parent == WORLD and joint.type != "free" for joint in mechanism.joints)
+    return not held and not any(WORLD in loop.bodies for loop in mechanism.loops)
+
+
+def masses(mechanism: Mechanism) -> Array:
+    """The masses (b,) of the bodies (kg)."""
+    return np.array([exact.nearest_inertia(body).mass for body in mechanism.bodies])
+
+
+def tensor(body: JointedBody) -> Array:
+    """The inertia tensor (3, 3) of a body about its centre of mass, along its axes (kg m^2)."""
+    xx, yy, zz, xy, xz, yz = exact.nearest_inertia(body).tensor
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _of_joints(mechanism: Mechanism, trajectory: Trajectory) -> tuple[Array, Array]:
+    """The kinetic energy (n,) of the armatures, and the potential energy (n,) of springs and constant efforts (J)."""
+    kinetic, potential = np.zeros(len(trajectory)), np.zeros(len(trajectory))
+    if not any(joint.armature or joint.stiffness or joint.effort for joint in mechanism.joints):
+        return kinetic, potential
+    motion = kinematics.joints(mechanism, trajectory)
+    for joint, (held, moving) in zip(mechanism.joints, places(mechanism), strict=True):
+        if not (joint.armature or joint.stiffness or joint.effort):
+            continue
+        coordinate, rate = motion.position[:, held][:, 0], motion.velocity[:, moving][:, 0]
+        kinetic += joint.armature * rate**2 / 2
+        potential += joint.stiffness * (coordinate - joint.rest) ** 2 / 2 - joint.effort * (coordinate - joint.start[0])
+    return kinetic, potential

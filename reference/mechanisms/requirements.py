@@ -1,0 +1,72 @@
+"""What a model of a mechanism must contain to be exact, derived from the mechanism itself."""
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+from bodycheck.reference.exact.inertia import Components
+from bodycheck.reference.exact.numbers import NEGLIGIBLE
+from bodycheck.reference.mechanisms.coordinates import VELOCITIES
+from bodycheck.reference.mechanisms.exact import inertia
+from bodycheck.reference.mechanisms.mechanism import JointedBody, JointType, Mechanism
+
+#: The names of the effects that joints of each type require.
+JOINTS: dict[JointType, str] = {
+    "revolute": "revolute joints",
+    "prismatic": "prismatic joints",
+    "spherical": "ball joints",
+    "free": "free joints",
+    "fixed": "fixed joints",
+    "planar": "planar joints",
+    "universal": "universal joints",
+}
+
+
+@dataclass(frozen=True)
+class MechanismRequirements:
+    """The effects that a model of a mechanism must contain to be exact; what is zero in it is not required.
+
+    Attributes
+    ----------
+    effects
+        The names of the effects: "mechanisms", "gravity", the types of its joints as in `JOINTS`, "armature", "joint damping",
+        "joint springs", "joint friction", "joint efforts", "loops", and "point masses" where a body has a moment of zero.
+    degrees_of_freedom
+        Number of velocities of its joints and free bodies. Loops, which take some of them away, are not counted.
+    """
+
+    effects: tuple[str, ...]
+    degrees_of_freedom: int
+    kind: ClassVar[Literal["mechanism"]] = "mechanism"
+
+    def names(self) -> tuple[str, ...]:
+        """The names of the required effects."""
+        return self.effects
+
+
+def of_mechanism(mechanism: Mechanism) -> MechanismRequirements:
+    """The requirements of a mechanism."""
+    joints = mechanism.joints
+    used = {joint.type for joint in joints}
+    effects = {
+        "mechanisms": True,
+        "gravity": bool(mechanism.gravity),
+        **{name: kind in used for kind, name in JOINTS.items()},
+        "armature": any(joint.armature for joint in joints),
+        "joint damping": any(joint.damping for joint in joints),
+        "joint springs": any(joint.stiffness for joint in joints),
+        "joint friction": any(joint.friction for joint in joints),
+        "joint efforts": any(joint.effort for joint in joints),
+        "loops": bool(mechanism.loops),
+        "point masses": any(_has_zero_moment(body) for body in mechanism.bodies),
+    }
+    free = sum(joint is None for joint in mechanism.joint_of)
+    velocities = sum(VELOCITIES[joint.type] for joint in joints) + 6 * free
+    return MechanismRequirements(tuple(name for name, needed in effects.items() if needed), velocities)
+
+
+def _has_zero_moment(body: JointedBody) -> bool:
+    """Whether a principal moment of a body is zero, so that the determinant of its inertia tensor is."""
+    tensor: Components = inertia(body).tensor
+    xx, yy, zz, xy, xz, yz = tensor
+    determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+    return bool(abs(determinant) <= NEGLIGIBLE * (xx + yy + zz) ** 3)

@@ -1,0 +1,97 @@
+"""Mechanisms for tests: a cart with a pole, and a tree with a joint of every type."""
+
+import numpy as np
+
+from bodycheck.reference.definition import EulerAngles, Solid, Tensor
+from bodycheck.reference.mechanisms.coordinates import JointMotion
+from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism
+from bodycheck.reference.scene import Brick, Vector
+from bodycheck.reference.trajectory import Array, Trajectory
+
+DIAGONAL = tuple[float, float, float]
+
+
+def body(name: str, mass: float, moments: DIAGONAL, centre: Vector = (0.0, 0.0, 0.0)) -> JointedBody:
+    """A body with moments about its centre of mass along its axes."""
+    a, b, c = moments
+    return JointedBody(name, Tensor(mass, ((a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c))), centre)
+
+
+def cart_pole() -> Mechanism:
+    """The cart and pole of the guide to mechanisms."""
+    return Mechanism(
+        bodies=(
+            body("cart", 2.3, (0.1, 0.1, 0.1)),
+            body("pole", 0.4, (0.016, 0.017, 0.001), (0.0, 0.0, 0.35)),
+        ),
+        joints=(
+            Joint("rail", "prismatic", WORLD, 0, axis=(1.0, 0.0, 0.0), start=(0.0,), start_velocity=(0.5,)),
+            Joint("pin", "revolute", 0, 1, (0.0, 0.0, 0.1), axis=(0.0, 1.0, 0.0), start=(0.3,), start_velocity=(0.0,)),
+        ),
+        gravity=9.81,
+    )
+
+
+def tree() -> Mechanism:
+    """A tree with a joint of every type and a free body, whose joints are not in the order of the tree."""
+    solid = Solid(Brick((0.1, 0.2, 0.3)), 0.7, (0.1, 0.0, -0.1), (0.9, 0.1, -0.3, 0.2))
+    start = BodyStart((0.5, -0.2, 1.0), EulerAngles(0.3, 0.8, -0.4), (0.1, 0.2, -0.3), (0.5, -1.0, 2.0))
+    moments = (0.02, 0.025, 0.03)
+    return Mechanism(
+        bodies=(
+            body("tip", 0.3, moments, (0.0, 0.1, 0.2)),
+            JointedBody("root", solid, start=start),
+            body("rod", 0.4, moments, (0.0, 0.0, 0.35)),
+            body("ball", 0.5, moments, (0.1, 0.2, 0.3)),
+            body("cross", 0.6, moments, (-0.1, 0.0, 0.1)),
+            body("puck", 0.7, moments, (0.0, 0.0, 0.1)),
+            body("drone", 0.8, moments, (0.2, 0.0, 0.0)),
+            body("weld", 0.9, moments, (0.0, -0.2, 0.0)),
+        ),
+        joints=(
+            Joint(
+                *("slide", "prismatic", 2, 0, (0.1, 0.2, 0.3), EulerAngles(0.1, 0.2, 0.3), (1.0, 2.0, -1.0)),
+                armature=0.2,
+                stiffness=3.0,
+                rest=0.1,
+                start=(0.3,),
+                start_velocity=(-0.7,),
+            ),
+            Joint(
+                *("hinge", "revolute", 1, 2, (0.0, 0.3, 0.1), (0.8, 0.1, 0.2, -0.5), (0.0, 3.0, 4.0)),
+                armature=0.05,
+                effort=0.4,
+                start=(7.5,),
+                start_velocity=(1.5,),
+            ),
+            Joint("ball", "spherical", 2, 3, (0.0, 0.0, 0.7), start=(2.0, -1.0, 0.5, 1.0), start_velocity=(1.0, -2.0, 0.5)),
+            Joint(
+                *("cross", "universal", 3, 4, (0.2, 0.0, 0.1), (0.5, 0.5, -0.5, 0.5)),
+                start=(-0.4, 0.9),
+                start_velocity=(2.0, -1.0),
+            ),
+            Joint(
+                *("puck", "planar", WORLD, 5, (1.0, 2.0, 3.0), (0.7, 0.7, 0.1, 0.0)),
+                start=(0.3, -0.2, 1.1),
+                start_velocity=(0.4, 0.6, -3.0),
+            ),
+            Joint(
+                *("flight", "free", 5, 6, (0.0, 0.5, 0.0), (0.6, -0.8, 0.0, 0.0)),
+                start=(0.1, 0.2, 0.3, 1.0, 1.0, -0.5, 0.2),
+                start_velocity=(0.3, -0.1, 0.2, 1.0, 2.0, 3.0),
+            ),
+            Joint("weld", "fixed", 6, 7, (0.0, 0.0, 0.4), (0.3, 0.4, 0.5, -0.6)),
+        ),
+        gravity=3.7,
+    )
+
+
+def states(position: Array, quaternion: Array, velocity: Array, angular_velocity: Array, t: Array) -> Trajectory:
+    """The trajectory of one free body as that of several."""
+    return Trajectory(t, position[None], quaternion[None], velocity[None], angular_velocity[None])
+
+
+def coordinates(*values: float) -> JointMotion:
+    """One instant of a motion of joints that have as many coordinates as velocities: coordinates, then velocities."""
+    both = np.array(values).reshape(2, 1, -1)
+    return JointMotion(both[0], both[1])
