@@ -1,0 +1,8 @@
+"""Motions of mechanisms in closed form: nothing is integrated, so that every instant has the same cost and the same accuracy.
+
+- `choice`: open this first. `form_of` gives the closed form of a mechanism that has one.
+- `oscillator`: one joint with armature, damping, spring, constant effort and dry friction.
+- `pendulum`: the compound pendulum at any amplitude.
+- `ground`: what each joint on the world carries, and its inertia.
+- `motion`: the motion that a form gives, with its bounds.
+"""

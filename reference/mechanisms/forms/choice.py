@@ -1,0 +1,83 @@
+"""Which closed form a mechanism has."""
+
+from collections.abc import Callable
+
+from bodycheck.reference.exact.numbers import MP, Real
+from bodycheck.reference.mechanisms.forms import oscillator, pendulum
+from bodycheck.reference.mechanisms.forms.ground import Carried, axis_of, carried, cross, dot, moment_about
+from bodycheck.reference.mechanisms.forms.motion import Form, FormMotion, JointForm, gathered
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.trajectory import Array
+
+#: The motion of one joint at times (n,), s.
+_Follow = Callable[[Array], JointForm]
+
+#: The name of the form of a mechanism and the reason why it is exact, and the motion of each joint by its place.
+_Found = tuple[str, str, _Follow]
+
+
+def form_of(mechanism: Mechanism) -> Form | None:
+    """The closed form of a mechanism, or None where it has none.
+
+    Each joint that moves must stand on the world, and have a closed form of its own.
+    """
+    groups = carried(mechanism)
+    if not groups:
+        return None
+    found = {held.place: _form_of_joint(held) for held in groups}
+    known = {place: each for place, each in found.items() if each is not None}
+    if len(known) < len(found):
+        return None
+    names = list(dict.fromkeys(name for name, _, _ in known.values()))
+    reasons = list(dict.fromkeys(reason for _, reason, _ in known.values()))
+
+    def follow(times: Array) -> FormMotion:
+        return gathered(mechanism, {place: own(times) for place, (_, _, own) in known.items()}, len(times))
+
+    return Form(", ".join(names), ", ".join(reasons), follow)
+
+
+def _form_of_joint(held: Carried) -> _Found | None:
+    match held.joint.type:
+        case "revolute":
+            return _revolute(held)
+        case "prismatic":
+            return _linear(held, held.mass, held.mass * dot(axis_of(held), held.gravity))
+        case _:
+            return None
+
+
+def _revolute(held: Carried) -> _Found | None:
+    joint, axis = held.joint, axis_of(held)
+    moment = moment_about(held, axis)
+    down, arm = cross(axis, held.gravity), cross(axis, held.centre)
+    weight = held.mass * MP.sqrt(dot(down, down) * dot(arm, arm))
+    if not weight:
+        return _linear(held, moment, MP.mpf(0))
+    if joint.damping or joint.stiffness or joint.friction or joint.effort:
+        return None
+    start, velocity = MP.mpf(joint.start[0]), MP.mpf(joint.start_velocity[0])
+    equilibrium = MP.atan2(dot(held.gravity, arm), dot(down, arm))
+    system = pendulum.Pendulum(weight / (moment + MP.mpf(joint.armature)), equilibrium, start, velocity)
+    return "pendulum", "one hinge under gravity alone", lambda times: pendulum.follow(system, times)
+
+
+def _linear(held: Carried, inertia: Real, force: Real) -> _Found:
+    """A joint without a pendulum's torque: `inertia` and a constant `force` besides its effort, with a hundred digits."""
+    joint = held.joint
+    system = oscillator.Oscillator(
+        inertia=inertia + MP.mpf(joint.armature),
+        damping=MP.mpf(joint.damping),
+        stiffness=MP.mpf(joint.stiffness),
+        rest=MP.mpf(joint.rest),
+        force=force + MP.mpf(joint.effort),
+        friction=MP.mpf(joint.friction),
+        start=MP.mpf(joint.start[0]),
+        velocity=MP.mpf(joint.start_velocity[0]),
+    )
+    reason = "linear between the stops of one joint" if joint.friction else "linear in one joint"
+    return (
+        "damped oscillator" if joint.damping or joint.stiffness else "one joint",
+        reason,
+        lambda t: oscillator.follow(system, t),
+    )

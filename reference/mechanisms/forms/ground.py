@@ -1,0 +1,136 @@
+"""Mechanisms in which every joint that moves stands on the world: the bodies that each of them carries, as one rigid body.
+
+Fixed joints make the bodies that they connect one body. All numbers have a hundred digits.
+"""
+
+from dataclasses import dataclass
+
+from bodycheck.reference.exact.inertia import MassProperties, joined
+from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Real, Vector3, vector
+from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, turned
+from bodycheck.reference.mechanisms.exact import inertia, turn, unit_axis
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
+
+_ZERO: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """A joint on the world, and all that moves with its child.
+
+    Attributes
+    ----------
+    place, joint
+        The joint, and its place in the mechanism.
+    attitude, origin
+        The rotation from the joint's axes to the world, and the joint's origin in the world (m).
+    mass, centre, tensor
+        Mass (kg), centre of mass (m) in the child's frame, and the inertia tensor about it along the child's axes (kg m^2).
+    gravity
+        The gravitational acceleration along the joint's axes (m/s^2).
+    """
+
+    place: int
+    joint: Joint
+    attitude: Quaternion4
+    origin: Vector3
+    mass: Real
+    centre: Vector3
+    tensor: tuple[Real, Real, Real, Real, Real, Real]
+    gravity: Vector3
+
+
+def carried(mechanism: Mechanism) -> tuple[Carried, ...] | None:
+    """What each moving joint carries; None where a joint that moves stands on another, a body is free, or loops are closed."""
+    above = mechanism.joint_of
+    if mechanism.loops or any(joint is None for joint in above):
+        return None
+    groups: dict[int, list[tuple[int, Quaternion4, Vector3]]] = {}
+    for body in range(len(mechanism.bodies)):
+        root, attitude, origin = _in_root(mechanism, body)
+        groups.setdefault(root, []).append((body, attitude, origin))
+    found = []
+    for place, joint in enumerate(mechanism.joints):
+        if joint.type == "fixed":
+            continue
+        root, attitude, origin = _in_root(mechanism, joint.parent)
+        if root != WORLD:
+            return None
+        own = turn(joint.attitude)
+        origin = _sum(origin, turned(matrix(attitude), vector(joint.position)))
+        attitude = multiply(attitude, own)
+        whole = joined([_placed(mechanism, *member) for member in groups[joint.child]])
+        down = turned(matrix(conjugate(attitude)), (MP.mpf(0), MP.mpf(0), -MP.mpf(mechanism.gravity)))
+        found.append(Carried(place, joint, attitude, origin, whole.mass, whole.centre, whole.tensor, _clean(down)))
+    return tuple(found)
+
+
+def moment_about(held: Carried, axis: Vector3) -> Real:
+    """The moment of inertia (kg m^2) of what a joint carries about an axis of unit length through the joint's origin."""
+    x, y, z = axis
+    xx, yy, zz, xy, xz, yz = held.tensor
+    own = xx * x * x + yy * y * y + zz * z * z + 2 * (xy * x * y + xz * x * z + yz * y * z)
+    arm = cross(axis, held.centre)
+    return own + held.mass * dot(arm, arm)
+
+
+def axis_of(held: Carried) -> Vector3:
+    """The axis of unit length of a revolute or prismatic joint, in its own frame."""
+    return unit_axis(held.joint)
+
+
+def dot(one: Vector3, other: Vector3) -> Real:
+    """The scalar product of two vectors."""
+    return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+
+
+def cross(one: Vector3, other: Vector3) -> Vector3:
+    """The vector product of two vectors; components that only rounding has left are zero."""
+    (a, b, c), (x, y, z) = one, other
+    return _difference(b * z, c * y), _difference(c * x, a * z), _difference(a * y, b * x)
+
+
+def _difference(one: Real, other: Real) -> Real:
+    value = one - other
+    return value if abs(value) > NEGLIGIBLE * abs(one) else MP.mpf(0)
+
+
+def _clean(v: Vector3) -> Vector3:
+    """A vector whose components that only rounding has left are zero."""
+    limit = NEGLIGIBLE * max(abs(part) for part in v)
+    x, y, z = (part if abs(part) > limit else MP.mpf(0) for part in v)
+    return x, y, z
+
+
+def _sum(one: Vector3, other: Vector3) -> Vector3:
+    return one[0] + other[0], one[1] + other[1], one[2] + other[2]
+
+
+def _in_root(mechanism: Mechanism, body: int) -> tuple[int, Quaternion4, Vector3]:
+    """The body (or the world) at which the fixed joints below a body end, and the body's attitude and origin in its frame."""
+    attitude, origin = IDENTITY, _ZERO
+    above = mechanism.joint_of
+    while body != WORLD:
+        joint = above[body]
+        if joint is None or joint.type != "fixed":
+            break
+        own = turn(joint.attitude)
+        origin = _sum(vector(joint.position), turned(matrix(own), origin))
+        attitude, body = multiply(own, attitude), joint.parent
+    return body, attitude, origin
+
+
+def _placed(mechanism: Mechanism, body: int, attitude: Quaternion4, origin: Vector3) -> MassProperties:
+    """The mass properties of a body in the frame in which it has an attitude and an origin."""
+    own = inertia(mechanism.bodies[body])
+    if attitude == IDENTITY:
+        return MassProperties(own.mass, _sum(origin, own.centre), own.tensor)
+    rows = matrix(attitude)
+    xx, yy, zz, xy, xz, yz = own.tensor
+    whole = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz))
+
+    def component(i: int, j: int) -> Real:
+        return sum(rows[i][k] * whole[k][m] * rows[j][m] for k in range(3) for m in range(3))
+
+    tensor = (component(0, 0), component(1, 1), component(2, 2), component(0, 1), component(0, 2), component(1, 2))
+    return MassProperties(own.mass, _sum(origin, turned(rows, own.centre)), tensor)
