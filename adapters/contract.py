@@ -354,5 +354,5 @@ def states(position: Any, quaternion: Any, velocity: Any, angular_velocity: Any)
 
 
 def single(rows: Array) -> Array:
-    """Return the states (1, n, 1, 13) of one scene with one body, from its rows (n, 13)."""
-    return rows[None, :, None, :]
+    """Return the states (1, n, bodies, 13) of one scene, from its rows (n, bodies, 13), or (n, 13) of its only body."""
+    return rows[None] if rows.ndim == 3 else rows[None, :, None, :]

@@ -14,7 +14,7 @@ State = TypeVar("State")
 
 @dataclass
 class Loop(Generic[State]):
-    """A simulation of one or several scenes with one body, stepped in a Python loop.
+    """A simulation of one scene, or of several scenes with one body each, stepped in a Python loop.
 
     Parameters
     ----------
@@ -25,7 +25,8 @@ class Loop(Generic[State]):
     seen
         Returns a copy of the numbers (k,) that describe a state, or of those (scenes, k) of several scenes.
     rows
-        Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`.
+        Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`. Those of one scene may
+        have several bodies: (n, bodies, 13).
     """
 
     state: State
@@ -34,7 +35,7 @@ class Loop(Generic[State]):
     rows: Callable[[Array], Array]
 
     def advance(self, strides: Strides) -> Array:
-        """Return the states (scenes, n, 1, 13) after each of n strides, as `Simulation.advance` does."""
+        """Return the states (scenes, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
         step, state = self.step, self.state
         seen = np.empty((len(strides), *self.seen(state).shape))
         for place, stride in enumerate(strides.tolist()):

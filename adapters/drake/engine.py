@@ -1,7 +1,6 @@
 """The adapter of Drake: its integrators, its approximations of contact, and the loop of its steps."""
 
 import logging
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from importlib import metadata
@@ -10,12 +9,14 @@ import numpy as np
 from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlantConfig
 from pydrake.systems.analysis import GetIntegrationSchemes, Simulator, SimulatorConfig
 
-from bodycheck.adapters.contract import KINDS, Engine, EngineDiverged, Integrator, Link, Method, states
-from bodycheck.adapters.drake import INSTALLATION
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, Simulation, states
+from bodycheck.adapters.drake import INSTALLATION, mechanisms
 from bodycheck.adapters.drake.contact import ON_PLANE, OPTIONS, contact_of
 from bodycheck.adapters.drake.models import Model, build
+from bodycheck.adapters.drake.steps import stepper
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -42,9 +43,6 @@ CLAIMS: dict[str, tuple[int, int | None]] = {
 #: The explicit integrators. With contact as stiff as Drake's is by default (1e6 N/m a point), a body of 1 kg leaves the plane
 #: unless they take steps well below 0.5 ms, so they are offered only in flight.
 EXPLICIT = {"explicit_euler", "semi_explicit_euler", "runge_kutta2", "runge_kutta3", "bogacki_shampine3", "runge_kutta5"}
-
-#: The kinetic energy (J) above which the next acceleration may overflow. Integrators that iterate end the process there.
-LARGEST_ENERGY_J = 1e200
 
 #: The approximation of contact that Drake takes if none is named.
 DEFAULT = "lagged"
@@ -83,7 +81,7 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=metadata.version(INSTALLATION.distribution),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
     variants={"plane": (*(f"{name}:contact=points" for name in APPROXIMATIONS), f"{DEFAULT}:settings=engine")},
     defaults=defaults(),
 )
@@ -125,6 +123,11 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
     return Normalised(loop(build(scene, method, APPROXIMATIONS), method.timestep))
 
 
+def prepare_mechanism(mechanism: Mechanism, method: Method) -> Simulation:
+    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
+    return mechanisms.prepare(mechanism, method, APPROXIMATIONS)
+
+
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
     """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
     return Normalised(loop(build(scene, method, APPROXIMATIONS, links), method.timestep))
@@ -132,20 +135,8 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normal
 
 def loop(model: Model, timestep: float) -> Loop[int]:
     """Return the simulation of a model, whose state is the number of steps taken; quaternions have any norm."""
-    simulator, plant, context = model.simulator, model.plant, model.context
-
-    def step(taken: int) -> int:
-        if not plant.CalcKineticEnergy(context) < LARGEST_ENERGY_J:
-            raise EngineDiverged(f"Drake's accelerations overflow at t = {context.get_time():.6g} s")
-        try:
-            simulator.AdvanceTo((taken + 1) * timestep)
-        except RuntimeError as error:
-            # Drake counts the sources of poses in a process.
-            words = re.sub(r" with source id \d+", "", " ".join(str(error).split()))
-            raise EngineDiverged(f"Drake at t = {context.get_time():.6g} s: {words}") from error
-        return taken + 1
-
-    return Loop(0, step, lambda _: np.array(plant.GetPositionsAndVelocities(context)), rows)
+    plant, context = model.plant, model.context
+    return Loop(0, stepper(model, timestep), lambda _: np.array(plant.GetPositionsAndVelocities(context)), rows)
 
 
 def rows(seen: Array) -> Array:

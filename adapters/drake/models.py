@@ -87,11 +87,7 @@ def build(scene: Scene, method: Method, approximations: tuple[str, ...], links: 
     SceneUnsupported
         If Drake refuses the body, or there is no such contact.
     """
-    scheme = method.integrator
-    config = MultibodyPlantConfig()
-    config.time_step = method.timestep if scheme in approximations else 0.0
-    if scheme in approximations:
-        config.discrete_contact_approximation = scheme
+    scheme, config = method.integrator, configured(method, approximations)
     builder = DiagramBuilder()
     # A scene graph costs up to a fifth of a step, so a free body has one only where the integrator asks for it.
     alone = scene.plane is None and not scene.drag and scheme != CENIC
@@ -111,6 +107,15 @@ def build(scene: Scene, method: Method, approximations: tuple[str, ...], links: 
         builder.Connect(plant.get_state_output_port(), drag.get_input_port())
         builder.Connect(drag.get_output_port(), plant.get_applied_generalized_force_input_port())
     return started(scene, method, plant if alone else builder.Build(), plant, scheme not in approximations)
+
+
+def configured(method: Method, approximations: tuple[str, ...]) -> Any:
+    """Return the configuration of a plant for a method: continuous, or discrete with one of the approximations of contact."""
+    config = MultibodyPlantConfig()
+    config.time_step = method.timestep if method.integrator in approximations else 0.0
+    if method.integrator in approximations:
+        config.discrete_contact_approximation = method.integrator
+    return config
 
 
 def add_body(plant: Any, links: Sequence[Link]) -> Any:
@@ -150,8 +155,13 @@ def started(scene: Scene, method: Method, system: Any, plant: Any, continuous: b
     spin = rotate(np.array(initial.quaternion), np.array(initial.angular_velocity))
     plant.SetPositions(context, [*initial.quaternion, *initial.position])
     plant.SetVelocities(context, [*spin, *initial.velocity])
+    integrated(simulator, method, continuous)
+    return Model(simulator, plant, context)
+
+
+def integrated(simulator: Any, method: Method, continuous: bool) -> None:
+    """Initialize a simulator at the state of its context; an integrator takes fixed steps of a continuous plant."""
     if continuous:
         ResetIntegratorFromFlags(simulator, method.integrator, LARGEST_STEP * method.timestep)
         simulator.get_mutable_integrator().set_fixed_step_mode(True)
     simulator.Initialize()
-    return Model(simulator, plant, context)

@@ -31,6 +31,7 @@ from bodycheck.adapters.contract import (
 from bodycheck.adapters.links import link_of
 from bodycheck.errors import BadInput
 from bodycheck.reference.kinematics import geodesic_angle
+from bodycheck.reference.mechanisms.requirements import JOINTS
 from bodycheck.reference.requirements import Requirements
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.running.smoke import check
@@ -48,6 +49,12 @@ ENGINE_MODULES = {
 
 #: A scene of each kind that every engine with that kind of scene can model.
 SCENES = {"flight": "osrf-boxes-complex", "drag": "football-drag", "plane": "curling-brick"}
+
+#: What a mechanism may require of an engine.
+MECHANISM_EFFECTS = {
+    *("mechanisms", "loops", "point masses", "armature", "joint damping", "joint springs", "joint friction", "joint efforts"),
+    *JOINTS.values(),
+}
 
 #: A turn by 74 degrees about an oblique axis, and a centre of mass in the frame of a link (m).
 OBLIQUE, ASIDE = (0.8, 0.2, -0.4, 0.4), (0.4, -0.2, 0.1)
@@ -90,7 +97,7 @@ def test_the_record_of_an_engine_says_what_it_must(name: str) -> None:
     assert engine.batch >= 1
     assert set(engine.defaults) <= {"integrator", "timestep", "tolerance"}
     assert all(type(value) is str and value for value in engine.defaults.values())
-    assert engine.models <= set(Requirements.__dataclass_fields__)
+    assert engine.models <= {*Requirements.__dataclass_fields__, *MECHANISM_EFFECTS}
     names = [integrator.name for integrator in engine.integrators]
     assert len(set(names)) == len(names)
     assert all(integrator.kinds <= KINDS for integrator in engine.integrators)

@@ -1,10 +1,13 @@
-"""Mechanisms for tests: a cart with a pole, and a tree with a joint of every type."""
+"""Mechanisms for tests: a cart with a pole, a free chain, a loop, and a tree with a joint of every type."""
+
+import math
+from dataclasses import replace
 
 import numpy as np
 
 from bodycheck.reference.definition import EulerAngles, Solid, Tensor
 from bodycheck.reference.mechanisms.coordinates import JointMotion
-from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Loop, Mechanism
 from bodycheck.reference.scene import Brick, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -28,6 +31,47 @@ def cart_pole() -> Mechanism:
             Joint("rail", "prismatic", WORLD, 0, axis=(1.0, 0.0, 0.0), start=(0.0,), start_velocity=(0.5,)),
             Joint("pin", "revolute", 0, 1, (0.0, 0.0, 0.1), axis=(0.0, 1.0, 0.0), start=(0.3,), start_velocity=(0.0,)),
         ),
+        gravity=9.81,
+    )
+
+
+def free_chain() -> Mechanism:
+    """Three bodies in space on two hinges, without gravity; the first in the file hangs on the second, which is free."""
+    start = BodyStart((0.5, -0.2, 1.0), (0.8, 0.2, -0.4, 0.4), (0.1, 0.2, -0.3), (0.5, -1.0, 2.0))
+    moments = (0.05, 0.06, 0.03)
+    return Mechanism(
+        bodies=(
+            body("arm", 0.8, moments, (0.0, 0.1, 0.2)),
+            replace(body("base", 1.3, moments, (0.05, -0.1, 0.35)), start=start),
+            body("hand", 0.5, moments, (0.1, 0.0, 0.1)),
+        ),
+        joints=(
+            Joint(
+                *("shoulder", "revolute", 1, 0, (0.1, 0.2, 0.3), (0.8, 0.2, -0.4, 0.4), (0.0, 1.0, 0.3)),
+                start=(0.5,),
+                start_velocity=(2.0,),
+            ),
+            Joint(
+                *("wrist", "revolute", 0, 2, (0.0, 0.1, 0.4), (0.9, 0.1, 0.3, -0.2), (1.0, 0.0, 0.2)),
+                start=(-0.7,),
+                start_velocity=(-1.5,),
+            ),
+        ),
+    )
+
+
+def four_bar() -> Mechanism:
+    """Three rods of 1 m and 1 kg, hinged about y, that close a parallelogram with the world."""
+    rod = body("first", 1.0, (0.001, 1 / 12, 1 / 12), (0.5, 0.0, 0.0))
+    about_y, end = (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)
+    return Mechanism(
+        bodies=(rod, replace(rod, name="second"), replace(rod, name="third")),
+        joints=(
+            Joint("left", "revolute", WORLD, 0, axis=about_y, start=(-1.2,), start_velocity=(1.0,)),
+            Joint("top", "revolute", 0, 1, end, axis=about_y, start=(1.2,), start_velocity=(-1.0,)),
+            Joint("right", "revolute", 1, 2, end, axis=about_y, start=(math.pi - 1.2,), start_velocity=(1.0,)),
+        ),
+        loops=(Loop((2, WORLD), (end, end)),),
         gravity=9.81,
     )
 
@@ -84,6 +128,12 @@ def tree() -> Mechanism:
         ),
         gravity=3.7,
     )
+
+
+def trajectory(t: Array, states: Array) -> Trajectory:
+    """The trajectory of bodies from their states (1, n, bodies, 13), as an engine returns them, at instants (n,)."""
+    rows = states[0].swapaxes(0, 1)
+    return Trajectory(t, rows[..., :3], rows[..., 3:7], rows[..., 7:10], rows[..., 10:])
 
 
 def states(position: Array, quaternion: Array, velocity: Array, angular_velocity: Array, t: Array) -> Trajectory:

@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from bodycheck.adapters.contract import Adapter, Method
+from bodycheck.adapters.contract import Adapter, Mechanisms, Method
 from bodycheck.reference.kinematics import geodesic_angle
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Scene
 
 
@@ -23,5 +24,21 @@ def observed_order(
         "position": [np.linalg.norm(one[:3] - other[:3]) for one, other in ((coarse, middle), (middle, fine))],
         "attitude": [geodesic_angle(one[3:7], other[3:7]) for one, other in ((coarse, middle), (middle, fine))],
         "angular velocity": [np.linalg.norm(one[10:] - other[10:]) for one, other in ((coarse, middle), (middle, fine))],
+    }
+    return {name: float(np.log2(first / second)) for name, (first, second) in differences.items()}
+
+
+def observed_mechanism_order(
+    adapter: Mechanisms, mechanism: Mechanism, spelling: str, steps: tuple[float, float, float], duration: float
+) -> dict[str, float]:
+    """The orders of the positions and attitudes of all bodies at the end of a motion, as `observed_order` has those of one."""
+    coarse, middle, fine = (
+        adapter.prepare_mechanism(mechanism, Method.parse(spelling, step)).advance(np.array([round(duration / step)]))[0, -1]
+        for step in steps
+    )
+    pairs = ((coarse, middle), (middle, fine))
+    differences = {
+        "position": [np.linalg.norm(one[:, :3] - other[:, :3]) for one, other in pairs],
+        "attitude": [np.linalg.norm(geodesic_angle(one[:, 3:7], other[:, 3:7])) for one, other in pairs],
     }
     return {name: float(np.log2(first / second)) for name, (first, second) in differences.items()}

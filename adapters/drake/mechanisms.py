@@ -1,0 +1,208 @@
+"""Mechanisms in Drake: bodies on Drake's joints, and what acts in these.
+
+Each joint is Drake's own of its type. The coordinates of a spherical one are roll, pitch and yaw, whose rates are infinite at a
+pitch of a right angle. A body without a joint has the quaternion joint that Drake gives it, and so has a free joint. Springs
+are Drake's elements of force. Armature is the inertia of the rotor of an actuator with a gear ratio of 1, and a constant effort
+is the input of such an actuator. Loops are Drake's ball constraints, which the discrete plant alone has. Drake has no dry
+friction."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.multibody.math import SpatialVelocity
+from pydrake.multibody.plant import AddMultibodyPlant, ApplyMultibodyPlantConfig, MultibodyPlant
+from pydrake.multibody.tree import (
+    BallRpyJoint,
+    FixedOffsetFrame,
+    PlanarJoint,
+    PrismaticJoint,
+    PrismaticSpring,
+    QuaternionFloatingJoint,
+    RevoluteJoint,
+    RevoluteSpring,
+    UniversalJoint,
+    WeldJoint,
+)
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+
+from bodycheck.adapters.contract import Link, Method, SceneUnsupported, Simulation
+from bodycheck.adapters.drake.models import CENIC, PLANT, Model, add_link, configured, integrated
+from bodycheck.adapters.drake.steps import stepper
+from bodycheck.adapters.mechanisms import centred, frames, link_of, starts
+from bodycheck.adapters.stepping import Loop
+from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.mechanisms.exact import nearest_axis, nearest_turn
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
+from bodycheck.reference.trajectory import Array
+
+#: What Drake models of mechanisms; see `Engine.models`.
+MODELS = frozenset(
+    {
+        "mechanisms",
+        "revolute joints",
+        "prismatic joints",
+        "ball joints",
+        "free joints",
+        "fixed joints",
+        "planar joints",
+        "universal joints",
+        "armature",
+        "joint damping",
+        "joint springs",
+        "joint efforts",
+        "loops",
+        "point masses",
+    }
+)
+
+#: The discrete plants whose solver has constraints, which is SAP.
+CONSTRAINED = ("lagged", "similar", "sap")
+
+
+def prepare(mechanism: Mechanism, method: Method, approximations: tuple[str, ...]) -> Simulation:
+    """Return the simulation of a mechanism.
+
+    Parameters
+    ----------
+    mechanism, method
+        The mechanism and the method.
+    approximations
+        The names of the integrators that are those of the discrete plant.
+
+    Raises
+    ------
+    SceneUnsupported
+        If Drake refuses a body, or has no loops with this method.
+    """
+    if mechanism.loops and method.integrator not in CONSTRAINED:
+        raise SceneUnsupported("Drake has constraints for loops in its discrete plant with the solver SAP only")
+    config = configured(method, approximations)
+    builder = DiagramBuilder()
+    in_diagram = method.integrator == CENIC or bool(mechanism.loops)
+    if in_diagram:
+        plant, _ = AddMultibodyPlant(config, builder)
+    else:
+        plant = MultibodyPlant(config.time_step)
+        ApplyMultibodyPlantConfig(config, plant)
+    plant.set_name(PLANT)
+    bodies = [add_link(plant, f"body {place}", link_of(body)) for place, body in enumerate(mechanism.bodies)]
+    joints = [add_joint(plant, bodies, joint, f"joint {place}") for place, joint in enumerate(mechanism.joints)]
+    actuators = [add_actuator(plant, made, joint) for made, joint in zip(joints, mechanism.joints, strict=True)]
+    if mechanism.loops:
+        add_loops(plant, bodies, mechanism)
+    plant.mutable_gravity_field().set_gravity_vector([0.0, 0.0, -mechanism.gravity])
+    try:
+        plant.Finalize()
+    except RuntimeError as error:
+        raise SceneUnsupported(f"Drake refuses the mechanism: {' '.join(str(error).split())}") from error
+    simulator = Simulator(builder.Build() if in_diagram else plant)
+    context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
+    if plant.num_actuators():
+        efforts = [joint.effort for joint, actuator in zip(mechanism.joints, actuators, strict=True) if actuator is not None]
+        plant.get_actuation_input_port().FixValue(context, efforts)
+    start(mechanism, plant, context, bodies, joints)
+    integrated(simulator, method, continuous=method.integrator not in approximations)
+    model = Model(simulator, plant, context)
+    return Loop(0, stepper(model, method.timestep), seer(model, bodies), lambda seen: rows(mechanism, seen))
+
+
+def add_joint(plant: Any, bodies: list[Any], joint: Joint, name: str) -> Any:
+    """Add a joint with its damping and its spring to a plant, and return it."""
+    pose = RigidTransform(Quaternion(nearest_turn(joint.attitude)), joint.position)
+    parent = plant.AddFrame(FixedOffsetFrame(name, _body(plant, bodies, joint.parent).body_frame(), pose))
+    child = bodies[joint.child].body_frame()
+    if joint.type == "revolute":
+        made = plant.AddJoint(RevoluteJoint(name, parent, child, nearest_axis(joint), joint.damping))
+        if joint.stiffness:
+            plant.AddForceElement(RevoluteSpring(made, joint.rest, joint.stiffness))
+        return made
+    if joint.type == "prismatic":
+        made = plant.AddJoint(PrismaticJoint(name, parent, child, nearest_axis(joint), damping=joint.damping))
+        if joint.stiffness:
+            plant.AddForceElement(PrismaticSpring(made, joint.rest, joint.stiffness))
+        return made
+    if joint.type == "fixed":
+        return plant.AddJoint(WeldJoint(name, parent, child, RigidTransform()))
+    if joint.type == "spherical":
+        return plant.AddJoint(BallRpyJoint(name, parent, child, joint.damping))
+    kinds = {"universal": UniversalJoint, "planar": PlanarJoint, "free": QuaternionFloatingJoint}
+    return plant.AddJoint(kinds[joint.type](name, parent, child))
+
+
+def add_actuator(plant: Any, made: Any, joint: Joint) -> Any | None:
+    """Add an actuator to a joint that has armature or effort, and return it; None without them."""
+    if not joint.armature and not joint.effort:
+        return None
+    actuator = plant.AddJointActuator(made.name(), made)
+    actuator.set_default_rotor_inertia(joint.armature)
+    return actuator
+
+
+def add_loops(plant: Any, bodies: list[Any], mechanism: Mechanism) -> None:
+    """Add the loops of a mechanism to a plant as ball constraints."""
+    # A constraint on the body of the world itself ends the process; a body that is welded to the world has its place.
+    anchor = add_link(plant, "anchor", Link(1.0, (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)))
+    plant.WeldFrames(plant.world_frame(), anchor.body_frame())
+    for loop in mechanism.loops:
+        one, other = (anchor if place == WORLD else bodies[place] for place in loop.bodies)
+        plant.AddBallConstraint(one, loop.points[0], other, loop.points[1])
+
+
+def start(mechanism: Mechanism, plant: Any, context: Any, bodies: list[Any], joints: list[Any]) -> None:
+    """Set the initial state of a mechanism in a context of its plant."""
+    for place, (joint, frame) in enumerate(zip(mechanism.joint_of, frames(mechanism), strict=True)):
+        if joint is None:
+            turn = np.array(frame.quaternion)
+            velocity = SpatialVelocity(rotate(turn, np.array(frame.angular_velocity)), np.array(frame.velocity))
+            plant.SetFreeBodyPose(context, bodies[place], RigidTransform(Quaternion(turn), frame.position))
+            plant.SetFreeBodySpatialVelocity(context, bodies[place], velocity)
+    q, v = plant.GetPositions(context), plant.GetVelocities(context)
+    for joint, made, (position, velocity) in zip(mechanism.joints, joints, starts(mechanism), strict=True):
+        own, rates = in_drake(joint, position, velocity)
+        q[made.position_start() : made.position_start() + len(own)] = own
+        v[made.velocity_start() : made.velocity_start() + len(rates)] = rates
+    plant.SetPositions(context, q)
+    plant.SetVelocities(context, v)
+
+
+def in_drake(joint: Joint, position: Array, velocity: Array) -> tuple[Array, Array]:
+    """Return Drake's coordinates and velocities of a joint. Its angular velocities are along the axes of the joint's frame."""
+    if joint.type == "spherical":
+        return RollPitchYaw(Quaternion(position)).vector(), rotate(position, velocity)
+    if joint.type == "free":
+        place, turn = position[:3], position[3:]
+        return np.concatenate([turn, place]), np.concatenate([rotate(turn, velocity[3:]), velocity[:3]])
+    return position, velocity
+
+
+def seer(model: Model, bodies: list[Any]) -> Callable[[int], Array]:
+    """Return a function that returns the poses and velocities (13 k,) of k bodies, along the axes of the world."""
+    plant, context = model.plant, model.context
+    # Of the context that is stepped, `cenic` leaves the poses before its last step in the cache.
+    own = plant.CreateDefaultContext()
+
+    def seen(_: int) -> Array:
+        plant.SetPositionsAndVelocities(own, plant.GetPositionsAndVelocities(context))
+        parts = []
+        for body in bodies:
+            pose, velocity = plant.EvalBodyPoseInWorld(own, body), plant.EvalBodySpatialVelocityInWorld(own, body)
+            turn = pose.rotation().ToQuaternion().wxyz()
+            parts += [pose.translation(), turn, velocity.translational(), velocity.rotational()]
+        return np.concatenate(parts)
+
+    return seen
+
+
+def rows(mechanism: Mechanism, seen: Array) -> Array:
+    """Return the states (n, bodies, 13) of the contract from what is seen (n, 13 bodies)."""
+    found = seen.reshape(len(seen), -1, 13)
+    found[..., 10:] = rotate(conjugate(found[..., 3:7]), found[..., 10:])
+    return centred(mechanism, found)
+
+
+def _body(plant: Any, bodies: list[Any], place: int) -> Any:
+    return plant.world_body() if place == WORLD else bodies[place]

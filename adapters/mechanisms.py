@@ -1,0 +1,49 @@
+"""Bodies on joints in the forms in which engines take them."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bodycheck.adapters.contract import Link
+from bodycheck.adapters.links import carried
+from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms.coordinates import places
+from bodycheck.reference.mechanisms.exact import nearest_inertia
+from bodycheck.reference.mechanisms.mechanism import JointedBody, Mechanism
+from bodycheck.reference.principal_frame import IDENTITY
+from bodycheck.reference.scene import State
+from bodycheck.reference.trajectory import Array
+
+
+def link_of(body: JointedBody) -> Link:
+    """Return the mass, the centre of mass and the inertia of a body of a mechanism."""
+    found = nearest_inertia(body)
+    return Link(found.mass, found.tensor, found.centre)
+
+
+def starts(mechanism: Mechanism) -> tuple[tuple[Array, Array], ...]:
+    """Return the initial coordinates and velocities of each joint, laid out as in `coordinates`; quaternions have norm 1."""
+    motion = kinematics.start_of(mechanism)
+    return tuple((motion.position[0, held], motion.velocity[0, moving]) for held, moving in places(mechanism))
+
+
+def frames(mechanism: Mechanism) -> tuple[State, ...]:
+    """Return the initial states of the frames of all bodies: of their origins, and the angular velocity along their axes."""
+    start = kinematics.initial(mechanism)
+    made = []
+    for place, body in enumerate(mechanism.bodies):
+        row = np.concatenate(
+            [part[place, 0] for part in (start.position, start.quaternion, start.velocity, start.angular_velocity)]
+        )
+        origin = carried(row[None], -np.array(nearest_inertia(body).centre), IDENTITY)[0]
+        made.append(State(*(tuple(part.tolist()) for part in np.split(origin, (3, 7, 10)))))
+    return tuple(made)
+
+
+def centred(mechanism: Mechanism, rows: ArrayLike) -> Array:
+    """Return the states (n, bodies, 13) of the centres of mass from those of the origins of the bodies' frames.
+
+    Quaternions may have any norm, which they keep.
+    """
+    seen = np.asarray(rows, dtype=float)
+    of_bodies = [carried(seen[:, place], nearest_inertia(body).centre, IDENTITY) for place, body in enumerate(mechanism.bodies)]
+    return np.stack(of_bodies, axis=1)

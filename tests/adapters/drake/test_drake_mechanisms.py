@@ -1,0 +1,41 @@
+"""What is special about mechanisms in Drake: orders of its integrators on joints, and its constraints for loops."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from bodycheck.adapters import offers, registry
+from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.reference.mechanisms import kinematics
+from tests.support.jointed import four_bar, trajectory, tree
+from tests.support.orders import observed_mechanism_order
+
+DRAKE = registry.load("drake")
+
+
+@pytest.mark.parametrize("spelling", offers.offered(DRAKE.engine, tree()))
+def test_an_integrator_has_its_order_on_joints_of_every_type(spelling: str) -> None:
+    """With armature, springs and efforts; and damping, which the discrete plant takes at the end of a step."""
+    joints = tuple(replace(joint, damping=0.1) if joint.type in ("revolute", "spherical") else joint for joint in tree().joints)
+    claimed = next(own.order for own in DRAKE.engine.integrators if own.name == spelling)
+    observed = observed_mechanism_order(DRAKE, replace(tree(), joints=joints), spelling, (0.01, 0.005, 0.0025), 0.3)
+    # The next term of the error changes the order by about the step times a rate: 5 ms times some ten per second.
+    assert observed == pytest.approx({"position": claimed, "attitude": claimed}, abs=0.2)
+
+
+@pytest.mark.parametrize("spelling", ["lagged", "sap"])
+def test_a_loop_stays_closed(spelling: str) -> None:
+    steps = np.full(10, 50)
+    states = DRAKE.prepare_mechanism(four_bar(), Method.parse(spelling, 1e-3)).advance(steps)
+    apart = kinematics.gaps(four_bar(), trajectory(np.cumsum(steps) * 1e-3, states))
+    # Drake's constraint is so stiff that it lasts two steps; a step of 1 ms bends the path of a point by h^2 v^2/L.
+    assert apart.max() < 1e-5
+    # Two rods and what they carry swing as one: the third has the attitude of the first, turned by half a turn.
+    first, third = states[0, :, 0, 10:], states[0, :, 2, 10:]
+    np.testing.assert_allclose(first, third, rtol=0, atol=1e-4)
+
+
+def test_a_continuous_plant_has_no_loops() -> None:
+    with pytest.raises(SceneUnsupported, match="solver SAP only"):
+        DRAKE.prepare_mechanism(four_bar(), Method.parse("runge_kutta3", 1e-3))
