@@ -15,6 +15,7 @@ from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as mujoco
+from bodycheck.adapters.mujoco.compiling import compiled_model
 from bodycheck.adapters.mujoco.models import Joints
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
@@ -82,7 +83,7 @@ def started(engine: Engine, xml: str, joints: Sequence[Joints], drag: float | No
     drag: the coefficient of drag (kg/m); None for no force of drag.
     """
     check_precision(engine)
-    compiled = mujoco.compiled_model(xml)
+    compiled = compiled_model(xml)
     try:
         model, data = mjx.put_model(compiled), mjx.make_data(compiled)
     except NotImplementedError as error:

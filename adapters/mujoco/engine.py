@@ -16,15 +16,15 @@ A body on a plane touches the plane by MuJoCo's own soft contact, whose options 
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 
 import mujoco
 import numpy as np
 
 from bodycheck.adapters import flat_contact
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, Model, SceneUnsupported, Strides, choice
-from bodycheck.adapters.mujoco import INSTALLATION, bodies, contact, exporting, links
+from bodycheck.adapters.mujoco import INSTALLATION, bodies, contact, exporting, links, mechanism_xml, mechanisms
 from bodycheck.adapters.mujoco import models as scene_models
+from bodycheck.adapters.mujoco.compiling import compiled_model
 from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
 from bodycheck.adapters.mujoco.worlds import BATCH, Worlds
 from bodycheck.reference.requirements import requirements
@@ -66,14 +66,21 @@ def available() -> tuple[str, ...]:
 def integrators() -> tuple[Integrator, ...]:
     """Return all known integrators; those that the installed release lacks are offered for no scene."""
     options = {
-        "model": choice(*dict.fromkeys((*scene_models.IN_FLIGHT, *scene_models.ON_PLANE))),
+        "model": choice(*dict.fromkeys((*scene_models.IN_FLIGHT, *scene_models.ON_PLANE)), kinds=KINDS - mechanism_xml.JOINTED),
         "drag": choice("fluid", kinds=frozenset({"drag"})),
         **contact.OPTIONS,
+        **mechanism_xml.OPTIONS,
     }
     here = available()
     # According to MuJoCo's documentation, all integrators except RK4 are of first order.
     return tuple(
-        Integrator(name, stages, stages, KINDS if name in here else frozenset(), options)
+        Integrator(
+            name,
+            stages,
+            stages,
+            KINDS if name in here else frozenset(),
+            options | (mechanism_xml.OF_EULER if name == "Euler" else {}),
+        )
         for name in dict.fromkeys((*here, *KNOWN_INTEGRATORS))
         for stages in (4 if name == "RK4" else 1,)
     )
@@ -94,7 +101,7 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(mujoco.__version__),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag", *mechanisms.MODELS}),
     variants={
         "drag": tuple(f"{name}:drag=fluid" for name in available()),
         "plane": ("Euler:cone=elliptic", "Euler:cone=elliptic,pads=4", "Euler:model=planar"),
@@ -106,6 +113,8 @@ engine = Engine(
 
 
 calls = CALLS
+
+prepare_mechanism = mechanisms.prepare_mechanism
 
 
 def models(scene: Scene, integrator: str) -> dict[str, Model]:
@@ -196,7 +205,7 @@ def started(xml: str, joints: scene_models.Joints) -> Stepper:
     compiled = compiled_model(xml)
     data = mujoco.MjData(compiled)
     data.qpos[:], data.qvel[:] = joints.qpos, joints.qvel
-    return Stepper(compiled, data, joints)
+    return Stepper(compiled, data, joints.rows)
 
 
 def external_force(scene: Scene, method: Method, model: str, data: mujoco.MjData) -> scene_models.Force | None:
@@ -260,19 +269,6 @@ def description_of_links(given: Sequence[Link], scene: Scene, method: Method) ->
         parts=contact.Parts(geoms=links.welded(given[1:])),
     )
     return xml, joints
-
-
-@lru_cache(maxsize=8)
-def compiled_model(xml: str) -> mujoco.MjModel:
-    """Return MuJoCo's model of an XML text. Raises `SceneUnsupported` if MuJoCo refuses it.
-
-    The initial state is in MuJoCo's data and nothing changes a model, so runs of one scene and method share theirs: timing and
-    the comparison of runs with perturbed initial states prepare the same model many times.
-    """
-    try:
-        return mujoco.MjModel.from_xml_string(xml)
-    except ValueError as error:
-        raise SceneUnsupported(f"MuJoCo refuses the model: {' '.join(str(error).split())}") from error
 
 
 def check_supported(scene: Scene, method: Method, model: str) -> None:

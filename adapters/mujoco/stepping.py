@@ -3,7 +3,7 @@
 Both take the same steps, and stop at the first warning that MuJoCo gives. Releases before 3.2.7 lack rollouts.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from typing import Any
@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from bodycheck.adapters.contract import EngineDiverged, EngineReset, Strides, single
-from bodycheck.adapters.mujoco.models import Force, Joints
+from bodycheck.adapters.mujoco.models import Force
 from bodycheck.reference.trajectory import Array
 
 #: Steps of a rollout, and steps after which MuJoCo is asked whether it has given a warning. A rollout returns every state, so
@@ -91,25 +91,29 @@ class Stepper:
     ----------
     model, data
         MuJoCo's compiled model and its data, which hold the initial state.
-    joints
-        The joints of the body, which convert states to rows of the contract.
+    rows
+        Converts n states (n, nq + nv) to rows (n, 13), or (n, bodies, 13), of the contract.
     force
         An external force; None if there is none.
     """
 
-    def __init__(self, model: mujoco.MjModel, data: mujoco.MjData, joints: Joints, force: Force | None = None) -> None:
-        self.model, self.data, self.joints, self.force = model, data, joints, force
+    def __init__(
+        self, model: mujoco.MjModel, data: mujoco.MjData, rows: Callable[[Array], Array], force: Force | None = None
+    ) -> None:
+        self.model, self.data, self.rows, self.force = model, data, rows, force
         self.pool: Any = None if Rollout is None else Rollout(nthread=0)
         # Row 0 is the state before a rollout, the other rows are those of the rollout.
         size = 0 if Rollout is None else mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS)
         self.states = scratch((STEPS_PER_ROLLOUT + 1) * size).reshape(STEPS_PER_ROLLOUT + 1, size)
 
     def advance(self, strides: Strides) -> Array:
-        """Return the states (1, n, 1, 13) after each of n strides, as `Simulation.advance` does."""
-        dense = self.pool is not None and int(strides.sum()) < STEPS_WORTH_A_CALL * len(strides)
+        """Return the states (1, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
+        # A rollout sets forces to zero that it is not given for every step.
+        pushed = bool(self.data.qfrc_applied.any())
+        dense = self.pool is not None and not pushed and int(strides.sum()) < STEPS_WORTH_A_CALL * len(strides)
         with external_force(self.force):
             rows = self._by_rollouts(strides) if dense else self._by_strides(strides)
-        return single(self.joints.rows(rows))
+        return single(self.rows(rows))
 
     def _by_rollouts(self, strides: Strides) -> Array:
         """Return the coordinates and velocities (n, nq + nv) after each of n strides."""
@@ -131,7 +135,7 @@ class Stepper:
             except EngineDiverged as signal:
                 sound = done + int(np.argmax(np.diff(clock, append=clock[-1]) <= 0))
                 before = rows[: np.searchsorted(ends, sound, side="right")]
-                signal.states = single(self.joints.rows(np.vstack([before, self.states[count, None, columns]])[: len(rows)]))
+                signal.states = single(self.rows(np.vstack([before, self.states[count, None, columns]])[: len(rows)]))
                 raise
             self.states[0] = self.states[count]
             done += count
@@ -181,9 +185,10 @@ class Stepper:
 
     def _restore(self, state: tuple[float, Array, Array, Array]) -> None:
         """Return to a state and forget all warnings."""
-        data = self.data
+        data, applied = self.data, self.data.qfrc_applied.copy()
         mujoco.mj_resetData(self.model, data)
         data.time, data.qpos[:], data.qvel[:], data.qacc_warmstart[:] = state
+        data.qfrc_applied[:] = applied
 
     def _find_warning(self, strides: Strides, rows: Array, first: int) -> None:
         """Repeat the strides from the first on, in which MuJoCo gave a warning, and raise `EngineDiverged` at that step."""
@@ -200,5 +205,5 @@ class Stepper:
                     refuse_warnings(self.data, max(time, self.data.time))
             except EngineDiverged as signal:
                 rows[place] = np.concatenate([self.data.qpos, self.data.qvel])
-                signal.states = single(self.joints.rows(rows[: place + 1]))
+                signal.states = single(self.rows(rows[: place + 1]))
                 raise

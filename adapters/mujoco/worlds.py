@@ -129,7 +129,7 @@ class Worlds:
         data.time -= model.opt.timestep
         data.qacc_warmstart[:] = warm
         try:
-            Stepper(model, data, self.joints[place], self.forces[place]).advance(strides)
+            Stepper(model, data, self.joints[place].rows, self.forces[place]).advance(strides)
         except EngineDiverged as signal:
             self.signals[place] = str(signal)
             return np.asarray(signal.states[0, :-1])

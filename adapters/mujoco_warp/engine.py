@@ -144,7 +144,7 @@ def handed_over(xml: str, joints: Sequence[Joints]) -> tuple[Any, Any, Any]:
     data = mjw.put_data(first.model, first.data, nworld=len(joints))
     data.qpos.assign(np.array([own.qpos for own in joints]))
     data.qvel.assign(np.array([own.qvel for own in joints]))
-    return model, data, first.joints.rows
+    return model, data, first.rows
 
 
 def contact_law(scene: Scene, method: Method) -> Plane | None:

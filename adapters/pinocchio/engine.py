@@ -19,7 +19,7 @@ import pinocchio as pin
 from bodycheck.adapters import flat_contact
 from bodycheck.adapters.contract import Engine, Integrator, Link, Method, Model, SceneUnsupported, Simulation, choice
 from bodycheck.adapters.in_turn import InTurn
-from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting, flights
+from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting, flights, mechanisms
 from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
@@ -48,7 +48,7 @@ DEMONSTRATES = {
 
 
 def integrators() -> tuple[Integrator, ...]:
-    """Return the schemes for flight, then those on a plane; a release without point contacts does not offer `admm`.
+    """Return the schemes for flight and mechanisms, then those on a plane; `admm` needs a release with point contacts.
 
     The claimed order of `rk4-naive` is 4 as well, because users expect it from the classical Runge-Kutta scheme.
     """
@@ -57,8 +57,8 @@ def integrators() -> tuple[Integrator, ...]:
             name,
             stages,
             stages,
-            frozenset({"flight", "drag"}),
-            {"model": choice(*scene_models.IN_FLIGHT)},
+            frozenset({"flight", "drag", "mechanism"}),
+            {"model": choice(*scene_models.IN_FLIGHT, kinds=frozenset({"flight", "drag"})), **mechanisms.OPTIONS},
             DEMONSTRATES.get(name, ""),
         )
         for name in SCHEMES
@@ -84,7 +84,7 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(pin.__version__),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag", *mechanisms.MODELS}),
     variants={"plane": ("law-force:model=planar-joint",)},
     batch=2,
     varies=frozenset({"body"}),
@@ -97,10 +97,12 @@ calls = tuple(
     (pin, name)
     for name in (
         *("aba", "integrate", "dDifference", "computeAllTerms", "computeCollisions"),
-        *("computeJointJacobians", "computeMinverse", "getConstraintsJacobian"),
+        *("computeJointJacobians", "computeMinverse", "getConstraintsJacobian", "constraintDynamics"),
     )
     if hasattr(pin, name)
 )
+
+prepare_mechanism = mechanisms.prepare_mechanism
 
 
 def check_supported(scene: Scene, method: Method) -> None:

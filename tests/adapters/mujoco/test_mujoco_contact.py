@@ -137,7 +137,7 @@ def test_stepping_in_pieces_is_stepping_at_once(scene: Scene, name: str) -> None
         mujoco.mj_step(once.model, once.data, nstep=int(strides.sum()))
     finally:
         mujoco.set_mjcb_passive(None)
-    np.testing.assert_array_equal(once.joints.rows(np.array([[*once.data.qpos, *once.data.qvel]])), whole[0, -1:, 0])
+    np.testing.assert_array_equal(once.rows(np.array([[*once.data.qpos, *once.data.qvel]])), whole[0, -1:, 0])
 
 
 def test_the_load_is_what_carries_the_brick() -> None:

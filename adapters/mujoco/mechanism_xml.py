@@ -1,0 +1,174 @@
+"""Write a mechanism as MuJoCo's XML, and define the options of a method that change its constraints.
+
+A body of the file is a body of MuJoCo, in the body of its parent, with the joint's frame as its place, so that `xquat` is the
+attitude of the file's frame. Its joints are:
+
+- revolute, prismatic: a hinge, a slide.
+- spherical: a ball.
+- free, and a body that is the child of no joint: a free joint. MuJoCo has it for children of the world alone. A free joint on
+  another body is three slides and a ball, whose velocities are those of the file.
+- universal: two hinges; planar: two slides and a hinge. Joints of one body act one after another.
+- fixed: no joint. A body of MuJoCo without a joint moves with its parent and keeps its own mass, tensor and frame in the model.
+  MuJoCo would fuse such bodies into their parents with `fusestatic`, which is off in MJCF (and on in URDF).
+
+Armature, damping, stiffness with `springref`, and `frictionloss` are attributes of a joint. A loop is a `connect` between two
+sites. Angles are in radians, and `balanceinertia` is off, so that MuJoCo refuses what it cannot take instead of changing it.
+
+An option that is not given is not written into the XML, and keeps the default of the installed MuJoCo. The keys are:
+
+- solref, solimp: the stiffness and the softness of the constraints that close loops.
+- solreffriction, solimpfriction: those of the dry friction of joints.
+- noslip: the number of iterations of MuJoCo's noslip solver, which acts on dry friction.
+- eulerdamp: `disable` takes the damping of joints from the velocity before the step; else `Euler` takes it from the one after.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from xml.etree import ElementTree
+
+from bodycheck.adapters.contract import Kind, Option, SceneUnsupported, choice
+from bodycheck.adapters.mujoco import contact
+from bodycheck.adapters.mujoco.contact import numbers_written
+from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.order import depth_first
+
+#: Kinds of scene with loops and friction of joints, and those that have contacts besides.
+JOINTED: frozenset[Kind] = frozenset({"mechanism"})
+
+#: The options that each integrator has for a mechanism, some of which it has on a plane too.
+OPTIONS: dict[str, Option] = {
+    **{key: replace(contact.OPTIONS[key], kinds=contact.ON_PLANE | JOINTED) for key in ("solref", "solimp", "noslip")},
+    "solreffriction": replace(contact.OPTIONS["solref"], kinds=JOINTED),
+    "solimpfriction": replace(contact.OPTIONS["solimp"], kinds=JOINTED),
+}
+
+#: The options of `Euler` for a mechanism.
+OF_EULER = {"eulerdamp": choice("disable", kinds=JOINTED)}
+
+#: MuJoCo's joints of each type of joint: the kind and the axis of each. A joint with an axis of its own has None.
+PARTS: dict[str, tuple[tuple[str, str | None], ...]] = {
+    "revolute": (("hinge", None),),
+    "prismatic": (("slide", None),),
+    "spherical": (("ball", ""),),
+    "free": (("slide", "1 0 0"), ("slide", "0 1 0"), ("slide", "0 0 1"), ("ball", "")),
+    "fixed": (),
+    "universal": (("hinge", "1 0 0"), ("hinge", "0 1 0")),
+    "planar": (("slide", "1 0 0"), ("slide", "0 1 0"), ("hinge", "0 0 1")),
+}
+
+
+def document(mechanism: Mechanism, timestep: float, integrator: str, chosen: Mapping[str, str]) -> str:
+    """Return the XML of a mechanism.
+
+    Parameters
+    ----------
+    mechanism
+        The mechanism.
+    timestep, integrator
+        The time step (s) and MuJoCo's name of the integrator.
+    chosen
+        The options of the method by their keys.
+
+    Raises
+    ------
+    SceneUnsupported
+        If an option does not fit the mechanism, or if MuJoCo would silently change it.
+    """
+    check_options(mechanism, timestep, integrator, chosen)
+    root = ElementTree.Element("mujoco")
+    ElementTree.SubElement(root, "compiler", angle="radian", balanceinertia="false", inertiafromgeom="false")
+    option = {"timestep": repr(timestep), "integrator": integrator, "gravity": numbers_written(0, 0, -mechanism.gravity)}
+    if "noslip" in chosen:
+        option["noslip_iterations"] = chosen["noslip"]
+    flags = {"contact": "disable"} if constrained(mechanism) else {"contact": "disable", "constraint": "disable"}
+    if "eulerdamp" in chosen:
+        flags["eulerdamp"] = chosen["eulerdamp"]
+    ElementTree.SubElement(ElementTree.SubElement(root, "option", option), "flag", flags)
+    friction = {key: chosen[key] for key in ("solreffriction", "solimpfriction") if key in chosen}
+    elements = {WORLD: ElementTree.SubElement(root, "worldbody")}
+    for place in depth_first(mechanism):
+        joint = mechanism.joint_of[place]
+        parent = elements[WORLD if joint is None else joint.parent]
+        elements[place] = add_body(parent, mechanism.bodies[place], joint, friction)
+    add_loops(root, elements, mechanism, {key: chosen[key] for key in ("solref", "solimp") if key in chosen})
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def constrained(mechanism: Mechanism) -> bool:
+    """Return whether MuJoCo's constraint solver has to do with a mechanism."""
+    return bool(mechanism.loops) or any(joint.friction for joint in mechanism.joints)
+
+
+def check_options(mechanism: Mechanism, timestep: float, integrator: str, chosen: Mapping[str, str]) -> None:
+    """Raise `SceneUnsupported` for options without an effect, or a time constant that MuJoCo would raise."""
+    rubbing = any(joint.friction for joint in mechanism.joints)
+    for key, there, lacking in (
+        ("solref", mechanism.loops, "loops"),
+        ("solimp", mechanism.loops, "loops"),
+        ("solreffriction", rubbing, "dry friction"),
+        ("solimpfriction", rubbing, "dry friction"),
+        ("noslip", rubbing, "dry friction"),
+        ("eulerdamp", any(joint.damping for joint in mechanism.joints), "damping"),
+    ):
+        if key in chosen and not there:
+            raise SceneUnsupported(f"the option {key}={chosen[key]} for a mechanism without {lacking}")
+    shortest = 0.0 if integrator == "discrete" else 2 * timestep
+    for key in ("solref", "solreffriction"):
+        if 0 < (timeconst := float(chosen.get(key, "0").split()[0])) < shortest:
+            raise SceneUnsupported(f"MuJoCo would raise the time constant {timeconst:g} s of {key} to {shortest:g} s")
+
+
+def add_body(
+    parent: ElementTree.Element, body: JointedBody, joint: Joint | None, friction: Mapping[str, str]
+) -> ElementTree.Element:
+    """Add a body, with its joints and its inertia, to the element of its parent, and return its element."""
+    place = {"name": body.name}
+    if joint is not None:
+        place |= {"pos": numbers_written(*joint.position), "quat": numbers_written(*exact.nearest_turn(joint.attitude))}
+    element = ElementTree.SubElement(parent, "body", place)
+    if joint is None or (joint.type == "free" and joint.parent == WORLD):
+        ElementTree.SubElement(element, "freejoint", {} if joint is None else {"name": joint.name})
+    else:
+        add_joints(element, joint, friction)
+    inertia = exact.nearest_inertia(body)
+    own = {"pos": numbers_written(*inertia.centre), "mass": numbers_written(inertia.mass)}
+    if any(inertia.tensor[3:]):
+        own["fullinertia"] = numbers_written(*inertia.tensor)
+    else:
+        own["diaginertia"] = numbers_written(*inertia.tensor[:3])
+    ElementTree.SubElement(element, "inertial", own)
+    return element
+
+
+def add_joints(element: ElementTree.Element, joint: Joint, friction: Mapping[str, str]) -> None:
+    """Add MuJoCo's joints of a joint to the element of its child."""
+    parts = PARTS[joint.type]
+    given = {
+        "armature": joint.armature,
+        "damping": joint.damping,
+        "stiffness": joint.stiffness,
+        "springref": joint.rest,
+        "frictionloss": joint.friction,
+    }
+    written = {key: numbers_written(value) for key, value in given.items() if value}
+    for number, (kind, axis) in enumerate(parts):
+        name = joint.name if len(parts) == 1 else f"{joint.name}:{number + 1}"
+        along = numbers_written(*exact.nearest_axis(joint)) if axis is None else axis
+        own = {"name": name, "type": kind} | ({"axis": along} if along else {}) | written
+        ElementTree.SubElement(element, "joint", own | (dict(friction) if joint.friction else {}))
+
+
+def add_loops(
+    root: ElementTree.Element, elements: Mapping[int, ElementTree.Element], mechanism: Mechanism, softness: Mapping[str, str]
+) -> None:
+    """Add the loops of a mechanism: a site at each point, and a `connect` between the two."""
+    if not mechanism.loops:
+        return
+    equality = ElementTree.SubElement(root, "equality")
+    for number, loop in enumerate(mechanism.loops, start=1):
+        sites = (f"loop {number}:1", f"loop {number}:2")
+        for site, place, point in zip(sites, loop.bodies, loop.points, strict=True):
+            ElementTree.SubElement(elements[place], "site", name=site, pos=numbers_written(*point))
+        ElementTree.SubElement(equality, "connect", {"site1": sites[0], "site2": sites[1], **softness})

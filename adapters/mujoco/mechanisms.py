@@ -1,0 +1,81 @@
+"""Step mechanisms in MuJoCo. The module `mechanism_xml` writes them.
+
+MuJoCo keeps the pose and the velocities of a body as functions of its coordinates, which it computes at the start of a step, so
+that they lag by one step in the data after it. They are computed again here, from the coordinates after the step, by
+`mj_kinematics`, `mj_comPos` and `mj_comVel` on data of their own. `cvel` is the angular velocity (world) and the velocity at
+the centre of mass of the tree of bodies, and is taken to the centre of mass of the body.
+
+The velocity of a ball joint is the angular velocity in the child's frame. That of a free joint is the velocity of the origin of
+the child's frame, in the world frame, and the angular velocity in the child's frame.
+"""
+
+from collections.abc import Callable
+
+import mujoco
+import numpy as np
+
+from bodycheck.adapters.contract import Method
+from bodycheck.adapters.mechanisms import frames, starts
+from bodycheck.adapters.mujoco.compiling import compiled_model
+from bodycheck.adapters.mujoco.mechanism_xml import document
+from bodycheck.adapters.mujoco.stepping import Stepper
+from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.trajectory import Array
+
+#: The requirements of a mechanism that MuJoCo models. MuJoCo itself refuses a body that moves and has a moment of zero.
+MODELS = frozenset(
+    {
+        *("mechanisms", "gravity", "loops", "armature", "joint damping", "joint springs", "joint friction", "joint efforts"),
+        *(f"{type} joints" for type in ("revolute", "prismatic", "ball", "free", "fixed", "planar", "universal")),
+        "point masses",
+    }
+)
+
+
+def prepare_mechanism(mechanism: Mechanism, method: Method) -> Stepper:
+    """Return the simulation of a mechanism at t = 0, as `Mechanisms.prepare_mechanism` does. Raises `SceneUnsupported`."""
+    model = compiled_model(document(mechanism, method.timestep, method.integrator, dict(method.options)))
+    data = mujoco.MjData(model)
+    begin(model, data, mechanism)
+    return Stepper(model, data, states_of(model, mechanism))
+
+
+def begin(model: mujoco.MjModel, data: mujoco.MjData, mechanism: Mechanism) -> None:
+    """Set the initial coordinates and velocities of a mechanism in MuJoCo's data, and its constant forces."""
+    held, origins, joint_of = starts(mechanism), frames(mechanism), mechanism.joint_of
+    for place, joint in enumerate(joint_of):
+        if joint is not None and joint.type == "fixed":
+            continue
+        first = model.body_jntadr[model.body(mechanism.bodies[place].name).id]
+        at, by = model.jnt_qposadr[first], model.jnt_dofadr[first]
+        if model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE:
+            # Its coordinates are along the world's axes, not those of the joint's frame.
+            start = origins[place]
+            position, velocity = [*start.position, *start.quaternion], [*start.velocity, *start.angular_velocity]
+        else:
+            position, velocity = (part.tolist() for part in held[mechanism.joints.index(joint)])
+        data.qpos[at : at + len(position)], data.qvel[by : by + len(velocity)] = position, velocity
+        if joint is not None and joint.effort:
+            data.qfrc_applied[by] = joint.effort
+
+
+def states_of(model: mujoco.MjModel, mechanism: Mechanism) -> Callable[[Array], Array]:
+    """Return the function from n states (n, nq + nv) of a model to those of the bodies (n, bodies, 13) of its mechanism."""
+    data, bodies = mujoco.MjData(model), [model.body(body.name).id for body in mechanism.bodies]
+    roots = model.body_rootid[bodies]
+
+    def states(seen: Array) -> Array:
+        places, attitudes, twists, origins = (np.empty((len(seen), len(bodies), size)) for size in (3, 4, 6, 3))
+        for row, coordinates in enumerate(seen):
+            data.qpos[:], data.qvel[:] = coordinates[: model.nq], coordinates[model.nq :]
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_comPos(model, data)
+            mujoco.mj_comVel(model, data)
+            places[row], attitudes[row] = data.xipos[bodies], data.xquat[bodies]
+            twists[row], origins[row] = data.cvel[bodies], data.subtree_com[roots]
+        spin = twists[..., :3]
+        velocity = twists[..., 3:] + np.cross(spin, places - origins)
+        return np.concatenate([places, attitudes, velocity, rotate(conjugate(attitudes), spin)], axis=-1)
+
+    return states

@@ -1,0 +1,167 @@
+"""Build the model of a mechanism in Pinocchio, with its initial state.
+
+A body hangs on one joint of Pinocchio, or on several one after another, of which the first has its place in the parent and the
+others none. The joints are those that a scheme needs, by whether it integrates the body twist or velocities in the axes of the
+joint's frame, as those of a body in flight:
+
+- revolute, prismatic: the joint along x, y or z, or the unaligned one.
+- spherical: `JointModelSpherical`, whose velocity is the angular velocity in the child's frame.
+- free, and a body that is the child of no joint: `JointModelFreeFlyer`, or a translation joint and a spherical one.
+- planar: `JointModelPlanar`, or two prismatic joints and a revolute one.
+- universal: `JointModelUniversal`, or two revolute joints in a release without it.
+- fixed: none. The inertia is added to that of the joint of the parent, as Pinocchio's readers of files do.
+
+Joints are added depth first. `aba` accepts any order, but `constraintDynamics` returns wrong accelerations without a word if
+the joints that hang on one another do not follow one another. Pinocchio's quaternions are x, y, z, w.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+
+from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.adapters.mechanisms import frames, starts
+from bodycheck.adapters.pinocchio.joints import UNIVERSE, to_pinocchio, world
+from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.order import depth_first
+from bodycheck.reference.scene import Quaternion, State, Vector
+from bodycheck.reference.trajectory import Array
+
+#: The joints along the axes of a frame, by the axis.
+ALIGNED = {
+    "revolute": {(1.0, 0.0, 0.0): "RX", (0.0, 1.0, 0.0): "RY", (0.0, 0.0, 1.0): "RZ"},
+    "prismatic": {(1.0, 0.0, 0.0): "PX", (0.0, 1.0, 0.0): "PY", (0.0, 0.0, 1.0): "PZ"},
+}
+
+#: The joints of other types, by whether the scheme integrates the body twist.
+KINDS = {
+    ("spherical", False): ("Spherical",),
+    ("spherical", True): ("Spherical",),
+    ("free", False): ("Translation", "Spherical"),
+    ("free", True): ("FreeFlyer",),
+    ("planar", False): ("PX", "PY", "RZ"),
+    ("planar", True): ("Planar",),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Built:
+    """A mechanism in Pinocchio.
+
+    Parameters
+    ----------
+    model
+        The model.
+    q, v
+        The initial configuration (nq,) and velocity (nv,).
+    places
+        For each body, the index of the joint that it hangs on, and its frame in that of the joint.
+    first
+        For each joint of the mechanism, the first of its places in q and that in v.
+    """
+
+    model: pin.Model
+    q: Array
+    v: Array
+    places: tuple[tuple[int, pin.SE3], ...]
+    first: tuple[tuple[int, int], ...]
+
+
+def built(mechanism: Mechanism, body_twist: bool) -> Built:
+    """Return a mechanism on the joints of a scheme. Raises `SceneUnsupported` for armature in a release without it."""
+    model = world(mechanism.gravity)
+    places = {WORLD: (UNIVERSE, pin.SE3.Identity())}
+    q, v = list[float](), list[float]()
+    held, origins, first = starts(mechanism), frames(mechanism), dict[Joint, tuple[int, int]]()
+    for place in depth_first(mechanism):
+        body, joint = mechanism.bodies[place], mechanism.joint_of[place]
+        parent, frame = places[WORLD if joint is None else joint.parent]
+        if joint is not None:
+            frame = frame * placement(joint.position, exact.nearest_turn(joint.attitude))
+            first[joint] = len(q), len(v)
+        for kind in joints_of(joint, body_twist):
+            parent = model.addJoint(parent, kind, frame, f"{body.name} {model.njoints}")
+            frame = pin.SE3.Identity()
+        if joint is None:
+            position, velocity = free_start(origins[place], body_twist)
+        else:
+            position, velocity = joint_start(joint, *held[mechanism.joints.index(joint)], body_twist)
+        q += position
+        v += velocity
+        model.appendBodyToJoint(parent, inertia_of(body), frame)
+        places[place] = parent, frame
+    add_armature(model, [(first[joint][1], joint.armature) for joint in mechanism.joints if joint.armature])
+    own = tuple(places[place] for place in range(len(mechanism.bodies)))
+    return Built(model, np.array(q), np.array(v), own, tuple(first[joint] for joint in mechanism.joints))
+
+
+def add_armature(model: pin.Model, given: Sequence[tuple[int, float]]) -> None:
+    """Add armature to velocities, given as pairs of a place in v and the inertia. Raises `SceneUnsupported`."""
+    if not given:
+        return
+    if not hasattr(model, "armature"):
+        raise SceneUnsupported(f"armature: Pinocchio {pin.__version__} has no `model.armature`")
+    armature = np.zeros(model.nv)
+    for place, value in given:
+        armature[place] = value
+    model.armature = armature
+
+
+def joints_of(joint: Joint | None, body_twist: bool) -> list[pin.JointModel]:
+    """Return Pinocchio's joints of a joint; None stands for that of a free body."""
+    if joint is not None and joint.type in ALIGNED:
+        axis = exact.nearest_axis(joint)
+        aligned = ALIGNED[joint.type].get(axis)
+        general = pin.JointModelRevoluteUnaligned if joint.type == "revolute" else pin.JointModelPrismaticUnaligned
+        return [general(*axis) if aligned is None else getattr(pin, f"JointModel{aligned}")()]
+    if joint is not None and joint.type == "universal":
+        universal = getattr(pin, "JointModelUniversal", None)
+        if universal is not None:
+            return [universal(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))]
+        return [pin.JointModelRX(), pin.JointModelRY()]
+    if joint is not None and joint.type == "fixed":
+        return []
+    return [getattr(pin, f"JointModel{name}")() for name in KINDS["free" if joint is None else joint.type, body_twist]]
+
+
+def placement(position: Vector, quaternion: Quaternion) -> pin.SE3:
+    """Return a place of Pinocchio from a position (m) and a unit quaternion (w, x, y, z)."""
+    return pin.SE3(to_pinocchio(quaternion).matrix(), np.array(position))
+
+
+def inertia_of(body: JointedBody) -> pin.Inertia:
+    """Return the inertia of a body in its frame."""
+    own = exact.nearest_inertia(body)
+    xx, yy, zz, xy, xz, yz = own.tensor
+    return pin.Inertia(own.mass, np.array(own.centre), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+
+
+def free_start(start: State, body_twist: bool) -> tuple[list[float], list[float]]:
+    """Return q (7,) and v (6,) of a free joint from the state of the child's frame in the joint's frame."""
+    w, *xyz = start.quaternion
+    linear = np.array(start.velocity)
+    if body_twist:
+        linear = rotate(conjugate(np.array(start.quaternion)), linear)
+    return [*start.position, *xyz, w], [*linear.tolist(), *start.angular_velocity]
+
+
+def joint_start(joint: Joint, position: Array, velocity: Array, body_twist: bool) -> tuple[list[float], list[float]]:
+    """Return the initial q and v of a joint from its coordinates and velocities."""
+    match joint.type:
+        case "spherical":
+            w, *xyz = position.tolist()
+            return [*xyz, w], velocity.tolist()
+        case "free":
+            parts = (position[:3], position[3:], velocity[:3], velocity[3:])
+            return free_start(State(*(tuple(part.tolist()) for part in parts)), body_twist)
+        case "planar" if body_twist:
+            (x, y, angle), (vx, vy, rate) = position.tolist(), velocity.tolist()
+            cosine, sine = math.cos(angle), math.sin(angle)
+            return [x, y, cosine, sine], [cosine * vx + sine * vy, cosine * vy - sine * vx, rate]
+        case _:
+            return position.tolist(), velocity.tolist()
