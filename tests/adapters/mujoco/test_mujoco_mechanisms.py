@@ -56,7 +56,7 @@ def test_a_step_takes_damping_and_springs_as_its_integrator_does(spelling: str, 
 
 @pytest.mark.parametrize(("spelling", "order"), [("RK4", 4), ("Euler", 1), ("implicit", 1), ("implicitfast", 1)])
 def test_integrators_have_their_order_on_every_type_of_joint(spelling: str, order: int) -> None:
-    """The tree has a joint of every type. The error of RK4 is far from rounding at these steps, and the next order is a tenth."""
+    """The tree has a joint of every type. At these steps RK4 is far from rounding, and terms of the next order are a tenth."""
     orders = observed_mechanism_order(adapter, tree(), spelling, (0.004, 0.002, 0.001), 0.2)
     assert orders == pytest.approx(dict.fromkeys(orders, order), abs=0.1)
 

@@ -1,0 +1,117 @@
+"""The witness of the motion of a mechanism: its Lagrangian in joint coordinates.
+
+The equations follow from L = T - V by differentiation alone (`lagrangian.equations`), and are solved by Taylor's method in the
+widest type of NumPy (heyoka), or by DOP853 in double precision where heyoka is not installed. From the mechanism on this is
+code of its own, which shares no formula with the recursion that is the truth.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.independent.arithmetic import Wide, wide
+from bodycheck.reference.independent.border import Number
+from bodycheck.reference.mechanisms.lagrangian.border import Border, Element, border
+from bodycheck.reference.mechanisms.lagrangian.equations import Structure, Units, numbers
+from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion, motion
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.trajectory import Array
+
+#: Name of the way in results, before that of the solver.
+NAME = "Euler-Lagrange"
+
+#: Decimal digits of the arithmetic of heyoka's solver.
+WIDE_DIGITS = 19
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A mechanism as its equations need it: its elements, their structure, the units, the parameters and the start."""
+
+    border: Border
+    structure: Structure
+    units: Units
+    parameters: list[Number]
+    start: list[Number]
+
+
+def follow(mechanism: Mechanism, times: Array, dtype: Any = Wide) -> WideMotion:
+    """The motion of a mechanism at ascending times (n,) >= 0, s, by Taylor's method in a type of NumPy (heyoka).
+
+    Raises `NotModelled` where the mechanism has loops or dry friction, `OutOfReach` where it cannot be followed, and
+    `ImportError` where heyoka is not installed.
+    """
+    from bodycheck.reference.mechanisms.lagrangian import taylor
+
+    return _followed(mechanism, times, dtype, taylor.solve)
+
+
+def follow_in_doubles(mechanism: Mechanism, times: Array) -> WideMotion:
+    """As `follow`, by DOP853 in double precision."""
+    from bodycheck.reference.mechanisms.lagrangian import scipy_solver
+
+    return _followed(mechanism, times, np.float64, scipy_solver.solve)
+
+
+def _followed(mechanism: Mechanism, times: Array, dtype: Any, solve: Any) -> WideMotion:
+    ready = prepared(mechanism)
+    rounded = float if dtype is np.float64 else wide
+    start, parameters = (np.array([rounded(value) for value in values], dtype) for values in (ready.start, ready.parameters))
+    if len(start):
+        states = solve(ready.structure, start, parameters, times / ready.units.time)
+    else:
+        states = np.empty((len(times), 0), dtype)
+    return motion(ready.border, ready.structure, ready.units, times.astype(dtype), states, len(mechanism.bodies))
+
+
+def prepared(mechanism: Mechanism) -> Prepared:
+    """What the equations of a mechanism need. Raises `NotModelled` where it has loops or dry friction."""
+    if mechanism.loops:
+        raise NotModelled("closed loops in the Lagrangian in joint coordinates")
+    if any(joint.friction for joint in mechanism.joints):
+        raise NotModelled("dry friction in the Lagrangian")
+    found = border(mechanism)
+    units = _units(found)
+    structure, parameters = numbers(found, units)
+    start = [value for element in found.elements for value in _scaled_start(element, units)]
+    velocity = [value for element in found.elements for value in _scaled_velocity(element, units)]
+    return Prepared(found, structure, units, parameters, start + velocity)
+
+
+def _scaled_start(element: Element, units: Units) -> list[Number]:
+    lengths = {"slide": 1, "free": 3}.get(element.kind, 0)
+    return [value / units.length if place < lengths else value for place, value in enumerate(element.start)]
+
+
+def _scaled_velocity(element: Element, units: Units) -> list[Number]:
+    lengths = {"slide": 1, "free": 3}.get(element.kind, 0)
+    return [
+        value * units.time / units.length if place < lengths else value * units.time
+        for place, value in enumerate(element.velocity)
+    ]
+
+
+def _units(found: Border) -> Units:
+    """Powers of two near the largest length and mass of a mechanism, and near the time of its fastest motion at the start."""
+    elements = found.elements
+    lengths = [abs(value) for element in elements for value in element.origin]
+    lengths += [abs(value) for element in elements for own in element.carried for value in own.centre]
+    lengths += [abs(value) for element in elements if element.kind == "slide" for value in element.start]
+    for own in (own for element in elements for own in element.carried):
+        lengths.append((sum(own.tensor[axis][axis] for axis in range(3)) / own.mass) ** 0.5)
+    length = _power_of_two(max(lengths, default=0))
+    mass = _power_of_two(max((own.mass for element in elements for own in element.carried), default=0))
+    rates = [found.gravity / length] if not all(element.falls for element in elements) else []
+    rates = [math.sqrt(rate) for rate in rates]
+    for element in elements:
+        sliding = {"slide": 1, "free": 3}.get(element.kind, 0)
+        rates += [float(abs(u)) / (length if place < sliding else 1) for place, u in enumerate(element.velocity)]
+    return Units(length, mass, 1 / _power_of_two(max(rates, default=0)))
+
+
+def _power_of_two(size: Any) -> float:
+    """The power of two next to a size; 1 for zero."""
+    return float(2.0 ** round(math.log2(float(size)))) if size else 1.0

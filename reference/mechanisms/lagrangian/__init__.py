@@ -1,0 +1,8 @@
+"""The Lagrangian of a mechanism in joint coordinates, and what its differentiation gives.
+
+- `border`: the mechanism as a chain of elements, with a hundred digits.
+- `equations`: L, and the equations of Boltzmann and Hamel.
+- `differentiation`: expressions and their derivatives.
+- `taylor`, `scipy_solver`: their solution by Taylor's method (heyoka), and by DOP853.
+- `poses`: the motion of joints and bodies from the states.
+"""

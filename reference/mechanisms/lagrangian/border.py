@@ -1,0 +1,338 @@
+"""A mechanism as a chain of elements, with a hundred digits: what the Lagrangian and the start of the motion are made of.
+
+Every joint becomes one or more elements: turns about an axis, slides along one, balls, and free elements. An element has a
+frame that moves with it, whose z is the axis of a turn or slide, so that each of them is about or along z. A planar joint is
+two slides and a turn, a universal joint two turns. A fixed joint moves the body into the frame of the element that carries it.
+Only the last element of a joint carries bodies.
+
+A tree that hangs on the world by a free joint, and a free body, are seen from a frame that falls with them: it starts at the
+origin of the element with its velocity. There is no gravity in that frame, and large positions do not cost digits.
+
+This is code of its own from the mechanism on: it shares nothing with `exact` and with the recursion.
+"""
+
+import functools
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Literal
+
+from bodycheck.reference.definition import Definition, EulerRates, Solid, Tensor
+from bodycheck.reference.independent.border import (
+    MP,
+    ONE,
+    ZERO,
+    Matrix,
+    Number,
+    Triple,
+    attitude,
+    euler_velocity,
+    times,
+)
+from bodycheck.reference.independent.inertia import mass_and_tensor
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+
+Kind = Literal["turn", "slide", "ball", "free"]
+
+#: The numbers of coordinates and of velocities of an element.
+SIZES: dict[Kind, tuple[int, int]] = {"turn": (1, 1), "slide": (1, 1), "ball": (4, 3), "free": (7, 6)}
+
+#: Entries of rotations below this are what rounding has left of zero, and those as near to one are one.
+ROUNDED = MP.mpf(10) ** -80
+
+UNIT: Matrix = [[ONE, ZERO, ZERO], [ZERO, ONE, ZERO], [ZERO, ZERO, ONE]]
+NONE: Triple = [ZERO, ZERO, ZERO]
+
+
+@dataclass(frozen=True, eq=False)
+class Carried:
+    """A body in the frame of an element.
+
+    Attributes
+    ----------
+    body
+        Its place in the mechanism.
+    mass
+        Mass (kg).
+    centre
+        Centre of mass in the frame of the element (m).
+    tensor
+        Rows of the inertia tensor about the centre of mass along the axes of that frame (kg m^2).
+    axes
+        Rows of the matrix that takes components in the frame of the body to those in the frame of the element.
+    """
+
+    body: int
+    mass: Number
+    centre: Triple
+    tensor: Matrix
+    axes: Matrix
+
+
+@dataclass(frozen=True, eq=False)
+class Element:
+    """An element.
+
+    Attributes
+    ----------
+    kind
+        What it allows.
+    parent
+        The place of the element that it moves on; None where that is the world.
+    joint
+        The place of its joint; None for a free body.
+    turned
+        Rows of the matrix that takes components in the frame of the parent to those in the frame of this element at zero.
+    origin
+        Its origin at zero in the frame of the parent (m).
+    start, velocity
+        Initial coordinates and velocities: of a ball the quaternion and the angular velocity in its frame; of a free element
+        first x, y, z in the frame at zero.
+    falls
+        Whether it is seen from a falling frame, together with what it carries.
+    fallen
+        Position and velocity of its origin at t = 0 in the frame at zero, which are 0 in the falling frame.
+    carried
+        The bodies that move with it.
+    armature, damping, stiffness, rest, friction, effort
+        As of a joint.
+    """
+
+    kind: Kind
+    parent: int | None
+    joint: int | None
+    turned: Matrix
+    origin: Triple
+    start: list[Number]
+    velocity: list[Number]
+    falls: bool = False
+    fallen: tuple[Triple, Triple] = (NONE, NONE)
+    carried: tuple[Carried, ...] = ()
+    armature: float = 0.0
+    damping: float = 0.0
+    stiffness: float = 0.0
+    rest: float = 0.0
+    friction: float = 0.0
+    effort: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Border:
+    """The elements of a mechanism, each after the one that it moves on, and the gravitational acceleration (m/s^2).
+
+    standing: bodies that do not move, in the frame of the world.
+    """
+
+    elements: tuple[Element, ...]
+    gravity: float
+    standing: tuple[Carried, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """Where a body is: its element, and its frame in that of the element: the rows of the matrix to it, and its origin."""
+
+    element: int | None
+    axes: Matrix
+    origin: Triple
+    falls: bool = False
+
+
+@functools.lru_cache(maxsize=64)
+def border(mechanism: Mechanism) -> Border:
+    """The elements of a mechanism without loops."""
+    elements: list[Element] = []
+    standing: list[Carried] = []
+    places = {WORLD: _Place(None, UNIT, NONE)}
+    for body in _downwards(mechanism):
+        joint = mechanism.joint_of[body]
+        if joint is None:
+            place = _free_body(mechanism.bodies[body], elements, any(own.parent == body for own in mechanism.joints))
+        else:
+            place = _jointed(joint, mechanism.joints.index(joint), places[joint.parent], elements)
+        places[body] = place
+        own = _carried(mechanism.bodies[body], body, place)
+        if place.element is None:
+            standing.append(own)
+        else:
+            held = elements[place.element]
+            elements[place.element] = _replaced(held, carried=(*held.carried, own))
+    return Border(tuple(elements), mechanism.gravity, tuple(standing))
+
+
+def _downwards(mechanism: Mechanism) -> list[int]:
+    """The places of the bodies, each after its parent."""
+    children: dict[int, list[int]] = {}
+    for body, joint in enumerate(mechanism.joint_of):
+        children.setdefault(WORLD if joint is None else joint.parent, []).append(body)
+    found, waiting = [], list(reversed(children.get(WORLD, [])))
+    while waiting:
+        body = waiting.pop()
+        found.append(body)
+        waiting += reversed(children.get(body, []))
+    return found
+
+
+def _replaced(element: Element, **changes: object) -> Element:
+    return Element(**{**vars(element), **changes})
+
+
+def _free_body(body: JointedBody, elements: list[Element], carries: bool) -> _Place:
+    """A free body, from its centre of mass: a ball that falls, or a free element where other bodies hang on it."""
+    start = body.start
+    assert start is not None
+    rates = (
+        euler_velocity(start.attitude, start.rotation)
+        if isinstance(start.rotation, EulerRates)
+        else [MP.mpf(rate) for rate in start.rotation]
+    )
+    fallen = [MP.mpf(value) for value in start.position], [MP.mpf(value) for value in start.velocity]
+    turned = _quaternion(attitude(start.attitude))
+    kind: Kind = "free" if carries else "ball"
+    if carries:
+        turned, rates = [*NONE, *turned], [*NONE, *rates]
+    elements.append(Element(kind, None, None, UNIT, NONE, turned, rates, falls=True, fallen=fallen))
+    _, centre, _ = _made_of(body)
+    return _Place(len(elements) - 1, UNIT, [-value for value in centre], falls=True)
+
+
+def _jointed(joint: Joint, number: int, parent: _Place, elements: list[Element]) -> _Place:
+    """The elements of a joint, and where its child is."""
+    frame = _transposed(attitude(joint.attitude))
+    position = [MP.mpf(value) for value in joint.position]
+    origin = _sum(parent.origin, times(parent.axes, position))
+    to_joint = _product(frame, _transposed(parent.axes))
+    if joint.type == "fixed":
+        return _Place(parent.element, _transposed(to_joint), origin, parent.falls)
+    above, falls = parent.element, parent.falls
+    for kind, axis, start, velocity in _steps(joint):
+        aligned = _along_z(axis) if axis is not None else UNIT
+        turned = _cleaned(_product(_transposed(aligned), to_joint))
+        fallen = NONE, NONE
+        if kind == "free" and above is None:
+            falls, fallen = True, (start[:3], velocity[:3])
+            start, velocity = [*NONE, *start[3:]], [*NONE, *velocity[3:]]
+        elements.append(Element(kind, above, number, turned, origin, start, velocity, falls, fallen, (), *_along_axis(joint)))
+        above, origin, to_joint = len(elements) - 1, NONE, aligned
+    return _Place(above, _transposed(aligned), NONE, falls)
+
+
+def _along_axis(joint: Joint) -> tuple[float, float, float, float, float, float]:
+    return joint.armature, joint.damping, joint.stiffness, joint.rest, joint.friction, joint.effort
+
+
+def _steps(joint: Joint) -> list[tuple[Kind, Triple | None, list[Number], list[Number]]]:
+    """The elements of a joint: kind, axis in the joint's frame, initial coordinates and velocities."""
+    q, u = [MP.mpf(value) for value in joint.start], [MP.mpf(value) for value in joint.start_velocity]
+    x, y, z = UNIT
+    match joint.type:
+        case "revolute" | "prismatic":
+            axis = [MP.mpf(value) for value in joint.axis]
+            length = MP.sqrt(sum(value * value for value in axis))
+            return [("turn" if joint.type == "revolute" else "slide", [value / length for value in axis], q, u)]
+        case "universal":
+            return [("turn", x, q[:1], u[:1]), ("turn", y, q[1:], u[1:])]
+        case "planar":
+            return [("slide", x, q[:1], u[:1]), ("slide", y, q[1:2], u[1:2]), ("turn", z, q[2:], u[2:])]
+        case "spherical":
+            return [("ball", None, _normed(q), u)]
+        case _:
+            return [("free", None, q[:3] + _normed(q[3:]), u)]
+
+
+def _carried(body: JointedBody, number: int, place: _Place) -> Carried:
+    mass, centre, tensor = _made_of(body)
+    axes = _cleaned(place.axes)
+    turned = _product(_product(axes, tensor), _transposed(axes))
+    where = NONE if place.falls and body.start is not None else _sum(place.origin, times(axes, centre))
+    return Carried(number, mass, [_clean(value) for value in where], turned, axes)
+
+
+def _made_of(body: JointedBody) -> tuple[Number, Triple, Matrix]:
+    """Mass, centre of mass and inertia tensor about it, in the frame of the body."""
+    mass, tensor = mass_and_tensor(
+        Definition(body.inertia), lambda given: [[_fraction(v) for v in row] for row in attitude(given)]
+    )
+    match body.inertia:
+        case Tensor():
+            centre = [Fraction(value) for value in body.center_of_mass]
+        case Solid() as alone:
+            centre = [Fraction(value) for value in alone.position]
+        case parts:
+            moments = [[Fraction(part.mass) * Fraction(part.position[axis]) for part in parts] for axis in range(3)]
+            centre = [sum(own, Fraction(0)) / sum((Fraction(part.mass) for part in parts), Fraction(0)) for own in moments]
+    return _number(mass), [_number(value) for value in centre], [[_number(value) for value in row] for row in tensor]
+
+
+def _along_z(axis: Triple) -> Matrix:
+    """A rotation whose third column is an axis of length one: the smallest turn that takes the nearest frame axis to it."""
+    largest = max(range(3), key=lambda k: abs(axis[k]))
+    order = [(largest + 1) % 3, (largest + 2) % 3, largest]
+    x, y, z = (axis[k] for k in order)
+    flip = -1 if z < 0 else 1
+    y, z = y * flip, z * flip
+    near = [
+        [1 - x * x / (1 + z), -x * y / (1 + z), x],
+        [-x * y / (1 + z), 1 - y * y / (1 + z), y],
+        [-x, -y, z],
+    ]
+    signs = [1, flip, flip]
+    rows: Matrix = [NONE, NONE, NONE]
+    for row, (k, sign) in enumerate(zip(order, signs, strict=True)):
+        rows[k] = [_clean(sign * value) for value in near[row]]
+    return rows
+
+
+def _quaternion(cosines: Matrix) -> list[Number]:
+    """The unit quaternion w, x, y, z of a rotation, by the largest of its components."""
+    m = cosines
+    squares = [
+        1 + m[0][0] + m[1][1] + m[2][2],
+        1 + m[0][0] - m[1][1] - m[2][2],
+        1 - m[0][0] + m[1][1] - m[2][2],
+        1 - m[0][0] - m[1][1] + m[2][2],
+    ]
+    rows = [
+        [squares[0], m[2][1] - m[1][2], m[0][2] - m[2][0], m[1][0] - m[0][1]],
+        [m[2][1] - m[1][2], squares[1], m[0][1] + m[1][0], m[0][2] + m[2][0]],
+        [m[0][2] - m[2][0], m[0][1] + m[1][0], squares[2], m[1][2] + m[2][1]],
+        [m[1][0] - m[0][1], m[0][2] + m[2][0], m[1][2] + m[2][1], squares[3]],
+    ]
+    return _normed(rows[max(range(4), key=lambda k: squares[k])])
+
+
+def _normed(values: list[Number]) -> list[Number]:
+    length = MP.sqrt(sum(value * value for value in values))
+    return [value / length for value in values]
+
+
+def _clean(value: Number) -> Number:
+    """A number whose terms are of the order of one, without what rounding has left of 0 and 1."""
+    nearest = MP.nint(value)
+    return nearest if abs(value - nearest) < ROUNDED else value
+
+
+def _cleaned(rows: Matrix) -> Matrix:
+    return [[_clean(value) for value in row] for row in rows]
+
+
+def _transposed(rows: Matrix) -> Matrix:
+    return [list(column) for column in zip(*rows, strict=True)]
+
+
+def _product(one: Matrix, other: Matrix) -> Matrix:
+    return [[sum(one[i][k] * other[k][j] for k in range(3)) for j in range(3)] for i in range(3)]
+
+
+def _sum(one: Triple, other: Triple) -> Triple:
+    return [a + b for a, b in zip(one, other, strict=True)]
+
+
+def _number(value: Fraction) -> Number:
+    return MP.mpf(value.numerator) / value.denominator
+
+
+def _fraction(value: Number) -> Fraction:
+    """A number of this arithmetic as a quotient of whole numbers, without rounding."""
+    sign, mantissa, exponent, _ = value._mpf_
+    whole = Fraction(int(mantissa) << max(exponent, 0), 1 << max(-exponent, 0))
+    return -whole if sign else whole

@@ -1,0 +1,237 @@
+"""Expressions on a tape, and their derivatives by the chain rule, forwards and backwards, as further expressions on it.
+
+A tape is a list of operations, each of which refers to earlier ones by their places. Equal operations have one place, and sums
+and products with 0 and 1 are not written, so that what is not there in a mechanism costs nothing. A gradient backwards costs a
+few times what the expression costs, whatever the number of variables; a derivative forwards has one direction.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+#: The place of an operation on a tape.
+Node = int
+
+#: What an operation is, and its arguments: the places of others, or a number or an index.
+Operation = tuple[str, Any, Any]
+
+#: What a node is made into: a number of any arithmetic, or an expression of some package.
+Value = Any
+
+
+class Tape:
+    """A list of operations. The methods append an operation, if it is new, and return its place."""
+
+    def __init__(self) -> None:
+        self.operations: list[Operation] = []
+        self._places: dict[Operation, Node] = {}
+        self.zero = self.number(0.0)
+        self.one = self.number(1.0)
+        self.minus_one = self.number(-1.0)
+
+    def number(self, value: float) -> Node:
+        """A number that every floating-point type has."""
+        return self._place("number", value)
+
+    def parameter(self, index: int) -> Node:
+        """A parameter of the equations."""
+        return self._place("parameter", index)
+
+    def variable(self, index: int) -> Node:
+        """A variable of the state."""
+        return self._place("variable", index)
+
+    def sine(self, a: Node) -> Node:
+        """sin a."""
+        return self._place("sin", a)
+
+    def cosine(self, a: Node) -> Node:
+        """cos a."""
+        return self._place("cos", a)
+
+    def add(self, a: Node, b: Node) -> Node:
+        """a + b."""
+        if a == self.zero:
+            return b
+        if b == self.zero:
+            return a
+        if (negated := self._negated(b)) is not None:
+            return self.subtract(a, negated)
+        if (negated := self._negated(a)) is not None:
+            return self.subtract(b, negated)
+        return self._place("+", min(a, b), max(a, b))
+
+    def subtract(self, a: Node, b: Node) -> Node:
+        """a - b."""
+        if b == self.zero:
+            return a
+        if a == self.zero:
+            return self.negate(b)
+        if a == b:
+            return self.zero
+        if (negated := self._negated(b)) is not None:
+            return self.add(a, negated)
+        return self._place("-", a, b)
+
+    def multiply(self, a: Node, b: Node) -> Node:
+        """a b."""
+        if self.zero in (a, b):
+            return self.zero
+        if a in (self.one, self.minus_one):
+            return b if a == self.one else self.negate(b)
+        if b in (self.one, self.minus_one):
+            return a if b == self.one else self.negate(a)
+        signs = self._negated(a), self._negated(b)
+        first, second = (own if own is not None else given for own, given in zip(signs, (a, b), strict=True))
+        product = self._place("*", min(first, second), max(first, second))
+        return self.negate(product) if (signs[0] is None) != (signs[1] is None) else product
+
+    def divide(self, a: Node, b: Node) -> Node:
+        """a / b. It is not differentiated."""
+        return self.zero if a == self.zero else self._place("/", a, b)
+
+    def negate(self, a: Node) -> Node:
+        """-a."""
+        if a == self.zero:
+            return a
+        negated = self._negated(a)
+        return self._place("negated", a) if negated is None else negated
+
+    def total(self, terms: Iterable[Node]) -> Node:
+        """The sum of some nodes, in their order."""
+        found = self.zero
+        for term in terms:
+            found = self.add(found, term)
+        return found
+
+    def dot(self, one: Sequence[Node], other: Sequence[Node]) -> Node:
+        """The scalar product of two vectors."""
+        return self.total(self.multiply(a, b) for a, b in zip(one, other, strict=True))
+
+    def _negated(self, a: Node) -> Node | None:
+        """b where a is -b, else None."""
+        kind, b, _ = self.operations[a]
+        if kind == "negated":
+            return int(b)
+        return self.number(-b) if kind == "number" and b < 0 else None
+
+    def _place(self, kind: str, a: Any, b: Any = None) -> Node:
+        operation = (kind, a, b)
+        if (known := self._places.get(operation)) is not None:
+            return known
+        self.operations.append(operation)
+        self._places[operation] = len(self.operations) - 1
+        return len(self.operations) - 1
+
+
+def along(tape: Tape, direction: Mapping[Node, Node], outputs: Sequence[Node]) -> list[Node]:
+    """The derivatives of outputs in a direction, which gives the derivative of each variable that is not zero."""
+    tangents: dict[Node, Node] = dict(direction)
+    for place in sorted(needed(tape, outputs)):
+        if place not in tangents and (found := _tangent(tape, place, tangents)) != tape.zero:
+            tangents[place] = found
+    return [tangents.get(place, tape.zero) for place in outputs]
+
+
+def _tangent(tape: Tape, place: Node, tangents: Mapping[Node, Node]) -> Node:
+    kind, a, b = tape.operations[place]
+    if kind in ("number", "parameter", "variable"):
+        return tape.zero
+    of_a = tangents.get(a, tape.zero)
+    match kind:
+        case "sin":
+            return tape.multiply(tape.cosine(a), of_a)
+        case "cos":
+            return tape.negate(tape.multiply(tape.sine(a), of_a))
+        case "negated":
+            return tape.negate(of_a)
+    of_b = tangents.get(b, tape.zero)
+    match kind:
+        case "+":
+            return tape.add(of_a, of_b)
+        case "-":
+            return tape.subtract(of_a, of_b)
+        case "*":
+            return tape.add(tape.multiply(of_a, b), tape.multiply(a, of_b))
+    raise ValueError(f"an operation that is not differentiated: {kind}")
+
+
+def gradient(tape: Tape, output: Node, variables: Sequence[Node]) -> list[Node]:
+    """The derivatives of an output by some variables, from the output backwards."""
+    adjoints: dict[Node, Node] = {output: tape.one}
+
+    def carry(place: Node, amount: Node) -> None:
+        adjoints[place] = tape.add(adjoints.get(place, tape.zero), amount)
+
+    for place in sorted(needed(tape, [output]), reverse=True):
+        own = adjoints.get(place, tape.zero)
+        if own == tape.zero:
+            continue
+        kind, a, b = tape.operations[place]
+        match kind:
+            case "sin":
+                carry(a, tape.multiply(own, tape.cosine(a)))
+            case "cos":
+                carry(a, tape.negate(tape.multiply(own, tape.sine(a))))
+            case "negated":
+                carry(a, tape.negate(own))
+            case "+":
+                carry(a, own)
+                carry(b, own)
+            case "-":
+                carry(a, own)
+                carry(b, tape.negate(own))
+            case "*":
+                carry(a, tape.multiply(own, b))
+                carry(b, tape.multiply(own, a))
+            case "/":
+                raise ValueError("a quotient is not differentiated")
+    return [adjoints.get(variable, tape.zero) for variable in variables]
+
+
+def made(
+    tape: Tape,
+    outputs: Sequence[Node],
+    leaf: Callable[[str, Any], Value],
+    sine: Callable[[Value], Value],
+    cosine: Callable[[Value], Value],
+) -> list[Value]:
+    """The outputs as expressions of some package, or as numbers.
+
+    leaf: makes a number, a parameter or a variable of its kind and its value or index. sine, cosine: the functions.
+    """
+    values: dict[Node, Value] = {}
+    for place in sorted(needed(tape, outputs)):
+        kind, a, b = tape.operations[place]
+        match kind:
+            case "sin":
+                values[place] = sine(values[a])
+            case "cos":
+                values[place] = cosine(values[a])
+            case "negated":
+                values[place] = -values[a]
+            case "+":
+                values[place] = values[a] + values[b]
+            case "-":
+                values[place] = values[a] - values[b]
+            case "*":
+                values[place] = values[a] * values[b]
+            case "/":
+                values[place] = values[a] / values[b]
+            case _:
+                values[place] = leaf(kind, a)
+    return [values[place] for place in outputs]
+
+
+def needed(tape: Tape, outputs: Sequence[Node]) -> set[Node]:
+    """The places of all operations that some outputs depend on."""
+    found: set[Node] = set()
+    waiting = list(outputs)
+    while waiting:
+        place = waiting.pop()
+        if place in found:
+            continue
+        found.add(place)
+        kind, a, b = tape.operations[place]
+        if kind not in ("number", "parameter", "variable"):
+            waiting += [a] if b is None else [a, b]
+    return found

@@ -1,0 +1,82 @@
+"""The equations of the Lagrangian by DOP853, where heyoka is not installed."""
+
+import functools
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.integration import dop853
+from bodycheck.reference.mechanisms.lagrangian.differentiation import made
+from bodycheck.reference.mechanisms.lagrangian.equations import Structure, derived
+from bodycheck.reference.trajectory import Array
+
+#: Operations for each unit of time, an evaluation of which takes some 30 ns, after which an integration is not begun.
+MAX_OPERATIONS = 3e8
+
+#: Evaluations of the equations for each unit of time, in which the motion turns by about a radian.
+EVALUATIONS = 500
+
+#: The right-hand side: the rates from the state and the parameters.
+Rates = Callable[[Sequence[float], Sequence[float]], list[float]]
+
+
+@functools.lru_cache(maxsize=8)
+def right_hand_side(structure: Structure) -> tuple[Rates, int]:
+    """The equations of a structure as a function of Python, and the number of its operations.
+
+    The function is written out, one operation a line, which is ten times as fast as to go through the operations.
+    """
+    found = derived(structure)
+    lines: list[str] = []
+
+    def kept(text: str) -> "_Text":
+        lines.append(f"v{len(lines)} = {text}")
+        return _Text(f"v{len(lines) - 1}", kept)
+
+    def leaf(kind: str, value: float) -> "_Text":
+        return _Text({"number": f"({value!r})", "parameter": f"p[{value}]", "variable": f"s[{value}]"}[kind], kept)
+
+    rates = made(found.tape, found.rates, leaf, lambda a: kept(f"sin({a.text})"), lambda a: kept(f"cos({a.text})"))
+    body = [*lines, f"return [{', '.join(rate.text for rate in rates)}]"]
+    scope: dict[str, object] = {"sin": math.sin, "cos": math.cos}
+    exec("def rates(s, p):\n" + "\n".join(f"    {line}" for line in body), scope)
+    made_function: Rates = scope["rates"]  # type: ignore[assignment]
+    return made_function, len(lines)
+
+
+class _Text:
+    """An operation as the name of what it is kept in."""
+
+    def __init__(self, text: str, kept: Callable[[str], "_Text"]) -> None:
+        self.text, self._kept = text, kept
+
+    def __add__(self, other: "_Text") -> "_Text":
+        return self._kept(f"{self.text} + {other.text}")
+
+    def __sub__(self, other: "_Text") -> "_Text":
+        return self._kept(f"{self.text} - {other.text}")
+
+    def __mul__(self, other: "_Text") -> "_Text":
+        return self._kept(f"{self.text} * {other.text}")
+
+    def __truediv__(self, other: "_Text") -> "_Text":
+        return self._kept(f"{self.text} / {other.text}")
+
+    def __neg__(self) -> "_Text":
+        return self._kept(f"-{self.text}")
+
+
+def solve(structure: Structure, start: Array, parameters: Array, times: Array) -> Array:
+    """The states (n, k) at ascending times (n,) >= 0, in the unit of time of the equations. Raises `OutOfReach`."""
+    rates, operations = right_hand_side(structure)
+    end = float(times[-1]) if len(times) else 0.0
+    if operations * EVALUATIONS * max(end, 1.0) > MAX_OPERATIONS:
+        raise OutOfReach("without heyoka the equations of so large a mechanism take too long")
+    own = parameters.tolist()
+
+    def derivative(_: float, state: Array) -> Array:
+        return np.array(rates(state.tolist(), own))
+
+    return dop853.solve(derivative, start, times, np.ones(len(start)))

@@ -1,0 +1,67 @@
+"""The equations of the Lagrangian by Taylor's method (heyoka)."""
+
+import functools
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+
+from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.integration.dop853 import MAX_STEPS
+from bodycheck.reference.integration.heyoka_solver import STEP_TOLERANCES, prepare_heyoka
+from bodycheck.reference.integration.rotation import WideArray
+from bodycheck.reference.mechanisms.lagrangian.differentiation import made
+from bodycheck.reference.mechanisms.lagrangian.equations import Structure, derived
+from bodycheck.reference.trajectory import Array
+
+#: Operations, steps times the length of the equations, after which an integration is stopped: some twenty seconds in 80 bits.
+MAX_OPERATIONS = 60_000_000
+
+#: Held while an integrator runs, which contains its state and is shared by all threads of the process.
+_lock = threading.Lock()
+
+
+@functools.lru_cache(maxsize=8)
+def integrator(structure: Structure, dtype: Any) -> tuple[Any, int]:
+    """The compiled integrator of a structure, and the length of its equations."""
+    prepare_heyoka()
+    found = derived(structure)
+    variables = [hy.expression(f"s{place}") for place in range(found.states)]
+    leaves: dict[str, Callable[[Any], Any]] = {
+        "number": lambda value: hy.expression(value),
+        "parameter": lambda index: hy.par[found.used.index(index)],
+        "variable": lambda index: variables[index],
+    }
+    rates = made(found.tape, found.rates, lambda kind, value: leaves[kind](value), hy.sin, hy.cos)
+    solver = hy.taylor_adaptive(
+        list(zip(variables, rates, strict=True)),
+        np.zeros(found.states, dtype),
+        pars=np.zeros(len(found.used), dtype),
+        tol=dtype(STEP_TOLERANCES[dtype]),
+        fp_type=dtype,
+        # Code that is not compact takes much longer to compile.
+        compact_mode=True,
+    )
+    return solver, len(solver.decomposition)
+
+
+def solve(structure: Structure, start: WideArray, parameters: WideArray, times: Array) -> WideArray:
+    """The states (n, k) at ascending times (n,) >= 0, in the unit of time of the equations and in the type of the start.
+
+    Raises `OutOfReach` where the integration fails or takes too many steps.
+    """
+    dtype: Any = start.dtype.type
+    solver, length = integrator(structure, dtype)
+    instants, rows = np.unique(np.append(0.0, times), return_inverse=True)
+    grid = instants.astype(start.dtype)
+    with _lock:
+        solver.time = grid[0]
+        solver.state[:] = start
+        solver.pars[:] = parameters[list(derived(structure).used)]
+        most = min(MAX_STEPS, MAX_OPERATIONS // length)
+        outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=most)
+    if outcome != hy.taylor_outcome.time_limit:
+        raise OutOfReach(f"Taylor's method stopped after {steps} steps: {outcome.name}")
+    return np.asarray(solution[rows[1:]])
