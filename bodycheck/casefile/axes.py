@@ -17,6 +17,7 @@ import numpy as np
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.values import MAX_STEPS, Factors, NonNegativeValues, Ratios, Values
 from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere, State, Vector
 
 if TYPE_CHECKING:  # a case is read by the grammar, which is made from the axes
@@ -279,6 +280,17 @@ AXES: dict[str, Axis] = {
         ),
     )
 }
+
+
+#: The axes along which a mechanism can be varied.
+OF_MECHANISMS = ("timestep", "steps", "gravity")
+
+
+def missing(name: str, scene: AnyScene) -> str | None:
+    """Return why a scene cannot be varied along the axis of this name; None if it can."""
+    if isinstance(scene, Scene):
+        return AXES[name].missing(scene)
+    return None if name in OF_MECHANISMS else f"not defined for a mechanism; allowed: {', '.join(OF_MECHANISMS)}"
 
 
 def _with_state(case: "Case", initial: State) -> "Case":

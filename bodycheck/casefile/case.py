@@ -9,24 +9,25 @@ from functools import cache
 from importlib import resources
 from itertools import accumulate
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from pydantic import ValidationError
 
 from bodycheck.adapters.method import Method, current
-from bodycheck.casefile import grammar
-from bodycheck.casefile.axes import AXES
+from bodycheck.casefile import formats, grammar
+from bodycheck.casefile.axes import missing
 from bodycheck.casefile.checkable import uncheckable
-from bodycheck.casefile.contradictions import contradictions
 from bodycheck.casefile.ensemble import Ensemble, build_ensemble
 from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
 from bodycheck.casefile.finding import SUFFIX
-from bodycheck.casefile.scenes import Inconsistent, build_scene
+from bodycheck.casefile.formats import AnyCaseTable, Format, format_of
+from bodycheck.casefile.scenes import Inconsistent
 from bodycheck.casefile.toml_positions import Path, Position, positions
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
 from bodycheck.files import reading
+from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.suggestion import did_you_mean
@@ -77,7 +78,7 @@ class Case:
     name, title, source, tags
         As in the file.
     scene
-        The body, its initial state and its surroundings.
+        The body or the mechanism, its initial state and its surroundings.
     duration
         The duration of a run (s).
     samples
@@ -166,16 +167,17 @@ def parse_stored(text: str, file: str) -> Case:
 
 def _parsed(document: dict[str, Any], text: str, file: str, further: Iterable[tuple[Path, str]] = ()) -> Case:
     """Return the case of a document. Raises `CaseFaults` with the faults of the format, and further ones."""
-    errors, unreported = [*contradictions(document), *further], 0
+    form = format_of(document)
+    errors, unreported = [*form.contradictions(document), *further], 0
     try:
-        table = grammar.CaseTable.model_validate(document)
+        table = form.table.model_validate(document)
     except ValidationError as error:
         records = [record for record in error.errors(include_url=False) if not _is_misleading(record)]
-        errors += [_explain(record, document) for record in records[:MAX_FAULTS]]
+        errors += [_explain(record, document, form) for record in records[:MAX_FAULTS]]
         unreported += len(records[MAX_FAULTS:])
     if not errors:
         try:
-            return _case(table, document, text)
+            return _case(table, form.build(table), document, text)
         except Inconsistent as error:
             errors += error.faults
     unreported += len(errors[MAX_FAULTS:])
@@ -261,18 +263,20 @@ def _is_misleading(record: Any) -> bool:
     return len(record["input"]) >= least
 
 
-def _explain(record: Any, document: dict[str, Any]) -> tuple[Path, str]:
+def _explain(record: Any, document: dict[str, Any], form: Format) -> tuple[Path, str]:
     """Return the path in the document and the message for one of pydantic's error records."""
-    path = grammar.untagged(tuple(record["loc"]))
+    path = form.untagged(tuple(record["loc"]))
     kind = record["type"]
     if kind == "missing":
         return path, "is missing"
+    if path == ("format",):
+        return path, formats.ALLOWED
     if kind in ("union_tag_not_found", "union_tag_invalid"):
-        word, known = grammar.known_types(path)
+        word, known = form.known_types(path)
         if kind == "union_tag_not_found":
             return (*path, word), f"is missing; allowed: {', '.join(known)}"
         return (*path, word), _allowed(record["input"].get(word), known)
-    if kind == "extra_forbidden" and (table := grammar.table_at(path[:-1], document)) is not None:
+    if kind == "extra_forbidden" and (table := form.table_at(path[:-1], document)) is not None:
         return path, f"unknown key; {_allowed(path[-1], table.model_fields)}"
     message = TOML_WORDING.get(kind) or str(record["msg"]).removeprefix("Input ").removeprefix("Value error, ")
     if kind in ("too_long", "too_short"):
@@ -317,7 +321,7 @@ def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], p
             value = value[part]
         except (KeyError, IndexError, TypeError):
             return Fault(file, message, places[place], key)
-    if isinstance(value, dict):
+    if isinstance(value, dict) or (isinstance(value, list) and value and isinstance(value[0], dict)):
         return Fault(file, message, places[place], key)
     return Fault(file, f"read {_quote(value)}; {message}", places[place], key)
 
@@ -336,17 +340,16 @@ def _quote(value: Any) -> str:
     return quote if len(quote) <= MAX_QUOTE_LENGTH else quote[: MAX_QUOTE_LENGTH - 1] + "…"
 
 
-def _case(table: grammar.CaseTable, document: dict[str, Any], text: str) -> Case:
-    scene = build_scene(table)
+def _case(table: AnyCaseTable, scene: AnyScene, document: dict[str, Any], text: str) -> Case:
     extremes = tuple((name, values) for name, values in table.extremes if values is not None)
-    if faults := [(("extremes", name), fault) for name, _ in extremes if (fault := AXES[name].missing(scene))]:
+    if faults := [(("extremes", name), fault) for name, _ in extremes if (fault := missing(name, scene))]:
         raise Inconsistent(*faults)
     return Case(
         name=table.name,
         title=table.title,
         source=table.source,
         tags=table.tags,
-        scene=scene,
+        scene=cast(Scene, scene),
         duration=table.run.duration,
         samples=table.run.samples,
         expectations=tuple(_expectation(expect) for expect in table.expect),

@@ -35,7 +35,8 @@ from bodycheck.figures.columns import LIMITED
 FORMAT = 1
 
 
-def _kind_of_inertia(value: Any) -> str:
+def kind_of_inertia(value: Any) -> str:
+    """Return which form of an inertia a value has."""
     return "tensor" if isinstance(value, list | tuple) and any(isinstance(row, list | tuple) for row in value) else "moments"
 
 
@@ -46,7 +47,7 @@ Quaternion = tuple[Number, Number, Number, Number]
 #: Description of the key `inertia`.
 INERTIA = "principal moments A, B, C, or the whole tensor along I, J, K with Ixy = -(sum of m x y), kg m^2"
 AnyInertia = Annotated[
-    Annotated[PositiveVector, Tag("moments")] | Annotated[Matrix, Tag("tensor")], Discriminator(_kind_of_inertia)
+    Annotated[PositiveVector, Tag("moments")] | Annotated[Matrix, Tag("tensor")], Discriminator(kind_of_inertia)
 ]
 
 
@@ -255,6 +256,11 @@ class ExtremesTable(AxesTable):
     """How far the case may be pushed: axes, each with the values at which it is tried."""
 
 
+#: The keys `tags` and `expect` of a case file.
+Tags = Annotated[tuple[Label, ...], Field(max_length=MAX_TAGS)]
+Expectations = Annotated[tuple[ExpectTable, ...], Field(max_length=MAX_EXPECTATIONS)]
+
+
 class CaseTable(Table):
     """A whole case file."""
 
@@ -262,16 +268,14 @@ class CaseTable(Table):
     name: Name = Field(description="unique among the cases of a run")
     title: Text = Field(description="what it is, in a few words")
     source: Text = Field(default="", description="where it comes from")
-    tags: Annotated[tuple[Label, ...], Field(max_length=MAX_TAGS)] = Field(default=(), description="to group cases by")
+    tags: Tags = Field(default=(), description="to group cases by")
     body: AnyBody = Field(description="what moves")
     initial: InitialTable = InitialTable()
     scene: SceneTable = SceneTable()
     run: RunTable
     extremes: ExtremesTable = ExtremesTable()
     ensemble: EnsembleTable | None = None
-    expect: Annotated[tuple[ExpectTable, ...], Field(max_length=MAX_EXPECTATIONS)] = Field(
-        default=(), description="what must hold, a table a method"
-    )
+    expect: Expectations = Field(default=(), description="what must hold, a table a method")
 
 
 TABLES: dict[Path, type[Table]] = {

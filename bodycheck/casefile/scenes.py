@@ -1,6 +1,7 @@
 """Build the scene of a case from the tables of its file."""
 
 from dataclasses import replace
+from typing import Protocol
 
 from bodycheck.casefile import grammar
 from bodycheck.casefile.toml_positions import Path
@@ -8,7 +9,7 @@ from bodycheck.reference.definition import Attitude, Definition, EulerAngles, Eu
 from bodycheck.reference.exact.numbers import MP, Real, real
 from bodycheck.reference.exact.start import defined_scene, start
 from bodycheck.reference.planar import resting_height
-from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere
+from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Quaternion, Scene, Shape, Sphere, Vector
 
 #: Smallest allowed ratio of the principal moments of particles or parts; a smaller ratio is rounding error.
 MIN_MOMENT_RATIO = 1e-15
@@ -33,7 +34,7 @@ def build_scene(table: grammar.CaseTable) -> Scene:
 
     If no position is given, a body with a flat face lies on the plane.
     """
-    scene = defined_scene(_definition(table), _shape(table.body))
+    scene = defined_scene(_definition(table), solid_shape(table.body))
     body, initial, surroundings = scene.body, table.initial, table.scene
     if _composed(table.body):
         _check_extent(body)
@@ -54,12 +55,16 @@ def build_scene(table: grammar.CaseTable) -> Scene:
 
 
 def _definition(table: grammar.CaseTable) -> Definition:
-    initial = table.initial
-    rotation = EulerRates(*initial.euler_rates) if initial.euler_rates else initial.angular_velocity or (0.0, 0.0, 0.0)
-    return Definition(_inertia(table.body), _attitude(initial), rotation)
+    return Definition(inertia_of(table.body), attitude_of(table.initial), rotation_of(table.initial))
 
 
-def _inertia(table: grammar.AnyBody) -> Given:
+def rotation_of(initial: grammar.InitialTable) -> Vector | EulerRates:
+    """Return the angular velocity of a state, or the rates of its Euler angles, as its table gives them."""
+    return EulerRates(*initial.euler_rates) if initial.euler_rates else initial.angular_velocity or (0.0, 0.0, 0.0)
+
+
+def inertia_of(table: grammar.AnyBody) -> Given:
+    """Return what the body of a table is made of; a solid is at the origin."""
     if table.inertia is not None:
         assert table.mass is not None  # the grammar requires a mass unless the body is composed
         match table.inertia:
@@ -71,11 +76,11 @@ def _inertia(table: grammar.AnyBody) -> Given:
         if table.particles is not None:
             return tuple(Particle(particle.mass, particle.position) for particle in table.particles)
         return tuple(
-            Solid(shape, part.mass, part.position, _attitude(part))
+            Solid(shape, part.mass, part.position, attitude_of(part))
             for part in table.parts or ()
-            if (shape := _shape(part)) is not None
+            if (shape := solid_shape(part)) is not None
         )
-    shape = _shape(table)
+    shape = solid_shape(table)
     assert shape is not None
     assert table.mass is not None
     return Solid(shape, table.mass)
@@ -122,7 +127,8 @@ def _check_size(scene: Scene, duration: float) -> None:
                 raise Inconsistent((path, f"its {name} is {MP.nstr(value, 3)} {unit}; at most {MAX_SIZE:g} is allowed"))
 
 
-def _shape(table: grammar.AnyBody | grammar.PartTable) -> Shape | None:
+def solid_shape(table: grammar.AnyBody | grammar.PartTable) -> Shape | None:
+    """Return the shape of a body or part; None if it has none."""
     match table:
         case grammar.BrickTable(semi_axes=semi_axes) | grammar.PartTable(shape="brick", semi_axes=tuple(semi_axes)):
             return Brick(semi_axes)
@@ -139,7 +145,20 @@ def _shape(table: grammar.AnyBody | grammar.PartTable) -> Shape | None:
             return None
 
 
-def _attitude(table: grammar.InitialTable | grammar.PartTable) -> Attitude:
+class Turned(Protocol):
+    """A table with an attitude."""
+
+    @property
+    def euler_zxz(self) -> Vector | None:
+        """The Euler angles phi, theta, psi (rad)."""
+
+    @property
+    def quaternion(self) -> Quaternion | None:
+        """The quaternion w, x, y, z."""
+
+
+def attitude_of(table: Turned) -> Attitude:
+    """Return the attitude that a table gives, or that of no rotation."""
     if table.quaternion is not None:
         return table.quaternion
     return EulerAngles(*table.euler_zxz) if table.euler_zxz else (1.0, 0.0, 0.0, 0.0)

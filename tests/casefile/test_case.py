@@ -108,7 +108,7 @@ def test_shipped_cases_are_named_as_their_files(shipped_case: Case) -> None:
 
 def test_all_faults_at_once_each_with_its_line() -> None:
     text = """\
-format = 2
+format = 3
 name = "Bad Name"
 frob = 1
 [body]

@@ -1,0 +1,70 @@
+"""Build the mechanism of a case from the tables of its file."""
+
+from dataclasses import replace
+
+from bodycheck.casefile.grammar import InitialTable
+from bodycheck.casefile.mechanisms import grammar
+from bodycheck.casefile.mechanisms.start_faults import check_start
+from bodycheck.casefile.scenes import attitude_of, inertia_of, rotation_of
+from bodycheck.reference.definition import Solid
+from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Loop, Mechanism
+from bodycheck.reference.scene import Vector
+
+#: The centre of mass of a body whose file does not say it.
+ORIGIN: Vector = (0.0, 0.0, 0.0)
+
+
+def build_mechanism(table: grammar.MechanismTable) -> Mechanism:
+    """Return the mechanism of a case.
+
+    Raises `Inconsistent` for what only the start can tell: see `start_faults.check_start`.
+    """
+    places = {grammar.WORLD: WORLD} | {body.name: place for place, body in enumerate(table.bodies)}
+    held = {joint.child for joint in table.joints}
+    mechanism = Mechanism(
+        tuple(_body(body, free=body.name not in held) for body in table.bodies),
+        tuple(_joint(joint, places) for joint in table.joints),
+        tuple(Loop((places[loop.bodies[0]], places[loop.bodies[1]]), loop.points) for loop in table.loops),
+        table.scene.gravity,
+    )
+    check_start(mechanism, table.run.duration)
+    return mechanism
+
+
+def _body(table: grammar.AnyBody, *, free: bool) -> JointedBody:
+    inertia, centre = inertia_of(table), table.center_of_mass or ORIGIN
+    if isinstance(inertia, Solid):
+        inertia = replace(inertia, position=centre)
+    return JointedBody(table.name, inertia, centre, _start(table.initial or InitialTable()) if free else None)
+
+
+def _start(table: InitialTable) -> BodyStart:
+    return BodyStart(table.position or ORIGIN, attitude_of(table), table.velocity, rotation_of(table))
+
+
+def _joint(table: grammar.AnyJoint, places: dict[str, int]) -> Joint:
+    own = {
+        name: getattr(table, name)
+        for name in ("axis", "armature", "damping", "stiffness", "rest", "friction", "effort")
+        if name in type(table).model_fields
+    }
+    start, velocity = _coordinates(table)
+    parent, child = places[table.parent], places[table.child]
+    return Joint(
+        table.name, table.type, parent, child, table.position, attitude_of(table), **own, start=start, start_velocity=velocity
+    )
+
+
+def _coordinates(table: grammar.AnyJoint) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Return the initial coordinates and velocities of a joint, in the layout of `reference.mechanisms.coordinates`."""
+    match table:
+        case grammar.FixedTable():
+            return (), ()
+        case grammar.FreeTable(initial=start):
+            return (*start.position, *start.quaternion), (*start.linear, *start.velocity)
+        case grammar.SphericalTable(initial=start):
+            return start.quaternion, start.velocity
+        case grammar.AxisTable(initial=start):
+            return (start.position,), (start.velocity,)
+        case grammar.UniversalTable(initial=start) | grammar.PlanarTable(initial=start):
+            return start.position, start.velocity

@@ -1,0 +1,161 @@
+"""Check rules that connect several keys of a case file of format 2, which the grammar of single keys cannot express."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from bodycheck.casefile.body_faults import body_faults
+from bodycheck.casefile.contradictions import run_faults, start_faults
+from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, MAX_LOOPS, WORLD, with_shape
+from bodycheck.casefile.raw_values import mapping, numbers
+from bodycheck.casefile.toml_positions import Path
+from bodycheck.suggestion import did_you_mean
+
+#: The most names that a message lists.
+MAX_LISTED = 20
+
+
+def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
+    """Yield the faults between keys, as pairs of path and message. The raw document may have any other faults too."""
+    bodies, joints = _tables(document, "bodies", MAX_BODIES), _tables(document, "joints", MAX_BODIES)
+    yield from _twice("bodies", bodies)
+    yield from _twice("joints", joints)
+    names = list(dict.fromkeys(name for body in bodies if isinstance(name := body.get("name"), str) and name != WORLD))
+    holder = _holders(joints)
+    for index, body in enumerate(bodies):
+        for path, message in _of_body(body, holder):
+            yield ("bodies", index, *path), message
+    for index, joint in enumerate(joints):
+        for path, message in (*_of_joint(joint, names), *_of_child(index, joint, joints, holder)):
+            yield ("joints", index, *path), message
+    yield from _circles(joints)
+    for index, loop in enumerate(_tables(document, "loops", MAX_LOOPS)):
+        for path, message in _of_loop(loop, names):
+            yield ("loops", index, *path), message
+    yield from run_faults(document)
+
+
+def _tables(document: Mapping[str, Any], name: str, most: int) -> list[dict[str, Any]]:
+    """Return the tables of an array, as many of them as there may be."""
+    value = document.get(name)
+    return [mapping(item) for item in value[:most]] if isinstance(value, list) else []
+
+
+def _twice(name: str, tables: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Path, str]]:
+    """Yield the names that stand at a second table of an array, and a body that has the name of the world."""
+    seen: set[str] = set()
+    for index, table in enumerate(tables):
+        own = table.get("name")
+        if not isinstance(own, str):
+            continue
+        if own in seen:
+            yield (name, index, "name"), f"stands twice; names of {name} must be unique"
+        if own == WORLD and name == "bodies":
+            yield (name, index, "name"), "is the name of the world; give the body another one"
+        seen.add(own)
+
+
+def _holders(joints: Sequence[Mapping[str, Any]]) -> dict[str, int]:
+    """Return the place of the first joint whose child each body is."""
+    found: dict[str, int] = {}
+    for index, joint in enumerate(joints):
+        if isinstance(child := joint.get("child"), str):
+            found.setdefault(child, index)
+    return found
+
+
+def _of_body(body: Mapping[str, Any], holder: Mapping[str, int]) -> Iterator[tuple[Path, str]]:
+    yield from body_faults(with_shape(body), zero_allowed=True)
+    made = [key for key in ("particles", "parts") if key in body]
+    if made and "center_of_mass" in body:
+        yield ("center_of_mass",), f"follows from the positions of the {made[0]}; leave it out"
+    if "initial" in body:
+        for path, message in start_faults(mapping(body["initial"])):
+            yield ("initial", *path), message
+        name = body.get("name")
+        if isinstance(name, str) and name in holder:
+            yield (
+                ("initial",),
+                f"the body is the child of joint {holder[name] + 1}, whose own initial says where it is; give only that one",
+            )
+
+
+def _of_joint(joint: Mapping[str, Any], names: Sequence[str]) -> Iterator[tuple[Path, str]]:
+    if "parent" in joint and (fault := _unknown(joint["parent"], [WORLD, *names])) is not None:
+        yield ("parent",), fault
+    if joint.get("child") == WORLD:
+        yield ("child",), f"the world is the child of no joint; allowed: {_listed(names)}"
+    elif "child" in joint and (fault := _unknown(joint["child"], names)) is not None:
+        yield ("child",), fault
+    axis = numbers(joint.get("axis"), 3)
+    if axis is not None and not any(axis):
+        yield ("axis",), "its length is 0; any other length is allowed"
+    yield from start_faults(joint)
+    for path, message in start_faults({"quaternion": mapping(joint.get("initial")).get("quaternion")}):
+        yield ("initial", *path), message
+
+
+def _of_child(
+    index: int, joint: Mapping[str, Any], joints: Sequence[Mapping[str, Any]], holder: Mapping[str, int]
+) -> Iterator[tuple[Path, str]]:
+    child = joint.get("child")
+    if isinstance(child, str) and child != WORLD and (first := holder[child]) != index:
+        other = _quoted(joints[first].get("name"))
+        yield (
+            ("child",),
+            f"is the child of joint {first + 1}, {other}, too; a body has one joint, and [[loops]] close chains",
+        )
+
+
+def _circles(joints: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Path, str]]:
+    """Yield each circle once, at the first of its joints: going from child to parent, one comes back."""
+    parent_of: dict[str, tuple[int, str]] = {}
+    for index, joint in enumerate(joints):
+        child, parent = joint.get("child"), joint.get("parent", WORLD)
+        if isinstance(child, str) and isinstance(parent, str) and child != WORLD:
+            parent_of.setdefault(child, (index, parent))
+    done: set[str] = set()
+    for start in parent_of:
+        way: dict[str, int] = {}
+        body = start
+        while body in parent_of and body not in done and body not in way:
+            way[body], body = parent_of[body]
+        if body in way:
+            names = list(way)
+            circle = names[names.index(body) :]
+            round_ = " <- ".join(
+                [*map(_quoted, circle[:MAX_LISTED]), *(["…"] if len(circle) > MAX_LISTED else []), _quoted(body)]
+            )
+            first = min(way[name] for name in circle)
+            yield (
+                ("joints", first, "parent"),
+                f"goes round in a circle: {round_}; a chain begins at the world or a free body, and [[loops]] close it",
+            )
+        done |= set(way)
+
+
+def _of_loop(loop: Mapping[str, Any], names: Sequence[str]) -> Iterator[tuple[Path, str]]:
+    pair = loop.get("bodies")
+    if not isinstance(pair, list):
+        return
+    for place, name in enumerate(pair[:2]):
+        if (fault := _unknown(name, [WORLD, *names])) is not None:
+            yield ("bodies", place), fault
+    if len(pair) == 2 and isinstance(pair[0], str) and pair[0] == pair[1]:
+        yield ("bodies",), "a loop joins two different bodies"
+
+
+def _unknown(name: Any, names: Sequence[str]) -> str | None:
+    """Return what is allowed for a name that no body has; None if one has it, and for what the grammar reports."""
+    if not isinstance(name, str) or name in names:
+        return None
+    return f"there is no such body; allowed: {_listed(names)}{did_you_mean(name, names)}"
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join([*names[:MAX_LISTED], *(["…"] if len(names) > MAX_LISTED else [])]) or "no body, as there is none"
+
+
+def _quoted(name: Any) -> str:
+    """Return the name of a body or joint in a message, where it may be any text of a stranger."""
+    text = ascii(name) if not (isinstance(name, str) and name.isprintable()) else name
+    return text if len(text) <= 60 else f"{text[:59]}…"

@@ -1,0 +1,313 @@
+"""The grammar of case files, format 2, as pydantic models: bodies, the joints between them, and loops."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
+
+from bodycheck.casefile import grammar
+from bodycheck.casefile.ensemble_grammar import EnsembleTable
+from bodycheck.casefile.toml_positions import Path
+from bodycheck.casefile.values import MAX_NAME_LENGTH, Name, NonNegative, Number, Table, Text, Vector
+
+#: Version of the format of case files of mechanisms.
+FORMAT = 2
+
+#: The name of the world among the bodies.
+WORLD = "world"
+
+#: The most bodies and joints, and the most loops.
+MAX_BODIES = 200
+MAX_LOOPS = 200
+
+NonNegativeVector = tuple[NonNegative, NonNegative, NonNegative]
+Pair = tuple[Number, Number]
+AnyInertia = Annotated[
+    Annotated[NonNegativeVector, Tag("moments")] | Annotated[grammar.Matrix, Tag("tensor")],
+    Discriminator(grammar.kind_of_inertia),
+]
+
+
+def _not_a_number(value: str) -> str:
+    if value.isdecimal():
+        raise ValueError("should have more than digits, since a number counts bodies and joints")
+    return value
+
+
+#: The name of a body or joint. It may stand between the dots of a key path.
+PartName = Annotated[
+    str, Field(strict=True, pattern=r"^[A-Za-z0-9_.:/-]+$", max_length=MAX_NAME_LENGTH), AfterValidator(_not_a_number)
+]
+
+
+class JointedTable(Table):
+    """What every body of a mechanism has."""
+
+    name: PartName = Field(description="unique among the bodies")
+    center_of_mass: Vector | None = Field(default=None, description="in the frame of the body, m; default 0")
+    inertia: AnyInertia | None = Field(
+        default=None, description=f"about the centre of mass: {grammar.INERTIA}; moments may be 0 where joints allow it"
+    )
+    initial: grammar.InitialTable | None = Field(
+        default=None, description="state at t = 0 of a body that is the child of no joint"
+    )
+
+
+class BrickTable(JointedTable, grammar.BrickTable):
+    """A rectangular block."""
+
+
+class EllipsoidTable(JointedTable, grammar.EllipsoidTable):
+    """A solid ellipsoid."""
+
+
+class CylinderTable(JointedTable, grammar.CylinderTable):
+    """A solid cylinder about K."""
+
+
+class SphereTable(JointedTable, grammar.SphereTable):
+    """A solid sphere."""
+
+
+class ShapelessTable(JointedTable, grammar.ShapelessTable):
+    """A body of which only mass and inertia matter: these themselves, or particles, or parts that make them."""
+
+
+BODY_TABLES: dict[str, type[Table]] = {
+    "brick": BrickTable,
+    "ellipsoid": EllipsoidTable,
+    "cylinder": CylinderTable,
+    "sphere": SphereTable,
+    "none": ShapelessTable,
+}
+
+
+def with_shape(body: Any) -> Any:
+    """Return a body table with `shape = "none"` added if it gives no shape."""
+    return {**body, "shape": "none"} if isinstance(body, dict) and "shape" not in body else body
+
+
+AnyBody = Annotated[
+    BrickTable | EllipsoidTable | CylinderTable | SphereTable | ShapelessTable,
+    Field(discriminator="shape"),
+    BeforeValidator(with_shape),
+]
+
+
+class CoordinateStart(Table):
+    """The state at t = 0 of a revolute or prismatic joint."""
+
+    position: Number = Field(default=0.0, description="rad or m")
+    velocity: Number = Field(default=0.0, description="rad/s or m/s")
+
+
+class UniversalStart(Table):
+    """The state at t = 0 of a universal joint."""
+
+    position: Pair = Field(default=(0.0, 0.0), description="about x of the joint's frame, then about the turned y, rad")
+    velocity: Pair = Field(default=(0.0, 0.0), description="their rates, rad/s")
+
+
+class PlanarStart(Table):
+    """The state at t = 0 of a planar joint."""
+
+    position: Vector = Field(default=(0.0, 0.0, 0.0), description="x and y, m, and the angle about z of the joint's frame, rad")
+    velocity: Vector = Field(default=(0.0, 0.0, 0.0), description="their rates, m/s, m/s and rad/s")
+
+
+class SphericalStart(Table):
+    """The state at t = 0 of a spherical joint."""
+
+    quaternion: grammar.Quaternion = Field(default=(1.0, 0.0, 0.0, 0.0), description="w, x, y, z, child to joint's frame")
+    velocity: Vector = Field(default=(0.0, 0.0, 0.0), description="angular velocity in the frame of the child, rad/s")
+
+
+class FreeStart(SphericalStart):
+    """The state at t = 0 of a free joint."""
+
+    position: Vector = Field(default=(0.0, 0.0, 0.0), description="of the child's origin in the joint's frame, m")
+    linear: Vector = Field(
+        default=(0.0, 0.0, 0.0), description="velocity of the child's origin along the axes of the joint's frame, m/s"
+    )
+
+
+class JointTable(Table):
+    """What every joint has. The frame of the child is that of the joint where its coordinates are zero."""
+
+    name: PartName = Field(description="unique among the joints")
+    parent: PartName = Field(default=WORLD, description="name of a body, or world")
+    child: PartName = Field(description="name of a body, which is the child of no other joint")
+    position: Vector = Field(default=(0.0, 0.0, 0.0), description="of the joint in the frame of the parent, m")
+    euler_zxz: Vector | None = Field(default=None, description="of the joint's axes in the frame of the parent, rad")
+    quaternion: grammar.Quaternion | None = Field(
+        default=None, description="w, x, y, z, the joint's axes to the frame of the parent"
+    )
+
+
+class AxisTable(JointTable):
+    """What joints with one coordinate have."""
+
+    axis: Vector = Field(description="in the joint's frame, of any length")
+    armature: NonNegative = Field(default=0.0, description="added to the inertia of the coordinate, kg m^2 or kg")
+    damping: NonNegative = Field(default=0.0, description="N m s/rad or N s/m")
+    stiffness: NonNegative = Field(default=0.0, description="of a spring, N m/rad or N/m")
+    rest: Number = Field(default=0.0, description="the coordinate at which the spring is at rest, rad or m")
+    friction: NonNegative = Field(default=0.0, description="dry friction, sticking included, N m or N")
+    effort: Number = Field(default=0.0, description="constant torque or force along the coordinate, N m or N")
+    initial: CoordinateStart = CoordinateStart()
+
+
+class RevoluteTable(AxisTable):
+    """A hinge."""
+
+    type: Literal["revolute"]
+
+
+class PrismaticTable(AxisTable):
+    """A slider."""
+
+    type: Literal["prismatic"]
+
+
+class UniversalTable(JointTable):
+    """Two hinges at right angles."""
+
+    type: Literal["universal"]
+    initial: UniversalStart = UniversalStart()
+
+
+class PlanarTable(JointTable):
+    """A child that moves in the plane x, y of the joint's frame and turns about its z."""
+
+    type: Literal["planar"]
+    initial: PlanarStart = PlanarStart()
+
+
+class SphericalTable(JointTable):
+    """A ball joint."""
+
+    type: Literal["spherical"]
+    damping: NonNegative = Field(default=0.0, description="against the relative angular velocity, N m s/rad")
+    initial: SphericalStart = SphericalStart()
+
+
+class FreeTable(JointTable):
+    """A joint that holds nothing."""
+
+    type: Literal["free"]
+    initial: FreeStart = FreeStart()
+
+
+class FixedTable(JointTable):
+    """A joint that lets nothing move."""
+
+    type: Literal["fixed"]
+
+
+JOINT_TABLES: dict[str, type[Table]] = {
+    "revolute": RevoluteTable,
+    "prismatic": PrismaticTable,
+    "spherical": SphericalTable,
+    "free": FreeTable,
+    "fixed": FixedTable,
+    "planar": PlanarTable,
+    "universal": UniversalTable,
+}
+
+AnyJoint = Annotated[
+    RevoluteTable | PrismaticTable | SphericalTable | FreeTable | FixedTable | PlanarTable | UniversalTable,
+    Field(discriminator="type"),
+]
+
+
+class LoopTable(Table):
+    """What closes a chain: a point of one body stays on a point of another."""
+
+    bodies: tuple[PartName, PartName] = Field(description="names of the two bodies; one may be world")
+    points: tuple[Vector, Vector] = Field(description="the two points, each in the frame of its body, m")
+
+
+class SurroundingsTable(Table):
+    """The surroundings."""
+
+    gravity: NonNegative = Field(default=0.0, description="along -z, m/s^2")
+
+
+class MechanismTable(Table):
+    """A whole case file of a mechanism."""
+
+    format: Literal[2] = Field(description="of the file")
+    name: Name = Field(description="unique among the cases of a run")
+    title: Text = Field(description="what it is, in a few words")
+    source: Text = Field(default="", description="where it comes from")
+    tags: grammar.Tags = Field(default=(), description="to group cases by")
+    bodies: Annotated[tuple[AnyBody, ...], Field(min_length=1, max_length=MAX_BODIES)] = Field(
+        description="what moves, a table a body"
+    )
+    joints: Annotated[tuple[AnyJoint, ...], Field(max_length=MAX_BODIES)] = Field(
+        default=(), description="what holds the bodies together, a table a joint"
+    )
+    loops: Annotated[tuple[LoopTable, ...], Field(max_length=MAX_LOOPS)] = Field(
+        default=(), description="what closes chains, a table a point"
+    )
+    scene: SurroundingsTable = SurroundingsTable()
+    run: grammar.RunTable
+    extremes: grammar.ExtremesTable = grammar.ExtremesTable()
+    ensemble: EnsembleTable | None = None
+    expect: grammar.Expectations = Field(default=(), description="what must hold, a table a method")
+
+
+TABLES: dict[Path, type[Table]] = {
+    **{
+        path: table
+        for path, table in grammar.TABLES.items()
+        if path[:1] in (("run",), ("extremes",), ("ensemble",), ("expect",))
+    },
+    (): MechanismTable,
+    ("bodies", "particles"): grammar.ParticleTable,
+    ("bodies", "parts"): grammar.PartTable,
+    ("bodies", "initial"): grammar.InitialTable,
+    ("loops",): LoopTable,
+    ("scene",): SurroundingsTable,
+}
+
+
+def type_of(joint: Any) -> str:
+    """Return the type of a joint, or an empty text if it is invalid; the grammar reports invalid types."""
+    kind = joint.get("type") if isinstance(joint, dict) else None
+    return kind if isinstance(kind, str) else ""
+
+
+def table_at(path: Path, document: dict[str, Any]) -> type[Table] | None:
+    """Return the grammar of the table at a path of a document; None if there is no table."""
+    match path:
+        case ("bodies", int(index)):  # pydantic has found an array with a table at this place
+            return BODY_TABLES.get(grammar.shape_of(with_shape(document["bodies"][index])))
+        case ("joints", int(index)):
+            return JOINT_TABLES.get(type_of(document["joints"][index]))
+        case ("joints", int(index), "initial"):
+            joint = JOINT_TABLES.get(type_of(document["joints"][index]))
+            start = joint.model_fields.get("initial") if joint is not None else None
+            return type(start.default) if start is not None else None
+    if path[:2] == ("ensemble", "vary"):
+        return grammar.table_at(path, document)
+    return TABLES.get(tuple(key for key in path if isinstance(key, str)))
+
+
+def untagged(path: Path) -> Path:
+    """Return the path in the document for one of pydantic's, which adds the names of the members of unions to it."""
+    match path:
+        case ("bodies", index, _, *rest):
+            return ("bodies", index, *(key for key in rest if key not in ("moments", "tensor")))
+        case ("joints", index, _, *rest):
+            return ("joints", index, *rest)
+    return grammar.untagged(path)
+
+
+def known_types(path: Path) -> tuple[str, dict[str, type[Table]]]:
+    """Return the key that says of which type the table at a path is, and the tables by its values."""
+    match path[:1]:
+        case ("joints",):
+            return "type", JOINT_TABLES
+        case ("bodies",):
+            return "shape", BODY_TABLES
+    return grammar.known_types(path)

@@ -1,0 +1,249 @@
+"""The start of a mechanism in the widest type of NumPy: pose and velocity of every body, and the inertia of every coordinate.
+
+It says whether a mechanism has a motion at all. The truth of the motion is computed elsewhere.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.reference.definition import Attitude
+from bodycheck.reference.exact.numbers import Wide, wide
+from bodycheck.reference.exact.rotations import matrix
+from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism
+
+#: An array of the widest type.
+WideArray = NDArray[np.longdouble]
+
+X, Y, Z = np.eye(3, dtype=Wide)
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """The frame of a body at the start, seen from the world.
+
+    Attributes
+    ----------
+    turn
+        (3, 3) rotation matrix from the axes of the frame to those of the world.
+    origin, velocity
+        (3,) its origin (m), and the velocity of it (m/s).
+    spin
+        (3,) its angular velocity along the axes of the world (rad/s).
+    """
+
+    turn: WideArray
+    origin: WideArray
+    velocity: WideArray
+    spin: WideArray
+
+    def point(self, place: WideArray) -> WideArray:
+        """The place (3,) in the world of a point (3,) of the frame (m)."""
+        return np.asarray(self.origin + self.turn @ place)
+
+    def speed(self, place: WideArray) -> WideArray:
+        """The velocity (3,) in the world (m/s) of a point (3,) of the frame (m)."""
+        return np.asarray(self.velocity + np.cross(self.spin, self.turn @ place))
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinate:
+    """The inertia of one coordinate at the start, kg m^2 or kg.
+
+    Attributes
+    ----------
+    joint
+        The place of the joint; None for a free body.
+    body
+        The place of the body that it moves.
+    locked
+        With all joints locked that come after it on the way from the world: an element of the diagonal of the mass matrix.
+    loose
+        With those joints loose, which is a pivot of the mass matrix. The mass matrix is positive definite where all are.
+    """
+
+    joint: int | None
+    body: int
+    locked: Wide
+    loose: Wide
+
+
+WORLD_FRAME = Frame(np.eye(3, dtype=Wide), np.zeros(3, Wide), np.zeros(3, Wide), np.zeros(3, Wide))
+
+
+def frames(mechanism: Mechanism) -> dict[int, Frame]:
+    """The frames of all bodies at the start by their places, with that of the world at `WORLD`."""
+    found = {WORLD: WORLD_FRAME}
+    for place in _from_the_world(mechanism):
+        joint, body = mechanism.joint_of[place], mechanism.bodies[place]
+        found[place] = _of_free(body, body.start or BodyStart()) if joint is None else _of_child(joint, found[joint.parent])
+    return found
+
+
+def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
+    """The inertia of all coordinates of joints and free bodies at the start.
+
+    The pivots are those of the articulated-body recursion (Featherstone 2008, chapter 7), from the ends of the chains to the
+    world. They are rounded in the widest type.
+    """
+    at, made, places = frames(mechanism), list[Coordinate](), {id(joint): place for place, joint in enumerate(mechanism.joints)}
+    joint_of = mechanism.joint_of
+    loose = {place: _inertia(body, at[place]) for place, body in enumerate(mechanism.bodies)}
+    locked = {place: inertia.copy() for place, inertia in loose.items()}
+    for place in reversed(_from_the_world(mechanism)):
+        joint = joint_of[place]
+        columns, armature = (np.eye(6, dtype=Wide), 0.0) if joint is None else (_columns(joint, at), joint.armature)
+        for column in columns[::-1]:
+            force = loose[place] @ column
+            pivot, whole = column @ force + Wide(armature), column @ locked[place] @ column + Wide(armature)
+            made.append(Coordinate(None if joint is None else places[id(joint)], place, whole, pivot))
+            if pivot > 0:
+                loose[place] = loose[place] - np.outer(force, force) / pivot
+        if joint is not None and joint.parent != WORLD:
+            moved = _moved(at[place].origin - at[joint.parent].origin)
+            for inertia in (loose, locked):
+                inertia[joint.parent] = inertia[joint.parent] + moved.T @ inertia[place] @ moved
+    return tuple(made[::-1])
+
+
+def mass(body: JointedBody) -> Wide:
+    """The mass of a body (kg)."""
+    return wide(exact.inertia(body).mass)
+
+
+def centre(body: JointedBody) -> WideArray:
+    """The centre of mass (3,) of a body in its frame (m)."""
+    return _wide(exact.inertia(body).centre)
+
+
+def tensor(body: JointedBody) -> WideArray:
+    """The inertia tensor (3, 3) of a body about its centre of mass, along the axes of its frame (kg m^2)."""
+    xx, yy, zz, xy, xz, yz = _wide(exact.inertia(body).tensor)
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _from_the_world(mechanism: Mechanism) -> list[int]:
+    """The places of all bodies, each behind the parent of its joint."""
+    children: dict[int, list[int]] = {}
+    for joint in mechanism.joints:
+        children.setdefault(joint.parent, []).append(joint.child)
+    found = [place for place, joint in enumerate(mechanism.joint_of) if joint is None or joint.parent == WORLD]
+    for place in found:
+        found += children.get(place, ())
+    return found
+
+
+def _of_free(body: JointedBody, start: BodyStart) -> Frame:
+    turn = _matrix(start.attitude)
+    spin, arm = turn @ _wide(exact.rates(start.attitude, start.rotation)), turn @ centre(body)
+    return Frame(turn, _wide(start.position) - arm, _wide(start.velocity) - np.cross(spin, arm), spin)
+
+
+def _of_child(joint: Joint, parent: Frame) -> Frame:
+    axes = parent.turn @ _matrix(joint.attitude)
+    turn, shift = _pose(joint)
+    twist = _wide(joint.start_velocity) @ _own_columns(joint) if joint.start_velocity else np.zeros(6, Wide)
+    arm = parent.turn @ _wide(joint.position) + axes @ shift
+    velocity = parent.velocity + np.cross(parent.spin, arm) + axes @ twist[:3]
+    return Frame(axes @ turn, parent.origin + arm, velocity, parent.spin + axes @ twist[3:])
+
+
+def _pose(joint: Joint) -> tuple[WideArray, WideArray]:
+    """Rotation matrix (3, 3) and origin (3,) of the child's frame in the joint's frame at the start."""
+    still, here, q = np.eye(3, dtype=Wide), np.zeros(3, Wide), _wide(joint.start)
+    match joint.type:
+        case "revolute":
+            return _about(_axis(joint), q[0]), here
+        case "prismatic":
+            return still, _axis(joint) * q[0]
+        case "universal":
+            return _about(X, q[0]) @ _about(Y, q[1]), here
+        case "planar":
+            return _about(Z, q[2]), np.array([q[0], q[1], Wide(0)])
+        case "spherical":
+            return _matrix(_quaternion(joint.start)), here
+        case "free":
+            return _matrix(_quaternion(joint.start[3:])), q[:3]
+        case "fixed":
+            return still, here
+
+
+def _own_columns(joint: Joint) -> WideArray:
+    """The twists (k, 6) of the child for each of the joint's velocities: velocity of its origin, and angular velocity.
+
+    Both are along the axes of the joint's frame.
+    """
+    zero, turn = np.zeros((3, 3), Wide), _pose(joint)[0]
+    match joint.type:
+        case "revolute":
+            return np.concatenate([zero[:1], _axis(joint)[None]], axis=1)
+        case "prismatic":
+            return np.concatenate([_axis(joint)[None], zero[:1]], axis=1)
+        case "universal":
+            return np.concatenate([zero[:2], [X, _about(X, _wide(joint.start)[0]) @ Y]], axis=1)
+        case "planar":
+            return np.concatenate([[X, Y, zero[0]], [zero[0], zero[0], Z]], axis=1)
+        case "spherical":
+            return np.concatenate([zero, turn.T], axis=1)
+        case "free":
+            return np.block([[np.eye(3, dtype=Wide), zero], [zero, turn.T]])
+        case "fixed":
+            return np.zeros((0, 6), Wide)
+
+
+def _columns(joint: Joint, at: dict[int, Frame]) -> WideArray:
+    """The same twists (k, 6) along the axes of the world."""
+    axes, own = at[joint.parent].turn @ _matrix(joint.attitude), _own_columns(joint)
+    return np.concatenate([own[:, :3] @ axes.T, own[:, 3:] @ axes.T], axis=1)
+
+
+def _inertia(body: JointedBody, frame: Frame) -> WideArray:
+    """The spatial inertia (6, 6) of a body about the origin of its frame, along the axes of the world."""
+    own_mass, arm = mass(body), _cross(frame.turn @ centre(body))
+    own = frame.turn @ tensor(body) @ frame.turn.T
+    return np.block([[own_mass * np.eye(3, dtype=Wide), -own_mass * arm], [own_mass * arm, own - own_mass * arm @ arm]])
+
+
+def _moved(arm: WideArray) -> WideArray:
+    """The matrix (6, 6) that makes the twist at an origin of that at another one, from which it is away by (3,) (m)."""
+    one = np.eye(3, dtype=Wide)
+    return np.block([[one, -_cross(arm)], [np.zeros((3, 3), Wide), one]])
+
+
+def _cross(v: WideArray) -> WideArray:
+    """The matrix (3, 3) of the cross product with a vector."""
+    x, y, z = v
+    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], dtype=Wide)
+
+
+def _about(axis: WideArray, angle: Wide) -> WideArray:
+    """The rotation matrix (3, 3) about an axis of length one (Rodrigues)."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.asarray(cosine * np.eye(3, dtype=Wide) + sine * _cross(axis) + (1 - cosine) * np.outer(axis, axis))
+
+
+def _axis(joint: Joint) -> WideArray:
+    return _wide(exact.unit_axis(joint))
+
+
+def _matrix(attitude: Attitude) -> WideArray:
+    return np.array([_wide(row) for row in matrix(exact.turn(attitude))])
+
+
+def _quaternion(values: tuple[float, ...]) -> tuple[float, float, float, float]:
+    w, x, y, z = values
+    return w, x, y, z
+
+
+def _wide(values: object) -> WideArray:
+    """Numbers of any type in the widest type of NumPy."""
+    return np.array(list(_each(values)), dtype=Wide)
+
+
+def _each(values: object) -> Iterator[Wide]:
+    assert isinstance(values, tuple)
+    for value in values:
+        yield Wide(value) if isinstance(value, float | int) else wide(value)
