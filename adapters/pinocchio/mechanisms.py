@@ -11,6 +11,7 @@ trembles, and creeps where another force loads it.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -118,7 +119,7 @@ def constrained(mechanism: Mechanism, made: Built, forces: Callable[[Array, Arra
     return lambda q, v: pin.constraintDynamics(model, data, q, v, forces(q, v), constraints, datas, settings).copy()
 
 
-def set_correction(constraint: pin.RigidConstraintModel, stiffness: float, damping: float) -> None:
+def set_correction(constraint: Any, stiffness: float, damping: float) -> None:
     """Set the gains of the correction of a constraint: the stiffness (1/s^2) and the damping (1/s)."""
     if hasattr(pin, "BaumgarteCorrectorParameters") and hasattr(constraint, "setBaumgarteCorrectorParameters"):
         constraint.setBaumgarteCorrectorParameters(pin.BaumgarteCorrectorParameters(stiffness, damping))
