@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from bodycheck.reference.exact.numbers import MP, Real
 from bodycheck.reference.mechanisms.forms import oscillator, pendulum
+from bodycheck.reference.mechanisms.forms.ball import form_of_ball
 from bodycheck.reference.mechanisms.forms.ground import Carried, axis_of, carried, cross, dot, moment_about
 from bodycheck.reference.mechanisms.forms.motion import Form, FormMotion, JointForm, gathered
 from bodycheck.reference.mechanisms.mechanism import Mechanism
@@ -43,6 +44,8 @@ def _form_of_joint(held: Carried) -> _Found | None:
             return _revolute(held)
         case "prismatic":
             return _linear(held, held.mass, held.mass * dot(axis_of(held), held.gravity))
+        case "spherical":
+            return form_of_ball(held)
         case _:
             return None
 

@@ -17,6 +17,7 @@ complex. At the end of a phase the joint sticks if the force on it is at most f.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -217,10 +218,10 @@ def _slow_and_fast(
     return found
 
 
-def _series(gamma: np.longdouble, square: np.longdouble, tau: WideArray) -> WideArray:
+def _series(gamma: Any, square: Any, tau: WideArray) -> WideArray:
     """C by its Taylor series."""
     term, after = tau, -gamma * tau * tau
-    total = tau * term / 2 + tau * after / 3
+    total: WideArray = tau * term / 2 + tau * after / 3
     for n in range(_TERMS):
         # b_(n+2) (n+2) (n+1) = -2 gamma (n+1) b_(n+1) - omega0^2 b_n, times powers of tau, beginning at b_1 = 1.
         term, after = after, -(2 * gamma * tau * after * (n + 2) + square * tau * tau * term) / ((n + 3) * (n + 2))
