@@ -2,22 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import dartpy as dart
 import numpy as np
 
-from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Link, Method, states
-from bodycheck.adapters.dart import INSTALLATION, contact
-from bodycheck.adapters.links import links_of, tensor
+from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Link, Method, Simulation, states
+from bodycheck.adapters.dart import INSTALLATION, contact, mechanisms
+from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, inertia, pose
+from bodycheck.adapters.links import links_of
 from bodycheck.adapters.rotation_vectors import quaternions, rotation_vector
 from bodycheck.adapters.stepping import Loop
-from bodycheck.reference.kinematics import conjugate, normalise, rotate
+from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
-
-#: The kinetic energy (J) above which the next acceleration may overflow.
-LARGEST_ENERGY_J = 1e200
 
 INTEGRATOR = "semi-implicit-euler"
 
@@ -26,7 +24,7 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(dart.__version__),
     integrators=(Integrator(INTEGRATOR, order=1, evaluations=1, options=contact.OPTIONS),),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
     variants={"plane": tuple(f"{INTEGRATOR}:{own}" for own in ("solver=pgs", "solver=nsgs", "solver=fbf", "settings=engine"))},
     defaults={"timestep": f"{dart.simulation.World().getTimeStep():g} s"},
 )
@@ -53,6 +51,11 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Loop[None]:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
     return loop(model(scene, method), scene.drag)
+
+
+def prepare_mechanism(mechanism: Mechanism, method: Method) -> Simulation:
+    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
+    return mechanisms.prepare(mechanism, method)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[None]:
@@ -91,7 +94,7 @@ def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
     for link in others:
         joint, part = skeleton.createWeldJointAndBodyNodePair(body)
         part.setInertia(inertia(link))
-        joint.setTransformFromParentBodyNode(pose(link))
+        joint.setTransformFromParentBodyNode(pose(link.position, link.quaternion))
     if scene.plane is not None:
         contact.add(world, body, scene, scene.plane, method)
     world.addSkeleton(skeleton)
@@ -99,19 +102,6 @@ def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
     skeleton.setPositions(np.array([*rotation_vector(attitude), *initial.position]))
     skeleton.setVelocities(np.array([*rotate(attitude, np.array(initial.angular_velocity)), *initial.velocity]))
     return Model(world, skeleton, body)
-
-
-def inertia(link: Link) -> "dart.dynamics.Inertia":
-    """Return the mass, the centre of mass and the inertia of a link."""
-    return dart.dynamics.Inertia(link.mass, link.center_of_mass, tensor(link))
-
-
-def pose(link: Link) -> Any:
-    """Return the pose of a link's frame in that of the first link."""
-    made = dart.math.Isometry3()
-    made.set_translation(link.position)
-    made.set_quaternion(dart.math.Quaternion(*normalise(np.array(link.quaternion)).tolist()))
-    return made
 
 
 def rows(seen: Array) -> Array:

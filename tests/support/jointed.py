@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -18,6 +19,20 @@ def body(name: str, mass: float, moments: DIAGONAL, centre: Vector = (0.0, 0.0, 
     """A body with moments about its centre of mass along its axes."""
     a, b, c = moments
     return JointedBody(name, Tensor(mass, ((a, 0.0, 0.0), (0.0, b, 0.0), (0.0, 0.0, c))), centre)
+
+
+def on_one_joint(type: Literal["revolute", "prismatic"], start: float, velocity: float, **acting: float) -> Mechanism:
+    """A body of 1 kg and 1 kg m^2 on a joint along x through its centre of mass, without gravity, on which only joints act."""
+    joint = Joint("joint", type, WORLD, 0, axis=(1.0, 0.0, 0.0), start=(start,), start_velocity=(velocity,), **acting)
+    return Mechanism((body("body", 1.0, (1.0, 1.0, 1.0)),), (joint,))
+
+
+def coordinate(mechanism: Mechanism, states: Array) -> tuple[Array, Array]:
+    """The coordinates (n,) and velocities (n,) of the joint of `on_one_joint`, within a turn, from states (1, n, 1, 13)."""
+    rows = states[0, :, 0]
+    if mechanism.joints[0].type == "prismatic":
+        return rows[:, 0], rows[:, 7]
+    return 2 * np.arctan2(rows[:, 4], rows[:, 3]), rows[:, 10]
 
 
 def cart_pole() -> Mechanism:
@@ -61,19 +76,30 @@ def free_chain() -> Mechanism:
 
 
 def four_bar() -> Mechanism:
-    """Three rods of 1 m and 1 kg, hinged about y, that close a parallelogram with the world."""
+    """Three rods, hinged about y, that close a quadrangle of four different sides with the world."""
     rod = body("first", 1.0, (0.001, 1 / 12, 1 / 12), (0.5, 0.0, 0.0))
-    about_y, end = (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)
+    about_y, end, angle, rate = (0.0, 1.0, 0.0), (1.0, 0.0, 0.0), -1.2, 1.0
+    # x and z of the third rod from the end of the second, which lies along x, to the world; a turn about y takes x to -z.
+    x, z = 1.7 - math.cos(angle) - 1, math.sin(angle)
+    turning = -rate * -math.sin(angle) / z
+    second = -rate * math.cos(angle) - turning * x
+    last = (math.hypot(x, z), 0.0, 0.0)
     return Mechanism(
         bodies=(rod, replace(rod, name="second"), replace(rod, name="third")),
         joints=(
-            Joint("left", "revolute", WORLD, 0, axis=about_y, start=(-1.2,), start_velocity=(1.0,)),
-            Joint("top", "revolute", 0, 1, end, axis=about_y, start=(1.2,), start_velocity=(-1.0,)),
-            Joint("right", "revolute", 1, 2, end, axis=about_y, start=(math.pi - 1.2,), start_velocity=(1.0,)),
+            Joint("left", "revolute", WORLD, 0, axis=about_y, start=(angle,), start_velocity=(rate,)),
+            Joint("top", "revolute", 0, 1, end, axis=about_y, start=(-angle,), start_velocity=(second - rate,)),
+            Joint("right", "revolute", 1, 2, end, axis=about_y, start=(math.atan2(-z, x),), start_velocity=(turning - second,)),
         ),
-        loops=(Loop((2, WORLD), (end, end)),),
+        loops=(Loop((2, WORLD), (last, (1.7, 0.0, 0.0))),),
         gravity=9.81,
     )
+
+
+def bare_tree() -> Mechanism:
+    """The tree without armature, springs and efforts."""
+    bare = (replace(joint, armature=0.0, stiffness=0.0, rest=0.0, effort=0.0) for joint in tree().joints)
+    return replace(tree(), joints=tuple(bare))
 
 
 def tree() -> Mechanism:

@@ -1,0 +1,27 @@
+"""Inertias and poses as DART takes them, and a limit of its motions."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import dartpy as dart
+import numpy as np
+
+from bodycheck.adapters.contract import Link
+from bodycheck.adapters.links import tensor
+from bodycheck.reference.kinematics import normalise
+
+#: The kinetic energy (J) above which the next acceleration may overflow.
+LARGEST_ENERGY_J = 1e200
+
+
+def inertia(link: Link) -> "dart.dynamics.Inertia":
+    """Return the mass, the centre of mass and the inertia of a link."""
+    return dart.dynamics.Inertia(link.mass, link.center_of_mass, tensor(link))
+
+
+def pose(position: Sequence[float], quaternion: Sequence[float]) -> Any:
+    """Return the pose of a frame in another one; the quaternion w x y z may have any norm."""
+    made = dart.math.Isometry3()
+    made.set_translation(np.array(position, dtype=float))
+    made.set_quaternion(dart.math.Quaternion(*normalise(np.array(quaternion, dtype=float)).tolist()))
+    return made
