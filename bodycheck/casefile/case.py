@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import date, time
 from functools import cache
 from importlib import resources
+from importlib.resources.abc import Traversable
 from itertools import accumulate
 from pathlib import Path as FilePath
 from typing import Any, cast
@@ -112,17 +113,25 @@ class Case:
 
 
 @cache
+def _shipped_files() -> dict[str, Traversable]:
+    """Return the files of the cases that come with the package, which lie in its folder and in folders there, by name."""
+    folder = resources.files("bodycheck.cases")
+    below = [entry for entry in folder.iterdir() if entry.is_dir()]
+    files = [file for place in (folder, *below) for file in place.iterdir() if file.name.endswith(SUFFIX)]
+    return {file.name.removesuffix(SUFFIX): file for file in sorted(files, key=lambda file: file.name)}
+
+
+@cache
 def shipped() -> tuple[str, ...]:
     """Return the names of the cases that come with the package."""
-    entries = resources.files("bodycheck.cases").iterdir()
-    return tuple(sorted(entry.name.removesuffix(SUFFIX) for entry in entries if entry.name.endswith(SUFFIX)))
+    return tuple(sorted(_shipped_files()))
 
 
 def is_shipped(case: str | FilePath) -> bool:
     """Return whether this is the name of a shipped case, or the path of its file."""
     path = FilePath(case)
-    inside = path.name.endswith(SUFFIX) and path.resolve().parent == FilePath(str(resources.files("bodycheck.cases"))).resolve()
-    return str(case) in shipped() or (inside and path.name.removesuffix(SUFFIX) in shipped())
+    own = _shipped_files().get(path.name.removesuffix(SUFFIX)) if path.name.endswith(SUFFIX) else None
+    return str(case) in shipped() or (own is not None and path.resolve() == FilePath(str(own)).resolve())
 
 
 def load(case: str | FilePath) -> Case:
@@ -134,7 +143,7 @@ def load(case: str | FilePath) -> Case:
     if not isinstance(case, str | FilePath):
         raise TypeError(f"read {_quote(case)} as the case; allowed: the name of a shipped case, or a path")
     if isinstance(case, str) and case in shipped():
-        file = resources.files("bodycheck.cases") / (case + SUFFIX)
+        file = _shipped_files()[case]
         return parse(file.read_text("utf-8"), str(file))
     return parse(_read(FilePath(case)), str(case))
 

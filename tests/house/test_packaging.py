@@ -63,7 +63,7 @@ def test_a_normal_install_runs(wheel: Path, tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-P", "-c", code], capture_output=True, text=True, cwd=tmp_path)
     file, count = done.stdout.split()
     assert Path(file).is_relative_to(tmp_path)
-    assert int(count) == len(list((ROOT / "cases").glob("*.case.toml")))
+    assert int(count) == len(list((ROOT / "cases").rglob("*.case.toml")))
 
 
 #: What a user of the package writes.
