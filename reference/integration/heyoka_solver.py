@@ -73,14 +73,12 @@ def integrator(equations: Callable[[], Equations], dtype: Any, bits: int | None 
     """
     prepare_heyoka()
     system = equations()
-    parameters = len(hy.get_params([derivative for _, derivative in system]))
     options: dict[str, Any] = {} if bits is None else {"prec": bits}
     zero = dtype(0) if bits is None else hy.real(0, bits)
     tolerance = STEP_TOLERANCES[dtype] if bits is None else 2.0 ** (TOLERANCE_BITS - bits)
     return hy.taylor_adaptive(
         system,
         np.full(len(system), zero, dtype=dtype),
-        pars=np.full(parameters, zero, dtype=dtype),
         tol=dtype(tolerance),
         fp_type=dtype,
         # Code that is not compact runs 10 % faster and takes ten times as long to compile.
@@ -99,7 +97,7 @@ def solve(solver: Any, start: WideArray, parameters: WideArray, times: Array, an
     start
         (k,) state at t = 0.
     parameters
-        Parameters of the equations.
+        Parameters of the equations; those after the last one that the equations contain are not needed.
     times
         (n,) times >= 0 in any order, in the unit of time of the equations.
     angles
@@ -120,7 +118,7 @@ def solve(solver: Any, start: WideArray, parameters: WideArray, times: Array, an
     with _integrator_lock:
         solver.time = instants.astype(start.dtype)[0]
         solver.state[:] = start
-        solver.pars[:] = parameters
+        solver.pars[:] = parameters[: len(solver.pars)]
         grid = instants.astype(start.dtype)
         outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=MAX_STEPS, callback=reducer)
     if outcome != hy.taylor_outcome.time_limit:

@@ -1,0 +1,371 @@
+"""The articulated-body recursion (Featherstone, Rigid Body Dynamics Algorithms, 2008, chapter 7) in any arithmetic.
+
+Numbers are floats, arrays of any type, or expressions of heyoka, which drops what is multiplied by zero. So the recursion of
+a chain in a plane has the operations of a plane alone. All vectors are along the axes of the frames of links (see `tree`). An
+acceleration is that of the origin of such a frame, angular before linear, and a force is about it, torque before force.
+
+Each link has first the acceleration that it would have if no joint accelerated, and the force that this takes. Then from the
+tips to the root the inertia of each link with all that hangs from it is found, one coordinate after another is eliminated
+from it, and the rest is passed to the parent. Last, from the root to the tips, the joints' accelerations follow. The velocity
+of an origin is never needed, only the angular velocity.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+#: A number of the arithmetic in use, a vector of three, and the rows of a matrix.
+Number = Any
+Vec = list[Number]
+Rows = list[Vec]
+
+#: The kinds of elementary joints.
+Kind = Literal["revolute", "prismatic", "ball", "free"]
+
+#: Which components of a link's acceleration along its own axes each kind of joint leaves free, in the order of elimination.
+FREEDOMS: dict[Kind, tuple[int, ...]] = {
+    "revolute": (2,),
+    "prismatic": (5,),
+    "ball": (0, 1, 2),
+    "free": (3, 4, 5, 0, 1, 2),
+}
+
+ZERO: Vec = [0, 0, 0]
+
+#: What the acceleration along an eliminated coordinate follows from: its component k, and the parts that the acceleration of
+#: the link and the forces have in it.
+_Step = tuple[int, Vec, Number]
+
+
+@dataclass(frozen=True, eq=False)
+class Constants:
+    """The numbers of a link.
+
+    Attributes
+    ----------
+    turn, offset
+        (9,) rows of the rotation from the axes of the joint to those of the parent, and (3,) the joint's origin in the
+        parent's frame (m).
+    mass, moment
+        Mass (kg), and (3,) mass times the centre of mass (kg m).
+    tensor, differences
+        (6,) inertia XX, YY, ZZ, XY, XZ, YZ about the origin, and (3,) ZZ - YY, XX - ZZ, YY - XX (kg m^2).
+    armature, damping, stiffness, force
+        What acts at the joint's own coordinate: the force is `force` - `stiffness` q - `damping` v.
+    """
+
+    turn: Sequence[Number]
+    offset: Sequence[Number]
+    mass: Number
+    moment: Sequence[Number]
+    tensor: Sequence[Number]
+    differences: Sequence[Number]
+    armature: Number
+    damping: Number
+    stiffness: Number
+    force: Number
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A link in some arithmetic: its kind, the place of its parent (-1: what does not move), its numbers and its state.
+
+    coordinates: q of a revolute or prismatic joint; of any other the quaternion w, x, y, z from the link's axes to the joint's.
+    rates: v of a revolute or prismatic joint; of any other the angular velocity (3,) against the joint along the link's axes.
+    """
+
+    kind: Kind
+    parent: int
+    constants: Constants
+    coordinates: Sequence[Number]
+    rates: Sequence[Number]
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """What the outward pass leaves of a link.
+
+    spin: angular velocity. squares: the matrix that maps a fixed point to its centripetal acceleration. angular, linear: the
+    acceleration if no joint accelerated. crossing: the rotation of the joint, and its displacement.
+    """
+
+    spin: Vec
+    squares: Rows
+    angular: Vec
+    linear: Vec
+    rotation: "Rotation"
+    displacement: Vec
+
+
+class Rotation:
+    """A rotation by a matrix, from a child's axes to its parent's."""
+
+    def __init__(self, rows: Rows) -> None:
+        self.rows = rows
+
+    def out(self, v: Vec) -> Vec:
+        """A vector along the parent's axes, along the child's."""
+        return [_dot([row[k] for row in self.rows], v) for k in range(3)]
+
+    def back(self, v: Vec) -> Vec:
+        """A vector along the child's axes, along the parent's."""
+        return [_dot(row, v) for row in self.rows]
+
+    def block(self, block: Rows, symmetric: bool) -> Rows:
+        """A matrix along the child's axes, along the parent's."""
+        half = [[_dot(row, [line[k] for line in block]) for k in range(3)] for row in self.rows]
+        if not symmetric:
+            return [[_dot(line, row) for row in self.rows] for line in half]
+        return _mirrored(lambda i, j: _dot(half[i], self.rows[j]))
+
+
+class AboutZ(Rotation):
+    """A rotation about z, given by its cosine and sine."""
+
+    def __init__(self, cosine: Number, sine: Number) -> None:
+        super().__init__([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
+        self.cosine, self.sine = cosine, sine
+
+    def block(self, block: Rows, symmetric: bool) -> Rows:
+        """A matrix along the child's axes, along the parent's.
+
+        The trace and the antisymmetric part of its first two rows and columns do not change; the rest turns by twice the angle.
+        """
+        (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = block
+        double_sine, double_cosine = 2 * self.sine * self.cosine, 1 - 2 * self.sine * self.sine
+        mean, half = (xx + yy) / 2, (xx - yy) / 2
+        across, skew = (xy, 0) if symmetric else ((xy + yx) / 2, (xy - yx) / 2)
+        half, across = half * double_cosine - across * double_sine, half * double_sine + across * double_cosine
+        right, up, _ = self.back([xz, yz, 0])
+        far, near = (right, up) if symmetric else self.back([zx, zy, 0])[:2]
+        return [[mean + half, across + skew, right], [across - skew, mean - half, up], [far, near, zz]]
+
+
+def quaternion_rows(q: Sequence[Number]) -> Rows:
+    """The rotation matrix of a unit quaternion w, x, y, z."""
+    w, x, y, z = q
+    return [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+
+
+def accelerations(links: Sequence[Link], gravity: Sequence[Number], functions: Any) -> list[Vec]:
+    """The derivatives of the rates of all links; of a free one the acceleration (6,) along its own axes without gravity.
+
+    Parameters
+    ----------
+    links
+        The links, each after its parent.
+    gravity
+        (3,) gravitational acceleration along the axes of what does not move (m/s^2).
+    functions
+        What has the functions `sin` and `cos` of the arithmetic.
+    """
+    motions, forces = _outward(links, gravity, functions)
+    inertias = [_rigid(link.constants) for link in links]
+    eliminated: list[list[_Step]] = []
+    for place in reversed(range(len(links))):
+        link, motion, (inertia, force) = links[place], motions[place], (inertias[place], forces[place])
+        steps = []
+        for k, effort in zip(FREEDOMS[link.kind], _efforts(link), strict=True):
+            inertia, force, step = _eliminate(inertia, force, k, effort, link.constants.armature)
+            steps.append(step)
+        eliminated.append(steps)
+        if link.parent >= 0:
+            inertia, force = _passed(inertia, force, link.constants, motion)
+            inertias[link.parent] = _sum_rows(inertias[link.parent], inertia)
+            forces[link.parent] = _sum(forces[link.parent], force)
+    return _solved(links, motions, eliminated[::-1])
+
+
+def _outward(links: Sequence[Link], gravity: Sequence[Number], functions: Any) -> tuple[list[_Motion], list[Vec]]:
+    still = _Motion(ZERO, [ZERO] * 3, ZERO, [-part for part in gravity], Rotation([]), ZERO)
+    motions: list[_Motion] = []
+    for link in links:
+        parent = motions[link.parent] if link.parent >= 0 else still
+        motions.append(_moved(link, parent, functions))
+    return motions, [_inertial_force(link.constants, motion) for link, motion in zip(links, motions, strict=True)]
+
+
+def _moved(link: Link, parent: _Motion, functions: Any) -> _Motion:
+    """The motion of a link whose joint does not accelerate."""
+    turn, offset = Rotation(_square(link.constants.turn)), list(link.constants.offset)
+    spin, angular = turn.out(parent.spin), turn.out(parent.angular)
+    at_joint = _sum(parent.linear, [_dot(row, offset) for row in parent.squares])
+    linear = turn.out(_sum(at_joint, _cross(parent.angular, offset)))
+    if link.kind == "prismatic":
+        (q,), (v,) = link.coordinates, link.rates
+        squares = [turn.out(row) for row in parent.squares]
+        column = turn.out([row[2] for row in squares])
+        linear = [
+            linear[0] + column[0] * q + angular[1] * q + 2 * spin[1] * v,
+            linear[1] + column[1] * q - angular[0] * q - 2 * spin[0] * v,
+            linear[2] + column[2] * q,
+        ]
+        rotation, relative, displacement = Rotation([[1, 0, 0], [0, 1, 0], [0, 0, 1]]), ZERO, [0, 0, q]
+    elif link.kind == "revolute":
+        rotation, relative, displacement = AboutZ(*_cosine_sine(link, functions)), [0, 0, link.rates[0]], ZERO
+    else:
+        rotation, relative, displacement = Rotation(quaternion_rows(link.coordinates)), list(link.rates), ZERO
+    carried = rotation.out(spin)
+    spin, angular = _sum(carried, relative), _sum(rotation.out(angular), _cross(carried, relative))
+    return _Motion(spin, _squares(spin), angular, rotation.out(linear), rotation, displacement)
+
+
+def _cosine_sine(link: Link, functions: Any) -> tuple[Number, Number]:
+    return functions.cos(link.coordinates[0]), functions.sin(link.coordinates[0])
+
+
+def _squares(spin: Vec) -> Rows:
+    x, y, z = spin
+    xx, yy, zz, xy, xz, yz = x * x, y * y, z * z, x * y, x * z, y * z
+    return [[-(yy + zz), xy, xz], [xy, -(xx + zz), yz], [xz, yz, -(xx + yy)]]
+
+
+def _inertial_force(constants: Constants, motion: _Motion) -> Vec:
+    """The torque and the force that the motion of a rigid link takes."""
+    moment, (xx, yy, zz, xy, xz, yz) = list(constants.moment), constants.tensor
+    (x, y, z), (_, (_, _, s_yz), _) = motion.spin, motion.squares
+    (_, s_xy, s_xz), (dx, dy, dz) = motion.squares[0], constants.differences
+    gyroscopic = [
+        dx * s_yz + yz * (y * y - z * z) + xz * s_xy - xy * s_xz,
+        dy * s_xz + xz * (z * z - x * x) + xy * s_yz - yz * s_xy,
+        dz * s_xy + xy * (x * x - y * y) + yz * s_xz - xz * s_yz,
+    ]
+    rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    torque = _sum([_dot(row, motion.angular) for row in rows], _cross(moment, motion.linear))
+    swung = _sum([_dot(row, moment) for row in motion.squares], _cross(motion.angular, moment))
+    return [*_sum(torque, gyroscopic), *_sum([constants.mass * part for part in motion.linear], swung)]
+
+
+def _rigid(constants: Constants) -> Rows:
+    """The inertia (6, 6) of a rigid link about its origin."""
+    (xx, yy, zz, xy, xz, yz), (x, y, z), m = constants.tensor, constants.moment, constants.mass
+    return [
+        [xx, xy, xz, 0, -z, y],
+        [xy, yy, yz, z, 0, -x],
+        [xz, yz, zz, -y, x, 0],
+        [0, z, -y, m, 0, 0],
+        [-z, 0, x, 0, m, 0],
+        [y, -x, 0, 0, 0, m],
+    ]
+
+
+def _efforts(link: Link) -> list[Number]:
+    """The forces of a joint along its freedoms."""
+    constants = link.constants
+    if len(link.coordinates) == 1:
+        (q,), (v,) = link.coordinates, link.rates
+        return [constants.force - constants.stiffness * q - constants.damping * v]
+    if link.kind == "ball":
+        return [-constants.damping * rate for rate in link.rates]
+    return [0] * 6
+
+
+def _eliminate(
+    inertia: Rows, force: Vec, k: int, effort: Number, armature: Number
+) -> tuple[Rows, Vec, tuple[int, Vec, Number]]:
+    """Inertia and force without the coordinate along component k, and what its acceleration follows from."""
+    column = [row[k] for row in inertia]
+    inverse = 1 / (column[k] + armature)
+    ratio = [entry * inverse for entry in column]
+    need = effort - force[k]
+    left = _mirrored(lambda i, j: inertia[i][j] - column[i] * ratio[j], 6)
+    rest = [part + of * need for part, of in zip(force, ratio, strict=True)]
+    # Along the coordinate itself only the armature is left, in terms that do not cancel.
+    kept = [entry * (armature * inverse) for entry in column]
+    for j in range(6):
+        left[k][j] = left[j][k] = kept[j]
+    if _absent(armature):
+        rest[k] = effort
+    return left, rest, (k, ratio, need * inverse)
+
+
+def _passed(inertia: Rows, force: Vec, constants: Constants, motion: _Motion) -> tuple[Rows, Vec]:
+    """Inertia and force of a link along the axes of its parent, about the parent's origin."""
+    turned, moved = (motion.rotation, motion.displacement), (Rotation(_square(constants.turn)), list(constants.offset))
+    for rotation, shift in (turned, moved):
+        blocks = [[row[:3] for row in inertia[:3]], [row[3:] for row in inertia[:3]], [row[3:] for row in inertia[3:]]]
+        angular, mixed, linear = (rotation.block(block, k != 1) for k, block in enumerate(blocks))
+        torque, push = rotation.back(force[:3]), rotation.back(force[3:])
+        inertia = _shifted(angular, mixed, linear, shift)
+        force = [*_sum(torque, _cross(shift, push)), *push]
+    return inertia, force
+
+
+def _shifted(angular: Rows, mixed: Rows, linear: Rows, shift: Vec) -> Rows:
+    """The inertia (6, 6) about a point from which the present one is at `shift`."""
+    added = _transposed([_cross(shift, row) for row in linear])
+    after = _sum_rows(mixed, added)
+    before, beyond = [_cross(shift, row) for row in mixed], [_cross(shift, row) for row in after]
+    own = _mirrored(lambda i, j: angular[i][j] + before[i][j] + beyond[j][i])
+    return [
+        *(a + b for a, b in zip(own, after, strict=True)),
+        *(a + b for a, b in zip(_transposed(after), linear, strict=True)),
+    ]
+
+
+def _solved(links: Sequence[Link], motions: list[_Motion], eliminated: list[list[_Step]]) -> list[Vec]:
+    """The accelerations of the joints, from the root to the tips."""
+    extra: list[Vec] = []
+    found = []
+    for link, motion, steps in zip(links, motions, eliminated, strict=True):
+        if link.parent >= 0:
+            angular, linear = extra[link.parent][:3], extra[link.parent][3:]
+            for rotation, shift in (
+                (Rotation(_square(link.constants.turn)), list(link.constants.offset)),
+                (motion.rotation, motion.displacement),
+            ):
+                # The displacement of a slider is along the axes that its rotation leaves alone.
+                linear = rotation.out(_sum(linear, _cross(angular, shift)))
+                angular = rotation.out(angular)
+            whole = [*angular, *linear]
+        else:
+            whole = [0] * 6
+        own: dict[int, Number] = {}
+        for k, ratio, given in reversed(steps):
+            own[k] = given - _dot(ratio, whole)
+            whole[k] = whole[k] + own[k]
+        extra.append(whole)
+        found.append([own[k] for k in sorted(own)])
+    return found
+
+
+def _absent(value: Number) -> bool:
+    return isinstance(value, int) and value == 0
+
+
+def _dot(a: Sequence[Number], b: Sequence[Number]) -> Number:
+    total: Number = 0
+    for one, other in zip(a, b, strict=True):
+        if not (_absent(one) or _absent(other)):
+            total = total + one * other
+    return total
+
+
+def _cross(a: Vec, b: Vec) -> Vec:
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def _sum(a: Vec, b: Vec) -> Vec:
+    return [one + other for one, other in zip(a, b, strict=True)]
+
+
+def _sum_rows(a: Rows, b: Rows) -> Rows:
+    return [_sum(one, other) for one, other in zip(a, b, strict=True)]
+
+
+def _transposed(rows: Rows) -> Rows:
+    return [list(column) for column in zip(*rows, strict=True)]
+
+
+def _square(entries: Sequence[Number]) -> Rows:
+    return [list(entries[3 * k : 3 * k + 3]) for k in range(3)]
+
+
+def _mirrored(entry: Any, size: int = 3) -> Rows:
+    """A symmetric matrix whose upper half is given."""
+    half = {(i, j): entry(i, j) for i in range(size) for j in range(i, size)}
+    return [[half[min(i, j), max(i, j)] for j in range(size)] for i in range(size)]

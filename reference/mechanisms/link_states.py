@@ -1,0 +1,129 @@
+"""The equations of motion of a tree as a system of first order, and the layout of its state, in any arithmetic.
+
+The state has the coordinates and the rates of one link after another (see `articulated.Link`). A free link with others on it
+is followed from where it would be if it moved with the centre of mass of its tree, so that a long flight does not take the
+digits of the rest; that difference (3,) and its derivative (3,), world, are the last components of the state. A free body
+alone is always there.
+
+The equations of quaternions conserve their norm, which then changes by rounding only, as every other variable does. So the
+matrices are formed without dividing by it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.exact.numbers import MP, Real, Vector3
+from bodycheck.reference.mechanisms import articulated
+from bodycheck.reference.mechanisms.articulated import Constants, Kind, Number, quaternion_rows
+from bodycheck.reference.mechanisms.frames import ORIGIN, Place, scaled, total
+from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
+from bodycheck.reference.mechanisms.tree import Tree
+
+#: The numbers of coordinates and of rates of each kind of link.
+SIZES: dict[Kind, tuple[int, int]] = {"revolute": (1, 1), "prismatic": (1, 1), "ball": (4, 3), "free": (4, 3)}
+
+
+@dataclass(frozen=True, eq=False)
+class LinkStates:
+    """The states of a link at n instants, in a floating-point type.
+
+    coordinates: (n, 1) or (n, 4), and rates: (n, 1) or (n, 3), as in `articulated.Link`. origin, velocity: (n, 3) of a free
+    link, the position (m) and velocity (m/s) of its origin in the world; None for any other.
+    """
+
+    coordinates: WideArray
+    rates: WideArray
+    origin: WideArray | None = None
+    velocity: WideArray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """A tree in some arithmetic: the kind and the parent of each link, its numbers, and gravity (3,)."""
+
+    links: Sequence[tuple[Kind, int]]
+    constants: Sequence[Constants]
+    gravity: Sequence[Number]
+
+    @property
+    def floats(self) -> bool:
+        """Whether the first link is free and carries others."""
+        return self.links[0][0] == "free" and len(self.links) > 1
+
+
+def derivatives(form: Form, state: Sequence[Number], functions: Any) -> list[Number]:
+    """The derivative of a state. functions: what has the functions `sin` and `cos` of the arithmetic."""
+    links, first = [], 0
+    for (kind, parent), constants in zip(form.links, form.constants, strict=True):
+        middle, last = first + SIZES[kind][0], first + sum(SIZES[kind])
+        links.append(articulated.Link(kind, parent, constants, state[first:middle], state[middle:last]))
+        first = last
+    found: list[Number] = []
+    accelerations = articulated.accelerations(links, form.gravity, functions)
+    for link, own in zip(links, accelerations, strict=True):
+        found += [*_coordinate_rates(link), *own[: len(link.rates)]]
+    if form.floats:
+        linear, rows = accelerations[0][3:], quaternion_rows(links[0].coordinates)
+        found += [*state[first + 3 :], *(sum(a * b for a, b in zip(row, linear, strict=True)) for row in rows)]
+    return found
+
+
+def _coordinate_rates(link: articulated.Link) -> Sequence[Number]:
+    """The derivatives of the coordinates of a link: of a quaternion, q Omega / 2."""
+    if len(link.coordinates) == 1:
+        return link.rates
+    (w, i, j, k), (x, y, z) = link.coordinates, link.rates
+    return [
+        -(i * x + j * y + k * z) / 2,
+        (w * x + j * z - k * y) / 2,
+        (w * y + k * x - i * z) / 2,
+        (w * z + i * y - j * x) / 2,
+    ]
+
+
+def form(tree: Tree, constants: Sequence[Constants], gravity: Sequence[Number]) -> Form:
+    """A tree in the arithmetic of some numbers."""
+    return Form([(link.kind, link.parent) for link in tree.links], constants, gravity)
+
+
+def start(tree: Tree) -> list[Real]:
+    """The exact state at t = 0."""
+    found = [value for link in tree.links for value in (*link.coordinates, *link.rates)]
+    if tree.floats:
+        found += [*ORIGIN, *total(tree.links[0].start.velocity, scaled(MP.mpf(-1), common_velocity(tree)))]
+    return found
+
+
+def common_velocity(tree: Tree) -> Vector3:
+    """The velocity of the centre of mass of a tree at t = 0."""
+    mass, momentum = MP.mpf(0), ORIGIN
+    for link in tree.links:
+        constants = link.constants
+        if constants.mass:
+            x, y, z = (part / constants.mass for part in constants.moment)
+            centre = link.start.carried(Place(origin=(x, y, z)))
+            mass, momentum = mass + constants.mass, total(momentum, scaled(constants.mass, centre.velocity))
+    return scaled(1 / mass, momentum)
+
+
+def split(tree: Tree, rows: WideArray, times: WideArray, kind: FloatType) -> list[LinkStates]:
+    """The states of the links from states (n, k) at times (n,)."""
+    found, first = list[LinkStates](), 0
+    for link in tree.links:
+        middle, last = first + SIZES[link.kind][0], first + sum(SIZES[link.kind])
+        found.append(LinkStates(rows[:, first:middle], rows[:, middle:last]))
+        first = last
+    if tree.links[0].kind == "free":
+        floating = rows[:, first:] if tree.floats else np.full((len(times), 6), kind.number(MP.mpf(0)))
+        found[0] = LinkStates(found[0].coordinates, found[0].rates, *_flown(tree, floating, times, kind))
+    return found
+
+
+def _flown(tree: Tree, floating: WideArray, times: WideArray, kind: FloatType) -> tuple[WideArray, WideArray]:
+    """Position and velocity (n, 3), world, of the first link, which is free, from those relative to where it would be."""
+    begin, t = tree.links[0].start, kind.array([MP.mpf(time) for time in times])[:, None]
+    origin, velocity, fall = (kind.array(part) for part in (begin.place.origin, common_velocity(tree), tree.fall))
+    return origin + (velocity + fall * t / 2) * t + floating[:, :3], velocity + fall * t + floating[:, 3:]

@@ -1,0 +1,168 @@
+"""Poses and velocities of the links of a tree, in any floating-point type, and from them joint coordinates and bodies."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.exact.numbers import MP, Quaternion4, Vector3
+from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES, places
+from bodycheck.reference.mechanisms.frames import Place
+from bodycheck.reference.mechanisms.link_states import LinkStates
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
+from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
+from bodycheck.reference.mechanisms.tree import STILL, Anchor, Forest, Link, Tree
+from bodycheck.reference.trajectory import Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Frames:
+    """The motion of a frame at n instants.
+
+    turn: (n, 4) unit quaternions from its axes to those of the world. origin, velocity: (n, 3) of its origin, world (m, m/s).
+    spin: (n, 3) its angular velocity along its own axes (rad/s).
+    """
+
+    turn: WideArray
+    origin: WideArray
+    velocity: WideArray
+    spin: WideArray
+
+    def moved(self, turn: WideArray, shift: WideArray, velocity: WideArray | None, spin: WideArray | None) -> "Frames":
+        """A frame whose turn and shift (n, 4) and (n, 3) are given in this one, and its velocities relative to this one."""
+        arm = rotate(self.turn, shift)
+        swung = self.velocity + _cross(rotate(self.turn, self.spin), arm)
+        carried = rotate(conjugate(turn), self.spin)
+        return Frames(
+            multiply(self.turn, turn),
+            self.origin + arm,
+            swung if velocity is None else swung + rotate(self.turn, velocity),
+            carried if spin is None else carried + spin,
+        )
+
+    def carried(self, place: Place, kind: FloatType) -> "Frames":
+        """A frame that is fixed in this one."""
+        turn, shift = _spread(place.turn, len(self.turn), kind), _spread(place.origin, len(self.turn), kind)
+        return self.moved(turn, shift, None, None)
+
+
+def resting(place: Place, count: int, kind: FloatType) -> Frames:
+    """A frame that does not move, at `count` instants."""
+    zeros = _spread((MP.mpf(0),) * 3, count, kind)
+    return Frames(_spread(place.turn, count, kind), _spread(place.origin, count, kind), zeros, zeros)
+
+
+def link_frames(tree: Tree, states: list[LinkStates], count: int, kind: FloatType) -> list[Frames]:
+    """The motions of the frames of all links of a tree."""
+    base, found = resting(tree.base, count, kind), list[Frames]()
+    for link, state in zip(tree.links, states, strict=True):
+        parent = base if link.parent == STILL else found[link.parent]
+        found.append(_link_frame(link, state, parent.carried(link.before, kind)))
+    return found
+
+
+def _link_frame(link: Link, state: LinkStates, before: Frames) -> Frames:
+    zero = np.zeros_like(before.spin)
+    if link.kind == "prismatic":
+        shift, velocity = zero.copy(), zero.copy()
+        shift[:, 2], velocity[:, 2] = state.coordinates[:, 0], state.rates[:, 0]
+        still = np.zeros_like(before.turn)
+        still[:, 0] = still[:, 0] + 1
+        return before.moved(still, shift, velocity, None)
+    if link.kind == "revolute":
+        turn, spin = np.zeros_like(before.turn), zero.copy()
+        half = state.coordinates[:, 0] / 2
+        turn[:, 0], turn[:, 3], spin[:, 2] = np.cos(half), np.sin(half), state.rates[:, 0]
+        return before.moved(turn, zero, None, spin)
+    turn = normalise(state.coordinates)
+    if state.origin is None or state.velocity is None:
+        return before.moved(turn, zero, None, state.rates)
+    return Frames(turn, state.origin, state.velocity, state.rates)
+
+
+def body_frames(forest: Forest, frames: list[list[Frames]], count: int, kind: FloatType) -> list[Frames]:
+    """The motions of the frames of all bodies."""
+    return [_anchored(anchor, frames, count, kind) for anchor in forest.anchors]
+
+
+def _anchored(anchor: Anchor, frames: list[list[Frames]], count: int, kind: FloatType) -> Frames:
+    if anchor.tree < 0:
+        return resting(anchor.place, count, kind)
+    return frames[anchor.tree][anchor.link].carried(anchor.place, kind)
+
+
+def bodies(mechanism: Mechanism, frames: list[Frames], times: WideArray, kind: FloatType) -> Trajectory:
+    """The states of all bodies, arrays (b, n, ...), in the floating-point type."""
+    centred = [
+        frame.carried(Place(origin=exact.inertia(body).centre), kind)
+        for body, frame in zip(mechanism.bodies, frames, strict=True)
+    ]
+    return Trajectory(
+        times,
+        np.stack([frame.origin for frame in centred]),
+        np.stack([normalise(frame.turn) for frame in centred]),
+        np.stack([frame.velocity for frame in centred]),
+        np.stack([frame.spin for frame in centred]),
+    )
+
+
+def joints(
+    mechanism: Mechanism, forest: Forest, states: list[list[LinkStates]], frames: list[Frames], count: int, kind: FloatType
+) -> tuple[WideArray, WideArray]:
+    """The coordinates (n, c) and velocities (n, u) of all joints, in the layout of `coordinates`."""
+    zero = kind.number(MP.mpf(0))
+    position = np.full((count, sum(COORDINATES[joint.type] for joint in mechanism.joints)), zero)
+    velocity = np.full((count, sum(VELOCITIES[joint.type] for joint in mechanism.joints)), zero)
+    layout = places(mechanism)
+    for tree, own in zip(forest.trees, states, strict=True):
+        for link, state in zip(tree.links, own, strict=True):
+            if link.joint < 0:
+                continue
+            held, moving = layout[link.joint]
+            joint = mechanism.joints[link.joint]
+            if link.kind == "ball":
+                position[:, held], velocity[:, moving] = _ball(link, state, forest.anchors[joint.child].place, kind)
+            elif link.kind == "free":
+                position[:, held], velocity[:, moving] = _free(joint, frames, count, kind)
+            else:
+                position[:, held.start + link.coordinate] = state.coordinates[:, 0]
+                velocity[:, moving.start + link.coordinate] = state.rates[:, 0]
+    return position, velocity
+
+
+def _ball(link: Link, state: LinkStates, child: Place, kind: FloatType) -> tuple[WideArray, WideArray]:
+    """The quaternion of a ball from the child's frame to that of the joint, and its rates in the child's frame."""
+    count = len(state.rates)
+    socket, own = _spread(link.socket.turn, count, kind), _spread(child.turn, count, kind)
+    turn = multiply(multiply(conjugate(socket), normalise(state.coordinates)), own)
+    return normalise(turn), rotate(conjugate(own), state.rates)
+
+
+def _free(joint: Joint, frames: list[Frames], count: int, kind: FloatType) -> tuple[WideArray, WideArray]:
+    """The coordinates (n, 7) and velocities (n, 6) of a free joint from the frames of its two bodies."""
+    child = frames[joint.child]
+    parent = resting(Place(), count, kind) if joint.parent == WORLD else frames[joint.parent]
+    seen = parent.carried(Place(exact.turn(joint.attitude), _exact(joint.position)), kind)
+    back = conjugate(seen.turn)
+    origin, turn = rotate(back, child.origin - seen.origin), normalise(multiply(back, child.turn))
+    linear = rotate(back, child.velocity - seen.velocity) - _cross(seen.spin, origin)
+    spin = child.spin - rotate(conjugate(turn), seen.spin)
+    return np.concatenate([origin, turn], axis=1), np.concatenate([linear, spin], axis=1)
+
+
+def _exact(values: tuple[float, float, float]) -> Vector3:
+    x, y, z = values
+    return MP.mpf(x), MP.mpf(y), MP.mpf(z)
+
+
+def _spread(values: Quaternion4 | Vector3, count: int, kind: FloatType) -> WideArray:
+    """The same numbers (count, k) at all instants."""
+    rounded: Any = kind.array(values)
+    return np.tile(rounded, (count, 1))
+
+
+def _cross(a: WideArray, b: WideArray) -> WideArray:
+    (x, y, z), (p, q, r) = (np.moveaxis(v, -1, 0) for v in (a, b))
+    return np.stack([y * r - z * q, z * p - x * r, x * q - y * p], axis=-1)

@@ -1,0 +1,81 @@
+"""The motion of a mechanism without loops: the articulated-body recursion, integrated in a floating-point type.
+
+Where heyoka is installed it is integrated by Taylor's method in any type, otherwise by SciPy's DOP853 in double precision.
+"""
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.mechanisms import poses
+from bodycheck.reference.mechanisms.link_states import LinkStates
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
+from bodycheck.reference.mechanisms.tree import Tree, forest
+from bodycheck.reference.trajectory import Array, Trajectory
+
+#: What follows the links of a tree at ascending or other times.
+Solver = Callable[[Tree, WideArray, FloatType], list[LinkStates]]
+
+
+@dataclass(frozen=True, eq=False)
+class JointStates:
+    """The motion of a mechanism at n instants in a floating-point type that may be wider than double precision.
+
+    Attributes
+    ----------
+    position, velocity
+        (n, c) coordinates and (n, u) velocities of the joints, in the layout of `coordinates`. Angles are not reduced.
+    bodies
+        The states of all bodies, free ones included: arrays (b, n, ...) of that type, as `trajectory.Trajectory` has them.
+    """
+
+    position: WideArray
+    velocity: WideArray
+    bodies: Trajectory
+
+
+def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits: int | None = None) -> JointStates:
+    """The motion of a mechanism without loops.
+
+    Parameters
+    ----------
+    mechanism
+        The mechanism.
+    times
+        (n,) times >= 0 in any order (s).
+    dtype, bits
+        The floating-point type: `np.float64`, `np.longdouble`, heyoka's `real128`, or its `real` with a mantissa of some bits.
+
+    Raises
+    ------
+    NotModelled
+        If the mechanism has loops.
+    OutOfReach
+        If the integration fails or takes too many steps.
+    """
+    if mechanism.loops:
+        raise NotModelled("the recursion follows trees, and this mechanism has loops")
+    kind, found, instants = FloatType(dtype, bits), forest(mechanism), np.asarray(times, dtype=float)
+    solve, count = solver(), len(instants)
+    states = [solve(tree, instants, kind) for tree in found.trees]
+    links = [poses.link_frames(tree, own, count, kind) for tree, own in zip(found.trees, states, strict=True)]
+    frames = poses.body_frames(found, links, count, kind)
+    position, velocity = poses.joints(mechanism, found, states, frames, count, kind)
+    return JointStates(position, velocity, poses.bodies(mechanism, frames, instants, kind))
+
+
+@functools.cache
+def solver() -> Solver:
+    """What follows a tree: Taylor's method, where heyoka is installed."""
+    try:
+        from bodycheck.reference.mechanisms import taylor_tree
+    except ImportError:
+        from bodycheck.reference.mechanisms import dop853_tree
+
+        return dop853_tree.followed
+    return taylor_tree.followed

@@ -1,0 +1,371 @@
+"""A mechanism as trees of links on elementary joints, in exact arithmetic.
+
+A tree is what hangs together through joints with at least one coordinate, apart from the world, which does not move, and from
+free joints, which transmit no force. So trees do not influence one another. A body on a fixed joint is part of the link that
+it is fixed to; a universal and a planar joint are two and three elementary joints with links without mass between them.
+
+Each link has a frame of its own. For a revolute or prismatic joint, z of this frame is the joint's axis and its origin lies on
+the axis, beside that of the parent where the two axes are parallel. For a ball the origin is its centre, for a free link the
+centre of mass, and the axes are the principal ones about it. The frame that does not move is that of the first joint. So the
+links do not depend on the choice of frames, and many of their numbers are zero, which the equations need not multiply by.
+"""
+
+import functools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import cast
+
+from bodycheck.reference.exact.axes import principal_axes
+from bodycheck.reference.exact.inertia import MassProperties, joined
+from bodycheck.reference.exact.numbers import MP, Real, Vector3, vector
+from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, unit
+from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms.articulated import Constants, Kind
+from bodycheck.reference.mechanisms.frames import (
+    ORIGIN,
+    Moving,
+    Place,
+    about_origin,
+    cleaned,
+    onto,
+    placed,
+    rotated,
+    scaled,
+)
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+
+_X, _Y, _Z = vector((1, 0, 0)), vector((0, 1, 0)), vector((0, 0, 1))
+
+#: The place of a link's parent where that does not move.
+STILL = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """A link of a tree.
+
+    Attributes
+    ----------
+    kind, parent
+        The kind of its joint, and the place of its parent in the tree or `STILL`.
+    constants, friction
+        Its exact numbers, and the dry friction of its joint (N m or N).
+    joint, coordinate
+        The place of the joint in the mechanism, -1 for a body without one; and which of its coordinates this link has.
+    before
+        The frame of this link where its coordinates are zero, in that of its parent; of a ball with the parent's axes.
+    socket
+        The frame of the mechanism's joint in that of the parent.
+    coordinates, rates
+        The initial state, as in `articulated.Link`.
+    start
+        The frame of the link as it moves at t = 0.
+    """
+
+    kind: Kind
+    parent: int
+    constants: Constants
+    friction: Real
+    joint: int
+    coordinate: int
+    before: Place
+    socket: Place
+    coordinates: tuple[Real, ...]
+    rates: tuple[Real, ...]
+    start: Moving
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """Links, each after its parent, and what does not move below them.
+
+    base: the frame that does not move, in the world. gravity: (3,) gravitational acceleration along its axes (m/s^2), zero for
+    a tree whose first link is free, since this link is followed from where it would fall to. fall: (3,) that of the world.
+    """
+
+    links: tuple[Link, ...]
+    base: Place
+    gravity: Vector3
+    fall: Vector3
+
+    @property
+    def floats(self) -> bool:
+        """Whether the first link is free and carries others."""
+        return self.links[0].kind == "free" and len(self.links) > 1
+
+
+@dataclass(frozen=True, eq=False)
+class Anchor:
+    """Where a body is: its tree (-1 for a body that does not move), the link in it, and its frame in that of the link."""
+
+    tree: int
+    link: int
+    place: Place
+
+
+@dataclass(frozen=True, eq=False)
+class Forest:
+    """The trees of a mechanism, and the anchor of each body."""
+
+    trees: tuple[Tree, ...]
+    anchors: tuple[Anchor, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class _Draft:
+    """A forest that grows."""
+
+    mechanism: Mechanism
+    trees: list[list[Link]]
+    bases: list[Place]
+    anchors: dict[int, Anchor]
+
+    def moving(self, anchor: Anchor) -> Moving:
+        """The motion of a body's frame at t = 0."""
+        if anchor.tree < 0:
+            return Moving(anchor.place)
+        return self.trees[anchor.tree][anchor.link].start.carried(anchor.place)
+
+
+@functools.lru_cache(maxsize=64)
+def forest(mechanism: Mechanism) -> Forest:
+    """The trees of a mechanism."""
+    draft = _Draft(mechanism, [], [], {WORLD: Anchor(-1, -1, Place())})
+    joints = {joint.child: (place, joint) for place, joint in enumerate(mechanism.joints)}
+    for body in _ordered(mechanism):
+        place, joint = joints.get(body, (-1, None))
+        if joint is not None and joint.type == "fixed":
+            parent = draft.anchors[joint.parent]
+            draft.anchors[body] = Anchor(parent.tree, parent.link, parent.place.then(_frame_of(joint)))
+        elif joint is None or joint.type == "free":
+            _add_free(draft, body, place, joint)
+        else:
+            _add_jointed(draft, body, place, joint)
+    down = vector((0, 0, -mechanism.gravity))
+    trees = tuple(
+        Tree(tuple(links), base, _gravity(links[0], base, down), down)
+        for links, base in zip(draft.trees, draft.bases, strict=True)
+    )
+    return Forest(trees, tuple(draft.anchors[body] for body in range(len(mechanism.bodies))))
+
+
+def _gravity(root: Link, base: Place, down: Vector3) -> Vector3:
+    if root.kind == "free":
+        return ORIGIN
+    return _vector(cleaned(rotated(conjugate(base.turn), down), abs(down[2])))
+
+
+def _ordered(mechanism: Mechanism) -> list[int]:
+    """The bodies, each after its parent."""
+    children: dict[int, list[int]] = {}
+    for body, joint in enumerate(mechanism.joint_of):
+        children.setdefault(WORLD if joint is None else joint.parent, []).append(body)
+    order = list(children.get(WORLD, []))
+    for body in order:
+        order += children.get(body, [])
+    return order
+
+
+def _frame_of(joint: Joint) -> Place:
+    return Place(exact.turn(joint.attitude), vector(joint.position))
+
+
+def _made(body: JointedBody) -> MassProperties:
+    own = exact.inertia(body)
+    return MassProperties(own.mass, own.centre, own.tensor)
+
+
+def _fused(mechanism: Mechanism, body: int) -> MassProperties:
+    """The mass properties of a body and of all that is fixed to it, in its frame."""
+    parts, frames = [_made(mechanism.bodies[body])], [(body, Place())]
+    for carrier, place in frames:
+        for joint in mechanism.joints:
+            if joint.parent == carrier and joint.type == "fixed":
+                frames.append((joint.child, place.then(_frame_of(joint))))
+                parts.append(placed(_made(mechanism.bodies[joint.child]), frames[-1][1]))
+    return joined(parts) if len(parts) > 1 else parts[0]
+
+
+def _add_free(draft: _Draft, body: int, place: int, joint: Joint | None) -> None:
+    """Add a tree that begins with a free body."""
+    made = _fused(draft.mechanism, body)
+    moments, axes = principal_axes(made.tensor)
+    own = Place(axes, made.centre)
+    if joint is None:
+        socket, start = Place(), _body_start(draft.mechanism.bodies[body])
+    else:
+        parent, socket = draft.moving(draft.anchors[joint.parent]), _frame_of(joint)
+        x, y, z, *turn = (MP.mpf(value) for value in joint.start)
+        w, i, j, k = turn
+        inner = Place(unit((w, i, j, k)), (x, y, z))
+        velocity, spin = vector(joint.start_velocity[:3]), vector(joint.start_velocity[3:])
+        start = parent.carried(socket).moved(inner, velocity, spin)
+    centred = start.carried(own)
+    tensor = (*moments, *ORIGIN)
+    constants = _constants(Place(), MassProperties(made.mass, ORIGIN, tensor))
+    link = Link(
+        kind="free",
+        parent=STILL,
+        constants=constants,
+        friction=MP.mpf(0),
+        joint=place,
+        coordinate=0,
+        before=Place(),
+        socket=socket,
+        coordinates=centred.place.turn,
+        rates=centred.spin,
+        start=centred,
+    )
+    draft.anchors[body] = Anchor(len(draft.trees), 0, own.inverse())
+    draft.trees.append([link])
+    draft.bases.append(Place())
+
+
+def _body_start(body: JointedBody) -> Moving:
+    """The motion of the frame of a body without a joint at t = 0."""
+    assert body.start is not None, "a body without a joint has an initial state"
+    given = body.start
+    turn, spin = exact.turn(given.attitude), exact.rates(given.attitude, given.rotation)
+    at_centre = Moving(Place(turn, vector(given.position)), vector(given.velocity), spin)
+    return at_centre.carried(Place(origin=scaled(MP.mpf(-1), exact.inertia(body).centre)))
+
+
+def _add_jointed(draft: _Draft, body: int, place: int, joint: Joint) -> None:
+    """Add the links of a joint that transmits forces."""
+    anchor = draft.anchors[joint.parent]
+    tree, parent, socket = anchor.tree, anchor.link, anchor.place.then(_frame_of(joint))
+    if tree < 0:
+        tree, parent = len(draft.trees), STILL
+        draft.trees.append([])
+        draft.bases.append(_base(joint, socket))
+        socket = draft.bases[tree].inverse().then(socket)
+    links, made = draft.trees[tree], _fused(draft.mechanism, body)
+    below = Moving(draft.bases[tree]) if parent == STILL else links[parent].start
+    if joint.type == "spherical":
+        links.append(_ball(joint, place, parent, socket, made, below))
+        draft.anchors[body] = Anchor(tree, len(links) - 1, Place(conjugate(_principal(made))))
+        return
+    axes = _axes(joint)
+    for coordinate, (kind, axis) in enumerate(axes):
+        parallel = parent == STILL or (links[parent].kind != "ball" and links[parent].kind != "free")
+        before = _before(kind, socket, rotated(socket.turn, axis), parallel)
+        after = before.inverse().then(socket)
+        last = coordinate == len(axes) - 1
+        own = placed(made, after) if last else None
+        link = _single(joint, place, coordinate, kind, parent, before, socket, own, below)
+        links.append(link)
+        parent, socket, below = len(links) - 1, after, link.start
+    draft.anchors[body] = Anchor(tree, parent, socket)
+
+
+def _axes(joint: Joint) -> list[tuple[Kind, Vector3]]:
+    """The elementary joints of a joint, each with its axis in the frame of the joint."""
+    match joint.type:
+        case "universal":
+            return [("revolute", _X), ("revolute", _Y)]
+        case "planar":
+            return [("prismatic", _X), ("prismatic", _Y), ("revolute", _Z)]
+        case _:
+            return [(cast(Kind, joint.type), exact.unit_axis(joint))]
+
+
+def _base(joint: Joint, socket: Place) -> Place:
+    """The frame that does not move below a joint on the world."""
+    if joint.type == "spherical":
+        return Place(origin=socket.origin)
+    return Place(onto(rotated(socket.turn, _axes(joint)[0][1])), socket.origin)
+
+
+def _before(kind: Kind, socket: Place, axis: Vector3, parallel: bool) -> Place:
+    """The frame of a link on an axis, which is given along the axes of its parent, where its coordinate is zero."""
+    turn, (x, y, z) = onto(axis), socket.origin
+    return Place(turn, (x, y, MP.mpf(0)) if parallel and kind == "revolute" and turn == IDENTITY else (x, y, z))
+
+
+def _single(
+    joint: Joint,
+    place: int,
+    coordinate: int,
+    kind: Kind,
+    parent: int,
+    before: Place,
+    socket: Place,
+    made: MassProperties | None,
+    below: Moving,
+) -> Link:
+    """The link of a revolute or prismatic joint. made: its mass properties in its frame, None for one without mass."""
+    q, v = (MP.mpf(values[coordinate]) if values else MP.mpf(0) for values in (joint.start, joint.start_velocity))
+    cosine, sine = MP.cos_sin(q / 2)
+    turning = kind == "revolute"
+    inner = Place((cosine, MP.mpf(0), MP.mpf(0), sine)) if turning else Place(origin=scaled(q, _Z))
+    velocity, spin = (ORIGIN, scaled(v, _Z)) if turning else (scaled(v, _Z), ORIGIN)
+    return Link(
+        kind=kind,
+        parent=parent,
+        constants=_constants(before, made, joint),
+        friction=MP.mpf(joint.friction),
+        joint=place,
+        coordinate=coordinate,
+        before=before,
+        socket=socket,
+        coordinates=(q,),
+        rates=(v,),
+        start=below.carried(before).moved(inner, velocity, spin),
+    )
+
+
+def _ball(joint: Joint, place: int, parent: int, socket: Place, made: MassProperties, below: Moving) -> Link:
+    """The link of a ball."""
+    own, before = _principal(made), Place(origin=socket.origin)
+    w, x, y, z = (MP.mpf(value) for value in joint.start)
+    turn = multiply(multiply(socket.turn, unit((w, x, y, z))), own)
+    spin = rotated(conjugate(own), vector(joint.start_velocity))
+    return Link(
+        kind="ball",
+        parent=parent,
+        constants=_constants(before, placed(made, Place(conjugate(own))), joint),
+        friction=MP.mpf(0),
+        joint=place,
+        coordinate=0,
+        before=before,
+        socket=socket,
+        coordinates=turn,
+        rates=spin,
+        start=below.carried(before).moved(Place(turn), ORIGIN, spin),
+    )
+
+
+def _principal(made: MassProperties) -> tuple[Real, Real, Real, Real]:
+    """The rotation from the principal axes about the origin."""
+    return principal_axes(about_origin(made))[1]
+
+
+def _constants(before: Place, made: MassProperties | None, joint: Joint | None = None) -> Constants:
+    """The numbers of a link with its mass properties in its frame."""
+    made = made or MassProperties(MP.mpf(0), ORIGIN, (*ORIGIN, *ORIGIN))
+    rows = [entry for row in matrix(before.turn) for entry in row]
+    tensor = cleaned(about_origin(made), sum(abs(part) for part in about_origin(made)))
+    xx, yy, zz, *_ = tensor
+    reach = sum(abs(part) for part in made.centre)
+    armature, damping, stiffness, rest, effort = (
+        (MP.mpf(0),) * 5
+        if joint is None
+        else (MP.mpf(value) for value in (joint.armature, joint.damping, joint.stiffness, joint.rest, joint.effort))
+    )
+    return Constants(
+        turn=cleaned(rows, MP.mpf(1)),
+        offset=cleaned(before.origin, sum(abs(part) for part in before.origin)),
+        mass=made.mass,
+        moment=tuple(made.mass * part for part in cleaned(made.centre, reach)),
+        tensor=tensor,
+        differences=cleaned((zz - yy, xx - zz, yy - xx), abs(xx) + abs(yy) + abs(zz)),
+        armature=armature,
+        damping=damping,
+        stiffness=stiffness,
+        force=effort + stiffness * rest,
+    )
+
+
+def _vector(values: Sequence[Real]) -> Vector3:
+    x, y, z = values
+    return x, y, z
