@@ -1,0 +1,204 @@
+"""The motion of mechanisms by the articulated-body recursion: against equations by hand, closed forms and what is conserved."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bodycheck import load
+from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.exact.numbers import MP
+from bodycheck.reference.kinematics import geodesic_angle, rotate
+from bodycheck.reference.mechanisms import dop853_tree, kinematics, observables, recursion
+from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, Mechanism
+from bodycheck.reference.mechanisms.recursion import JointStates, follow
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import truth
+from tests.support.jointed import body, cart_pole, four_bar, free_chain, tree
+
+TIMES = np.linspace(0.0, 2.0, 21)
+
+#: Some hundred roundings of the 80-bit type, which the short motions here make; there are none in double precision alone.
+CLOSE = 1e-17 if np.finfo(np.longdouble).nmant > 52 else 1e-13
+
+#: A uniform rod of 1 m and 12 kg, whose moments are whole numbers.
+ROD = body("rod", 12.0, (1.0, 1.0, 0.0), (0.0, 0.0, -0.5))
+
+
+def doubles(states: Trajectory) -> Trajectory:
+    """States of bodies, rounded to double precision."""
+    parts = (states.position, states.quaternion, states.velocity, states.angular_velocity)
+    return Trajectory(states.t, *(part.astype(float) for part in parts))
+
+
+def rods(count: int, *, crossed: bool = False) -> Mechanism:
+    """Rods of 1 m, hinged about y, or about x and y in turn; from the horizontal, or from 0.7 rad at each hinge."""
+    joints = tuple(
+        Joint(
+            *(f"hinge-{place}", "revolute", place - 1, place, (0.0, 0.0, -1.0 if place else 0.0)),
+            axis=(1.0, 0.0, 0.0) if crossed and place % 2 == 0 else (0.0, 1.0, 0.0),
+            start=(0.7 if crossed else 0.0 if place else np.pi / 2,),
+            start_velocity=(0.0,),
+        )
+        for place in range(count)
+    )
+    return Mechanism(tuple(replace(ROD, name=f"rod-{place}") for place in range(count)), joints, gravity=9.81)
+
+
+@pytest.fixture(scope="module")
+def moved_tree() -> JointStates:
+    """The motion of the tree with a joint of every type."""
+    return follow(tree(), TIMES)
+
+
+def test_a_double_pendulum_obeys_the_equations_of_the_textbook() -> None:
+    hy = pytest.importorskip("heyoka")
+    a, b, u, v = hy.make_vars("a", "b", "u", "v")
+    g = hy.par[0]
+    c, s = hy.cos(a - b), hy.sin(a - b)
+    # Two uniform rods with angles a and b from the vertical: 4/3 a'' + c/2 b'' = p and c/2 a'' + 1/3 b'' = q.
+    p, q = -s * v * v / 2 - 3 * g * hy.sin(a) / 2, s * u * u / 2 - g * hy.sin(b) / 2
+    # They are solved in whole numbers, since heyoka multiplies by the double that is nearest to 1/3.
+    det = 16 - 9 * c * c
+    equations = [(a, u), (b, v), (u, (12 * p - 18 * c * q) / det), (v, (48 * q - 18 * c * p) / det)]
+    start = np.array([np.pi / 2, np.pi / 2, 0, 0], dtype=np.longdouble)
+    solver = hy.taylor_adaptive(
+        equations, start, pars=np.array([9.81], np.longdouble), fp_type=np.longdouble, tol=np.longdouble(1e-20)
+    )
+    by_hand = solver.propagate_grid(TIMES.astype(np.longdouble))[-1]
+    found = follow(rods(2), TIMES)
+    # An error grows about tenfold in these two seconds.
+    assert np.abs(found.position.cumsum(axis=1) - by_hand[:, :2]).max() < 10 * CLOSE
+    assert np.abs(found.velocity.cumsum(axis=1) - by_hand[:, 2:]).max() < 100 * CLOSE
+
+
+def test_a_tree_of_every_joint_starts_as_given_and_conserves_its_energy(moved_tree: JointStates) -> None:
+    mechanism, states = tree(), doubles(moved_tree.bodies)
+    begin = kinematics.initial(mechanism)
+    assert geodesic_angle(states.quaternion[:, :1], begin.quaternion).max() < 1e-14  # roundings of double precision
+    for part in ("position", "velocity", "angular_velocity"):
+        np.testing.assert_allclose(getattr(states, part)[:, :1], getattr(begin, part), rtol=1e-14, atol=1e-14)
+    energy = observables.observe(mechanism, states).total_energy
+    # The energies of some joules are sums of some ten terms in double precision.
+    assert np.ptp(energy) < 1e-13
+
+
+def test_coordinates_of_joints_and_poses_of_bodies_agree(moved_tree: JointStates) -> None:
+    mechanism, states = tree(), doubles(moved_tree.bodies)
+    found = kinematics.joints(mechanism, states)
+    # Both are rounded to double precision, angles up to 10 rad and rates up to some ten rad/s.
+    np.testing.assert_allclose(moved_tree.position.astype(float), found.position, rtol=0, atol=2e-13)
+    np.testing.assert_allclose(moved_tree.velocity.astype(float), found.velocity, rtol=0, atol=2e-12)
+
+
+def test_without_heyoka_the_motion_is_that_of_double_precision(
+    moved_tree: JointStates, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recursion, "solver", lambda: dop853_tree.followed)
+    found = follow(tree(), TIMES[:6])
+    # DOP853 near the rounding of double precision, over half a second of a motion in which an error grows a few times.
+    assert np.abs(found.position - moved_tree.position[:6]).max() < 1e-11
+    assert np.abs(found.bodies.position - moved_tree.bodies.position[:, :6]).max() < 1e-11
+
+
+def test_a_free_body_moves_as_its_closed_form_says() -> None:
+    scene = load("intermediate-axis-flip").scene
+    initial = scene.initial
+    start = BodyStart(initial.position, initial.quaternion, initial.velocity, initial.angular_velocity)
+    mechanism = Mechanism((replace(body("alone", scene.body.mass, scene.body.moments), start=start),), gravity=scene.gravity)
+    found, known = follow(mechanism, TIMES).bodies, truth(scene, TIMES)
+    apart = geodesic_angle(found.quaternion[0], known.trajectory.quaternion.astype(np.longdouble))
+    # The closed form is rounded to double precision at the end, beyond which its bound is small here.
+    assert apart.max() < 1e-15 + known.bounds.error.max()
+    assert np.abs(found.position[0] - known.trajectory.position).max() < 1e-15
+
+
+def test_a_free_chain_conserves_its_momentum() -> None:
+    mechanism = free_chain()
+    seen = observables.observe(mechanism, doubles(follow(mechanism, TIMES).bodies))
+    assert np.ptp(seen.momentum, axis=0).max() < 1e-14  # roundings of doubles of about 1
+    assert np.ptp(seen.angular_momentum, axis=0).max() < 1e-14
+    assert np.ptp(seen.total_energy) < 1e-13
+
+
+@pytest.mark.parametrize("crossed", [False, True])
+def test_eighty_bits_lose_few_digits(crossed: bool) -> None:
+    hy = pytest.importorskip("heyoka")
+    mechanism = rods(3, crossed=crossed)
+    found, wider = follow(mechanism, TIMES), follow(mechanism, TIMES, hy.real128)
+    head = found.position.astype(float)
+    apart = (wider.position - head).astype(float) - (found.position - head).astype(float)
+    # Some hundred steps, each with some roundings, and an error grows about tenfold.
+    assert np.abs(apart).max() < 10 * CLOSE
+
+
+def test_multiprecision_has_the_digits_of_its_bits() -> None:
+    hy = pytest.importorskip("heyoka")
+    found, wider = (follow(cart_pole(), TIMES[:6], hy.real, bits).position for bits in (192, 256))
+    apart = np.abs((wider - found.astype(float)).astype(float) - (found - found.astype(float)).astype(float))
+    assert apart.max() == 0  # the difference of the two is far below a double's rounding of what the doubles leave
+    exact = [MP.mpf(str(value)) for value in wider[-1]]
+    rough = [MP.mpf(str(value)) for value in found[-1]]
+    assert max(abs(one - other) for one, other in zip(exact, rough, strict=True)) < MP.mpf(2) ** -170
+
+
+def test_the_order_of_the_file_does_not_matter() -> None:
+    mechanism = tree()
+    places = [3, 7, 0, 5, 1, 4, 6, 2]
+    new = {old: place for place, old in enumerate(places)} | {WORLD: WORLD}
+    joints = tuple(replace(joint, parent=new[joint.parent], child=new[joint.child]) for joint in mechanism.joints)
+    shuffled = replace(mechanism, bodies=tuple(mechanism.bodies[old] for old in places), joints=joints[::-1])
+    one, other = follow(mechanism, TIMES[:6]).bodies, follow(shuffled, TIMES[:6]).bodies
+    assert np.abs(one.position[places] - other.position).max() < CLOSE
+
+
+def test_the_choice_of_frames_does_not_matter() -> None:
+    mechanism = rods(2, crossed=True)
+    turn, back = (0.5, 0.5, -0.5, 0.5), np.array([0.5, -0.5, 0.5, -0.5])
+
+    def turned(vector: Any) -> Any:
+        return tuple(rotate(back, np.array(vector)).tolist())
+
+    # The first rod's frame is another, so that its joint and its child are given along other axes.
+    first, second = mechanism.joints
+    x, y, z = np.abs(turned((1.0, 1.0, 0.0))).tolist()
+    rod = body("rod-0", 12.0, (x, y, z), turned(ROD.center_of_mass))
+    other = replace(
+        mechanism,
+        bodies=(rod, mechanism.bodies[1]),
+        joints=(
+            replace(first, attitude=turn, axis=turned(first.axis)),
+            replace(second, position=turned(second.position), attitude=(0.5, -0.5, 0.5, -0.5)),
+        ),
+    )
+    one, two = follow(mechanism, TIMES), follow(other, TIMES)
+    assert np.abs(one.position - two.position).max() < 10 * CLOSE
+    assert np.abs(one.bodies.position - two.bodies.position).max() < 10 * CLOSE
+
+
+def test_a_ball_is_damped_by_its_relative_rate() -> None:
+    ball = body("ball", 2.0, (0.5, 0.5, 0.5))
+    joint = Joint("ball", "spherical", WORLD, 0, damping=0.4, start=(1.0, 0.0, 0.0, 0.0), start_velocity=(1.0, -2.0, 3.0))
+    found = follow(Mechanism((ball,), (joint,)), TIMES)
+    decay: Array = np.exp(-np.longdouble(0.4) / np.longdouble(0.5) * TIMES)
+    assert np.abs(found.velocity - decay[:, None] * np.array([1.0, -2.0, 3.0])).max() < CLOSE
+
+
+def test_a_point_mass_swings_as_the_rod_of_the_same_length() -> None:
+    pin = Joint("pin", "revolute", WORLD, 0, axis=(0.0, 1.0, 0.0), start=(np.pi / 2,), start_velocity=(0.0,))
+    point = Mechanism((body("bead", 1.0, (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)),), (pin,), gravity=9.81)
+    # A uniform rod of 1.5 m and 4 kg: its moment about the middle is 4 * 1.5^2 / 12 = 0.75.
+    rod = Mechanism((body("rod", 4.0, (0.75, 0.75, 0.0), (0.0, 0.0, -0.75)),), (pin,), gravity=9.81)
+    assert np.abs(follow(point, TIMES).position - follow(rod, TIMES).position).max() < CLOSE
+
+
+def test_loops_are_left_to_others() -> None:
+    with pytest.raises(NotModelled, match="loops"):
+        follow(four_bar(), TIMES)
+
+
+def test_angles_are_not_reduced() -> None:
+    pin = Joint("pin", "revolute", WORLD, 0, start=(0.5,), start_velocity=(40.0,))
+    found = follow(Mechanism((body("wheel", 1.0, (1.0, 1.0, 1.0)),), (pin,)), TIMES)
+    np.testing.assert_allclose(found.position[:, 0].astype(float), 0.5 + 40 * TIMES, rtol=1e-15)
