@@ -119,9 +119,12 @@ COLUMNS = (*(field.name for field in fields(Requirements)), "mechanism")
 
 
 def as_row(scene: AnyScene) -> dict[str, bool | str | int]:
-    """The requirements of any scene by `COLUMNS`; those of a mechanism besides gravity are a list in words, in the last."""
+    """The requirements of any scene by `COLUMNS`.
+
+    Those of a mechanism besides gravity are a list in words, in the last, which other scenes do not have.
+    """
     if not isinstance(scene, Mechanism):
-        return asdict(requirements(scene)) | {"mechanism": False}
+        return asdict(requirements(scene))
     found = of_mechanism(scene)
     effects = ", ".join(name for name in found.names() if name not in ("mechanisms", "gravity"))
     row: dict[str, bool | str | int] = dict.fromkeys(COLUMNS, False)

@@ -29,7 +29,8 @@ def cases(*, requires: bool = False, json: Json = False, view: Viewed = AS_USUAL
         if json:
             terminal.print_json([{"name": name, **needed} for name, needed in needs.items()])
         else:
-            terminal.print_requirements(needs, view)
+            shown = [name for name in COLUMNS if any(name in row for row in needs.values())]
+            terminal.print_requirements({case: dict.fromkeys(shown, False) | row for case, row in needs.items()}, view)
     elif json:
         terminal.print_json([{"name": c.name, "title": c.title, "source": c.source, "tags": c.tags} for c in loaded])
     else:

@@ -26,9 +26,7 @@ def ball_and_hinge() -> Mechanism:
     return Mechanism(
         bodies=(body("arm", 0.8, moments, (0.1, 0.0, -0.4)), body("hand", 0.5, moments, (0.0, 0.1, -0.2))),
         joints=(
-            Joint(
-                *("ball", "spherical", WORLD, 0), damping=0.1, start=(0.9, 0.3, -0.1, 0.2), start_velocity=(1.0, -2.0, 1.5)
-            ),
+            Joint(*("ball", "spherical", WORLD, 0), damping=0.1, start=(0.9, 0.3, -0.1, 0.2), start_velocity=(1.0, -2.0, 1.5)),
             Joint(
                 *("hinge", "revolute", 0, 1, (0.2, 0.0, -0.8), (0.8, 0.2, -0.4, 0.4), (0.0, 1.0, 0.3)),
                 armature=0.02,
