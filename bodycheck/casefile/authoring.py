@@ -4,13 +4,13 @@ import json
 import os
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
 from pydantic_core import core_schema
 
-from bodycheck.casefile import grammar, values
+from bodycheck.casefile import formats, values
 from bodycheck.casefile.finding import SUFFIX
 from bodycheck.errors import BadInput
 from bodycheck.files import writing
@@ -18,17 +18,20 @@ from bodycheck.files import writing
 #: The file with the schema, beside the shipped cases; the first line of each case names it for editors.
 SCHEMA_FILE = "case.schema.json"
 
-#: The case file that `new` copies, and the name of its case.
+#: The case files that `new` copies, of one body and of a mechanism, and the name of their case.
 TEMPLATE_FILE = "template.toml"
+MECHANISM_TEMPLATE_FILE = "template-mechanism.toml"
 TEMPLATE_NAME = "my-case"
 
 
-def new(name: str, folder: Path) -> Path:
+def new(name: str, folder: Path, *, mechanism: bool = False) -> Path:
     """Write a commented case file with this name into a folder, and return its path.
+
+    mechanism: whether it has bodies on joints, and not one body.
 
     Raises `BadInput` for a bad name, and if the file exists or cannot be written.
     """
-    return _written(name, folder, template())
+    return _written(name, folder, template(mechanism=mechanism))
 
 
 def new_of_robot(name: str | None, folder: Path, model: Path, body: str | None) -> tuple[Path, str]:
@@ -75,15 +78,17 @@ def _written(name: str, folder: Path, text: str) -> Path:
     return path
 
 
-def template() -> str:
-    """Return the text of the case file that `new` copies."""
-    return (resources.files("bodycheck.cases") / TEMPLATE_FILE).read_text("utf-8")
+def template(*, mechanism: bool = False) -> str:
+    """Return the text of the case file that `new` copies: one of one body, or of a mechanism."""
+    file = MECHANISM_TEMPLATE_FILE if mechanism else TEMPLATE_FILE
+    return (resources.files("bodycheck.cases") / file).read_text("utf-8")
 
 
 def schema() -> str:
-    """Return the JSON Schema of case files."""
-    made = {"$schema": _Schema.schema_dialect, **grammar.CaseTable.model_json_schema(schema_generator=_Schema)}
-    return json.dumps(made | {"title": f"Case file of bodycheck, format {grammar.FORMAT}"}, indent=2, ensure_ascii=False) + "\n"
+    """Return the JSON Schema of case files, of one of the formats each."""
+    any_case = TypeAdapter[Any](Annotated[formats.AnyCaseTable, Field(discriminator="format")])
+    made = {"$schema": _Schema.schema_dialect, "title": "Case file of bodycheck"}
+    return json.dumps(made | any_case.json_schema(schema_generator=_Schema), indent=2, ensure_ascii=False) + "\n"
 
 
 class _Schema(GenerateJsonSchema):

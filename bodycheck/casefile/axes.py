@@ -15,13 +15,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
+from bodycheck.casefile.mechanisms.axes import VARIATIONS, grown
 from bodycheck.casefile.values import MAX_STEPS, Factors, NonNegativeValues, Ratios, Values
 from bodycheck.reference.kinematics import rotate
-from bodycheck.reference.mechanisms.mechanism import AnyScene, alone
-from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere, State, Vector
+from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.scene import Body, Scene, State, Vector
 
 if TYPE_CHECKING:  # a case is read by the grammar, which is made from the axes
     from bodycheck.casefile.case import Case
+
+
+#: The axes of how a case is run, which change no scene.
+OF_THE_RUN = ("timestep", "steps")
 
 
 @dataclass(frozen=True)
@@ -39,13 +44,14 @@ class Axis:
     values
         The annotation of the values in the grammar of case files.
     change
-        Function from a case and a value to the case that has this value.
+        Function from a case of one body and a value to the case that has this value; that of a mechanism is in
+        `mechanisms.axes`.
     unit
         The SI unit, empty for a pure number.
     remark
         Additional information for the grammar and the documentation, for example which quantities stay the same.
     missing
-        Returns why a scene cannot be varied along the axis; None if it can.
+        Returns why a scene of one body cannot be varied along the axis; None if it can.
     refused
         Returns the rule that a value breaks in a case of the given duration (s); None if it breaks none.
     """
@@ -60,6 +66,21 @@ class Axis:
     missing: Callable[[Scene], str | None] = lambda _: None
     refused: Callable[[float, float], str | None] = lambda _value, _duration: None
 
+    def varied(self, case: "Case", value: float) -> "Case":
+        """The case, of one body or of a mechanism, that has a value."""
+        variation = VARIATIONS.get(self.name)
+        if variation is None or isinstance(case.scene, Scene):
+            return self.change(case, value)
+        return replace(case, scene=variation.change(case.scene, value))
+
+    def lacking(self, scene: AnyScene) -> str | None:
+        """Why a scene of one body or a mechanism cannot be varied along the axis; None if it can."""
+        if isinstance(scene, Scene):
+            return self.missing(scene)
+        if (variation := VARIATIONS.get(self.name)) is not None:
+            return variation.missing(scene)
+        return None if self.name in OF_THE_RUN else "only of one body, not of a mechanism"
+
     @property
     def description(self) -> str:
         """The meaning with the unit and the remark."""
@@ -68,13 +89,13 @@ class Axis:
 
 def spin(case: "Case", value: float) -> "Case":
     """The initial angular velocity at this size (rad/s), its direction kept."""
-    initial = alone(case.scene).initial
+    initial = _scene(case).initial
     return _with_state(case, replace(initial, angular_velocity=_scaled(initial.angular_velocity, value)))
 
 
 def speed(case: "Case", value: float) -> "Case":
     """The initial velocity at this size (m/s), its direction kept."""
-    initial = alone(case.scene).initial
+    initial = _scene(case).initial
     return _with_state(case, replace(initial, velocity=_scaled(initial.velocity, value)))
 
 
@@ -85,26 +106,26 @@ def steps(case: "Case", value: float) -> "Case":
 
 def distance(case: "Case", value: float) -> "Case":
     """The start moved away from the origin by this along x (m)."""
-    initial = alone(case.scene).initial
+    initial = _scene(case).initial
     x, y, z = initial.position
     return _with_state(case, replace(initial, position=(x + value, y, z)))
 
 
 def gravity(case: "Case", value: float) -> "Case":
     """Another gravity (m/s^2)."""
-    return replace(case, scene=replace(case.scene, gravity=value))
+    return replace(case, scene=replace(_scene(case), gravity=value))
 
 
 def friction(case: "Case", value: float) -> "Case":
     """Another coefficient of friction of the plane."""
-    scene = alone(case.scene)
-    assert scene.plane is not None  # a case file that has this axis without a plane is refused
-    return replace(case, scene=replace(scene, plane=replace(scene.plane, friction=value)))
+    plane = _scene(case).plane
+    assert plane is not None  # a case file that has this axis without a plane is refused
+    return replace(case, scene=replace(_scene(case), plane=replace(plane, friction=value)))
 
 
 def mass(case: "Case", value: float) -> "Case":
     """Another mass (kg) of the same shape: the moments in proportion."""
-    body = alone(case.scene).body
+    body = _scene(case).body
     return _with_body(case, replace(body, mass=value, moments=_times(body.moments, value / body.mass)))
 
 
@@ -113,10 +134,9 @@ def size(case: "Case", value: float) -> "Case":
 
     A body on a plane still lies on it.
     """
-    scene = alone(case.scene)
-    body, initial = scene.body, scene.initial
-    shape = None if body.shape is None else _grown(body.shape, value)
-    if scene.plane is not None:
+    body, initial = _scene(case).body, _scene(case).initial
+    shape = None if body.shape is None else grown(body.shape, value)
+    if _scene(case).plane is not None:
         x, y, z = initial.position
         case = _with_state(case, replace(initial, position=(x, y, z * value)))
     return _with_body(case, Body(body.mass * value**3, _times(body.moments, value**5), shape, body.axes))
@@ -128,7 +148,7 @@ def moment_ratio(case: "Case", value: float) -> "Case":
     With the second moments S_x, S_y, S_z of the mass, A = S_y + S_z, B = S_x + S_z and C = S_x + S_y: a stretch changes S_z
     alone, and no value breaks A + B >= C. The shape, which free flight does not know, is dropped.
     """
-    body = alone(case.scene).body
+    body = _scene(case).body
     a, b, c = body.moments
     along = c / 2 * (1 / value - 1)
     return _with_body(case, replace(body, moments=((c + a - b) / 2 + along, (c + b - a) / 2 + along, c), shape=None))
@@ -139,8 +159,7 @@ def separatrix(case: "Case", value: float) -> "Case":
 
     The closer to 0, the closer to the separatrix: the time between flips grows as ln(1 / value).
     """
-    scene = alone(case.scene)
-    body, initial = scene.body, scene.initial
+    body, initial = _scene(case).body, _scene(case).initial
     least, middle, _ = sorted(range(3), key=body.moments.__getitem__)
     rates = np.zeros(3)
     rates[middle] = math.hypot(*initial.angular_velocity)
@@ -285,23 +304,18 @@ AXES: dict[str, Axis] = {
 }
 
 
-#: The axes along which a mechanism can be varied.
-OF_MECHANISMS = ("timestep", "steps", "gravity")
-
-
-def missing(name: str, scene: AnyScene) -> str | None:
-    """Return why a scene cannot be varied along the axis of this name; None if it can."""
-    if isinstance(scene, Scene):
-        return AXES[name].missing(scene)
-    return None if name in OF_MECHANISMS else f"not defined for a mechanism; allowed: {', '.join(OF_MECHANISMS)}"
+def _scene(case: "Case") -> Scene:
+    """The scene of a case of one body."""
+    assert isinstance(case.scene, Scene)
+    return case.scene
 
 
 def _with_state(case: "Case", initial: State) -> "Case":
-    return replace(case, scene=replace(alone(case.scene), initial=initial))
+    return replace(case, scene=replace(_scene(case), initial=initial))
 
 
 def _with_body(case: "Case", body: Body) -> "Case":
-    return replace(case, scene=replace(alone(case.scene), body=body))
+    return replace(case, scene=replace(_scene(case), body=body))
 
 
 def _scaled(vector: Vector, size: float) -> Vector:
@@ -311,15 +325,3 @@ def _scaled(vector: Vector, size: float) -> Vector:
 def _times(vector: Vector, factor: float) -> Vector:
     x, y, z = vector
     return x * factor, y * factor, z * factor
-
-
-def _grown(shape: Shape, factor: float) -> Shape:
-    match shape:
-        case Brick(semi_axes):
-            return Brick(_times(semi_axes, factor))
-        case Ellipsoid(semi_axes):
-            return Ellipsoid(_times(semi_axes, factor))
-        case Cylinder(radius, half_length):
-            return Cylinder(radius * factor, half_length * factor)
-        case Sphere(radius):
-            return Sphere(radius * factor)

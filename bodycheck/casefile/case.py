@@ -10,14 +10,14 @@ from importlib import resources
 from importlib.resources.abc import Traversable
 from itertools import accumulate
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from pydantic import ValidationError
 
 from bodycheck.adapters.method import Method, current
 from bodycheck.casefile import formats, grammar
-from bodycheck.casefile.axes import missing
+from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.checkable import uncheckable
 from bodycheck.casefile.ensemble import Ensemble, build_ensemble
 from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
@@ -29,6 +29,7 @@ from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
 from bodycheck.files import reading
 from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.suggestion import did_you_mean
 
@@ -78,7 +79,7 @@ class Case:
     name, title, source, tags
         As in the file.
     scene
-        The body, its initial state and its surroundings, or the bodies and joints of a mechanism.
+        The body or the mechanism, its initial state and its surroundings.
     duration
         The duration of a run (s).
     samples
@@ -97,7 +98,7 @@ class Case:
     title: str
     source: str
     tags: tuple[str, ...]
-    scene: AnyScene
+    scene: Scene
     duration: float
     samples: int
     expectations: tuple[Expectation, ...]
@@ -350,14 +351,14 @@ def _quote(value: Any) -> str:
 
 def _case(table: AnyCaseTable, scene: AnyScene, document: dict[str, Any], text: str) -> Case:
     extremes = tuple((name, values) for name, values in table.extremes if values is not None)
-    if faults := [(("extremes", name), fault) for name, _ in extremes if (fault := missing(name, scene))]:
+    if faults := [(("extremes", name), fault) for name, _ in extremes if (fault := AXES[name].lacking(scene))]:
         raise Inconsistent(*faults)
     return Case(
         name=table.name,
         title=table.title,
         source=table.source,
         tags=table.tags,
-        scene=scene,
+        scene=cast(Scene, scene),
         duration=table.run.duration,
         samples=table.run.samples,
         expectations=tuple(_expectation(expect) for expect in table.expect),

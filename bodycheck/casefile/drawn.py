@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.casefile.checkable import uncheckable
-from bodycheck.casefile.key_paths import ATTITUDE, base, find, keys, present, rivals, value_at
+from bodycheck.casefile.key_paths import ARRAYS, ATTITUDE, base, find, keys, present, rivals, value_at
 from bodycheck.casefile.raw_values import mapping
-from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_TEXT_LENGTH
 from bodycheck.figures.columns import LIMITED
 from bodycheck.reference.trajectory import Array
@@ -56,7 +55,7 @@ def wholes(document: Mapping[str, Any], values: Mapping[str, Array]) -> dict[str
         if not key.place:
             made[text] = array
             continue
-        whole = ".".join(map(str, key.whole))
+        whole = key.text_of_whole
         if whole not in made:
             height = _half_height(document, made) if whole == "initial.position" and not present(document, key.whole) else None
             made[whole] = np.tile(np.asarray(base(document, key), dtype=float), (len(array), *[1] * len(key.shape)))
@@ -65,8 +64,9 @@ def wholes(document: Mapping[str, Any], values: Mapping[str, Array]) -> dict[str
         for place in {key.place, key.place[::-1]}:
             component: tuple[slice | int, ...] = (slice(None), *place)
             made[whole][component] = array
-    if ATTITUDE in made:
-        made[ATTITUDE] = _directions(made[ATTITUDE])
+    for text in made:
+        if text == ATTITUDE or (known[text].whole[-1] == "quaternion" and known[text].whole[0] in ARRAYS):
+            made[text] = _directions(made[text])
     return made
 
 
@@ -108,8 +108,9 @@ def member_document(document: Mapping[str, Any], whole: Mapping[str, Array], pla
     name, end = str(document["name"]), f"-{member}"
     made["name"] = name[: MAX_NAME_LENGTH - len(end)] + end
     made["title"] = f"Member {member} of {name}: {document['title']}"[:MAX_TEXT_LENGTH]
+    known = keys(document)
     for text, array in whole.items():
-        path: Path = tuple(int(part) if part.isdecimal() else part for part in text.split("."))
+        path = known[text].whole
         table: Any = made
         for part in path[:-1]:
             table = table.setdefault(part, {}) if isinstance(table, dict) else table[part]

@@ -7,15 +7,18 @@ distribution fit its key and one another.
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from bodycheck.casefile import grammar
 from bodycheck.casefile.ensemble_grammar import distribution_of
-from bodycheck.casefile.key_paths import ATTITUDE, Key, Unknown, find, keys
+from bodycheck.casefile.key_paths import ATTITUDE, Key, Unknown, find, is_complete, keys
+from bodycheck.casefile.mechanisms.grammar import is_mechanism
 from bodycheck.casefile.raw_values import mapping, numbers
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import MAX_CHOICES, MAX_VARIATIONS
 
 #: The parameters of each distribution that are numbers or vectors.
 PARAMETERS = {"uniform": ("low", "high"), "log-uniform": ("low", "high"), "normal": ("mean", "standard_deviation")}
+
+#: Beginnings of the key paths of bodies and joints.
+OF_BODIES = ("body.", "bodies.", "joints.")
 
 
 def ensemble_faults(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
@@ -24,15 +27,18 @@ def ensemble_faults(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
     if not isinstance(vary, list):
         return
     known = keys(document)
-    without_body = grammar.table_at(("body",), dict(document)) is None  # a fault of its own
+    incomplete = not is_complete(document)  # a fault of its own
     taken: list[Key] = []
     for index, variation in enumerate(map(mapping, vary[:MAX_VARIATIONS])):
         path: Path = ("ensemble", "vary", index)
         attitude = distribution_of(variation) == "attitude"
         text = ATTITUDE if attitude else variation.get("key")
-        if not isinstance(text, str) or (without_body and text.startswith("body.")):
+        if not isinstance(text, str) or (incomplete and text.startswith(OF_BODIES)):
             continue
         at = path if attitude else (*path, "key")
+        if attitude and is_mechanism(document):
+            yield at, "draws the attitude of one body; of a mechanism, draw the components of a quaternion by normal"
+            continue
         try:
             key = find(text, document, known)
         except Unknown as error:

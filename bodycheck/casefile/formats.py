@@ -62,8 +62,5 @@ ALLOWED = f"allowed: {grammar.FORMAT} for one body, {mechanism_grammar.FORMAT} f
 
 
 def format_of(document: dict[str, Any]) -> Format:
-    """Return the format of a raw document. Where it says none, its tables tell."""
-    said = document.get("format")
-    if said == mechanism_grammar.FORMAT and not isinstance(said, float):
-        return MECHANISM
-    return MECHANISM if said != grammar.FORMAT and "bodies" in document and "body" not in document else BODY
+    """Return the format of a raw document."""
+    return MECHANISM if mechanism_grammar.is_mechanism(document) else BODY

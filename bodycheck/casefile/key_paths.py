@@ -1,5 +1,8 @@
 """Key paths: the numbers and vectors of a case file that can be drawn, such as `body.mass` or `initial.velocity.2`.
 
+Bodies and joints of a mechanism are called by their names, as in `joints.pin.damping`, or counted from 0, as in
+`joints.1.damping`.
+
 Which there are follows from the grammar of the tables that say how a body moves and what the file holds: a new key of such a
 table can be drawn at once.
 """
@@ -14,13 +17,16 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from pydantic import TypeAdapter, ValidationError
 
 from bodycheck.casefile import grammar
+from bodycheck.casefile.mechanisms import grammar as mechanism_grammar
 from bodycheck.casefile.raw_values import mapping
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import Table
 from bodycheck.suggestion import did_you_mean
 
-#: The tables whose numbers make the motion.
+#: The tables whose numbers make the motion, of one body and of mechanisms, and those that are arrays of tables.
 MOVING = ("body", "initial", "scene", "run")
+OF_MECHANISMS = ("bodies", "joints", "loops", "scene", "run")
+ARRAYS = ("bodies", "joints", "loops")
 
 #: The key of the initial attitude as a quaternion, which the distribution `attitude` draws.
 ATTITUDE = "initial.quaternion"
@@ -31,6 +37,7 @@ SAME = (("euler_zxz", "quaternion"), ("euler_rates", "angular_velocity"))
 #: Values of vectors that a file may leave out, by their names; those of others are in the grammar.
 DEFAULTS: dict[str, tuple[float, ...]] = {
     "position": (0.0, 0.0, 0.0),
+    "center_of_mass": (0.0, 0.0, 0.0),
     "euler_zxz": (0.0, 0.0, 0.0),
     "quaternion": (1.0, 0.0, 0.0, 0.0),
     "euler_rates": (0.0, 0.0, 0.0),
@@ -69,17 +76,25 @@ class Key:
         The place of one component in the array; () for all of it.
     sign
         Which numbers it may have.
+    named
+        The path of the whole with the names of bodies and joints; () where that is the same.
     """
 
     whole: Path
     shape: tuple[int, ...]
     place: tuple[int, ...] = ()
     sign: Sign = "any"
+    named: Path = ()
 
     @property
     def text(self) -> str:
         """The path as a case file has it, with a dot between the parts."""
-        return ".".join(map(str, (*self.whole, *self.place)))
+        return ".".join(map(str, (*(self.named or self.whole), *self.place)))
+
+    @property
+    def text_of_whole(self) -> str:
+        """The path of the number or array that it is, or is a component of."""
+        return replace(self, place=()).text
 
     @property
     def components(self) -> int | None:
@@ -111,15 +126,43 @@ def keys(document: Mapping[str, Any]) -> dict[str, Key]:
     The document may have any faults; a body whose shape is not known has no keys.
     """
     found: dict[str, Key] = {}
-    for name in MOVING:
-        table = grammar.table_at((name,), dict(document))
-        content = mapping(document.get(name))
-        for key in _of_table(table, (name,), content) if table is not None else ():
-            found[key.text] = key
-    if any(part in mapping(document.get("body")) for part in ("particles", "parts")):
-        for text in ("body.mass", "body.inertia"):  # they follow from the particles or parts
-            found.pop(text, None)
+    for path, table in _moving(document):
+        content = mapping(value_at(document, path))
+        own = {key.text: key for key in _of_table(table, path, content)} if table is not None else {}
+        for text in _that_follow(path, content):
+            own.pop(text, None)
+        found |= {key.text: key for key in (_named(key, content) for key in own.values())}
     return found
+
+
+def _moving(document: Mapping[str, Any]) -> list[tuple[Path, type[Table] | None]]:
+    """Return the paths of the tables whose numbers make the motion, each with its grammar; None if that is not known."""
+    if not mechanism_grammar.is_mechanism(document):
+        return [((name,), grammar.table_at((name,), dict(document))) for name in MOVING]
+    paths: list[Path] = []
+    for name in OF_MECHANISMS:
+        tables = document.get(name)
+        paths += [(name, index) for index in range(len(tables))] if isinstance(tables, list) else [(name,)]
+    return [(path, mechanism_grammar.table_at(path, dict(document))) for path in paths]
+
+
+def is_complete(document: Mapping[str, Any]) -> bool:
+    """Return whether the grammar of all tables whose numbers make the motion is known, so that all keys are."""
+    return all(table is not None for path, table in _moving(document) if path == ("body",) or present(document, path))
+
+
+def _that_follow(path: Path, content: Mapping[str, Any]) -> tuple[str, ...]:
+    """Return the keys of the table of a body that follow from its particles or parts."""
+    made = path[0] in ("body", "bodies") and ("particles" in content or "parts" in content)
+    return tuple(".".join(map(str, (*path, key))) for key in ("mass", "inertia", "center_of_mass")) if made else ()
+
+
+def _named(key: Key, content: Mapping[str, Any]) -> Key:
+    """Return a key of a table with the name of the body or joint instead of its number."""
+    name = content.get("name")
+    if len(key.whole) < 3 or key.whole[0] not in ("bodies", "joints") or not isinstance(name, str):
+        return key
+    return replace(key, named=(key.whole[0], name, *key.whole[2:]))
 
 
 def find(text: str, document: Mapping[str, Any], known: Mapping[str, Key] | None = None) -> Key:
@@ -139,7 +182,7 @@ def find(text: str, document: Mapping[str, Any], known: Mapping[str, Key] | None
     Unknown
         There is no such number or vector, or it cannot be drawn. The text says why, or what can be drawn.
     """
-    known = keys(document) if known is None else known
+    known, text = keys(document) if known is None else known, _with_name(text, document)
     if (key := known.get(text)) is not None:
         if len(key.shape) > 1:
             raise Unknown(f"is a tensor, which is drawn by its components, such as {text}.0.0 or {text}.0.1")
@@ -150,6 +193,16 @@ def find(text: str, document: Mapping[str, Any], known: Mapping[str, Key] | None
         if whole is not None and whole.shape and all(map(INDEX.fullmatch, parts[-length:])):
             return _component(whole, tuple(map(int, parts[-length:])), document)
     raise Unknown(_advice(text, known, document))
+
+
+def _with_name(text: str, document: Mapping[str, Any]) -> str:
+    """Return a path with the name of a body or joint that it counts."""
+    array, _, rest = text.partition(".")
+    number, _, key = rest.partition(".")
+    if array not in ("bodies", "joints") or not INDEX.fullmatch(number):
+        return text
+    name = mapping(value_at(document, (array, int(number)))).get("name")
+    return f"{array}.{name}.{key}" if isinstance(name, str) else text
 
 
 def _component(whole: Key, place: tuple[int, ...], document: Mapping[str, Any]) -> Key:
@@ -167,9 +220,9 @@ def _component(whole: Key, place: tuple[int, ...], document: Mapping[str, Any]) 
         raise Unknown(f"the file gives no {whole.text}; give it, or draw the whole vector")
     for rival in rivals(whole.whole):
         if present(document, rival):
-            told = ".".join(map(str, rival))
+            told = whole.text.rpartition(".")[0] + f".{rival[-1]}"
             raise Unknown(f"the file gives {told} instead; draw components of that, or the whole vector {whole.text}")
-    return Key(whole.whole, whole.shape, place, whole.sign)
+    return replace(whole, place=place)
 
 
 def present(document: Mapping[str, Any], path: Path) -> bool:
@@ -190,8 +243,12 @@ def value_at(document: Mapping[str, Any], path: Path) -> Any:
 
 def base(document: Mapping[str, Any], key: Key) -> Any:
     """Return the value of a number or array in a document, or its default; None if it has neither."""
-    value = value_at(document, key.whole)
-    return DEFAULTS.get(str(key.whole[-1])) if value is None else value
+    if (value := value_at(document, key.whole)) is not None:
+        return value
+    default = DEFAULTS.get(str(key.whole[-1]))
+    if default is None or not key.shape:
+        return None
+    return default if len(default) == key.shape[0] else (0.0,) * key.shape[0]
 
 
 def _advice(text: str, known: Mapping[str, Key], document: Mapping[str, Any]) -> str:
@@ -203,9 +260,10 @@ def _advice(text: str, known: Mapping[str, Key], document: Mapping[str, Any]) ->
             return f"the file has no table [{'.'.join(path)}]; give it, so that a number in it can be drawn"
     around = text.rpartition(".")[0]
     listed = [key for key in known if not any(map(str.isdecimal, key.split("."))) or key.rpartition(".")[0] == around]
+    vectors = [key for key in ("initial.velocity", *listed) if key in known and known[key].shape == (3,)]
     return (
-        f"there is no number or vector of this path; allowed: {', '.join(listed[:MAX_LISTED])}, or a component of a vector, "
-        f"such as initial.velocity.2{did_you_mean(text, listed)}"
+        f"there is no number or vector of this path; allowed: {', '.join(listed[:MAX_LISTED])}"
+        f"{f', or a component of a vector, such as {vectors[0]}.2' if vectors else ''}{did_you_mean(text, listed)}"
     )
 
 
@@ -231,8 +289,8 @@ def _of_table(table: type[Table], path: Path, content: Mapping[str, Any]) -> Ite
         elif form.repeated:
             for index, item in enumerate(value if isinstance(value, list) else ()):
                 yield from _of_table(form.table, (*path, name, index), mapping(item))
-        elif isinstance(value, dict):
-            yield from _of_table(form.table, (*path, name), value)
+        elif isinstance(value, dict) or (value is None and isinstance(table.model_fields[name].default, Table)):
+            yield from _of_table(form.table, (*path, name), mapping(value))
 
 
 def _depth(value: Any) -> int:

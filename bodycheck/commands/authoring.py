@@ -37,6 +37,7 @@ def new(
     *,
     model: Annotated[Path | None, Parameter(name="--from")] = None,
     body: str | None = None,
+    mechanism: bool = False,
 ) -> int:
     """Write a new case file, NAME.case.toml, into the working directory.
 
@@ -51,10 +52,14 @@ def new(
         say where each number is from. Files that it names, such as meshes, are not opened.
     body
         The name of the body in the robot model. Default: the only one.
+    mechanism
+        Write a case of bodies on joints, and not of one body.
     """
     from bodycheck.casefile import authoring
 
     if model is not None:
+        if mechanism:
+            raise BadInput("new: --mechanism and --from exclude each other; a case file names a whole robot model by [model]")
         path, left_out = authoring.new_of_robot(name, Path(), model, body)
         if left_out:
             print(f"bodycheck: a case has one body; left out: {left_out}", file=sys.stderr)
@@ -62,7 +67,7 @@ def new(
         return OK
     if name is None or body is not None:
         raise BadInput("new: give a name" if name is None else "new --body: needs --from, the robot model of the body")
-    print(authoring.new(name, Path()))
+    print(authoring.new(name, Path(), mechanism=mechanism))
     return OK
 
 

@@ -12,7 +12,6 @@ import numpy as np
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.inertia import angular_momentum
 from bodycheck.reference.kinematics import normalise
-from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Scene, Sphere, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
@@ -78,8 +77,8 @@ class Shown:
     maxima: Mapping[str, float]
 
 
-def playback(scene: AnyScene, runs: Mapping[Line, Verdict], truths: Mapping[float, Truth], most: int) -> Playback | None:
-    """Return the animation of one case, or None if no run has a truth to be compared with, and of a mechanism.
+def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, Truth], most: int) -> Playback | None:
+    """Return the animation of one case, or None if no run has a truth to be compared with.
 
     It shows the time step that most runs have. If not all of its runs fit, those that are shown first are kept first.
 
@@ -95,7 +94,7 @@ def playback(scene: AnyScene, runs: Mapping[Line, Verdict], truths: Mapping[floa
         Most characters of the data.
     """
     timestep = _common([line for line, verdict in runs.items() if verdict.discrepancy is not None and line.timestep in truths])
-    if timestep is None or isinstance(scene, Mechanism):
+    if timestep is None:
         return None
     truth, trajectory, reach = truths[timestep], truths[timestep].trajectory, _reach(scene.body)
     fastest = float(np.linalg.norm(trajectory.angular_velocity, axis=1).max())

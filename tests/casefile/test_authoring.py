@@ -3,6 +3,7 @@
 import json
 import re
 import tomllib
+from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from bodycheck.casefile.finding import SUFFIX
 from bodycheck.casefile.values import MAX_NUMBER
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.suggestion import did_you_mean
 from tests.support.commands import bodycheck, call
 from tests.support.tumbling import TUMBLING
@@ -66,15 +68,19 @@ ALTERNATIVES = {
 
 @pytest.mark.parametrize("name", ALTERNATIVES)
 def test_what_the_template_has_commented_out_is_allowed(name: str) -> None:
-    wanted, unwanted = ALTERNATIVES[name]
-    lines = template().splitlines()
+    assert parse(uncommented(template(), *ALTERNATIVES[name]), "template") != parse(template(), "template")
+
+
+def uncommented(text: str, wanted: Sequence[str], unwanted: Sequence[str]) -> str:
+    """A template with lines that are no comments any more, and without those that they stand instead of."""
+    lines = text.splitlines()
     for beginning in wanted:
         (at,) = [at for at, line in enumerate(lines) if line.startswith(f"# {beginning}")]
         lines[at] = lines[at].removeprefix("# ")
     for beginning in unwanted:
         (at,) = [at for at, line in enumerate(lines) if line.startswith(beginning)]
         lines[at] = ""
-    assert parse("\n".join(lines), "template") != parse(template(), "template")
+    return "\n".join(lines)
 
 
 @pytest.mark.parametrize("name", ["", "Brick", "a b", "../escape", "x" * 101, "brick\n"])
@@ -130,8 +136,35 @@ def test_limits_of_shipped_cases_say_what_they_were_set_from(name: str) -> None:
         assert limit <= margin * stated * 1.05
 
 
-def test_the_template_fits_the_schema(validator: Draft202012Validator) -> None:
+def test_what_new_writes_of_a_mechanism_is_valid(calls_here: None, tmp_path: Path) -> None:
+    done = bodycheck("new", "my-robot", "--mechanism", folder=tmp_path)
+    assert (done.returncode, done.stdout) == (0, "my-robot.case.toml\n")
+    made = load(tmp_path / "my-robot.case.toml").scene
+    assert isinstance(made, Mechanism)
+    assert [joint.name for joint in made.joints] == ["rail", "pin"]
+
+
+#: As above, in the template of mechanisms.
+OF_MECHANISMS = {
+    "cylinder": (['shape = "cylinder"', "radius = 0.02", "half_length"], ["inertia = [0.016"]),
+    "free body": (["[[bodies]]", 'name = "ball"', 'shape = "sphere"', "radius = 0.05", "mass = 0.2", "initial"], []),
+    "joint": (["euler_zxz", "armature", "damping", "stiffness", "rest", "friction", "effort"], []),
+    "extremes": (["[extremes]", "speed", "timestep = [0"], []),
+    "ensemble": (["[ensemble]", "members", "[[ensemble.vary]]", "key", "distribution", "low", "high"], []),
+    "limits": (["[[expect]]", "engine", "integrator", "timestep = 0", "attitude_error"], []),
+}
+
+
+@pytest.mark.parametrize("name", OF_MECHANISMS)
+def test_what_the_template_of_mechanisms_has_commented_out_is_allowed(name: str) -> None:
+    template_of = template(mechanism=True)
+    made = uncommented(template_of, *OF_MECHANISMS[name])
+    assert parse(made, "template") != parse(template_of, "template")
+
+
+def test_the_templates_fit_the_schema(validator: Draft202012Validator) -> None:
     validator.validate(tomllib.loads(template()))
+    validator.validate(tomllib.loads(template(mechanism=True)))
 
 
 @pytest.mark.parametrize(
@@ -168,7 +201,7 @@ def test_every_key_of_the_schema_says_what_it_is() -> None:
     document = json.loads(schema())
     assert "null" not in schema(), "TOML has no null"
     assert document["title"]
-    for table in (document, *document["$defs"].values()):
+    for table in document["$defs"].values():
         for key, field in table["properties"].items():
             assert "description" in field or "const" in field or "$ref" in field or key == "shape", key
 

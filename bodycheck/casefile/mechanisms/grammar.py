@@ -1,5 +1,6 @@
 """The grammar of case files, format 2, as pydantic models: bodies, the joints between them, and loops."""
 
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
@@ -52,32 +53,32 @@ class JointedTable(Table):
     )
 
 
-class BrickTable(JointedTable, grammar.BrickTable):
+class BrickBody(JointedTable, grammar.BrickTable):
     """A rectangular block."""
 
 
-class EllipsoidTable(JointedTable, grammar.EllipsoidTable):
+class EllipsoidBody(JointedTable, grammar.EllipsoidTable):
     """A solid ellipsoid."""
 
 
-class CylinderTable(JointedTable, grammar.CylinderTable):
+class CylinderBody(JointedTable, grammar.CylinderTable):
     """A solid cylinder about K."""
 
 
-class SphereTable(JointedTable, grammar.SphereTable):
+class SphereBody(JointedTable, grammar.SphereTable):
     """A solid sphere."""
 
 
-class ShapelessTable(JointedTable, grammar.ShapelessTable):
+class ShapelessBody(JointedTable, grammar.ShapelessTable):
     """A body of which only mass and inertia matter: these themselves, or particles, or parts that make them."""
 
 
 BODY_TABLES: dict[str, type[Table]] = {
-    "brick": BrickTable,
-    "ellipsoid": EllipsoidTable,
-    "cylinder": CylinderTable,
-    "sphere": SphereTable,
-    "none": ShapelessTable,
+    "brick": BrickBody,
+    "ellipsoid": EllipsoidBody,
+    "cylinder": CylinderBody,
+    "sphere": SphereBody,
+    "none": ShapelessBody,
 }
 
 
@@ -87,7 +88,7 @@ def with_shape(body: Any) -> Any:
 
 
 AnyBody = Annotated[
-    BrickTable | EllipsoidTable | CylinderTable | SphereTable | ShapelessTable,
+    BrickBody | EllipsoidBody | CylinderBody | SphereBody | ShapelessBody,
     Field(discriminator="shape"),
     BeforeValidator(with_shape),
 ]
@@ -269,6 +270,14 @@ TABLES: dict[Path, type[Table]] = {
     ("loops",): LoopTable,
     ("scene",): SurroundingsTable,
 }
+
+
+def is_mechanism(document: Mapping[str, Any]) -> bool:
+    """Return whether a raw document is of this format. Where it says none that there is, its tables tell."""
+    said = document.get("format")
+    if said == FORMAT and not isinstance(said, float):
+        return True
+    return said != grammar.FORMAT and "bodies" in document and "body" not in document
 
 
 def type_of(joint: Any) -> str:

@@ -28,6 +28,6 @@ def points(case: Case) -> Iterator[Point]:
     for name, tried in values.items():
         for value in tried:
             for timestep in (name == "spin" and timesteps) or (DEFAULT_TIMESTEP,):
-                yield Point(AXES[name].change(case, value), name, value, timestep)
+                yield Point(AXES[name].varied(case, value), name, value, timestep)
     if "spin" not in values:
         yield from (Point(case, "timestep", timestep, timestep) for timestep in timesteps)
