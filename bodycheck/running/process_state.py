@@ -16,6 +16,9 @@ _ROUNDED, _SMALL = ((1.0, 3.0), (-1.0, 3.0)), ((sys.float_info.min, 3.0),)
 #: All signals, in one order.
 _SIGNALS = tuple(sorted(signal.valid_signals()))
 
+#: The mask of these signals; that of signal n is the bit n - 1.
+_USABLE = sum(1 << (number - 1) for number in _SIGNALS)
+
 
 def rounding() -> Hashable:
     """Return numbers that tell how floating-point numbers are rounded."""
@@ -77,9 +80,13 @@ def _numpy_generator() -> tuple[Hashable, ...]:
 
 
 def _masks_of_signals() -> tuple[str, ...]:
-    """Return which signals are blocked, ignored and handled, also in C; empty where the system does not say it."""
+    """Return which signals are blocked, ignored and handled, also in C; empty where the system does not say it.
+
+    Signals that the C library keeps for itself are left out: it begins to handle one when a process starts its first thread.
+    """
     try:
         lines = Path("/proc/self/status").read_text("ascii", "replace").splitlines()
     except OSError:
         return ()
-    return tuple(line for line in lines if line.startswith(("SigBlk:", "SigIgn:", "SigCgt:")))
+    masks = (line.split(":") for line in lines if line.startswith(("SigBlk:", "SigIgn:", "SigCgt:")))
+    return tuple(f"{name}: {int(mask, 16) & _USABLE:x}" for name, mask in masks)

@@ -240,6 +240,13 @@ def test_a_process_that_a_call_has_changed_makes_no_other_call() -> None:
     assert found["nothing"] == found["nothing again"] not in {found[what] for what in CHANGES}
 
 
+def test_a_process_whose_libraries_have_one_thread_is_kept_after_its_first_other_thread() -> None:
+    one_thread = pool.Home(Interpreter(Path(sys.executable), (("OMP_NUM_THREADS", "1"),), apart=False))
+    calls = ["thread that ends", "nothing", "nothing again"]
+    found = dict(pool.call_all(changing, calls, jobs=1, limit=LIMIT, home=lambda group: one_thread))
+    assert len({found[what] for what in calls}) == 1
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells of threads that Python does not know")
 def test_a_process_in_which_a_later_call_leaves_a_thread_makes_no_other_call() -> None:
     found = dict(pool.call_all(changing, ["nothing", "thread in C", "nothing again"], jobs=1, limit=LIMIT))
