@@ -3,15 +3,13 @@
 import json
 import re
 from collections.abc import Mapping, Sequence
-from functools import cache
 from importlib import resources
 from typing import Any
 
 import jinja2
-import vl_convert
 from markupsafe import Markup, escape
 
-from bodycheck.reports import charts, player
+from bodycheck.reports import charts, library, player
 from bodycheck.reports.index import MADE, Link
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import count, milliseconds
@@ -95,19 +93,13 @@ def page(
         notices=notices,
         specifications=json_text(specifications),
         style=verbatim((templates / "report.css").read_text("utf-8"), "style"),
-        library=verbatim(_library(), "script"),
+        library=verbatim(library.script(), "script"),
         index=index,
         folding=verbatim((templates / "folds.js").read_text("utf-8"), "script"),
         sorting=verbatim((templates / "tables.js").read_text("utf-8"), "script"),
         script=verbatim((templates / "report.js").read_text("utf-8"), "script"),
         **values,
     )
-
-
-@cache
-def _library() -> str:
-    """Return the script of Vega, Vega-Lite and Vega-Embed, which defines `vegaEmbed`. Bundling it takes a second."""
-    return str(vl_convert.javascript_bundle("window.vegaEmbed = vegaEmbed;"))
 
 
 def _unbroken(text: str) -> Markup:

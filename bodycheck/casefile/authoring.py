@@ -99,8 +99,8 @@ class _Schema(GenerateJsonSchema):
 
     def default_schema(self, schema: core_schema.WithDefaultSchema) -> JsonSchemaValue:
         made = super().default_schema(schema)
-        if made["default"] is None or isinstance(made["default"], dict):
-            del made["default"]
+        if (default := made.get("default")) is None or isinstance(default, dict):
+            made.pop("default", None)
         return made
 
     def tuple_schema(self, schema: core_schema.TupleSchema) -> JsonSchemaValue:

@@ -270,10 +270,10 @@ class CaseTable(Table):
     source: Text = Field(default="", description="where it comes from")
     tags: Tags = Field(default=(), description="to group cases by")
     body: AnyBody = Field(description="what moves")
-    initial: InitialTable = InitialTable()
-    scene: SceneTable = SceneTable()
+    initial: InitialTable = Field(default_factory=InitialTable)
+    scene: SceneTable = Field(default_factory=SceneTable)
     run: RunTable
-    extremes: ExtremesTable = ExtremesTable()
+    extremes: ExtremesTable = Field(default_factory=ExtremesTable)
     ensemble: EnsembleTable | None = None
     expect: Expectations = Field(default=(), description="what must hold, a table a method")
 

@@ -32,7 +32,8 @@ MAX_NUMBER = 1e100
 class Table(BaseModel):
     """A table that allows no unknown keys."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    # Models are built when the first document is checked: most worker processes never check any.
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 def _not_vanishing(value: float) -> float:

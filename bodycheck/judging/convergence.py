@@ -14,7 +14,6 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import brentq
 
 from bodycheck.adapters.contract import Strides
 from bodycheck.figures.conservation import angular_momentum_size, energy_size
@@ -177,6 +176,8 @@ def _local_order(h0: float, h1: float, h2: float, first: float, second: float) -
 
     if not (first > 0 and second > 0 and excess(MIN_ORDER) * excess(MAX_ORDER) < 0):
         return math.nan
+    from scipy.optimize import brentq  # takes longer to import than all else that most judgements need
+
     return float(brentq(excess, MIN_ORDER, MAX_ORDER))
 
 

@@ -13,7 +13,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import pyarrow.dataset as ds
 from filelock import FileLock, Timeout
 
 from bodycheck.adapters.contract import Engine
@@ -23,7 +22,6 @@ from bodycheck.errors import BadFolder, BadInput, Failed
 from bodycheck.files import writing
 from bodycheck.running import campaign, chunk_files, chunks
 from bodycheck.running.campaign import Advance
-from bodycheck.running.chunk_files import RUNS
 from bodycheck.running.chunks import Chunk, Receipt, Share, Source, Work
 from bodycheck.running.executors import Executor
 from bodycheck.running.plan import plan
@@ -170,16 +168,6 @@ def cut(work: Work, case: Case, shares: Sequence[Share], blocks: int | None, lea
         size = blocks or max(1, min(chunks.blocks_of_chunk(case, share, work.block), every // least))
         found += chunks.cut(work, share, size, number=len(found))
     return found
-
-
-def open_runs(folder: Path) -> Any:
-    """Return the runs of an ensemble as a dataset of PyArrow. Raises `BadFolder`."""
-    if not (folder / RUNS).is_dir():
-        raise BadFolder(f"{folder}: has no runs of an ensemble; an interrupted one is resumed by the same command")
-    try:
-        return ds.dataset(folder / RUNS, format="parquet")
-    except (OSError, ValueError) as error:
-        raise BadFolder(f"{folder}: the runs cannot be read: {error}") from error
 
 
 def executor_jobs(executor: Executor) -> int:

@@ -1,0 +1,60 @@
+"""The script of Vega, Vega-Lite and Vega-Embed, which the pages of reports contain.
+
+Bundling it takes a second and a half of processor time, longer than most reports take otherwise. It is therefore kept in the
+cache folder.
+"""
+
+import contextlib
+from functools import cache
+from hashlib import sha256
+from importlib.metadata import version
+from pathlib import Path
+
+import vl_convert
+
+from bodycheck.environments import environments, privacy
+from bodycheck.files import writing
+
+#: What the script does when the libraries are there.
+ENTRY = "window.vegaEmbed = vegaEmbed;"
+
+
+@cache
+def script() -> str:
+    """Return the script, which defines `vegaEmbed`."""
+    path = _file()
+    if (kept := _kept(path)) is not None:
+        return kept
+    made = str(vl_convert.javascript_bundle(ENTRY))
+    _keep(path, made)
+    return made
+
+
+def _file() -> Path:
+    """Return where the script of this release of vl-convert is kept."""
+    return environments.cache_folder() / "scripts" / f"vega-{version('vl-convert-python')}.js"
+
+
+def _kept(path: Path) -> str | None:
+    """Return the script that is kept; None if there is none, if it is damaged, or if another user may have written it.
+
+    The file begins with a comment that has the digest of the rest.
+    """
+    try:
+        if privacy.open_to_others(path) is not None:
+            return None
+        digest, _, found = path.read_text("utf-8").partition("\n")
+        return found if digest == _digest(found) else None
+    except (OSError, ValueError):
+        return None
+
+
+def _keep(path: Path, made: str) -> None:
+    """Keep the script, if the cache folder can be written to."""
+    with contextlib.suppress(OSError, writing.NotWritten):
+        privacy.make(path.parent)
+        writing.write(path, f"{_digest(made)}\n{made}".encode())
+
+
+def _digest(text: str) -> str:
+    return f"// {ENTRY} sha256 {sha256(text.encode()).hexdigest()}"
