@@ -12,7 +12,7 @@ from pathlib import Path
 
 import vl_convert
 
-from bodycheck.environments import environments, privacy
+from bodycheck.environments import privacy, user_cache
 from bodycheck.files import writing
 
 #: What the script does when the libraries are there.
@@ -32,7 +32,7 @@ def script() -> str:
 
 def _file() -> Path:
     """Return where the script of this release of vl-convert is kept."""
-    return environments.cache_folder() / "scripts" / f"vega-{version('vl-convert-python')}.js"
+    return user_cache.folder() / "scripts" / f"vega-{version('vl-convert-python')}.js"
 
 
 def _kept(path: Path) -> str | None:

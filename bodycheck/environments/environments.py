@@ -25,15 +25,12 @@ from subprocess import CompletedProcess
 
 from filelock import BaseFileLock, FileLock
 from packaging.version import InvalidVersion, Version
-from platformdirs import user_cache_path
 
 from bodycheck.adapters import registry
 from bodycheck.adapters.installation import Installation
-from bodycheck.environments import installation, making, privacy
+from bodycheck.environments import installation, making, privacy, user_cache
 from bodycheck.environments.installation import InstallationFailed, NotOnOffer
 from bodycheck.environments.making import Release
-
-CACHE_VARIABLE = "BODYCHECK_CACHE"
 
 #: The file that only a finished environment has.
 MARKER = "bodycheck.json"
@@ -207,12 +204,6 @@ def run(
         raise Unobtainable(f"{environment.engine} {environment.version} is no longer there: {error}") from error
 
 
-def cache_folder() -> Path:
-    """Return the folder in which bodycheck keeps what it can make again."""
-    chosen = os.environ.get(CACHE_VARIABLE)
-    return Path(chosen).absolute() if chosen else user_cache_path("bodycheck")
-
-
 def _make(folder: Path, release: Release) -> None:
     """Make the environment of a release and put it in its place. Raises `Unobtainable`."""
     failures: list[str] = []
@@ -280,13 +271,13 @@ def _check_private(folder: Path) -> None:
     """Raise `Unobtainable` if another user can change what is in an existing folder of the cache. Raises `OSError`."""
     if (place := privacy.open_to_others(folder)) is not None:
         raise Unobtainable(
-            f"{folder}: not used, because another user can change {place}; let {CACHE_VARIABLE} name a folder that only you "
-            "can write to"
+            f"{folder}: not used, because another user can change {place}; let {user_cache.VARIABLE} name a folder that only "
+            "you can write to"
         )
 
 
 def _home() -> Path:
-    return cache_folder() / "environments"
+    return user_cache.folder() / "environments"
 
 
 def _folder(release: Release) -> Path:

@@ -23,7 +23,7 @@ from pydantic import TypeAdapter, ValidationError
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.engine_name import EngineName
-from bodycheck.environments import environments, privacy
+from bodycheck.environments import environments, privacy, user_cache
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.errors import BadInput
 from bodycheck.files import writing
@@ -192,7 +192,7 @@ def _depends(name: str, environment: Environment | None) -> str:
 
 
 def _file(name: str) -> Path:
-    return environments.cache_folder() / "records" / f"{sha256(name.encode()).hexdigest()[:16]}.json"
+    return user_cache.folder() / "records" / f"{sha256(name.encode()).hexdigest()[:16]}.json"
 
 
 def _kept(name: str, key: str) -> Engine | None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from bodycheck.adapters.installation import Installation
-from bodycheck.environments import environments, installation, privacy
+from bodycheck.environments import environments, installation, privacy, user_cache
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.environments.making import Release
 
@@ -41,7 +41,7 @@ def for_a_group(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def planted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Environment, Path]:
     """An environment as somebody may plant it, and the file that its interpreter writes."""
-    monkeypatch.setenv(environments.CACHE_VARIABLE, str(tmp_path / "cache"))
+    monkeypatch.setenv(user_cache.VARIABLE, str(tmp_path / "cache"))
     monkeypatch.setattr(installation, "versions", lambda distribution: ["1.0"])
     folder = environments._folder(RELEASE)
     python, written = installation.interpreter(folder), tmp_path / "written"

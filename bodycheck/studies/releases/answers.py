@@ -18,7 +18,7 @@ import bodycheck
 from bodycheck import adapters, reference
 from bodycheck.adapters import registry
 from bodycheck.casefile import case
-from bodycheck.environments import environments
+from bodycheck.environments import user_cache
 from bodycheck.environments.environments import Environment
 from bodycheck.running import machine, pool
 from bodycheck.running.outcome import Crashed, TimedOut
@@ -97,7 +97,7 @@ def _errands(left: Mapping[Asked, Path], jobs: int) -> list[Errand]:
 def _path(environment: Environment, question: Question) -> Path:
     """Return the file of an answer, whose name is a digest of everything that determines the answer."""
     decides = _context(environment.engine), _contents(environment), question, _tolerated(question)
-    return environments.cache_folder() / "measurements" / f"{sha256(repr(decides).encode()).hexdigest()}.json"
+    return user_cache.folder() / "measurements" / f"{sha256(repr(decides).encode()).hexdigest()}.json"
 
 
 @cache
