@@ -13,7 +13,7 @@ def urdf(links: Sequence[Link]) -> str:
     The links are named link_0, link_1 and so on, and have no shapes. Numbers are written with all their digits; a turn is
     rounded, because URDF has angles for it.
     """
-    parts = [_link(number, link) for number, link in enumerate(links)]
+    parts = [link_element(f"link_{number}", link) for number, link in enumerate(links)]
     joints = [_joint(number, link) for number, link in enumerate(links[1:], 1)]
     return "\n".join(['<?xml version="1.0"?>', '<robot name="body">', *parts, *joints, "</robot>", ""])
 
@@ -30,21 +30,23 @@ def angles(quaternion: Quaternion) -> tuple[float, float, float]:
     return half_sum + half_difference, about_y, half_sum - half_difference
 
 
-def _link(number: int, link: Link) -> str:
+def link_element(name: str, link: Link) -> str:
+    """Return the element of a link without shapes."""
     moments = zip(("ixx", "iyy", "izz", "ixy", "ixz", "iyz"), link.inertia, strict=True)
-    inertia = " ".join(f'{name}="{_spaced([value])}"' for name, value in moments)
+    inertia = " ".join(f'{moment}="{spaced([value])}"' for moment, value in moments)
     return (
-        f'<link name="link_{number}"><inertial><origin xyz="{_spaced(link.center_of_mass)}" rpy="0 0 0"/>'
-        f'<mass value="{_spaced([link.mass])}"/><inertia {inertia}/></inertial></link>'
+        f'<link name="{name}"><inertial><origin xyz="{spaced(link.center_of_mass)}" rpy="0 0 0"/>'
+        f'<mass value="{spaced([link.mass])}"/><inertia {inertia}/></inertial></link>'
     )
 
 
 def _joint(number: int, link: Link) -> str:
     return (
         f'<joint name="weld_{number}" type="fixed"><parent link="link_0"/><child link="link_{number}"/>'
-        f'<origin xyz="{_spaced(link.position)}" rpy="{_spaced(angles(link.quaternion))}"/></joint>'
+        f'<origin xyz="{spaced(link.position)}" rpy="{spaced(angles(link.quaternion))}"/></joint>'
     )
 
 
-def _spaced(numbers: Sequence[float]) -> str:
+def spaced(numbers: Sequence[float]) -> str:
+    """Return numbers with all their digits."""
     return " ".join(repr(float(number)) for number in numbers)

@@ -1,4 +1,4 @@
-"""Energies and angular momentum of a trajectory, by the same formulas for the truth and for every engine [G 2.32-2.34]."""
+"""Energies and angular momentum of one body, by the same formulas for the truth and for every engine [G 2.32-2.34]."""
 
 from dataclasses import dataclass
 

@@ -1,7 +1,7 @@
 """What a model of a scene must contain to be exact, derived from the scene itself."""
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, fields
 from typing import Literal
 
 from bodycheck.reference.errors import NotFlat
@@ -112,6 +112,25 @@ def lies_flat(scene: Scene) -> bool:
 def needs(scene: AnyScene) -> Requirements | MechanismRequirements:
     """The requirements of any scene."""
     return of_mechanism(scene) if isinstance(scene, Mechanism) else requirements(scene)
+
+
+#: The names of a row of requirements: the fields of `Requirements`, and the effects of a mechanism.
+COLUMNS = (*(field.name for field in fields(Requirements)), "mechanism")
+
+
+def as_row(scene: AnyScene) -> dict[str, bool | str | int]:
+    """The requirements of any scene by `COLUMNS`.
+
+    Those of a mechanism besides gravity are a list in words, in the last, which other scenes do not have.
+    """
+    if not isinstance(scene, Mechanism):
+        return asdict(requirements(scene))
+    found = of_mechanism(scene)
+    effects = ", ".join(name for name in found.names() if name not in ("mechanisms", "gravity"))
+    row: dict[str, bool | str | int] = dict.fromkeys(COLUMNS, False)
+    row["gravity"], row["rotation"], row["mechanism"] = bool(scene.gravity), "none", effects
+    row["degrees_of_freedom"] = found.degrees_of_freedom
+    return row
 
 
 def missing(scene: AnyScene, modelled: Collection[str]) -> str | None:

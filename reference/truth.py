@@ -15,6 +15,8 @@ from bodycheck.reference.errors import NotFlat, NotModelled, WouldTip, within_ra
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.drag.translation import translation
 from bodycheck.reference.kinematics import dot
+from bodycheck.reference.mechanisms.coordinates import JointMotion
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.planar import Stop, planar_state
 from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.requirements import requirements
@@ -42,7 +44,7 @@ class Truth:
     scene
         The scene.
     trajectory
-        The reference trajectory at n instants, in the frame of the scene's body.
+        The reference trajectory at n instants, in the frame of the scene's body; of a mechanism, of all its bodies.
     bounds
         Bounds of the errors of the trajectory itself at each instant.
     model
@@ -56,9 +58,13 @@ class Truth:
     stop
         The instant and place where a body on a plane comes to rest; None in free flight and where it still moves at the last
         instant.
+    joints
+        The motion of the joints of a mechanism at the same instants; None of a single body.
+    growth
+        (n,) by how much an error at t = 0 has grown at most, of a mechanism; None where it is not known.
     """
 
-    scene: Scene
+    scene: AnyScene
     trajectory: Trajectory
     bounds: Bounds
     model: str
@@ -66,6 +72,8 @@ class Truth:
     backend: str
     witnesses: tuple[str, ...] = ()
     stop: Stop | None = None
+    joints: JointMotion | None = None
+    growth: Array | None = None
 
     def at(self, times: Array) -> "Truth":
         """The truth of the same scene at other ascending times (n,) >= 0, s.
@@ -79,7 +87,14 @@ class Truth:
         if not len(times) or not np.array_equal(known[places], times):
             return truth(self.scene, times)
         stop = self.stop if self.stop is not None and self.stop.time <= times[-1] else None
-        return replace(self, trajectory=self.trajectory.part(places), bounds=self.bounds.part(places), stop=stop)
+        return replace(
+            self,
+            trajectory=self.trajectory.part(places),
+            bounds=self.bounds.part(places),
+            stop=stop,
+            joints=None if self.joints is None else self.joints.part(places),
+            growth=None if self.growth is None else self.growth[places],
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,9 +135,9 @@ class NoTruth:
     crashed: bool = False
 
 
-def missing_model(scene: Scene) -> str | None:
+def missing_model(scene: AnyScene) -> str | None:
     """The feature of a scene that the reference has no model of, in words, or None where it can model the scene."""
-    if scene.plane is None:
+    if isinstance(scene, Mechanism) or scene.plane is None:
         return None
     if scene.drag:
         return "drag on a body that slides"
@@ -136,7 +151,7 @@ def missing_model(scene: Scene) -> str | None:
     return None
 
 
-def truth(scene: Scene, times: Array, solver: Backend | None = None, *, vouched: bool = True) -> Truth:
+def truth(scene: AnyScene, times: Array, solver: Backend | None = None, *, vouched: bool = True) -> Truth:
     """The truth of a scene.
 
     The bound of the attitude error of a body that rotates is the sum of the bound of its closed form and of the largest
@@ -170,10 +185,12 @@ def truth(scene: Scene, times: Array, solver: Backend | None = None, *, vouched:
     return computed(scene, times, solver, vouched=vouched).truth
 
 
-def computed(scene: Scene, times: Array, solver: Backend | None = None, *, vouched: bool = True) -> Computed:
+def computed(scene: AnyScene, times: Array, solver: Backend | None = None, *, vouched: bool = True) -> Computed:
     """The truth of a scene with what its bounds come from; arguments and exceptions are those of `truth`."""
     if (missing := missing_model(scene)) is not None:
         raise NotModelled(missing)
+    if isinstance(scene, Mechanism):
+        raise NotModelled("bodies on joints")
     with within_range("the motion"):
         if scene.plane is None:
             return _flown(scene, times, solver, vouched)
@@ -191,7 +208,7 @@ def _flown(scene: Scene, times: Array, solver: Backend | None, vouched: bool) ->
     names = tuple(witness.name for witness in found)
     model = f"closed form: {flown.form.name}"
     flight = Truth(scene, flown.motion, bounds, model, flown.form.reason, CLOSED_FORM_BACKEND, names)
-    return Computed(with_drag(flight) if requirements(scene).drag else flight, flown.bounds, found)
+    return Computed(with_drag(scene, flight) if requirements(scene).drag else flight, flown.bounds, found)
 
 
 def on_plane(scene: Scene, times: Array) -> Truth:
@@ -213,13 +230,13 @@ def on_plane(scene: Scene, times: Array) -> Truth:
     )
 
 
-def with_drag(flight: Truth) -> Truth:
-    """The truth of a flight with drag, from the truth of the same flight without it.
+def with_drag(scene: Scene, flight: Truth) -> Truth:
+    """The truth of a scene of a flight with drag, from the truth of the same flight without it.
 
     Drag acts at the centre of mass and does not change the rotation.
     """
     motion = flight.trajectory
-    moved = translation(flight.scene, motion.t)
+    moved = translation(scene, motion.t)
     slowed = replace(motion, position=moved.position, velocity=moved.velocity)
     known = {
         "error": flight.bounds.error,
@@ -230,7 +247,7 @@ def with_drag(flight: Truth) -> Truth:
     return replace(
         flight,
         trajectory=slowed,
-        bounds=Bounds(**known, **conserved_errors(flight.scene, slowed, **known)),
+        bounds=Bounds(**known, **conserved_errors(scene, slowed, **known)),
         model=f"{flight.model}, drag by quadratures",
         witnesses=(*flight.witnesses, *moved.witnesses),
     )

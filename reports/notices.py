@@ -10,7 +10,7 @@ from bodycheck.reports.quantities import count, listing
 from bodycheck.running.header import Header
 
 #: What an engine must model for a kind of scene, by the name of the kind, in the order in which it is told.
-KINDS = {"turning": "rotation", "translation": "translation", "drag": "drag", "contact": "contact"}
+KINDS = {"turning": "rotation", "translation": "translation", "drag": "drag", "contact": "contact", "mechanism": "mechanisms"}
 
 #: Most reasons other than a missing model that are told for a kind of scene. Tables of results have all of them.
 MOST_REASONS = 3

@@ -108,6 +108,6 @@ def verb(amount: int, singular: str, plural: str) -> str:
     return singular if amount == 1 else plural
 
 
-def count(amount: int, noun: str) -> str:
-    """Return an amount with its noun in singular or plural: 1 run, 2 runs."""
-    return f"{amount} {noun}" if amount == 1 else f"{amount} {noun}s"
+def count(amount: int, noun: str, plural: str = "") -> str:
+    """Return an amount with its noun in singular or plural: 1 run, 2 runs. plural: where it has another ending than s."""
+    return f"{amount} {noun}" if amount == 1 else f"{amount} {plural or f'{noun}s'}"

@@ -35,6 +35,13 @@ Links are read from a URDF file, because no other function of PyBullet takes an 
 - The links of `multibody` are one body with fixed joints. Those of `maximal` are bodies of their own in a fixed constraint, in
   which PyBullet ignores how its two frames are turned: links whose principal axes are not parallel are turned until they are.
 
+Mechanisms are trees in reduced coordinates, so that `multibody` alone has them; the module `mechanisms` says how. Revolute,
+prismatic, spherical and fixed joints are of first order. Bullet takes damping at the start of a step, v' = (1 - h d) v for one
+unit of inertia, so that it is not stable where h d is above 2. Dry friction stops a joint within a step and holds it. The
+coordinates of a spherical joint are along the principal axes of its child. There is neither armature nor a universal joint; a
+planar joint ignores where the child's centre of mass is, and a floating one becomes a fixed one, so that neither is offered.
+PyBullet's motors, which brake every joint until they are told not to, are switched off with `settings=engine` too.
+
 A body that is to turn by more than pi/4 in a step turns by another angle, since Bullet then cuts the angle in the sine of the
 turn and not the vector that is divided by it: x rad become 2 atan(tan(pi/8) x / (pi/4)), such as 2.53 of 6 (source:
 `btTransformUtil::integrateTransform`).

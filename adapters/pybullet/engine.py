@@ -19,6 +19,7 @@ from bodycheck.adapters.pybullet import INSTALLATION
 from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.principal_frame import along_principal_axes
 from bodycheck.reference.scene import Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Array
@@ -27,7 +28,9 @@ from bodycheck.reference.trajectory import Array
 with no_stderr():
     import pybullet
 
+    from bodycheck.adapters.pybullet import mechanisms
     from bodycheck.adapters.pybullet.links import BASE, load, weld
+    from bodycheck.adapters.pybullet.settings import switched_off
 
 #: Half the length of the ground, in m, which is far beyond the end of any slide, and half its height.
 GROUND_HALF_LENGTH_M, GROUND_HALF_HEIGHT_M = 1e4, 1.0
@@ -49,10 +52,10 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=version(INSTALLATION.distribution),
     integrators=(
-        Integrator("maximal", order=1, evaluations=1),
+        Integrator("maximal", order=1, evaluations=1, kinds=KINDS - {"mechanism"}),
         Integrator("multibody", order=1, evaluations=1, options={"settings": choice("engine")}),
     ),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
     variants=dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)),
     defaults=defaults(),
 )
@@ -90,9 +93,23 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Loop[World]:
     )
 
 
+def prepare_mechanism(mechanism: Mechanism, method: Method) -> Loop[None]:
+    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
+    client = connected(mechanism.gravity, method)
+    parts, joints = mechanisms.built(client, mechanism, method), mechanisms.pushed(mechanism)
+
+    def step(_: None) -> None:
+        mechanisms.push(client, parts, joints)
+        pybullet.stepSimulation(physicsClientId=client)
+
+    made = Loop(None, step, lambda _: mechanisms.seen(client, parts), mechanisms.rows)
+    weakref.finalize(made, pybullet.disconnect, client)
+    return made
+
+
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[World]:
     """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
-    maximal, client = method.integrator == "maximal", connected(scene, method)
+    maximal, client = method.integrator == "maximal", connected(scene.gravity, method)
     flags = 0 if method.option("settings") == "engine" else pybullet.URDF_USE_INERTIA_FROM_FILE
     bodies = load(client, links, maximal, flags)
     first = bodies[0]
@@ -145,7 +162,7 @@ def resisted_step(drag: float) -> Callable[[World], World]:
 def built(scene: Scene, method: Method) -> World:
     """Return a world with the body of a scene in its initial state. Raises `SceneUnsupported`."""
     collision = collision_shape(scene) if scene.plane is not None else None
-    client, maximal = connected(scene, method), method.integrator == "maximal"
+    client, maximal = connected(scene.gravity, method), method.integrator == "maximal"
     if scene.plane is not None:
         add_ground(client, maximal)
     shape = pybullet.createCollisionShape(**collision, physicsClientId=client) if collision is not None else -1
@@ -157,13 +174,13 @@ def built(scene: Scene, method: Method) -> World:
     return world
 
 
-def connected(scene: Scene, method: Method) -> int:
-    """Return the connection to a new physics server with a scene's gravity. Raises `SceneUnsupported`."""
+def connected(gravity: float, method: Method) -> int:
+    """Return the connection to a new physics server with gravity (m/s^2). Raises `SceneUnsupported`."""
     client: int = pybullet.connect(pybullet.DIRECT)
     if client < 0:
         raise SceneUnsupported("PyBullet starts no further physics server in this process")
     pybullet.setTimeStep(method.timestep, physicsClientId=client)
-    pybullet.setGravity(0, 0, -scene.gravity, physicsClientId=client)
+    pybullet.setGravity(0, 0, -gravity, physicsClientId=client)
     return client
 
 
@@ -200,13 +217,6 @@ def set_properties(world: World, scene: Scene, method: Method) -> None:
         physicsClientId=world.client,
         **own,
     )
-
-
-def switched_off(method: Method) -> dict[str, float]:
-    """Return the arguments of `changeDynamics` that end damping and limits, unless a method keeps them."""
-    if method.option("settings") == "engine":
-        return {}
-    return {"linearDamping": 0.0, "angularDamping": 0.0, "maxJointVelocity": math.inf}
 
 
 def set_state(world: World, initial: State) -> None:

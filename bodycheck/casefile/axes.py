@@ -18,7 +18,7 @@ from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.mechanisms.axes import VARIATIONS, grown
 from bodycheck.casefile.values import MAX_STEPS, Factors, NonNegativeValues, Ratios, Values
 from bodycheck.reference.kinematics import rotate
-from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.mechanisms.mechanism import AnyScene, alone
 from bodycheck.reference.scene import Body, Scene, State, Vector
 
 if TYPE_CHECKING:  # a case is read by the grammar, which is made from the axes
@@ -89,13 +89,13 @@ class Axis:
 
 def spin(case: "Case", value: float) -> "Case":
     """The initial angular velocity at this size (rad/s), its direction kept."""
-    initial = _scene(case).initial
+    initial = alone(case.scene).initial
     return _with_state(case, replace(initial, angular_velocity=_scaled(initial.angular_velocity, value)))
 
 
 def speed(case: "Case", value: float) -> "Case":
     """The initial velocity at this size (m/s), its direction kept."""
-    initial = _scene(case).initial
+    initial = alone(case.scene).initial
     return _with_state(case, replace(initial, velocity=_scaled(initial.velocity, value)))
 
 
@@ -106,26 +106,26 @@ def steps(case: "Case", value: float) -> "Case":
 
 def distance(case: "Case", value: float) -> "Case":
     """The start moved away from the origin by this along x (m)."""
-    initial = _scene(case).initial
+    initial = alone(case.scene).initial
     x, y, z = initial.position
     return _with_state(case, replace(initial, position=(x + value, y, z)))
 
 
 def gravity(case: "Case", value: float) -> "Case":
     """Another gravity (m/s^2)."""
-    return replace(case, scene=replace(_scene(case), gravity=value))
+    return replace(case, scene=replace(alone(case.scene), gravity=value))
 
 
 def friction(case: "Case", value: float) -> "Case":
     """Another coefficient of friction of the plane."""
-    plane = _scene(case).plane
+    plane = alone(case.scene).plane
     assert plane is not None  # a case file that has this axis without a plane is refused
-    return replace(case, scene=replace(_scene(case), plane=replace(plane, friction=value)))
+    return replace(case, scene=replace(alone(case.scene), plane=replace(plane, friction=value)))
 
 
 def mass(case: "Case", value: float) -> "Case":
     """Another mass (kg) of the same shape: the moments in proportion."""
-    body = _scene(case).body
+    body = alone(case.scene).body
     return _with_body(case, replace(body, mass=value, moments=_times(body.moments, value / body.mass)))
 
 
@@ -134,9 +134,9 @@ def size(case: "Case", value: float) -> "Case":
 
     A body on a plane still lies on it.
     """
-    body, initial = _scene(case).body, _scene(case).initial
+    body, initial = alone(case.scene).body, alone(case.scene).initial
     shape = None if body.shape is None else grown(body.shape, value)
-    if _scene(case).plane is not None:
+    if alone(case.scene).plane is not None:
         x, y, z = initial.position
         case = _with_state(case, replace(initial, position=(x, y, z * value)))
     return _with_body(case, Body(body.mass * value**3, _times(body.moments, value**5), shape, body.axes))
@@ -148,7 +148,7 @@ def moment_ratio(case: "Case", value: float) -> "Case":
     With the second moments S_x, S_y, S_z of the mass, A = S_y + S_z, B = S_x + S_z and C = S_x + S_y: a stretch changes S_z
     alone, and no value breaks A + B >= C. The shape, which free flight does not know, is dropped.
     """
-    body = _scene(case).body
+    body = alone(case.scene).body
     a, b, c = body.moments
     along = c / 2 * (1 / value - 1)
     return _with_body(case, replace(body, moments=((c + a - b) / 2 + along, (c + b - a) / 2 + along, c), shape=None))
@@ -159,7 +159,7 @@ def separatrix(case: "Case", value: float) -> "Case":
 
     The closer to 0, the closer to the separatrix: the time between flips grows as ln(1 / value).
     """
-    body, initial = _scene(case).body, _scene(case).initial
+    body, initial = alone(case.scene).body, alone(case.scene).initial
     least, middle, _ = sorted(range(3), key=body.moments.__getitem__)
     rates = np.zeros(3)
     rates[middle] = math.hypot(*initial.angular_velocity)
@@ -304,18 +304,12 @@ AXES: dict[str, Axis] = {
 }
 
 
-def _scene(case: "Case") -> Scene:
-    """The scene of a case of one body."""
-    assert isinstance(case.scene, Scene)
-    return case.scene
-
-
 def _with_state(case: "Case", initial: State) -> "Case":
-    return replace(case, scene=replace(_scene(case), initial=initial))
+    return replace(case, scene=replace(alone(case.scene), initial=initial))
 
 
 def _with_body(case: "Case", body: Body) -> "Case":
-    return replace(case, scene=replace(_scene(case), body=body))
+    return replace(case, scene=replace(alone(case.scene), body=body))
 
 
 def _scaled(vector: Vector, size: float) -> Vector:

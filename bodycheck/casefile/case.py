@@ -10,7 +10,7 @@ from importlib import resources
 from importlib.resources.abc import Traversable
 from itertools import accumulate
 from pathlib import Path as FilePath
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from pydantic import ValidationError
@@ -29,7 +29,6 @@ from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
 from bodycheck.files import reading
 from bodycheck.reference.mechanisms.mechanism import AnyScene
-from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.suggestion import did_you_mean
 
@@ -79,7 +78,7 @@ class Case:
     name, title, source, tags
         As in the file.
     scene
-        The body or the mechanism, its initial state and its surroundings.
+        The body, its initial state and its surroundings, or the bodies and joints of a mechanism.
     duration
         The duration of a run (s).
     samples
@@ -98,7 +97,7 @@ class Case:
     title: str
     source: str
     tags: tuple[str, ...]
-    scene: Scene
+    scene: AnyScene
     duration: float
     samples: int
     expectations: tuple[Expectation, ...]
@@ -358,7 +357,7 @@ def _case(table: AnyCaseTable, scene: AnyScene, document: dict[str, Any], text: 
         title=table.title,
         source=table.source,
         tags=table.tags,
-        scene=cast(Scene, scene),
+        scene=scene,
         duration=table.run.duration,
         samples=table.run.samples,
         expectations=tuple(_expectation(expect) for expect in table.expect),

@@ -12,8 +12,11 @@ from decimal import ROUND_CEILING, Context
 
 import numpy as np
 
+from bodycheck.figures import mechanisms
 from bodycheck.figures.conservation import angular_momentum_size, energy_size
 from bodycheck.figures.definition import Comparison, Figure, Scales
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.observables import Observables
 from bodycheck.reference.trajectory import Array
 
 
@@ -49,6 +52,10 @@ def _energy(compared: Comparison) -> Array:
 
 
 def _angular_momentum(compared: Comparison) -> Array:
+    if isinstance(compared.scene, Mechanism):
+        size = mechanisms.angular_momentum_size(compared.scene, compared.truth.trajectory, compared.expected)
+        return compared.truth.bounds.angular_momentum_error / size
+    assert isinstance(compared.expected, Observables)
     return compared.truth.bounds.angular_momentum_error / angular_momentum_size(compared.scene, compared.expected)[..., None]
 
 

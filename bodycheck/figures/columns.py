@@ -14,7 +14,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from bodycheck.figures import bounds, conservation, contact, motion
+from bodycheck.figures import bounds, conservation, contact, mechanisms, motion
 from bodycheck.figures.definition import Column, Comparison, Figure
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
@@ -35,6 +35,7 @@ FIGURES: dict[str, Figure] = {
         *contact.LOAD,
         *bounds.OTHERS,
         motion.NORM,
+        *mechanisms.FIGURES,
     )
 }
 
@@ -68,7 +69,7 @@ COST_COLUMNS = (
 )
 
 CASE_COLUMNS = (
-    Column("kind", "string", "Kind", "kind of the scene: turning, translation, drag or contact"),
+    Column("kind", "string", "Kind", "kind of the scene: turning, translation, drag, contact or mechanism"),
     Column("tags", "string", "Tags", "tags of the case, with semicolons between them"),
 )
 

@@ -1,14 +1,16 @@
 """Figures of what free flight conserves: total energy, rotational energy and angular momentum.
 
-In a scene that conserves them a figure is a drift, the distance from the run's own initial value. Where friction or drag act it
-is an error, the distance from the truth's value at the same instant. Both are relative to a size that is never zero.
+Of a mechanism there is the total energy alone; its momenta are in `mechanisms`. In a scene that conserves them a figure is a
+drift, the distance from the run's own initial value. Where friction, damping or drag act it is an error, the distance from the
+truth's value at the same instant. Both are relative to a size that is never zero.
 """
 
 from collections.abc import Callable
 
 import numpy as np
 
-from bodycheck.figures.definition import Comparison, Figure
+from bodycheck.figures.definition import AnyObservables, Comparison, Figure
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.observables import Observables
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.scenes import Scenes
@@ -24,17 +26,20 @@ def total_energy(compared: Comparison) -> Array:
 
 def rotational_energy(compared: Comparison) -> Array:
     """Return how far (..., n) the rotational energy is from its initial value or from that of the truth, relative."""
-    seen, expected = compared.seen.rotational_energy[..., None], compared.expected.rotational_energy[..., None]
-    return _relative(compared, seen, expected, rotational_energy_size(compared.expected))
+    seen, expected = _of_one_body(compared)
+    size = rotational_energy_size(expected)
+    return _relative(compared, seen.rotational_energy[..., None], expected.rotational_energy[..., None], size)
 
 
 def angular_momentum(compared: Comparison) -> Array:
     """Return how far (..., n) the angular momentum (world) is from its initial value or from that of the truth, relative."""
-    size = angular_momentum_size(compared.scene, compared.expected)
-    return _relative(compared, compared.seen.angular_momentum, compared.expected.angular_momentum, size)
+    seen, expected = _of_one_body(compared)
+    assert not isinstance(compared.scene, Mechanism)
+    size = angular_momentum_size(compared.scene, expected)
+    return _relative(compared, seen.angular_momentum, expected.angular_momentum, size)
 
 
-def energy_size(reference: Observables) -> Array:
+def energy_size(reference: AnyObservables) -> Array:
     """Return the size (J) that a total energy is relative to, from the truth's values: one number, or (m,) of m scenes.
 
     It is the initial kinetic energy or, where that is zero, the largest kinetic energy. A potential energy would make it depend
@@ -62,7 +67,7 @@ def angular_momentum_size(scene: Scene | Scenes, reference: Observables) -> Arra
     return _first(momentum, lambda: np.sqrt(2 * _largest(reference) * moments.max(axis=-1)))
 
 
-def _largest(reference: Observables) -> Array:
+def _largest(reference: AnyObservables) -> Array:
     """Return the largest kinetic energy of each scene, or 1 J where that is zero."""
     return _first(reference.kinetic_energy.max(axis=-1), lambda: np.array(1.0))
 
@@ -71,6 +76,13 @@ def _first(size: Array, other: Callable[[], Array]) -> Array:
     """Return sizes, and other ones where they are zero."""
     there = size != 0
     return size if there.all() else np.where(there, size, other())
+
+
+def _of_one_body(compared: Comparison) -> tuple[Observables, Observables]:
+    """Return what was observed of the run, and of the truth, of a scene that is no mechanism."""
+    assert isinstance(compared.seen, Observables)
+    assert isinstance(compared.expected, Observables)
+    return compared.seen, compared.expected
 
 
 def _relative(compared: Comparison, values: Array, expected: Array, size: Array) -> Array:
@@ -85,6 +97,12 @@ def _where(conserves: bool, compute: Callable[[Comparison], Array]) -> Compute:
     return lambda compared: compute(compared) if compared.conserves == conserves else None
 
 
+def _alone(conserves: bool, compute: Callable[[Comparison], Array]) -> Compute:
+    """Return a function that computes a figure as that of `_where` does, of single bodies alone."""
+    where = _where(conserves, compute)
+    return lambda compared: where(compared) if compared.mechanism is None else None
+
+
 #: What the figures of energy were before they were relative to the initial kinetic energy.
 ENERGY_FORMERLY = "relative to the initial energy, with a potential energy that is zero at z = 0"
 
@@ -95,7 +113,7 @@ DRIFTS = (
         title="Energy drift",
         meaning="change of the energy, which should be constant, relative to the initial kinetic energy",
         largest=True,
-        remark="without friction and drag",
+        remark="without friction, damping and drag",
         compute=_where(True, total_energy),
         scale=lambda scales: scales.energy,
         presence="every table",
@@ -109,8 +127,8 @@ DRIFTS = (
         title="Rotational energy drift",
         meaning="change of the rotational energy, which should be constant, relative to its size",
         largest=True,
-        remark="without friction and drag",
-        compute=_where(True, rotational_energy),
+        remark="without friction and drag, of a single body",
+        compute=_alone(True, rotational_energy),
         scale=lambda scales: scales.rotational_energy,
         presence="every table",
     ),
@@ -121,8 +139,8 @@ DRIFTS = (
             "change of the angular momentum vector about the centre of mass, which should be constant, relative to its size"
         ),
         largest=True,
-        remark="without friction and drag",
-        compute=_where(True, angular_momentum),
+        remark="without friction and drag, of a single body",
+        compute=_alone(True, angular_momentum),
         scale=lambda scales: scales.angular_momentum,
         presence="every table",
         bounded_by="truth_angular_momentum_error",
@@ -137,7 +155,7 @@ ERRORS = (
         title="Energy error",
         meaning="difference between the energy and the exact energy, relative to the initial kinetic energy",
         largest=True,
-        remark="with friction or drag",
+        remark="with friction, damping or drag",
         compute=_where(False, total_energy),
         scale=lambda scales: scales.energy,
         bounded_by="truth_energy_error",
@@ -150,8 +168,8 @@ ERRORS = (
         title="Rotational energy error",
         meaning="difference between the rotational energy and the exact one, relative to its size",
         largest=True,
-        remark="with friction or drag",
-        compute=_where(False, rotational_energy),
+        remark="with friction or drag, of a single body",
+        compute=_alone(False, rotational_energy),
         scale=lambda scales: scales.rotational_energy,
     ),
     Figure(
@@ -159,8 +177,8 @@ ERRORS = (
         title="Angular momentum error",
         meaning="difference between the angular momentum vector and the exact one, relative to its size",
         largest=True,
-        remark="with friction or drag",
-        compute=_where(False, angular_momentum),
+        remark="with friction or drag, of a single body",
+        compute=_alone(False, angular_momentum),
         scale=lambda scales: scales.angular_momentum,
         bounded_by="truth_angular_momentum_error",
         plotted=True,

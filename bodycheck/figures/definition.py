@@ -6,9 +6,15 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, Protocol
 
+import numpy as np
+
 from bodycheck.reference.bounds import Bounds
 from bodycheck.reference.contact_observables import measured_stop
-from bodycheck.reference.observables import Observables, observe
+from bodycheck.reference.mechanisms import observables as mechanism_observables
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.mechanisms.observables import MechanismObservables
+from bodycheck.reference.observables import Observables
+from bodycheck.reference.observables import observe as observe_body
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.scenes import Scenes
@@ -78,14 +84,26 @@ class Load:
     time_in_contact: float
 
 
+#: Energies and momenta of one body, or of the bodies of a mechanism.
+AnyObservables = Observables | MechanismObservables
+
+
+def observe(scene: AnyScene | Scenes, trajectory: Trajectory) -> AnyObservables:
+    """Return the energies and momenta of any scene at every instant of a trajectory."""
+    if isinstance(scene, Mechanism):
+        return mechanism_observables.observe(scene, trajectory)
+    return observe_body(scene, trajectory)
+
+
 class Exact(Protocol):
     """What runs are compared with: the truth of a scene, `Truth`, or those of m scenes in free flight.
 
-    Those of several scenes have the scenes as the first axis of all arrays but the instants, which they have in common.
+    Those of several scenes have the scenes as the first axis of all arrays but the instants, which they have in common. The
+    states of a mechanism have its bodies there.
     """
 
     @property
-    def scene(self) -> Scene | Scenes:
+    def scene(self) -> AnyScene | Scenes:
         """The scene, or the scenes."""
         ...
 
@@ -109,8 +127,9 @@ class Exact(Protocol):
 class Comparison:
     """A run's trajectory beside the truth at the same instants: what figures are computed from.
 
-    Runs of several scenes are compared at once where the arrays of truth and trajectory have the scenes as their first axis.
-    What is computed has this axis too, and is for each scene what it is where the scene is compared alone, to the last bit.
+    The states of a mechanism have the bodies as their first axis. Runs of several scenes are compared at once where the arrays
+    of truth and trajectory have the scenes as their first axis. What is computed then has this axis too, and is for each scene
+    what it is where the scene is compared alone, to the last bit.
 
     Attributes
     ----------
@@ -131,29 +150,38 @@ class Comparison:
     quaternion_norm_error: float | Array | None = None
 
     @property
-    def scene(self) -> Scene | Scenes:
+    def scene(self) -> AnyScene | Scenes:
         """The scene of the truth."""
         return self.truth.scene
 
     @property
     def conserves(self) -> bool:
         """Whether energy and angular momentum are conserved, as they are in several scenes, which are all in free flight."""
-        return not isinstance(self.scene, Scene) or self.scene.conserves
+        return isinstance(self.scene, Scenes) or self.scene.conserves
 
     @property
     def on_plane(self) -> Scene | None:
         """The scene, if it has a plane."""
         return self.scene if isinstance(self.scene, Scene) and self.scene.plane is not None else None
 
+    @property
+    def mechanism(self) -> Mechanism | None:
+        """The scene, if it is a mechanism."""
+        return self.scene if isinstance(self.scene, Mechanism) else None
+
     @cached_property
-    def seen(self) -> Observables:
-        """Energies and angular momenta of the run."""
+    def seen(self) -> AnyObservables:
+        """Energies and momenta of the run."""
         return observe(self.scene, self.trajectory)
 
     @cached_property
-    def expected(self) -> Observables:
-        """Energies and angular momenta of the truth."""
+    def expected(self) -> AnyObservables:
+        """Energies and momenta of the truth."""
         return observe(self.scene, self.truth.trajectory)
+
+    def of_bodies(self, values: Array) -> Array:
+        """The largest values (n,) over the bodies of a mechanism, of values (b, n); those of any other scene as they are."""
+        return values if self.mechanism is None else np.asarray(values.max(axis=0))
 
     @cached_property
     def stop(self) -> Stop:

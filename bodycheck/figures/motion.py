@@ -1,4 +1,7 @@
-"""Figures of the motion: how far position, velocity, attitude and angular velocity are from the truth."""
+"""Figures of the motion: how far position, velocity, attitude and angular velocity are from the truth.
+
+Of the bodies of a mechanism, that which is farthest counts.
+"""
 
 import math
 
@@ -10,22 +13,23 @@ from bodycheck.reference.truth import distance
 
 def position_error(compared: Comparison) -> Array:
     """Return the distance (n,), m, of the centre of mass from that of the truth."""
-    return distance(compared.trajectory.position, compared.truth.trajectory.position)
+    return compared.of_bodies(distance(compared.trajectory.position, compared.truth.trajectory.position))
 
 
 def velocity_error(compared: Comparison) -> Array:
     """Return the Euclidean distance (n,), m/s, of the velocity in the world frame from that of the truth."""
-    return distance(compared.trajectory.velocity, compared.truth.trajectory.velocity)
+    return compared.of_bodies(distance(compared.trajectory.velocity, compared.truth.trajectory.velocity))
 
 
 def attitude_error(compared: Comparison) -> Array:
     """Return the angle (n,), rad, of the single rotation between the attitude of the run and that of the truth."""
-    return geodesic_angle(compared.truth.trajectory.quaternion, normalise(compared.trajectory.quaternion))
+    turned = geodesic_angle(compared.truth.trajectory.quaternion, normalise(compared.trajectory.quaternion))
+    return compared.of_bodies(turned)
 
 
 def angular_velocity_error(compared: Comparison) -> Array:
     """Return the Euclidean distance (n,), rad/s, of the angular velocity in the body frame from that of the truth."""
-    return distance(compared.trajectory.angular_velocity, compared.truth.trajectory.angular_velocity)
+    return compared.of_bodies(distance(compared.trajectory.angular_velocity, compared.truth.trajectory.angular_velocity))
 
 
 ERRORS = (

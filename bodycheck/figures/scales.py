@@ -5,40 +5,45 @@ example for a body that stays at the origin, where rounding does nothing. `in_sc
 are written into case files, and a limit of zero would fail on every other machine.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from bodycheck.figures import mechanisms
 from bodycheck.figures.conservation import angular_momentum_size, energy_size, rotational_energy_size
 from bodycheck.figures.definition import Scales
+from bodycheck.reference.mechanisms.exact import nearest_inertia
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.observables import masses
+from bodycheck.reference.mechanisms.observables import observe as observe_mechanism
 from bodycheck.reference.observables import observe
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
 
 
 def in_run(truth: Truth, trajectory: Trajectory) -> Scales:
     """Return the sizes of the numbers in a trajectory of a truth's scene."""
-    scene = truth.scene
-    seen, reference = observe(scene, trajectory), observe(scene, truth.trajectory)
     duration, rate = float(trajectory.t[-1]), largest(trajectory.angular_velocity)
-    # What is rounded are the coordinates, which count from the origin.
-    weighed = scene.body.mass * scene.gravity * np.abs(trajectory.position[:, 2])
+    scene = truth.scene
+    energies = _in_mechanism(scene, truth, trajectory) if isinstance(scene, Mechanism) else _in_body(scene, truth, trajectory)
     return Scales(
         length=largest(trajectory.position),
         speed=largest(trajectory.velocity),
         angle=max(1.0, rate * duration),
         rate=rate,
         duration=duration,
-        energy=float((seen.kinetic_energy + weighed).max()) / float(energy_size(reference)),
-        rotational_energy=float(seen.rotational_energy.max()) / float(rotational_energy_size(reference)),
-        angular_momentum=largest(seen.angular_momentum) / float(angular_momentum_size(scene, reference)),
+        energy=energies[0],
+        rotational_energy=energies[1],
+        angular_momentum=energies[2],
     )
 
 
 def in_scene(truth: Truth) -> Scales:
     """Return the sizes of the numbers in a truth, at least those of a body that turns by 1 rad and moves by its own size."""
-    run, body = in_run(truth, truth.trajectory), truth.scene.body
-    length = max(run.length, float(np.sqrt(max(body.moments) / body.mass)))
+    run, scene = in_run(truth, truth.trajectory), truth.scene
+    length = max(run.length, _extent(scene) if isinstance(scene, Mechanism) else _gyration(scene.body.moments, scene.body.mass))
     rate = max(run.rate, 1 / run.duration)
     return replace(
         run,
@@ -52,6 +57,42 @@ def in_scene(truth: Truth) -> Scales:
     )
 
 
+def _in_body(scene: Scene, truth: Truth, trajectory: Trajectory) -> tuple[float, float, float]:
+    """Return the relative sizes of the energy, the rotational energy and the angular momentum of a single body."""
+    seen, reference = observe(scene, trajectory), observe(scene, truth.trajectory)
+    # What is rounded are the coordinates, which count from the origin.
+    weighed = scene.body.mass * scene.gravity * np.abs(trajectory.position[:, 2])
+    return (
+        float((seen.kinetic_energy + weighed).max()) / float(energy_size(reference)),
+        float(seen.rotational_energy.max()) / float(rotational_energy_size(reference)),
+        largest(seen.angular_momentum) / float(angular_momentum_size(scene, reference)),
+    )
+
+
+def _in_mechanism(mechanism: Mechanism, truth: Truth, trajectory: Trajectory) -> tuple[float, float, float]:
+    """Return the relative sizes of the energy and the momenta of a mechanism, in which no rotational energy is a figure."""
+    seen, reference = observe_mechanism(mechanism, trajectory), observe_mechanism(mechanism, truth.trajectory)
+    mass = masses(mechanism)[:, None]
+    weighed = (mass * mechanism.gravity * np.abs(trajectory.position[..., 2])).sum(axis=0)
+    momentum = float(mass.sum()) * largest(trajectory.position) * largest(trajectory.velocity)
+    return (
+        float((seen.kinetic_energy + np.abs(seen.potential_energy) + weighed).max()) / float(energy_size(reference)),
+        0.0,
+        max(1.0, momentum / mechanisms.angular_momentum_size(mechanism, truth.trajectory, reference)),
+    )
+
+
+def _extent(mechanism: Mechanism) -> float:
+    """Return the size (m) of a mechanism: the largest radius of gyration of a body, about the origin of its frame."""
+    bodies = [nearest_inertia(body) for body in mechanism.bodies]
+    return max(float(np.hypot(_gyration(body.tensor[:3], body.mass), np.linalg.norm(body.centre))) for body in bodies)
+
+
+def _gyration(moments: Sequence[float], mass: float) -> float:
+    """Return the largest radius of gyration (m) of moments (kg m^2) of a mass (kg)."""
+    return float(np.sqrt(max(moments) / mass))
+
+
 def largest(vectors: Array) -> float:
-    """Return the largest Euclidean length of vectors (n, k)."""
-    return float(np.linalg.norm(vectors, axis=1).max())
+    """Return the largest Euclidean length of vectors (..., k)."""
+    return float(np.linalg.norm(vectors, axis=-1).max())

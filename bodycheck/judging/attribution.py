@@ -17,6 +17,7 @@ import numpy as np
 from bodycheck.adapters.method import Method
 from bodycheck.judging.judgement import LABEL, Verdict
 from bodycheck.reference.contact_observables import measured_stop
+from bodycheck.reference.mechanisms.mechanism import alone
 from bodycheck.reference.planar import Stop, yaw
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.running import csv_tables
@@ -71,12 +72,13 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
     stops = dict(results.stops)
     methods: dict[RunKey, dict[float, Run]] = defaultdict(dict)
     for run in (verdict.run for verdict in verdicts if isinstance(verdict.outcome, Completed)):
-        if results.cases[run.case].scene.plane is not None:
+        scene = results.cases[run.case].scene
+        if isinstance(scene, Scene) and scene.plane is not None:
             methods[run.key.over_steps][run.method.timestep] = run
     found: list[Attribution] = []
     for key, by_step in methods.items():
         case = key.case
-        scene = results.cases[case].scene
+        scene = alone(results.cases[case].scene)
         asked, implied = (_exact(results, case, law, stops) for law in (scene.plane, next(iter(by_step.values())).contact_law))
         if asked is None:
             continue
@@ -131,7 +133,7 @@ def _exact(
     if (name, law) not in stops:
         stops[name, law] = stop_under(case, law)
     stop = stops[name, law]
-    return None if stop is None else _quantities(case.scene, stop)
+    return None if stop is None else _quantities(alone(case.scene), stop)
 
 
 def _quantities(scene: Scene, stop: Stop) -> dict[str, float]:

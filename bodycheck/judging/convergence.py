@@ -16,9 +16,13 @@ from typing import Literal
 import numpy as np
 
 from bodycheck.adapters.contract import Strides
+from bodycheck.figures import mechanisms
 from bodycheck.figures.conservation import angular_momentum_size, energy_size
+from bodycheck.figures.definition import observe
 from bodycheck.reference.kinematics import geodesic_angle, normalise
-from bodycheck.reference.observables import observe
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.observables import floats
+from bodycheck.reference.observables import Observables
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth, distance
 
@@ -80,7 +84,7 @@ class Convergence:
 def observe_convergence(
     runs: Sequence[tuple[float, Trajectory]], truth: Truth, errors: Mapping[str, Sequence[float]], roundoff: float
 ) -> dict[str, Convergence]:
-    """Return the convergence of each quantity of `UNITS`; empty if the runs have too few instants in common.
+    """Return the convergence of each quantity that is measured; empty if the runs have too few instants in common.
 
     Parameters
     ----------
@@ -105,7 +109,7 @@ def observe_convergence(
             [apart(quantity, *pair) for pair in pairwise(seen)],
             STEP_ROUNDINGS * LARGEST_GROWTH * roundoff * float(trajectories[0].t[-1]),
         )
-        for quantity in UNITS
+        for quantity in seen[0]
     }
     if found["attitude"].order is None and apart("attitude", *seen[-2:]) > LOST_RAD:
         found["attitude"] = _at_first(timesteps, trajectories, truth, roundoff)
@@ -229,16 +233,24 @@ def _keys(t: Array, longest: float) -> Strides:
 
 
 def measured(truth: Truth, trajectory: Trajectory) -> dict[str, Array]:
-    """Return the values (n, k) of each quantity of `UNITS` at the n instants of a trajectory."""
-    reference = observe(truth.scene, truth.trajectory)
-    energy, momentum = energy_size(reference), angular_momentum_size(truth.scene, reference)
-    seen = observe(truth.scene, trajectory)
-    return {
+    """Return the values (..., n, k) of quantities of `UNITS` at the n instants of a trajectory.
+
+    The angular momentum of a mechanism is one only where it is conserved, as it is without an error elsewhere.
+    """
+    scene = truth.scene
+    reference, seen = observe(scene, truth.trajectory), observe(scene, trajectory)
+    found = {
         "attitude": normalise(trajectory.quaternion),
         "position": trajectory.position,
-        "energy": seen.total_energy[:, None] / energy,
-        "angular_momentum": seen.angular_momentum / momentum,
+        "energy": seen.total_energy[:, None] / energy_size(reference),
     }
+    if isinstance(scene, Mechanism):
+        if floats(scene):
+            momentum = mechanisms.angular_momentum_size(scene, truth.trajectory, reference)
+            found["angular_momentum"] = seen.angular_momentum / momentum
+        return found
+    assert isinstance(reference, Observables)
+    return found | {"angular_momentum": seen.angular_momentum / angular_momentum_size(scene, reference)}
 
 
 def apart(quantity: str, one: dict[str, Array], other: dict[str, Array]) -> float:

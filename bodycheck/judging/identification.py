@@ -15,6 +15,7 @@ from bodycheck.casefile.case import Case
 from bodycheck.judging.discrepancy import compare
 from bodycheck.judging.scheme_rounding import allowance, in_position
 from bodycheck.judging.scheme_runs import differences, steps
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.schemes.catalogue import CATALOGUE
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -123,7 +124,7 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     """
     if not isinstance(run.outcome, Completed):
         raise ValueError(f"the run has no trajectory to identify, its status is {run.outcome.status}: {run.outcome.reason}")
-    if case.scene.plane is not None:
+    if isinstance(case.scene, Mechanism) or case.scene.plane is not None:
         return None
     scene, timestep, trajectory = case.scene, run.method.timestep, run.outcome.trajectory
     truth = truth.at(trajectory.t)

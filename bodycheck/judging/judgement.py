@@ -18,7 +18,7 @@ from bodycheck.figures.columns import COLUMNS as ALL_COLUMNS
 from bodycheck.judging.convergence import attitude_order
 from bodycheck.judging.discrepancy import Summary, compare
 from bodycheck.judging.margins import Margin, margins
-from bodycheck.reference.requirements import requirements
+from bodycheck.reference.requirements import needs
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Outcome, Run, TimedOut, Unsupported
@@ -207,7 +207,7 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
     elif isinstance(outcome, Completed) and isinstance(truth, Truth):
         discrepancy = compare(truth, run).summary()
     expectations = _concerning(case, run)
-    told: dict[str, Any] = {"kind": requirements(case.scene).kind, "tags": case.tags}
+    told: dict[str, Any] = {"kind": needs(case.scene).kind, "tags": case.tags}
     if not expectations:
         return Verdict(run, outcome, discrepancy, False if outcome.failed else None, outcome.reason, **told)
     order = _order(truth, (run, *finer)) if any(expectation.needs_order for expectation in expectations) else None

@@ -23,7 +23,7 @@ from bodycheck.judging.discrepancy import Summary
 from bodycheck.judging.judgement import settled, this_day, verdict
 from bodycheck.reference.bounds import NAMES, Bounds
 from bodycheck.reference.flight.flights import Flights
-from bodycheck.reference.scene import Scene
+from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import NoTruth, Truth
@@ -175,7 +175,7 @@ def _other_outcomes(scenes: Scenes, flown: Flown, doubtful: NDArray[np.bool_]) -
     return found
 
 
-def _outcome(flown: Flown, place: int, scene: Scene) -> Outcome:
+def _outcome(flown: Flown, place: int, scene: AnyScene) -> Outcome:
     """Return how the run of a member ended, whose scene is given."""
     if place in flown.ended:
         return flown.ended[place]

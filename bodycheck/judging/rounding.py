@@ -19,7 +19,9 @@ from bodycheck.casefile.case import Case
 from bodycheck.figures.columns import FIGURES, truth_bounds
 from bodycheck.figures.scales import in_run, largest
 from bodycheck.judging.discrepancy import compare
+from bodycheck.judging.nudged_mechanisms import nudged_mechanism
 from bodycheck.reference.kinematics import multiply, normalise
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import State, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
@@ -38,7 +40,8 @@ MARGIN = 8.0
 def nudged(case: Case, run: Run, seed: int) -> Case:
     """Return a case whose initial state is moved in random directions by the expected rounding error of a run.
 
-    Each part of the state is moved relative to its largest absolute value in the run. On a plane the body stays flat.
+    Each part of the state is moved relative to its largest absolute value in the run. On a plane the body stays flat. Of a
+    mechanism, each coordinate and velocity of a joint and each part of the state of a free body is moved.
 
     Parameters
     ----------
@@ -51,9 +54,12 @@ def nudged(case: Case, run: Run, seed: int) -> Case:
     """
     assert isinstance(run.outcome, Completed)
     random = np.random.default_rng(seed)
-    trajectory, initial = run.outcome.trajectory, case.scene.initial
+    trajectory, scene = run.outcome.trajectory, case.scene
     amount = _unit_of_rounding(trajectory) * math.sqrt(run.outcome.steps)
-    within, about = (slice(0, 3), slice(0, 3)) if case.scene.plane is None else (slice(0, 2), slice(2, 3))
+    if isinstance(scene, Mechanism):
+        return replace(case, scene=nudged_mechanism(scene, trajectory, amount, random), expectations=())
+    initial = scene.initial
+    within, about = (slice(0, 3), slice(0, 3)) if scene.plane is None else (slice(0, 2), slice(2, 3))
 
     def step(part: slice, size: float) -> Array:
         direction = np.zeros(3)
@@ -68,7 +74,7 @@ def nudged(case: Case, run: Run, seed: int) -> Case:
         _vector(np.array(initial.velocity) + step(within, largest(trajectory.velocity))),
         _vector(np.array(initial.angular_velocity) + step(about, largest(trajectory.angular_velocity))),
     )
-    return replace(case, scene=replace(case.scene, initial=state), expectations=())
+    return replace(case, scene=replace(scene, initial=state), expectations=())
 
 
 def allowances(truth: Truth, run: Run, others: Sequence[Run]) -> dict[str, float]:
@@ -117,7 +123,8 @@ def unamplified(truth: Truth, run: Run, names: Iterable[str]) -> dict[str, float
 
 def _unit_of_rounding(trajectory: Trajectory) -> float:
     """Return the unit roundoff of the precision in which the engine seems to keep its states."""
-    states = np.hstack([trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity])
+    parts = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
+    states = np.concatenate(parts, axis=-1)
     with np.errstate(over="ignore"):
         single = np.array_equal(states.astype(np.float32), states)
     return 2.0**-24 if single else 2.0**-53

@@ -7,6 +7,7 @@ from functools import lru_cache
 from bodycheck.adapters.contract import Kind, kind_of
 from bodycheck.judging.classes import MethodClass, Motion, beginning, classes
 from bodycheck.judging.scheme_rounding import ROUNDOFF
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.store import Results
@@ -26,9 +27,12 @@ def classes_of(results: Results, runs: Iterable[Run]) -> Mapping[Kind, tuple[Met
     together = Counter((run.case, run.method.timestep) for run in known if isinstance(run.outcome, Completed))
     motions: dict[Kind, list[Motion]] = defaultdict(list)
     for run in known:
+        scene = results.cases[run.case].scene
         if not isinstance(run.outcome, Completed) or together[run.case, run.method.timestep] < 2:
             continue
-        scene, timestep, method = results.cases[run.case].scene, run.method.timestep, run.key.over_cases.over_steps
+        if isinstance(scene, Mechanism):  # their methods are not compared, as no scheme is known there
+            continue
+        timestep, method = run.method.timestep, run.key.over_cases.over_steps
         trajectory, truth = beginning(run.outcome.trajectory, timestep), truths(run.case, timestep)
         if isinstance(truth, Truth):
             exact, roundoff = truth.at(trajectory.t).trajectory, ROUNDOFF[precisions[run.engine]]

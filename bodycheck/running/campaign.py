@@ -16,7 +16,7 @@ from bodycheck.casefile.case import Case
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.planar import Stop
-from bodycheck.reference.scene import Plane
+from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running import engines, pool, store, truths, versions
 from bodycheck.running.engines import locks
@@ -143,7 +143,7 @@ def results(
             for argument, result in answers:
                 for done in _add(writer, argument, result, places, head["engines"]):
                     progress(done)
-        runs = store.read(folder).runs() if any(case.scene.plane is not None for case in cases.values()) else ()
+        runs = store.read(folder).runs() if any(_has_plane(case) for case in cases.values()) else ()
         needed = _stop_tasks(cases, runs)
         stops = [task for task in needed if not writer.has_stop(task.case.name, task.law)]
         with closing(pool.call_all(perform_stop, stops, jobs, limit, memory)) as found:
@@ -226,9 +226,14 @@ def _stop_tasks(cases: Mapping[str, Case], runs: Sequence[Run]) -> tuple[StopTas
     found: dict[StopTask, None] = {}
     for made in runs:
         case = cases[made.case]
-        if case.scene.plane is not None and isinstance(made.outcome, Completed):
-            found |= {StopTask(case, law): None for law in (case.scene.plane, made.contact_law) if law is not None}
+        scene = case.scene
+        if isinstance(scene, Scene) and scene.plane is not None and isinstance(made.outcome, Completed):
+            found |= {StopTask(case, law): None for law in (scene.plane, made.contact_law) if law is not None}
     return tuple(found)
+
+
+def _has_plane(case: Case) -> bool:
+    return isinstance(case.scene, Scene) and case.scene.plane is not None
 
 
 def group(argument: TruthTask | Task) -> str | None:

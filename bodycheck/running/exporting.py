@@ -10,6 +10,7 @@ from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case
 from bodycheck.errors import Failed
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.running import engines, pool
 from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.running.plan import check_timestep
@@ -94,6 +95,8 @@ def written(question: Question) -> str | NoScript:
     lacking = offers.not_offered(adapter.engine, case.scene, method) or offers.not_modelled(adapter.engine, case.scene)
     if lacking is not None:
         return NoScript(f"{named} {lacking}")
+    if isinstance(case.scene, Mechanism):
+        return NoScript("a script of a mechanism cannot be written yet; allowed: cases of one body")
     if not isinstance(adapter, Scripts):
         return NoScript(f"{named}: its adapter cannot write scripts")
     try:

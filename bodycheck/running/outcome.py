@@ -5,10 +5,15 @@ from typing import ClassVar, Literal, Protocol
 
 from bodycheck.adapters.contract import Method
 from bodycheck.figures.definition import Load
-from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.running.key import RunKey
 from bodycheck.running.limits import shortage
+
+
+class AdapterFault(Exception):
+    """What an adapter returned cannot be the states of its engine; the text says why."""
 
 
 class Stored(Protocol):
@@ -136,7 +141,7 @@ class Run:
     method: Method
     outcome: Outcome
     contact_law: Plane | None = None
-    scene: Scene | None = field(default=None, repr=False)
+    scene: AnyScene | None = field(default=None, repr=False)
 
     @property
     def key(self) -> RunKey:

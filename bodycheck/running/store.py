@@ -21,6 +21,8 @@ from bodycheck.figures.definition import Load
 from bodycheck.figures.revisions import REVISIONS
 from bodycheck.files import reading, writing
 from bodycheck.reference.bounds import NAMES
+from bodycheck.reference.mechanisms.kinematics import joints
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truth import NoTruth, Truth
@@ -64,7 +66,8 @@ class Writer:
         )
         there = self.journal.records
         self.stops = {_law_of(record) for record in there if record["record"] == "stop"}
-        self.done = {_path_of(record) for record in there if record["record"] != "stop" and _is_stored(folder, record)}
+        bodies = {case.name: _bodies(case.scene) for case in cases}
+        self.done = {_path_of(record) for record in there if record["record"] != "stop" and _is_stored(folder, record, bodies)}
         _remove_all_but(self.done, folder)
 
     def __enter__(self) -> "Writer":
@@ -91,7 +94,9 @@ class Writer:
         bounds = {
             column: getattr(truth.bounds, name) for column, name in zip(trajectory_files.BOUND_COLUMNS, NAMES, strict=True)
         }
-        trajectory_files.write(self.folder, truth_path(case.name, timestep), truth.trajectory, bounds)
+        if truth.growth is not None:
+            bounds[trajectory_files.GROWTH_COLUMN] = truth.growth
+        trajectory_files.write(self.folder, truth_path(case.name, timestep), truth.trajectory, bounds, _bodies(truth.scene))
         record: dict[str, Any] = {"case": case.name, "timestep": timestep, "model": truth.model, "why": truth.reason}
         record |= {"backend": truth.backend, "witnesses": truth.witnesses}
         if truth.stop is not None:
@@ -117,7 +122,7 @@ class Writer:
         }
         match run.outcome:
             case Completed() as done:
-                trajectory_files.write(self.folder, _path_of(record), done.trajectory, {})
+                trajectory_files.write(self.folder, _path_of(record), done.trajectory, {}, _bodies(run.scene))
                 load = asdict(done.load) if done.load is not None else None
                 record |= {"steps": done.steps, "wall_time": done.wall_time, "load": load}
                 record |= {"quaternion_norm_error": done.quaternion_norm_error}
@@ -219,8 +224,10 @@ class Results:
         if "reason" in record:
             # Earlier versions recorded the reason alone.
             return NoTruth(record["reason"], record.get("limit"), record.get("crashed", False))
-        trajectory, bounds = trajectory_files.read_truth(self.folder / _path_of(record))
-        return Truth(self.cases[case].scene, trajectory, bounds, **_ways(record))
+        scene = self.cases[case].scene
+        trajectory, bounds, growth = trajectory_files.read_truth(self.folder / _path_of(record), _bodies(scene))
+        moved = joints(scene, trajectory) if isinstance(scene, Mechanism) else None
+        return Truth(scene, trajectory, bounds, **_ways(record), joints=moved, growth=growth)
 
     def ways(self, case: str, timestep: float) -> dict[str, Any] | None:
         """Return how the truth for the runs of a case with a time step (s) was found, which needs no trajectory.
@@ -267,7 +274,7 @@ class Results:
         run = Run(key.case, key.engine, record["version"], key.method, Unsupported(""), Plane(**law) if law else None, scene)
         match record["status"]:
             case Completed.status:
-                states = StoredTrajectory(self.folder / _path_of(record))
+                states = StoredTrajectory(self.folder / _path_of(record), _bodies(scene))
                 load = Load(**record["load"]) if record["load"] else None
                 norm_error = record.get("quaternion_norm_error")  # results of earlier versions have none
                 return replace(run, outcome=Completed(states, record["steps"], record["wall_time"], load, norm_error))
@@ -323,6 +330,11 @@ def _ways(record: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def _bodies(scene: AnyScene | None) -> tuple[str, ...]:
+    """Return the names of the bodies of a mechanism; empty for any other scene."""
+    return tuple(body.name for body in scene.bodies) if isinstance(scene, Mechanism) else ()
+
+
 def _stop(told: dict[str, Any] | None) -> Stop | None:
     return None if told is None else Stop(told["time"], tuple(told["position"]), told["yaw"])
 
@@ -334,11 +346,11 @@ def _path_of(record: dict[str, Any]) -> Path:
     return run_path(record["case"], record["engine"], record["integrator"], record["timestep"])
 
 
-def _is_stored(folder: Path, record: dict[str, Any]) -> bool:
-    """Return whether the trajectory of a record can be read; True if the record has none."""
+def _is_stored(folder: Path, record: dict[str, Any], bodies: Mapping[str, Sequence[str]]) -> bool:
+    """Return whether the trajectory of a record can be read; True if the record has none. bodies: by the names of cases."""
     if "reason" in record or record.get("status", Completed.status) != Completed.status:
         return True
-    return trajectory_files.is_readable(folder / _path_of(record))
+    return trajectory_files.is_readable(folder / _path_of(record), bodies[record["case"]])
 
 
 def _shown(file: Path | None) -> str:

@@ -1,6 +1,6 @@
 """The trajectory files of a results folder: one Parquet file for each truth and for each completed run."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
@@ -18,11 +18,20 @@ from bodycheck.reference.trajectory import Array, Trajectory
 #: Name of the folder of all trajectory files, inside a results folder.
 TRAJECTORIES = "trajectories"
 
+#: Most bodies of a mechanism.
+MAX_BODIES = 200
+
 #: The largest size of a trajectory file in bytes, which leaves room for the bounds of later versions.
-MAX_BYTES = 64 * 8 * MAX_SAMPLES
+MAX_BYTES = 64 * 8 * MAX_SAMPLES * MAX_BODIES
+
+#: The column of a truth with the growth of an error, of mechanisms.
+GROWTH_COLUMN = "truth_growth"
 
 #: Columns of a state: position (m), quaternion w x y z (body to world), velocity (m/s), angular velocity, body frame (rad/s).
 STATE_COLUMNS = ("x", "y", "z", "qw", "qx", "qy", "qz", "vx", "vy", "vz", "wx", "wy", "wz")
+
+#: What stands between the name of a body of a mechanism and that of a column of its states, as in "pole.x".
+OF_BODY = "."
 
 #: Columns of the bounds of a truth's own errors, in the order and the units of `Bounds`.
 BOUND_COLUMNS = tuple(f"truth_{name}" for name in NAMES)
@@ -30,13 +39,17 @@ BOUND_COLUMNS = tuple(f"truth_{name}" for name in NAMES)
 
 @dataclass(frozen=True)
 class StoredTrajectory:
-    """The trajectory in a file, which is read each time that it is needed and not kept."""
+    """The trajectory in a file, which is read each time that it is needed and not kept.
+
+    bodies: the names of the bodies, if it is that of a mechanism.
+    """
 
     file: Path
+    bodies: tuple[str, ...] = ()
 
     def read(self) -> Trajectory:
         """Return the trajectory in the file. Raises `BadFolder` if the file is missing or damaged."""
-        return read(self.file)
+        return read(self.file, self.bodies)
 
 
 def run_path(case: str, engine: str, spelling: str, timestep: float) -> Path:
@@ -60,7 +73,7 @@ def truth_path(case: str, timestep: float) -> Path:
     return _path(case, f"truth-{timestep!r}s")
 
 
-def write(folder: Path, path: Path, trajectory: Trajectory, more: Mapping[str, Array]) -> None:
+def write(folder: Path, path: Path, trajectory: Trajectory, more: Mapping[str, Array], bodies: Sequence[str] = ()) -> None:
     """Write a trajectory into a file, which appears whole or not at all.
 
     Parameters
@@ -73,39 +86,46 @@ def write(folder: Path, path: Path, trajectory: Trajectory, more: Mapping[str, A
         A trajectory of n instants.
     more
         Further columns (n,) by their names.
+    bodies
+        The names of the bodies, if it is the trajectory of a mechanism; they stand before the columns of their states.
 
     Raises
     ------
     NotWritten
         The file cannot be written.
     """
-    states = np.hstack([trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity])
-    columns = {"t": trajectory.t, **dict(zip(STATE_COLUMNS, states.T, strict=True)), **more}
+    parts = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
+    states = np.moveaxis(np.concatenate(parts, axis=-1), -1, -2).reshape(-1, len(trajectory))
+    columns = {"t": trajectory.t, **dict(zip(_columns_of(bodies), states, strict=True)), **more}
     content = pa.BufferOutputStream()
     pq.write_table(pa.table(columns), content, compression="zstd", use_dictionary=False, use_byte_stream_split=True)
     writing.write(folder / path, content.getvalue().to_pybytes(), folder)
 
 
-def read(file: Path) -> Trajectory:
-    """Return the trajectory in a file. Raises `BadFolder` if the file is missing or damaged."""
-    return _trajectory(_columns(file, ()))
+def read(file: Path, bodies: Sequence[str] = ()) -> Trajectory:
+    """Return the trajectory in a file, of a single body, or of the bodies of a mechanism with these names.
+
+    Raises `BadFolder` if the file is missing or damaged.
+    """
+    return _trajectory(_columns(file, bodies, ()), bodies)
 
 
-def read_truth(file: Path) -> tuple[Trajectory, Bounds]:
-    """Return the trajectory of a truth at n instants, and the bounds of its errors.
+def read_truth(file: Path, bodies: Sequence[str] = ()) -> tuple[Trajectory, Bounds, Array | None]:
+    """Return the trajectory of a truth at n instants, the bounds of its errors, and the growth (n,) of an error if it has it.
 
     Bounds that an earlier version of bodycheck did not write are not a number. Raises `BadFolder` if the file is missing or
     damaged.
     """
-    columns = _columns(file, BOUND_COLUMNS)
+    columns = _columns(file, bodies, (*BOUND_COLUMNS, GROWTH_COLUMN))
     unknown = np.full(len(columns["t"]), np.nan)
-    return _trajectory(columns), Bounds(*(columns.get(name, unknown) for name in BOUND_COLUMNS))
+    bounds = Bounds(*(columns.get(name, unknown) for name in BOUND_COLUMNS))
+    return _trajectory(columns, bodies), bounds, columns.get(GROWTH_COLUMN)
 
 
-def is_readable(file: Path) -> bool:
+def is_readable(file: Path, bodies: Sequence[str] = ()) -> bool:
     """Return whether a trajectory file exists and is whole."""
     try:
-        _columns(file, ())
+        _columns(file, bodies, ())
     except BadFolder:
         return False
     return True
@@ -115,7 +135,7 @@ def _path(case: str, name: str) -> Path:
     return Path(TRAJECTORIES, case, f"{quote(name, safe=' =,')}.parquet")
 
 
-def _columns(file: Path, wanted: tuple[str, ...]) -> dict[str, Array]:
+def _columns(file: Path, bodies: Sequence[str], wanted: tuple[str, ...]) -> dict[str, Array]:
     """Return the columns of a trajectory by their names, and those of the wanted ones that the file has.
 
     Raises `BadFolder` if the file is missing or damaged.
@@ -124,7 +144,7 @@ def _columns(file: Path, wanted: tuple[str, ...]) -> dict[str, Array]:
         stored = pq.ParquetFile(pa.BufferReader(reading.content(file, MAX_BYTES)))
         if not 1 <= stored.metadata.num_rows <= MAX_SAMPLES:
             raise ValueError(f"it has {stored.metadata.num_rows} instants; allowed: 1 to {MAX_SAMPLES}")
-        names, there = ["t", *STATE_COLUMNS], set(stored.schema_arrow.names)
+        names, there = ["t", *_columns_of(bodies)], set(stored.schema_arrow.names)
         if absent := [name for name in names if name not in there]:
             raise ValueError(f"it has no column {absent[0]}")
         asked = [*names, *(name for name in wanted if name in there)]
@@ -138,6 +158,13 @@ def _columns(file: Path, wanted: tuple[str, ...]) -> dict[str, Array]:
     return found
 
 
-def _trajectory(columns: Mapping[str, Array]) -> Trajectory:
-    states = np.column_stack([columns[name] for name in STATE_COLUMNS])
-    return Trajectory(columns["t"], states[:, :3], states[:, 3:7], states[:, 7:10], states[:, 10:])
+def _columns_of(bodies: Sequence[str]) -> tuple[str, ...]:
+    """Return the columns of the states of the bodies of a mechanism, or of a single body where there are no names."""
+    return tuple(body + OF_BODY + name for body in bodies for name in STATE_COLUMNS) if bodies else STATE_COLUMNS
+
+
+def _trajectory(columns: Mapping[str, Array], bodies: Sequence[str]) -> Trajectory:
+    states = np.column_stack([columns[name] for name in _columns_of(bodies)])
+    if bodies:
+        states = states.reshape(len(states), len(bodies), len(STATE_COLUMNS)).swapaxes(0, 1)
+    return Trajectory(columns["t"], states[..., :3], states[..., 3:7], states[..., 7:10], states[..., 10:])

@@ -13,9 +13,11 @@ from bodycheck.figures.columns import bounds_of
 from bodycheck.reference import certificate
 from bodycheck.reference.certificate import Certificate
 from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.mechanisms.coordinates import by_name
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.planar import Stop
-from bodycheck.reference.scene import Plane
-from bodycheck.reference.trajectory import Array
+from bodycheck.reference.scene import Plane, Scene
+from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reference.truth import truth as truth_of_scene
 
@@ -90,6 +92,7 @@ def stop_under(case: Case, law: Plane) -> Stop | None:
 
     None if it does not stop within `STOP_HORIZON` times the duration of the case, or if the reference has no truth there.
     """
+    assert isinstance(case.scene, Scene)  # nothing slides in a mechanism
     try:
         return truth_of_scene(replace(case.scene, plane=law), np.array([0.0, STOP_HORIZON * case.duration])).stop
     except (NotModelled, OutOfReach):
@@ -113,7 +116,8 @@ def _instants(case: Case, times: ArrayLike | None) -> Array:
 def as_json(case: Case, truth: Truth) -> dict[str, Any]:
     """Return the JSON object of `bodycheck truth --json`: arrays by name, and the methods that computed them.
 
-    The bounds of the truth's errors are in the units of the figures of a run that they bound.
+    The bounds of the truth's errors are in the units of the figures of a run that they bound. The states of a mechanism are by
+    the names of its joints and bodies.
     """
     trajectory = truth.trajectory
     return {
@@ -123,11 +127,29 @@ def as_json(case: Case, truth: Truth) -> dict[str, Any]:
         "backend": truth.backend,
         "witnesses": list(truth.witnesses),
         "t": trajectory.t.tolist(),
+        **(_mechanism_as_json(truth.scene, truth) if isinstance(truth.scene, Mechanism) else _states_as_json(trajectory)),
+        **{name: values.tolist() for name, values in bounds_of(truth).items()},
+    }
+
+
+def _states_as_json(trajectory: Trajectory) -> dict[str, Any]:
+    """Return the states of one body by name."""
+    return {
         "position": trajectory.position.tolist(),
         "quaternion": trajectory.quaternion.tolist(),
         "velocity": trajectory.velocity.tolist(),
         "angular_velocity": trajectory.angular_velocity.tolist(),
-        **{name: values.tolist() for name, values in bounds_of(truth).items()},
+    }
+
+
+def _mechanism_as_json(mechanism: Mechanism, truth: Truth) -> dict[str, Any]:
+    """Return the coordinates and velocities of joints, and the states of bodies, by their names, and the growth of an error."""
+    assert truth.joints is not None  # a mechanism has them
+    joints = by_name(mechanism, truth.joints)
+    return {
+        "joints": {name: {key: values.tolist() for key, values in own.items()} for name, own in joints.items()},
+        "bodies": {body.name: _states_as_json(truth.trajectory.body(place)) for place, body in enumerate(mechanism.bodies)},
+        "growth": None if truth.growth is None else truth.growth.tolist(),
     }
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
-from bodycheck.reference.scene import Scene
+from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
 from bodycheck.running import pool
 from bodycheck.running.engines import home
@@ -45,7 +45,7 @@ class Cost:
 class Stretch:
     """A run whose steps are to be timed. `steps` is the number of steps from the start that are known to complete."""
 
-    scene: Scene
+    scene: AnyScene
     engine: str
     method: Method
     steps: int

@@ -157,6 +157,13 @@ class Mechanism:
 AnyScene = Scene | Mechanism
 
 
+def alone(scene: AnyScene) -> Scene:
+    """The scene, where it is that of a single body. Raises `TypeError` for a mechanism, which callers have set apart."""
+    if isinstance(scene, Mechanism):
+        raise TypeError("a mechanism where a single body is meant")
+    return scene
+
+
 def shape_of(body: JointedBody) -> Shape | None:
     """The shape of a body that is one solid, or None."""
     return getattr(body.inertia, "shape", None)

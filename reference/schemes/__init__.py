@@ -1,4 +1,4 @@
-"""Textbook one-step schemes, applied to the exact equations of motion of one free rigid body.
+"""Textbook one-step schemes, applied to the exact equations of motion of one free rigid body, or of bodies on joints.
 
 An engine's trajectory is compared with these schemes to identify which of them the engine implements. A scheme is a rule, and
 what it integrates is a formulation of the equations of motion: rules and formulations combine.
@@ -8,8 +8,9 @@ what it integrates is a formulation of the equations of motion: rules and formul
   Runge-Kutta schemes from their tableaus.
 - `formulations`: equations of motion with the attitude by the exponential map, in two choices of velocity. `coordinates`: with
   a quaternion or angles as coordinates.
+- `jointed`: schemes in the coordinates of the joints of a mechanism (`JOINTED`), apart from all of these.
 - `increments`: vectors, poses and the exponential map of SO(3) x R^3 and of SE(3), written for plain tuples.
 
 Imports run from `catalogue` to `runge_kutta`, `one_step`, `coordinates`, `formulations` and `increments`. Of the rest of the
-package only `scene`, `trajectory` and `inertia` are imported.
+package only `scene`, `trajectory`, `inertia` and, by `jointed`, `mechanisms` are imported.
 """

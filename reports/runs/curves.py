@@ -10,6 +10,7 @@ from bodycheck.figures.columns import truth_bounds
 from bodycheck.judging.discrepancy import compare
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.observables import Observables, observe
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.truth import Truth
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, bound, count, listing, number
 from bodycheck.reports.runs.time_charts import FRAMES
@@ -102,8 +103,8 @@ def draw(
     if truths:
         largest = max(truths.values(), key=lambda truth: float(truth.bounds.error.max()))
         datasets["floor"] = [_floor(largest, peaks, points)]
-        seen = observe(largest.scene, largest.trajectory)
-        if seen.angular_momentum.any():
+        scene = largest.scene
+        if isinstance(scene, Scene) and (seen := observe(scene, largest.trajectory)).angular_momentum.any():
             datasets["momentum"] = [_momentum(largest, seen, instants)]
             momentum = _constancy(seen)
     drawn = {name: _words(name, own, gaps[name]) for name, own in peaks.items() if any(own.values()) or gaps[name]}

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from bodycheck.adapters.contract import kind_of as scene_kind
 from bodycheck.casefile.case import Case
 from bodycheck.judging.judgement import Verdict
-from bodycheck.reference.requirements import requirements
-from bodycheck.reference.scene import Scene
+from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.requirements import needs
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound, milliseconds, number
 from bodycheck.reports.runs.commands import curve_anchor
@@ -56,6 +56,12 @@ KINDS = (
         "Contact with a plane",
         "position_error",
         "Friction determines where the body goes, which the position error shows.",
+    ),
+    Kind(
+        "mechanism",
+        "Bodies on joints",
+        "position_error",
+        "The position error is that of the body whose centre of mass is farthest from where it should be.",
     ),
 )
 
@@ -235,9 +241,9 @@ def best(methods: Sequence[tuple[Column, Sequence[Cell | None]]]) -> str:
     return min(cells, key=rank)
 
 
-def kind_of(scene: Scene) -> Kind:
+def kind_of(scene: AnyScene) -> Kind:
     """Return the kind of a scene, which follows from its requirements."""
-    name = requirements(scene).kind
+    name = needs(scene).kind
     return next(kind for kind in KINDS if kind.name == name)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.inertia import angular_momentum
 from bodycheck.reference.kinematics import normalise
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Scene, Sphere, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
@@ -77,8 +78,8 @@ class Shown:
     maxima: Mapping[str, float]
 
 
-def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, Truth], most: int) -> Playback | None:
-    """Return the animation of one case, or None if no run has a truth to be compared with.
+def playback(scene: AnyScene, runs: Mapping[Line, Verdict], truths: Mapping[float, Truth], most: int) -> Playback | None:
+    """Return the animation of one case, or None if no run has a truth to be compared with, and of a mechanism.
 
     It shows the time step that most runs have. If not all of its runs fit, those that are shown first are kept first.
 
@@ -94,7 +95,7 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
         Most characters of the data.
     """
     timestep = _common([line for line, verdict in runs.items() if verdict.discrepancy is not None and line.timestep in truths])
-    if timestep is None:
+    if timestep is None or isinstance(scene, Mechanism):
         return None
     truth, trajectory, reach = truths[timestep], truths[timestep].trajectory, _reach(scene.body)
     fastest = float(np.linalg.norm(trajectory.angular_velocity, axis=1).max())

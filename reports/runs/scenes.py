@@ -5,10 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bodycheck.casefile.case import Case
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.planar import Stop
-from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reports.quantities import bound, count, listing, number
+from bodycheck.reports.runs.mechanism_facts import described
 
 
 @dataclass(frozen=True)
@@ -39,7 +41,19 @@ class Told:
 
 def describe(case: Case, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
     """Return the facts of a case. `truths` are those that its runs are compared with, one for each time step."""
-    scene, body, start = case.scene, case.scene.body, case.scene.initial
+    scene = case.scene
+    facts = described(scene) if isinstance(scene, Mechanism) else _of_body(scene)
+    return (
+        *(Fact(term, text) for term, text in facts),
+        Fact("Duration", f"{number(case.duration)} s, sampled at {case.samples} instants"),
+        *((Fact("Truth", _truth(truths)),) if truths else ()),
+        *_stop(truths),
+    )
+
+
+def _of_body(scene: Scene) -> tuple[tuple[str, str], ...]:
+    """Return the terms and texts of the facts of a scene of one body."""
+    body, start = scene.body, scene.initial
     spin, speed = math.hypot(*start.angular_velocity), math.hypot(*start.velocity)
     motion = f"spinning at {number(spin)} rad/s, {_vector(start.angular_velocity)} about I, J, K" if spin else "not spinning"
     travel = f"moving at {number(speed)} m/s, {_vector(start.velocity)} along x, y, z" if speed else "centre of mass at rest"
@@ -49,12 +63,9 @@ def describe(case: Case, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
     if scene.drag:
         environment.append(f"drag {number(scene.drag)} kg/m times speed squared")
     return (
-        Fact("Body", f"{_shape(body.shape)}, {number(body.mass)} kg, principal moments {_vector(body.moments)} kg m²"),
-        Fact("Start", f"{motion}; {travel}"),
-        Fact("Environment", ", ".join(environment)),
-        Fact("Duration", f"{number(case.duration)} s, sampled at {case.samples} instants"),
-        *((Fact("Truth", _truth(truths)),) if truths else ()),
-        *_stop(truths),
+        ("Body", f"{_shape(body.shape)}, {number(body.mass)} kg, principal moments {_vector(body.moments)} kg m²"),
+        ("Start", f"{motion}; {travel}"),
+        ("Environment", ", ".join(environment)),
     )
 
 

@@ -75,6 +75,35 @@ def free_chain() -> Mechanism:
     )
 
 
+def ball_chain() -> Mechanism:
+    """A chain of four bodies from the world on a hinge, two ball joints and a fixed one; the last ones first in the file."""
+    moments = (0.05, 0.06, 0.03)
+    return Mechanism(
+        bodies=(
+            body("tip", 0.2, moments, (0.1, 0.0, 0.1)),
+            body("hand", 0.5, moments, (0.1, 0.0, 0.1)),
+            body("arm", 0.8, moments, (0.0, 0.1, 0.2)),
+            body("base", 1.3, moments, (0.05, -0.1, 0.35)),
+        ),
+        joints=(
+            Joint("weld", "fixed", 1, 0, (0.0, 0.0, 0.4), (0.3, 0.4, 0.5, -0.6)),
+            Joint(
+                *("wrist", "spherical", 2, 1, (0.0, 0.1, 0.4), (0.9, 0.1, 0.3, -0.2)),
+                damping=0.02,
+                start=(2.0, -1.0, 0.5, 1.0),
+                start_velocity=(1.0, -2.0, 0.5),
+            ),
+            Joint(
+                *("shoulder", "spherical", 3, 2, (0.1, 0.2, 0.3), (0.8, 0.2, -0.4, 0.4)),
+                start=(0.9, 0.1, 0.3, -0.2),
+                start_velocity=(1.1, -0.7, 2.0),
+            ),
+            Joint("hip", "revolute", WORLD, 3, axis=(0.0, 3.0, 4.0), start=(0.5,), start_velocity=(-1.5,)),
+        ),
+        gravity=9.81,
+    )
+
+
 def four_bar() -> Mechanism:
     """Three rods, hinged about y, that close a quadrangle of four different sides with the world."""
     rod = body("first", 1.0, (0.001, 1 / 12, 1 / 12), (0.5, 0.0, 0.0))

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from itertools import groupby
 
 from bodycheck.casefile.case import Case
+from bodycheck.reference.mechanisms.mechanism import alone
 from bodycheck.reference.requirements import Requirements, requirements
 from bodycheck.reports.charts import INK, Spec, framed
 from bodycheck.reports.finding import Finding
@@ -131,7 +132,7 @@ def part(case: Case, compared: Sequence[Sequence[ModelRow]]) -> Part:
     return Part(
         name=case.name,
         title=case.name,
-        texts=(f"{case.title}. {required(requirements(case.scene))}",),
+        texts=(f"{case.title}. {required(requirements(alone(case.scene)))}",),
         charts=tuple(chart(rows) for rows in compared if any(row.relative_cost is not None for row in rows)),
         tables=tuple(tables),
     )

@@ -17,6 +17,7 @@ from bodycheck.judging import judgement
 from bodycheck.judging.convergence import common
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.kinematics import geodesic_angle, normalise
+from bodycheck.reference.mechanisms.mechanism import Mechanism, alone
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import distance
 from bodycheck.running import campaign, csv_tables, pool
@@ -65,6 +66,8 @@ def plan(
     BadInput
         As `bodycheck.running.plan.plan`, and if there are no models to compare.
     """
+    if mechanisms := [case.name for case in cases if isinstance(case.scene, Mechanism)]:
+        raise BadInput(f"{', '.join(mechanisms)}: models of a mechanism cannot be compared yet; allowed: cases of one body")
     steps = [part for timestep in timesteps or (DEFAULT_TIMESTEP,) for part in (timestep, timestep / 2)]
     check(cases, engines, integrators, steps)
     offered_models = models_of(cases, engines, integrators)
@@ -108,7 +111,7 @@ def with_models(asked: tuple[Case, str, tuple[str, ...]]) -> ModelsByMethod:
         return {}
     names = offered(registry.load(engine).engine, case.scene)
     wanted = {Method.parse(spelling, 0.0).name for spelling in integrators}
-    found = {name: dict(adapter.models(case.scene, name)) for name in names}
+    found = {name: dict(adapter.models(alone(case.scene), name)) for name in names}
     growing = {name: models for name, models in found.items() if models and (not wanted or name in wanted)}
     return growing if wanted else dict(list(growing.items())[:1])
 

@@ -10,6 +10,7 @@ from bodycheck.adapters.offers import chosen
 from bodycheck.judging.classes import Motion, classes
 from bodycheck.judging.identification import identify
 from bodycheck.judging.scheme_rounding import ROUNDOFF
+from bodycheck.reference.mechanisms.mechanism import alone
 from bodycheck.reference.truth import Truth
 from bodycheck.running import campaign, pool
 from bodycheck.running.campaign import TruthTask
@@ -127,7 +128,9 @@ def _method(run: Run) -> RunKey:
 def _flown(run: Run, trial: Trial, engine: Engine, truth: Truth | None) -> _Flown:
     assert isinstance(run.outcome, Completed)  # other runs are left out
     trajectory, roundoff = run.outcome.trajectory, ROUNDOFF[engine.precision]
-    return _Flown(trial, engine, run, Motion(trial.case.scene, trial.timestep, _method(run), trajectory, roundoff), truth)
+    return _Flown(
+        trial, engine, run, Motion(alone(trial.case.scene), trial.timestep, _method(run), trajectory, roundoff), truth
+    )
 
 
 def _of_kind(kind: Kind, flown: Sequence[_Flown]) -> Iterator[ClassRow]:

@@ -16,6 +16,7 @@ from bodycheck.casefile.key_paths import ATTITUDE, Key, Unknown, find, keys
 from bodycheck.casefile.toml_text import written
 from bodycheck.casefile.values import MAX_MEMBERS
 from bodycheck.errors import BadInput
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.scenes import Scenes, variable, vary
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.ensemble import draws, tables
@@ -167,7 +168,7 @@ def scenes(case: Case, values: Mapping[str, Array], first: int = 0) -> Scenes | 
     _check_outside(case, document, whole, first)
     if all(key in QUICK for key in whole) and np.ndim(whole.get("body.inertia", ())) < 3:
         like = _member(case, document, whole, 0, first)
-        if variable(like.scene):
+        if isinstance(like.scene, Scene) and variable(like.scene):
             return vary(like.scene, {QUICK[key]: array for key, array in whole.items()})
     return [_member(case, document, whole, place, first + place) for place in range(_count(whole))]
 

@@ -9,7 +9,7 @@ import numpy as np
 from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.errors import BadFolder
-from bodycheck.reference.requirements import requirements
+from bodycheck.reference.requirements import needs
 from bodycheck.reports.quantities import count
 from bodycheck.reports.study import Animation, StudyReport
 from bodycheck.studies.ensemble import header as headers
@@ -117,4 +117,4 @@ def material(
     animations: tuple[Animation, ...] = (),
 ) -> page.Material:
     """Return what a report is made of. The case files of worst members and the animations are those that the report shows."""
-    return page.Material(header, requirements(case.scene).kind, analysis, files, animations)
+    return page.Material(header, needs(case.scene).kind, analysis, files, animations)

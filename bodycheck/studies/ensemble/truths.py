@@ -14,6 +14,7 @@ from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.reference.bounds import NAMES, Bounds
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.flight.flights import Flights, flights
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -132,6 +133,8 @@ def _vouched(case: Case, drawn: Mapping[str, float], member: int, timestep: floa
     scene = made.like if isinstance(made, Scenes) else made[0].scene
     instants = times(case if isinstance(made, Scenes) else made[0], timestep)
     try:
+        if isinstance(scene, Mechanism):
+            return _vouched_mechanism(scene, instants)
         found = computed(scene, instants)
     except (NotModelled, OutOfReach):
         return {}
@@ -145,6 +148,13 @@ def _vouched(case: Case, drawn: Mapping[str, float], member: int, timestep: floa
         "witnessed": True,
         "witness_difference": max(apart, default=np.nan),
     }
+
+
+def _vouched_mechanism(mechanism: Mechanism, instants: Array) -> dict[str, Any]:
+    """Return the columns of the truth of a mechanism, whose bounds are made with its witnesses."""
+    bounds = truth(mechanism, instants).bounds
+    largest = {column: float(getattr(bounds, name).max()) for name, column in zip(NAMES, BOUND_COLUMNS, strict=True)}
+    return {**largest, "witnessed": True}
 
 
 def _values(drawn: Mapping[str, float]) -> dict[str, Array]:

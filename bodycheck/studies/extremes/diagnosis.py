@@ -5,16 +5,18 @@ and the motion begins again. If the scene has a truth, the motion is compared wi
 quantities that it should conserve.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.reference.scene import Scene
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Outcome, TimedOut, Unsupported
+from bodycheck.studies.extremes import mechanism_symptoms
 from bodycheck.studies.extremes.rows import HEALTHY, NOTHING, STATUSES
-from bodycheck.studies.extremes.symptoms import errors, of_itself, of_truth, restart
+from bodycheck.studies.extremes.symptoms import Symptom, errors, of_itself, of_truth, restart
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,7 @@ class Diagnosis:
     detail: str
 
 
-def diagnose(scene: Scene, outcome: Outcome, truth: Truth | NoTruth) -> Diagnosis:
+def diagnose(scene: AnyScene, outcome: Outcome, truth: Truth | NoTruth) -> Diagnosis:
     """The diagnosis of a run of a scene; truth: at the run's own instants, or why there is none."""
     with np.errstate(all="ignore"):  # overflow is a symptom
         match outcome:
@@ -40,11 +42,21 @@ def diagnose(scene: Scene, outcome: Outcome, truth: Truth | NoTruth) -> Diagnosi
                 return Diagnosis(outcome.status, NOTHING, outcome.reason)
 
 
-def _completed(scene: Scene, trajectory: Trajectory, truth: Truth | NoTruth) -> Diagnosis:
-    symptoms = list(of_itself(scene, trajectory))
+def _of_itself(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
+    if isinstance(scene, Mechanism):
+        return mechanism_symptoms.of_itself(scene, trajectory)
+    return of_itself(scene, trajectory)
+
+
+def _completed(scene: AnyScene, trajectory: Trajectory, truth: Truth | NoTruth) -> Diagnosis:
+    symptoms = list(_of_itself(scene, trajectory))
     if isinstance(truth, Truth):
-        symptoms += of_truth(scene, trajectory, truth)
-        position, attitude = errors(scene, trajectory, truth)
+        if isinstance(scene, Mechanism):
+            symptoms += mechanism_symptoms.of_truth(trajectory, truth)
+            position, attitude = mechanism_symptoms.errors(trajectory, truth)
+        else:
+            symptoms += of_truth(scene, trajectory, truth)
+            position, attitude = errors(scene, trajectory, truth)
         nothing = f"attitude off by {attitude.max():.3g} rad, centre of mass by {position.max():.3g} m"
     else:
         nothing = f"judged by what is conserved alone: {truth.reason}"
@@ -55,17 +67,17 @@ def _completed(scene: Scene, trajectory: Trajectory, truth: Truth | NoTruth) -> 
     return Diagnosis(status, HEALTHY, "; ".join(texts))
 
 
-def _diverged(scene: Scene, outcome: Diverged) -> Diagnosis:
+def _diverged(scene: AnyScene, outcome: Diverged) -> Diagnosis:
     """Diagnose a run that its states or its engine ended, including the symptoms before the end."""
     before = states(outcome)
-    symptoms = list(of_itself(scene, before)) if before is not None else []
+    symptoms = list(_of_itself(scene, before)) if before is not None else []
     earlier = [f"before, {symptom.text}" for symptom in symptoms]
     if outcome.signal == "none":
         frozen = any(symptom.status == "frozen" for symptom in symptoms)
         return Diagnosis("frozen" if frozen else "diverged", HEALTHY, "; ".join([outcome.reason, *earlier]))
     if outcome.trajectory is None or before is None:
         return Diagnosis("diverged", outcome.reason, "there are no states to look at")
-    again = restart(scene, outcome.trajectory.part(slice(-2, None)))
+    again = None if isinstance(scene, Mechanism) else restart(scene, outcome.trajectory.part(slice(-2, None)))
     status = "silent-reset" if outcome.signal == "reset" and again is not None else "diverged"
     return Diagnosis(status, outcome.reason, "; ".join([again or "its states show no break", *earlier]))
 
@@ -76,8 +88,8 @@ def states(outcome: Outcome) -> Trajectory | None:
         case Completed():
             return outcome.trajectory
         case Diverged(trajectory=Trajectory() as trajectory):
-            numbers = np.isfinite(np.hstack([trajectory.position, trajectory.velocity, trajectory.angular_velocity]))
-            sound = numbers.all(axis=1)
+            parts = (trajectory.position, trajectory.velocity, trajectory.angular_velocity)
+            sound = np.isfinite(np.concatenate(parts, axis=-1)).all(axis=-1).reshape(-1, len(trajectory)).all(axis=0)
             before = trajectory.part(slice(0, int(np.argmin(sound)) if not sound.all() else len(trajectory) - 1))
             return before if len(before) else None
         case _:

@@ -19,6 +19,7 @@ from bodycheck.adapters.offers import chosen
 from bodycheck.casefile.case import Case
 from bodycheck.errors import BadInput
 from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism, alone
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
@@ -30,6 +31,7 @@ from bodycheck.running.key import RunKey
 from bodycheck.running.origin import Origins
 from bodycheck.running.outcome import Completed, Crashed, Outcome, Run, TimedOut
 from bodycheck.running.simulation import run
+from bodycheck.studies.extremes import mechanism_symptoms
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, states
 from bodycheck.studies.extremes.growth import growth
 from bodycheck.studies.extremes.points import Point, points
@@ -52,7 +54,7 @@ TrialKey = tuple[RunKey, str, float]
 
 #: Identifies a search: the case and method, with any time step, and the spin (rad/s).
 #: A function that returns the truth of a scene at times (s), or why there is none.
-TruthOf = Callable[[tuple[Scene, Array]], Truth | NoTruth | Crashed | TimedOut]
+TruthOf = Callable[[tuple[AnyScene, Array]], Truth | NoTruth | Crashed | TimedOut]
 
 SearchKey = tuple[RunKey, float]
 
@@ -134,7 +136,7 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: S
     searches = tuple(
         Search(case, name, Method.parse(integrator, 0.0), spin)
         for case in cases
-        if case.scene.plane is None
+        if isinstance(case.scene, Scene) and case.scene.plane is None
         for spin in dict(case.extremes).get("spin", ())
         for name, engine in engines.items()
         for integrator in chosen(engine, case.scene, integrators)
@@ -181,7 +183,7 @@ def results(
         yield rows, limits
 
 
-def follow(scene: Scene, times: Array) -> Truth | NoTruth:
+def follow(scene: AnyScene, times: Array) -> Truth | NoTruth:
     """Return the truth of a scene even for long times, or the reason why there is none.
 
     In flight, the truth is the closed form with its own error bound, whose cost does not depend on the time. It is not checked
@@ -248,7 +250,7 @@ def _try(trial: Trial) -> Run:
     return run(trial.point.case, trial.engine, trial.method)
 
 
-def _follow(asked: tuple[Scene, Array]) -> Truth | NoTruth:
+def _follow(asked: tuple[AnyScene, Array]) -> Truth | NoTruth:
     return follow(*asked)
 
 
@@ -256,7 +258,7 @@ def _probe(probe: Probe) -> bool:
     search = probe.search
     case = turning(search.case, search.spin)
     outcome = run(case, search.engine, search.method.at(probe.product / search.spin)).outcome
-    return stable(case.scene, outcome)
+    return stable(alone(case.scene), outcome)
 
 
 def _row(trial: Trial, version: str, answer: Run | Crashed | TimedOut, truth_of: TruthOf) -> Row:
@@ -272,7 +274,7 @@ def _row(trial: Trial, version: str, answer: Run | Crashed | TimedOut, truth_of:
     return Row(point.case.name, *method, point.axis, point.value, found.status, found.engine_said, found.detail)
 
 
-def _truth_of(scene: Scene, outcome: Outcome, truth_of: TruthOf) -> Truth | NoTruth:
+def _truth_of(scene: AnyScene, outcome: Outcome, truth_of: TruthOf) -> Truth | NoTruth:
     """Return the truth of a scene at the instants of a run, or why there is none."""
     if not isinstance(outcome, Completed):
         return NoTruth("the run did not end")
@@ -280,12 +282,14 @@ def _truth_of(scene: Scene, outcome: Outcome, truth_of: TruthOf) -> Truth | NoTr
     return NoTruth(f"the reference: {truth.reason}") if isinstance(truth, Crashed | TimedOut) else truth
 
 
-def _drifts(scene: Scene, outcome: Outcome) -> list[str]:
+def _drifts(scene: AnyScene, outcome: Outcome) -> list[str]:
     """Describe how the conserved quantities of a flight drift with the number of steps."""
     trajectory = states(outcome)
     if trajectory is None or not scene.conserves:
         return []
     with np.errstate(all="ignore"):
+        if isinstance(scene, Mechanism):
+            return [f"drift of the energy {growth(np.abs(mechanism_symptoms.energy_change(scene, trajectory)))}"]
         momentum = observe(scene, trajectory).angular_momentum
         size = float(np.linalg.norm(momentum[0])) or 1.0
         return [

@@ -165,7 +165,7 @@ def _energy(scene: Scene, trajectory: Trajectory) -> Iterator[Symptom]:
             yield Symptom("energy-gain", f"energy up by {change.max():.3g} of what a slide may lose")
         return
     late = float(change[-max(1, len(change) // 10) :].mean())
-    if abs(late) > ENERGY_CHANGE_LIMIT and abs(_rank_correlation(change)) >= SECULAR_CORRELATION:
+    if abs(late) > ENERGY_CHANGE_LIMIT and abs(rank_correlation(change)) >= SECULAR_CORRELATION:
         yield Symptom(
             "energy-gain" if late > 0 else "energy-loss", f"energy of rotation {1 + change[-1]:.3g} times the initial one"
         )
@@ -175,7 +175,7 @@ def _energy(scene: Scene, trajectory: Trajectory) -> Iterator[Symptom]:
         )
 
 
-def _rank_correlation(values: Array) -> float:
+def rank_correlation(values: Array) -> float:
     """Return Spearman's rank correlation of values (n,) with their order; NaN for a single value.
 
     Equal values rank in their order, so that a quantity that reaches a value and keeps it counts as rising.

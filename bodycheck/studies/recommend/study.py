@@ -34,6 +34,7 @@ from bodycheck.studies.recommend import measuring
 from bodycheck.studies.recommend.answers import answer_of, errors_of, priced
 from bodycheck.studies.recommend.rows import Answer, Asked, Probe, Recommendation
 from bodycheck.studies.recommend.search import Range, following, rounded_down, rounded_up
+from bodycheck.studies.spin import fastest_spin
 from bodycheck.suggestion import did_you_mean
 
 #: The file with the records of the study.
@@ -138,7 +139,7 @@ def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str
         least = f"{FIGURES[figure].title.lower()} is at most {most:.4g} {FIGURES[figure].unit}".rstrip()
         raise BadInput(f"--error {error:g}: every method keeps it, because the {least}; allowed: less")
     plan.check([case], records, integrators, ())
-    spin = math.hypot(*case.scene.initial.angular_velocity)
+    spin = fastest_spin(case.scene)
     largest, smallest = rounded_down(case.duration / LEAST_STEPS), rounded_up(case.duration / MOST_STEPS)
     first = max(smallest, min(largest, rounded_down(FIRST_TURN / spin))) if spin else largest
     methods = [

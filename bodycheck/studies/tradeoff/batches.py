@@ -26,6 +26,8 @@ from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.mechanisms.mechanism import alone
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.running import campaign, pool
@@ -112,7 +114,7 @@ def plan(
         Batch(results.cases[verdict.run.case], verdict.run.engine, verdict.run.method, size, truth.trajectory)
         for verdict in _chosen(verdicts, timesteps)
         for truth in [results.truth(verdict.run.case, verdict.run.method.timestep)]
-        if isinstance(truth, Truth)
+        if isinstance(truth, Truth) and isinstance(truth.scene, Scene)  # mechanisms are stepped one at a time
         for size in sizes
         if size == 1 or engines[verdict.run.engine].batch > 1
     ]
@@ -208,7 +210,7 @@ class _Pass:
 
 
 def _measured(batch: Batch) -> Ran:
-    adapter, scenes = registry.load(batch.engine), turned(batch.case.scene, batch.scenes)
+    adapter, scenes = registry.load(batch.engine), turned(alone(batch.case.scene), batch.scenes)
     steps = sampling_steps(batch.case.instants, batch.method.timestep)
     start = time.perf_counter()
     simulation = offers.prepare(adapter, scenes, batch.method)

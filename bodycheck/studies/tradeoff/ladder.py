@@ -4,6 +4,7 @@ import math
 from itertools import count
 
 from bodycheck.casefile.case import Case
+from bodycheck.studies.spin import fastest_spin
 
 #: The largest time step of any ladder.
 LARGEST_STEP_S = 0.02
@@ -28,7 +29,7 @@ def ladder(case: Case) -> tuple[float, ...]:
     have common instants.
     """
     interval = case.duration / (case.samples - 1)
-    spin = math.hypot(*case.scene.initial.angular_velocity)
+    spin = fastest_spin(case.scene)
     largest = min(LARGEST_STEP_S, case.duration / 10, LARGEST_TURN_RAD / spin if spin else math.inf)
     steps: list[float] = []
     for decade in count(0):

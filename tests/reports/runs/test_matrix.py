@@ -35,7 +35,7 @@ def test_every_kind_has_its_figure_and_only_its_methods() -> None:
     found = matrices_of(
         ran(SLIDE, "pinocchio", "admm"), ran(FLIP), ran(FLIGHT, integrator="RK4"), ran(DRAG, integrator="Euler:drag=fluid")
     )
-    assert [matrix.kind for matrix in found] == list(KINDS)
+    assert [matrix.kind for matrix in found] == [kind for kind in KINDS if kind.name != "mechanism"]
     assert [[column.integrator for column in matrix.columns] for matrix in found] == [
         ["Euler"],
         ["RK4"],

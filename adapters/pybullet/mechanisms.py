@@ -1,0 +1,202 @@
+"""Mechanisms in PyBullet: trees in reduced coordinates, and what acts in their joints.
+
+Each tree is a body of PyBullet, read from a URDF file: what hangs on the world has a fixed base, and every free body is the
+base of a tree of its own. Joints are Bullet's revolute, prismatic, spherical and fixed ones. Damping is that of the file.
+PyBullet has no armature and no springs: the force of a spring is computed from the coordinate at the start of a step and
+applied together with the constant effort, as users do. Dry friction is PyBullet's velocity motor with the target zero and a
+limited force. Loops are constraints between points.
+"""
+
+import os
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pybullet
+
+from bodycheck.adapters.contract import Method
+from bodycheck.adapters.mechanisms import starts
+from bodycheck.adapters.pybullet.links import BASE
+from bodycheck.adapters.pybullet.settings import switched_off
+from bodycheck.adapters.pybullet.trees import document, trees
+from bodycheck.reference.kinematics import conjugate, multiply, rotate
+from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms.exact import nearest_inertia
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Loop, Mechanism
+from bodycheck.reference.trajectory import Array
+
+#: What PyBullet models of mechanisms; see `Engine.models`.
+MODELS = frozenset(
+    {
+        "mechanisms",
+        "revolute joints",
+        "prismatic joints",
+        "ball joints",
+        "fixed joints",
+        "joint damping",
+        "joint springs",
+        "joint friction",
+        "joint efforts",
+        "loops",
+        "point masses",
+    }
+)
+
+
+@dataclass(frozen=True)
+class Part:
+    """A body of a mechanism in PyBullet.
+
+    Parameters
+    ----------
+    tree, link
+        The number of PyBullet's body that the tree is, and the number of the link in it.
+    axes
+        The quaternion w x y z (4,) from Bullet's frame of the link, which is along its principal axes, to that of the body.
+    """
+
+    tree: int
+    link: int
+    axes: Array
+
+
+def built(client: int, mechanism: Mechanism, method: Method) -> list[Part]:
+    """Add a mechanism in its initial state to a physics server, and return its bodies in their order."""
+    found: dict[int, Part] = {}
+    for tree in trees(mechanism):
+        body = loaded(client, document(mechanism, tree), tree[0] == WORLD)
+        pybullet.changeDynamics(body, BASE, physicsClientId=client, **switched_off(method))
+        numbers = {f"body_{tree[0]}": BASE}
+        for link in range(pybullet.getNumJoints(body, physicsClientId=client)):
+            numbers[pybullet.getJointInfo(body, link, physicsClientId=client)[12].decode()] = link
+        for place in tree:
+            if place != WORLD:
+                link = numbers[f"body_{place}"]
+                x, y, z, w = pybullet.getDynamicsInfo(body, link, physicsClientId=client)[4]
+                found[place] = Part(body, link, np.array([w, x, y, z]))
+    parts = [found[place] for place in range(len(mechanism.bodies))]
+    start(client, mechanism, parts)
+    for loop in mechanism.loops:
+        close(client, mechanism, parts, loop)
+    return parts
+
+
+def loaded(client: int, text: str, fixed: bool) -> int:
+    """Return the number of the body of PyBullet that a URDF file is, with a base that is fixed or free."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "tree.urdf")
+        with open(file, "w", encoding="utf-8") as stream:
+            stream.write(text)
+        flags = pybullet.URDF_USE_INERTIA_FROM_FILE  # else of the shapes
+        return int(pybullet.loadURDF(file, useFixedBase=fixed, flags=flags, physicsClientId=client))
+
+
+def start(client: int, mechanism: Mechanism, parts: Sequence[Part]) -> None:
+    """Set the initial state of a mechanism, and replace PyBullet's motors, which brake each joint, by its dry friction."""
+    first = kinematics.initial(mechanism)
+    for place, joint in enumerate(mechanism.joint_of):
+        if joint is None:
+            part = parts[place]
+            w, x, y, z = multiply(first.quaternion[place, 0], part.axes).tolist()
+            position = first.position[place, 0].tolist()
+            pybullet.resetBasePositionAndOrientation(part.tree, position, (x, y, z, w), physicsClientId=client)
+            spin = rotate(first.quaternion[place, 0], first.angular_velocity[place, 0]).tolist()
+            velocity = first.velocity[place, 0].tolist()
+            pybullet.resetBaseVelocity(part.tree, velocity, spin, physicsClientId=client)
+    for joint, (position, velocity) in zip(mechanism.joints, starts(mechanism), strict=True):
+        part = parts[joint.child]
+        if joint.type == "spherical":
+            start_ball(client, part, position, velocity)
+        elif joint.type != "fixed":
+            pybullet.resetJointState(part.tree, part.link, position[0], velocity[0], physicsClientId=client)
+            pybullet.setJointMotorControl2(
+                part.tree,
+                part.link,
+                pybullet.VELOCITY_CONTROL,
+                targetVelocity=0.0,
+                force=joint.friction,
+                physicsClientId=client,
+            )
+
+
+def start_ball(client: int, part: Part, position: Array, velocity: Array) -> None:
+    """Set the state of a spherical joint, whose coordinates are along the principal axes of its child, and end its motor."""
+    back = conjugate(part.axes)
+    w, x, y, z = multiply(multiply(back, position), part.axes).tolist()
+    spin = rotate(back, velocity).tolist()
+    pybullet.resetJointStateMultiDof(part.tree, part.link, [x, y, z, w], spin, physicsClientId=client)
+    pybullet.setJointMotorControlMultiDof(
+        part.tree,
+        part.link,
+        pybullet.POSITION_CONTROL,
+        targetPosition=[0.0, 0.0, 0.0, 1.0],
+        positionGain=0.0,
+        velocityGain=0.0,
+        force=[0.0, 0.0, 0.0],
+        physicsClientId=client,
+    )
+
+
+def close(client: int, mechanism: Mechanism, parts: Sequence[Part], loop: Loop) -> None:
+    """Add a loop as a constraint between two points, each in Bullet's frame of its body."""
+    (one, other), (here, there) = loop.bodies, loop.points
+    if one == WORLD:
+        one, other, here, there = other, one, there, here
+    first = parts[one]
+    tree, link, second = -1, -1, np.array(there)
+    if other != WORLD:
+        tree, link, second = parts[other].tree, parts[other].link, in_principal_frame(mechanism, parts, other, there)
+    pybullet.createConstraint(
+        first.tree,
+        first.link,
+        tree,
+        link,
+        pybullet.JOINT_POINT2POINT,
+        (0, 0, 0),
+        in_principal_frame(mechanism, parts, one, here).tolist(),
+        second.tolist(),
+        physicsClientId=client,
+    )
+
+
+def in_principal_frame(mechanism: Mechanism, parts: Sequence[Part], place: int, point: Sequence[float]) -> Array:
+    """Return a point (3,) of a body in Bullet's frame, which is at the centre of mass and along the principal axes."""
+    return rotate(conjugate(parts[place].axes), np.array(point) - np.array(nearest_inertia(mechanism.bodies[place]).centre))
+
+
+def pushed(mechanism: Mechanism) -> list[Joint]:
+    """Return the joints in which a force is to be applied in each step: springs and efforts."""
+    return [joint for joint in mechanism.joints if joint.stiffness or joint.effort]
+
+
+def push(client: int, parts: Sequence[Part], joints: Sequence[Joint]) -> None:
+    """Apply the springs, of the coordinates at present, and the constant efforts in the next step."""
+    for joint in joints:
+        part, force = parts[joint.child], joint.effort
+        if joint.stiffness:
+            position = pybullet.getJointState(part.tree, part.link, physicsClientId=client)[0]
+            force -= joint.stiffness * (position - joint.rest)
+        pybullet.setJointMotorControl2(part.tree, part.link, pybullet.TORQUE_CONTROL, force=force, physicsClientId=client)
+
+
+def seen(client: int, parts: Sequence[Part]) -> Array:
+    """Return the states (13 k,) of k bodies in the columns of the contract, but all along the axes of the world."""
+    rows = []
+    for part in parts:
+        if part.link == BASE:
+            place, (x, y, z, w) = pybullet.getBasePositionAndOrientation(part.tree, physicsClientId=client)
+            velocity, spin = pybullet.getBaseVelocity(part.tree, physicsClientId=client)
+        else:
+            state = pybullet.getLinkState(part.tree, part.link, 1, 1, physicsClientId=client)
+            place, (x, y, z, w), velocity, spin = state[0], state[1], state[6], state[7]
+        turn = multiply(np.array([w, x, y, z]), conjugate(part.axes))
+        rows += [*place, *turn, *velocity, *spin]
+    return np.array(rows)
+
+
+def rows(seen: Array) -> Array:
+    """Return the states (n, bodies, 13) of the contract from what is seen (n, 13 bodies)."""
+    found = seen.reshape(len(seen), -1, 13)
+    found[..., 10:] = rotate(conjugate(found[..., 3:7]), found[..., 10:])
+    return found

@@ -1,0 +1,158 @@
+"""Figures of mechanisms: the coordinates of joints, what holds the bodies together, and the momenta that they conserve."""
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from bodycheck.figures.definition import AnyObservables, Comparison, Figure
+from bodycheck.reference.kinematics import geodesic_angle
+from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms.coordinates import places
+from bodycheck.reference.mechanisms.mechanism import JointType, Mechanism
+from bodycheck.reference.mechanisms.observables import MechanismObservables, floats, masses
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import distance
+
+#: The coordinates of each type of joint that are angles, that are lengths, and that are a quaternion.
+ANGLES: dict[JointType, slice] = {"revolute": slice(0, 1), "universal": slice(0, 2), "planar": slice(2, 3)}
+LENGTHS: dict[JointType, slice] = {"prismatic": slice(0, 1), "planar": slice(0, 2), "free": slice(0, 3)}
+QUATERNIONS: dict[JointType, slice] = {"spherical": slice(0, 4), "free": slice(3, 7)}
+
+#: An angular momentum that is no larger than this part of the largest that is possible is what rounding has left of zero.
+ROUNDED = 1e-12
+
+
+def joint_position_error(mechanism: Mechanism, seen: Trajectory, exact: Trajectory) -> Array | None:
+    """Return the largest difference (n,), rad, of the angles of joints from those of the truth; None if there are none.
+
+    That of a ball, or of a free joint, is the angle of one rotation.
+    """
+    angles = [np.abs(one - other) for one, other in _pairs(mechanism, seen, exact, ANGLES)]
+    turns = [geodesic_angle(one, other)[:, None] for one, other in _pairs(mechanism, seen, exact, QUATERNIONS)]
+    return _largest([*angles, *turns])
+
+
+def joint_slide_error(mechanism: Mechanism, seen: Trajectory, exact: Trajectory) -> Array | None:
+    """Return the largest distance (n,), m, of the displacements of joints from those of the truth; None if there are none."""
+    return _largest([distance(one, other)[:, None] for one, other in _pairs(mechanism, seen, exact, LENGTHS)])
+
+
+def constraint_error(mechanism: Mechanism, seen: Trajectory, _: Trajectory) -> Array | None:
+    """Return how far (n,), m, joints and loops have come apart; None if there are neither."""
+    return kinematics.gaps(mechanism, seen) if mechanism.joints or mechanism.loops else None
+
+
+def momentum_drift(compared: Comparison) -> Array | None:
+    """Return how far (n,) the momenta are from their initial values, relative; None where neither is conserved."""
+    mechanism, seen, expected = compared.mechanism, compared.seen, compared.expected
+    if mechanism is None or not floats(mechanism):
+        return None
+    assert isinstance(seen, MechanismObservables)
+    size = angular_momentum_size(mechanism, compared.truth.trajectory, expected)
+    drift = distance(seen.angular_momentum, seen.angular_momentum[:1]) / size
+    if mechanism.gravity:
+        return drift
+    return np.maximum(drift, distance(seen.momentum, seen.momentum[:1]) / momentum_size(mechanism, compared.truth.trajectory))
+
+
+def momentum_size(mechanism: Mechanism, exact: Trajectory) -> float:
+    """Return the size (kg m/s) that a linear momentum is relative to: the mass of all times the largest speed of a body.
+
+    It is 1 kg m/s where nothing moves.
+    """
+    return float(masses(mechanism).sum() * np.linalg.norm(exact.velocity, axis=-1).max()) or 1.0
+
+
+def angular_momentum_size(mechanism: Mechanism, exact: Trajectory, expected: AnyObservables) -> float:
+    """Return the size (kg m^2/s) that an angular momentum about the centre of mass is relative to, from the truth's values.
+
+    It is the initial one or, where that is zero but for rounding, the one that the largest kinetic energy would give to all
+    mass at the largest distance of a body from the centre.
+    """
+    mass = masses(mechanism)[:, None, None]
+    centre = (mass * exact.position).sum(axis=0) / mass.sum()
+    reach = np.linalg.norm(exact.position - centre, axis=-1).max()
+    most = float(np.sqrt(2 * expected.kinetic_energy.max() * mass.sum()) * reach)
+    initial = float(np.linalg.norm(expected.angular_momentum[0]))
+    return (initial if initial > ROUNDED * most else most) or 1.0
+
+
+def _pairs(
+    mechanism: Mechanism, seen: Trajectory, exact: Trajectory, wanted: dict[JointType, slice]
+) -> Iterator[tuple[Array, Array]]:
+    """Yield the coordinates (n, k) of a run and of the truth, as far as they are wanted, joint by joint."""
+    if not any(joint.type in wanted for joint in mechanism.joints):
+        return
+    one, other = (kinematics.joints(mechanism, motion).position for motion in (seen, exact))
+    for joint, (held, _) in zip(mechanism.joints, places(mechanism), strict=True):
+        if (part := wanted.get(joint.type)) is not None:
+            yield one[:, held][:, part], other[:, held][:, part]
+
+
+def _largest(columns: list[Array]) -> Array | None:
+    return np.asarray(np.hstack(columns).max(axis=1)) if columns else None
+
+
+Compute = Callable[[Mechanism, Trajectory, Trajectory], Array | None]
+
+
+def _of_mechanisms(compute: Compute) -> Callable[[Comparison], Array | None]:
+    """Return a function that computes a figure of mechanisms alone."""
+
+    def computed(compared: Comparison) -> Array | None:
+        mechanism = compared.mechanism
+        return None if mechanism is None else compute(mechanism, compared.trajectory, compared.truth.trajectory)
+
+    return computed
+
+
+FIGURES = (
+    Figure(
+        name="joint_position_error",
+        title="Joint position error",
+        meaning="difference between the angle of a joint and the exact angle; that of a ball is the angle of one rotation",
+        unit="rad",
+        largest=True,
+        remark="of a mechanism",
+        compute=_of_mechanisms(joint_position_error),
+        scale=lambda scales: scales.angle,
+        bounded_by="truth_error",
+        plotted=True,
+    ),
+    Figure(
+        name="joint_slide_error",
+        title="Joint slide error",
+        meaning="distance of the displacement of a joint from the exact displacement",
+        unit="m",
+        largest=True,
+        remark="of a mechanism",
+        compute=_of_mechanisms(joint_slide_error),
+        scale=lambda scales: scales.length,
+        bounded_by="truth_position_error",
+        plotted=True,
+    ),
+    Figure(
+        name="constraint_error",
+        title="Constraint error",
+        meaning="distance by which the bodies of a joint, or the points of a loop, have come apart",
+        unit="m",
+        largest=True,
+        remark="of a mechanism",
+        compute=_of_mechanisms(constraint_error),
+        scale=lambda scales: scales.length,
+        plotted=True,
+    ),
+    Figure(
+        name="momentum_drift",
+        title="Momentum drift",
+        meaning=(
+            "change of the linear momentum, or of the angular momentum about the common centre of mass, relative to its size"
+        ),
+        largest=True,
+        remark="of a mechanism that nothing holds to the world; the linear momentum counts without gravity",
+        compute=momentum_drift,
+        scale=lambda scales: scales.angular_momentum,
+        bounded_by="truth_angular_momentum_error",
+        plotted=True,
+    ),
+)

@@ -1,0 +1,250 @@
+"""Textbook schemes in the coordinates of joints, for mechanisms whose bodies hang on the world by joints.
+
+The state is that of the links of the mechanism's trees (`mechanisms.tree`): an angle or a displacement and its rate for each
+coordinate of a revolute or prismatic joint, the quaternion of a ball and its angular velocity in the axes of the link. A ball
+is turned by the exponential map, as the body of `formulations` is, and stages of Runge-Kutta schemes are those of Munthe-Kaas.
+The accelerations are those of the articulated-body recursion in doubles.
+
+A scheme that takes the damping of joints at the end of a step adds h d to the inertia of their coordinates, and one that takes
+springs there too adds h^2 k, and h k v to the force, where d and k are the coefficients and h is the time step.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.reference.mechanisms import articulated, poses
+from bodycheck.reference.mechanisms.articulated import Constants
+from bodycheck.reference.mechanisms.link_states import SIZES, Form, form, split, start
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.rounding import FloatType
+from bodycheck.reference.mechanisms.tree import Tree, forest
+from bodycheck.reference.schemes.catalogue import EXPLICIT, MUNTHE_KAAS
+from bodycheck.reference.schemes.increments import inverse_dexp_so3_r3, turn
+from bodycheck.reference.schemes.runge_kutta import HEUN_2, KUTTA_4, MIDPOINT_2, Tableau
+from bodycheck.reference.trajectory import Array, Trajectory
+
+#: Coordinates and rates of the links of a tree, one after another.
+State = tuple[list[float], list[float]]
+
+DOUBLES = FloatType(np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """The equations of motion of a tree in doubles, in which a scheme may take some forces at the end of the step."""
+
+    form: Form
+
+    def accelerations(self, state: State) -> list[float]:
+        """The derivatives of the rates."""
+        links, (coordinates, rates) = list[articulated.Link](), state
+        q = v = 0
+        for (kind, parent), constants in zip(self.form.links, self.form.constants, strict=True):
+            held, moving = SIZES[kind]
+            own = coordinates[q : q + held], rates[v : v + moving]
+            links.append(articulated.Link(kind, parent, constants, *own))
+            q, v = q + held, v + moving
+        return [value for link in articulated.accelerations(links, self.form.gravity, np) for value in link]
+
+    def displaced(self, coordinates: Sequence[float], increment: Sequence[float]) -> list[float]:
+        """The coordinates after an increment, which is a rotation vector in the axes of the link for a ball."""
+        found, q, v = list[float](), 0, 0
+        for kind, _ in self.form.links:
+            if kind == "ball":
+                w, i, j, k = coordinates[q : q + 4]
+                x, y, z = increment[v : v + 3]
+                found += turn((w, i, j, k), (x, y, z))
+            else:
+                found.append(coordinates[q] + increment[v])
+            q, v = q + SIZES[kind][0], v + SIZES[kind][1]
+        return found
+
+    def slopes(self, increment: Sequence[float], rates: Sequence[float]) -> list[float]:
+        """The rates of change of an increment, at the rates of the displaced coordinates."""
+        found, v = list[float](), 0
+        for kind, _ in self.form.links:
+            if kind == "ball":
+                (x, y, z), (a, b, c) = increment[v : v + 3], rates[v : v + 3]
+                found += inverse_dexp_so3_r3(((0.0, 0.0, 0.0), (x, y, z)), ((0.0, 0.0, 0.0), (a, b, c)))[1]
+            else:
+                found.append(rates[v])
+            v += SIZES[kind][1]
+        return found
+
+
+#: A scheme: the state after a step of some length (s).
+Step = Callable[[Equations, State, float], State]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A scheme, and the forces that it takes at the end of the step."""
+
+    step: Step
+    damping: bool = False
+    springs: bool = False
+
+
+def explicit_euler(equations: Equations, state: State, h: float) -> State:
+    """Explicit Euler: coordinates and rates change as at the start of the step."""
+    coordinates, rates = state
+    return equations.displaced(coordinates, _times(h, rates)), _sum(rates, h, equations.accelerations(state))
+
+
+def semi_implicit_euler(equations: Equations, state: State, h: float) -> State:
+    """Semi-implicit Euler: first the rates, then the coordinates with the new rates."""
+    rates = _sum(state[1], h, equations.accelerations(state))
+    return equations.displaced(state[0], _times(h, rates)), rates
+
+
+def linearly_implicit_euler(equations: Equations, state: State, h: float) -> State:
+    """Linearly implicit Euler: the change of the rates solves (1 - h J) d = h a, and the coordinates follow with the new rates.
+
+    J is the derivative of the accelerations a with respect to the rates. These are polynomials of second degree in the rates,
+    of which central differences are the derivative.
+    """
+    coordinates, rates = state
+    columns = []
+    for place in range(len(rates)):
+        ahead, behind = ([rate + sign * (k == place) for k, rate in enumerate(rates)] for sign in (1.0, -1.0))
+        after, before = equations.accelerations((coordinates, ahead)), equations.accelerations((coordinates, behind))
+        columns.append((np.array(after) - np.array(before)) / 2)
+    matrix = np.eye(len(rates)) - h * np.array(columns).T
+    change = np.linalg.solve(matrix, np.array(equations.accelerations(state)))
+    rates = _sum(rates, h, change.tolist())
+    return equations.displaced(coordinates, _times(h, rates)), rates
+
+
+def explicit(tableau: Tableau, averaged: bool = False) -> Step:
+    """The explicit Runge-Kutta scheme of a tableau; averaged: one that adds the rates of stages as if a ball did not turn."""
+
+    def step(equations: Equations, state: State, h: float) -> State:
+        coordinates, rates = state
+        slopes = list[tuple[list[float], list[float]]]()
+        for row in tableau.stages:
+            u, v = _weighted(row, slopes, h, rates)
+            own = v if averaged else equations.slopes(u, v)
+            slopes.append((own, equations.accelerations((equations.displaced(coordinates, u), v))))
+        u, end = _weighted(tableau.weights, slopes, h, rates)
+        return equations.displaced(coordinates, u), end
+
+    return step
+
+
+def _weighted(
+    row: Sequence[float], slopes: Sequence[tuple[list[float], list[float]]], h: float, rates: list[float]
+) -> tuple[list[float], list[float]]:
+    """The increment and the rates after weighted slopes of a step h."""
+    u, v = [0.0] * len(rates), rates
+    for weight, (moved, accelerated) in zip(row, slopes, strict=True):
+        u, v = _sum(u, h * weight, moved), _sum(v, h * weight, accelerated)
+    return u, v
+
+
+def _runge_kutta() -> dict[str, Entry]:
+    found = {MUNTHE_KAAS if own is KUTTA_4 else name: Entry(explicit(own)) for name, own in EXPLICIT.items()}
+    averaged = {name: own for name, own in EXPLICIT.items() if own in (MIDPOINT_2, HEUN_2, KUTTA_4)}
+    return found | {f"averaged {name}": Entry(explicit(own, averaged=True)) for name, own in averaged.items()}
+
+
+#: All schemes in the coordinates of joints by the names that results show; of those that agree on a mechanism the first counts.
+JOINTED: Mapping[str, Entry] = {
+    "semi-implicit Euler": Entry(semi_implicit_euler),
+    "semi-implicit Euler with implicit damping": Entry(semi_implicit_euler, damping=True),
+    "semi-implicit Euler with implicit damping and springs": Entry(semi_implicit_euler, damping=True, springs=True),
+    "linearly implicit Euler": Entry(linearly_implicit_euler),
+    "explicit Euler": Entry(explicit_euler),
+    **_runge_kutta(),
+}
+
+
+def has_schemes(mechanism: Mechanism) -> bool:
+    """Whether the schemes of this module are defined: without loops, dry friction, and bodies that fly."""
+    trees = () if mechanism.loops else forest(mechanism).trees
+    links = [link for tree in trees for link in tree.links]
+    return bool(links) and not any(link.kind == "free" or link.friction for link in links)
+
+
+def states(entry: Entry, tree: Tree, timestep: float, strides: NDArray[np.int64]) -> Array:
+    """States (n, k) of a tree, in the layout of `mechanisms.link_states`, after strides (n,) of steps of a scheme.
+
+    Rows are NaN from the first sample that the scheme does not reach because a number overflows.
+    """
+    equations = Equations(_doubles(tree, timestep if entry.damping else 0.0, timestep if entry.springs else 0.0))
+    state = _apart(tree, [float(value) for value in start(tree)])
+    rows = np.full((len(strides), len(start(tree))), np.nan)
+    try:
+        for row, stride in zip(rows, strides.tolist(), strict=True):
+            for _ in range(stride):
+                state = entry.step(equations, state, timestep)
+            row[:] = _together(tree, state)
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError):  # ValueError: after an overflow, the sine of infinity
+        pass
+    return rows
+
+
+def trajectory(mechanism: Mechanism, rows: Sequence[Array], t: Array) -> Trajectory:
+    """The states of the bodies (b, n, ...) from those of the trees (n, k) at instants t (n,)."""
+    found, count = forest(mechanism), len(t)
+    links = [
+        poses.link_frames(tree, split(tree, own, t, DOUBLES), count, DOUBLES)
+        for tree, own in zip(found.trees, rows, strict=True)
+    ]
+    return poses.bodies(mechanism, poses.body_frames(found, links, count, DOUBLES), t, DOUBLES)
+
+
+def _doubles(tree: Tree, damping_step: float, spring_step: float) -> Form:
+    """A tree in doubles, with the damping and the springs of the joints taken at the ends of steps (s); 0 for the start."""
+    constants = [_at_end(_rounded(link.constants), damping_step, spring_step) for link in tree.links]
+    return form(tree, constants, [float(part) for part in tree.gravity])
+
+
+def _at_end(given: Constants, damping_step: float, spring_step: float) -> Constants:
+    added = damping_step * given.damping + spring_step**2 * given.stiffness
+    if not added:
+        return given
+    return replace(given, armature=given.armature + added, damping=given.damping + spring_step * given.stiffness)
+
+
+def _rounded(constants: Constants) -> Constants:
+    """The numbers of a link in doubles; zeros are integers, by which the recursion leaves out products."""
+
+    def double(value: Any) -> Any:
+        if isinstance(value, tuple):
+            return tuple(double(each) for each in value)
+        return float(value) if value else 0
+
+    return Constants(**{name: double(getattr(constants, name)) for name in Constants.__dataclass_fields__})
+
+
+def _apart(tree: Tree, row: Sequence[float]) -> State:
+    """Coordinates and rates from a state in the layout of `mechanisms.link_states`."""
+    coordinates, rates, first = list[float](), list[float](), 0
+    for link in tree.links:
+        held, moving = SIZES[link.kind]
+        coordinates += row[first : first + held]
+        rates += row[first + held : first + held + moving]
+        first += held + moving
+    return coordinates, rates
+
+
+def _together(tree: Tree, state: State) -> list[float]:
+    """The inverse of `_apart`."""
+    (coordinates, rates), found, q, v = state, list[float](), 0, 0
+    for link in tree.links:
+        held, moving = SIZES[link.kind]
+        found += [*coordinates[q : q + held], *rates[v : v + moving]]
+        q, v = q + held, v + moving
+    return found
+
+
+def _times(h: float, values: Sequence[float]) -> list[float]:
+    return [h * value for value in values]
+
+
+def _sum(values: Sequence[float], h: float, others: Sequence[float]) -> list[float]:
+    return [value + h * other for value, other in zip(values, others, strict=True)]
