@@ -6,13 +6,27 @@ engine's time step (`scheme_runs`). Two programs of the same scheme differ only 
 """
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.casefile.case import Case
 from bodycheck.judging.discrepancy import compare
+from bodycheck.judging.identified import (
+    EARLY_S,
+    MAX_UNEXPLAINED_FRACTION,
+    START_ROUNDINGS,
+    Candidate,
+    is_fraction,
+    tells,
+)
+from bodycheck.judging.identified import (
+    SAME_ROUNDINGS as SAME_ROUNDINGS,
+)
+from bodycheck.judging.identified import (
+    Identification as Identification,
+)
+from bodycheck.judging.jointed_identification import identify_jointed
 from bodycheck.judging.scheme_rounding import allowance, in_position
 from bodycheck.judging.scheme_runs import differences, steps
 from bodycheck.reference.mechanisms.mechanism import Mechanism
@@ -26,81 +40,11 @@ from bodycheck.running.outcome import Completed, Run
 #: that remain.
 FIRST_STEPS, LONGER = 50, 4
 
-#: Time from the start in which rounding errors have hardly grown, so that schemes are distinguished best.
-EARLY_S = 2.0
-
-#: Attitude difference, in units of roundoff, up to which two trajectories count as equal in that time.
-#: In double precision it is 1e-11 rad.
-SAME_ROUNDINGS = 1e-11 * 2.0**53
-
-#: Difference of two programs at the start, in units of roundoff. A turn by an angle that is found from its cosine has an error
-#: of one unit divided by the angle: the first turns of an attitude that is kept as a rotation vector are some milliradians.
-START_ROUNDINGS = 1000
-
-#: Largest allowed ratio of a scheme's difference to that of every other scheme, for the scheme to be named, and to the error of
-#: the run, for the scheme to be near.
-MAX_UNEXPLAINED_FRACTION = 0.01
-
-
-@dataclass(frozen=True)
-class Candidate:
-    """A scheme that was compared with a run.
-
-    Parameters
-    ----------
-    scheme
-        The name of the scheme.
-    early, residual
-        The largest attitude difference (rad) in the first 2 s and in the whole run; infinite if the scheme fails.
-    fits
-        Whether rounding can explain the difference at every instant.
-    """
-
-    scheme: str
-    early: float
-    residual: float
-    fits: bool
-
-
-@dataclass(frozen=True)
-class Identification:
-    """The scheme that a run agrees with, and the differences from the closest scheme.
-
-    Parameters
-    ----------
-    scheme
-        The name of the scheme; empty if none is named. The name is followed by "on the body twist" if only that formulation has
-        the position of the run, and by "in rotation" if no formulation has it.
-    nearest
-        The name, or else the closest scheme if it leaves at most a hundredth of the run's error, and of what other schemes
-        leave that rounding could explain as well; empty if none is that close.
-    early, residual
-        The largest attitude difference (rad) from the closest scheme in the first 2 s and in the whole run.
-    allowed
-        The largest attitude difference (rad) that rounding can cause by the end of the run.
-    position_residual
-        The largest distance (m) from the closest scheme, in the closer formulation.
-    candidates
-        All schemes, the closest first. If several fit, and none is closer than all others by a factor of a hundred, it is the
-        one with the smallest position_residual. The differences of schemes that are far off at first are those until then.
-    """
-
-    scheme: str
-    nearest: str
-    early: float
-    residual: float
-    allowed: float
-    position_residual: float
-    candidates: tuple[Candidate, ...]
-
-    @property
-    def cannot_tell(self) -> bool:
-        """Whether the scene cannot distinguish schemes: some fit, but none is named."""
-        return not self.scheme and any(candidate.fits for candidate in self.candidates)
-
 
 def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identification | None:
     """Identify the scheme of a completed run; return None for a case with a plane, where no scheme is compared.
+
+    The scheme of a mechanism is one in the coordinates of its joints: see `jointed_identification`.
 
     A scheme is named if its rotation fits, in the first 2 s to within `SAME_ROUNDINGS`, and if the rotation or the position
     distinguishes it from every other scheme and from the truth (see `tells`). In a spin about a fixed axis the rotations of
@@ -124,7 +68,9 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     """
     if not isinstance(run.outcome, Completed):
         raise ValueError(f"the run has no trajectory to identify, its status is {run.outcome.status}: {run.outcome.reason}")
-    if isinstance(case.scene, Mechanism) or case.scene.plane is not None:
+    if isinstance(case.scene, Mechanism):
+        return identify_jointed(case.scene, run, truth, roundoff)
+    if case.scene.plane is not None:
         return None
     scene, timestep, trajectory = case.scene, run.method.timestep, run.outcome.trajectory
     truth = truth.at(trajectory.t)
@@ -134,7 +80,7 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     sizes = {name: _sizes(own, early) for name, own in turned.items()}
     order = sorted(turned, key=lambda name: (len(turned[name]) < len(early), *sizes[name]))
     fitting = [name for name in order if len(turned[name]) == len(early) and (turned[name] <= allowed).all()]
-    stands_out = all(_is_fraction(sizes[order[0]], sizes[name]) for name in order[1:])
+    stands_out = all(is_fraction(sizes[order[0]], sizes[name]) for name in order[1:])
     closest = order[:1] if stands_out or not fitting else fitting
     moved = _moved(fitting or order[:1], scene, timestep, trajectory)
     nearest, words = min((pair for pair in moved if pair[0] in closest), key=lambda pair: float(moved[pair].max()))
@@ -150,7 +96,7 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     formulations = [other for (name, own), other in moved.items() if name == nearest and own != words]
     told = words if tells(way, formulations, aside, early) else ""
     scheme = nearest + (told if in_place else " in rotation") if named else ""
-    is_near = (stands_out or not fitting) and _is_fraction(sizes[nearest], _sizes(error["attitude_error"], early))
+    is_near = (stands_out or not fitting) and is_fraction(sizes[nearest], _sizes(error["attitude_error"], early))
     return Identification(
         scheme,
         scheme or (nearest if is_near else ""),
@@ -216,35 +162,3 @@ def _compared(names: Iterable[str], scene: Scene, timestep: float, trajectory: T
 def _sizes(turned: Array, early: NDArray[np.bool_]) -> tuple[float, float]:
     """Return the largest of some differences (k,) at the first k instants, in the first 2 s and over all."""
     return float(turned[early[: len(turned)]].max()), float(turned.max())
-
-
-def _is_fraction(own: tuple[float, float], other: tuple[float, float]) -> bool:
-    """Return whether differences in the first 2 s or over all are at most a hundredth of others."""
-    return any(part < MAX_UNEXPLAINED_FRACTION * whole for part, whole in zip(own, other, strict=True))
-
-
-def tells(own: Array, others: Iterable[Array], limit: Array, early: NDArray[np.bool_]) -> bool:
-    """Return whether a scheme's difference from a run distinguishes it from other candidates.
-
-    It does if every other difference exceeds the limit of rounding at some instant, and is a hundred times as large in the
-    first 2 s or in the whole run.
-
-    Parameters
-    ----------
-    own
-        The differences (n,) of the scheme.
-    others
-        The differences of the other candidates, each at the first of the n instants or at all.
-    limit
-        The largest differences (n,) that rounding can cause.
-    early
-        Marks (n,) the instants in the first 2 s.
-    """
-    return all(
-        (other > limit[: len(other)]).any()
-        and (
-            own[early].max() < MAX_UNEXPLAINED_FRACTION * other[early[: len(other)]].max()
-            or own.max() < MAX_UNEXPLAINED_FRACTION * other.max()
-        )
-        for other in others
-    )

@@ -169,14 +169,16 @@ def has_schemes(mechanism: Mechanism) -> bool:
     return bool(links) and not any(link.kind == "free" or link.friction for link in links)
 
 
-def states(entry: Entry, tree: Tree, timestep: float, strides: NDArray[np.int64]) -> Array:
+def states(entry: Entry, tree: Tree, timestep: float, strides: NDArray[np.int64], nudge: float = 0.0) -> Array:
     """States (n, k) of a tree, in the layout of `mechanisms.link_states`, after strides (n,) of steps of a scheme.
 
-    Rows are NaN from the first sample that the scheme does not reach because a number overflows.
+    Rows are NaN from the first sample that the scheme does not reach because a number overflows. With a nudge every number of
+    the initial state is changed by this part of its size or of one, up and down in turn.
     """
     equations = Equations(_doubles(tree, timestep if entry.damping else 0.0, timestep if entry.springs else 0.0))
-    state = _apart(tree, [float(value) for value in start(tree)])
-    rows = np.full((len(strides), len(start(tree))), np.nan)
+    begin = [float(value) for value in start(tree)]
+    state = _apart(tree, [x + (-1) ** place * nudge * max(1.0, abs(x)) for place, x in enumerate(begin)])
+    rows = np.full((len(strides), len(begin)), np.nan)
     try:
         for row, stride in zip(rows, strides.tolist(), strict=True):
             for _ in range(stride):

@@ -1,4 +1,4 @@
-"""Mechanisms for tests: a cart with a pole, a free chain, a loop, and a tree with a joint of every type."""
+"""Mechanisms for tests: a cart with a pole, a ball with a hinge, a free chain, a loop, and a tree with all types of joint."""
 
 import math
 from dataclasses import replace
@@ -129,6 +129,27 @@ def bare_tree() -> Mechanism:
     """The tree without armature, springs and efforts."""
     bare = (replace(joint, armature=0.0, stiffness=0.0, rest=0.0, effort=0.0) for joint in tree().joints)
     return replace(tree(), joints=tuple(bare))
+
+
+def ball_and_hinge() -> Mechanism:
+    """A body on a damped ball, and on it one on a sprung and damped hinge."""
+    moments = (0.05, 0.06, 0.03)
+    return Mechanism(
+        bodies=(body("arm", 0.8, moments, (0.1, 0.0, -0.4)), body("hand", 0.5, moments, (0.0, 0.1, -0.2))),
+        joints=(
+            Joint(*("ball", "spherical", WORLD, 0), damping=0.1, start=(0.9, 0.3, -0.1, 0.2), start_velocity=(1.0, -2.0, 1.5)),
+            Joint(
+                *("hinge", "revolute", 0, 1, (0.2, 0.0, -0.8), (0.8, 0.2, -0.4, 0.4), (0.0, 1.0, 0.3)),
+                armature=0.02,
+                damping=0.1,
+                stiffness=2.0,
+                rest=0.3,
+                start=(0.5,),
+                start_velocity=(2.0,),
+            ),
+        ),
+        gravity=9.81,
+    )
 
 
 def tree() -> Mechanism:

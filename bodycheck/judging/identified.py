@@ -1,0 +1,114 @@
+"""What is found of the textbook scheme that a run agrees with, and what distinguishes a scheme from others."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.reference.trajectory import Array
+
+#: Time from the start in which rounding errors have hardly grown, so that schemes are distinguished best.
+EARLY_S = 2.0
+
+#: Attitude difference, in units of roundoff, up to which two trajectories count as equal in that time.
+#: In double precision it is 1e-11 rad.
+SAME_ROUNDINGS = 1e-11 * 2.0**53
+
+#: Difference of two programs at the start, in units of roundoff. A turn by an angle that is found from its cosine has an error
+#: of one unit divided by the angle: the first turns of an attitude that is kept as a rotation vector are some milliradians.
+START_ROUNDINGS = 1000
+
+#: Largest allowed ratio of a scheme's difference to that of every other scheme, for the scheme to be named, and to the error of
+#: the run, for the scheme to be near.
+MAX_UNEXPLAINED_FRACTION = 0.01
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A scheme that was compared with a run.
+
+    Parameters
+    ----------
+    scheme
+        The name of the scheme.
+    early, residual
+        The largest attitude difference (rad) in the first 2 s and in the whole run; infinite if the scheme fails. Those of a
+        mechanism are over all bodies, of attitudes (rad) and positions (m), and over the instants that were compared.
+    fits
+        Whether rounding can explain the difference at every instant.
+    """
+
+    scheme: str
+    early: float
+    residual: float
+    fits: bool
+
+
+@dataclass(frozen=True)
+class Identification:
+    """The scheme that a run agrees with, and the differences from the closest scheme.
+
+    Parameters
+    ----------
+    scheme
+        The name of the scheme; empty if none is named. The name is followed by "on the body twist" if only that formulation has
+        the position of the run, and by "in rotation" if no formulation has it.
+    nearest
+        The name, or else the closest scheme if it leaves at most a hundredth of the run's error, and of what other schemes
+        leave that rounding could explain as well; empty if none is that close.
+    early, residual
+        The largest attitude difference (rad) from the closest scheme in the first 2 s and in the whole run.
+    allowed
+        The largest attitude difference (rad) that rounding can cause by the end of the run.
+    position_residual
+        The largest distance (m) from the closest scheme, in the closer formulation.
+    candidates
+        All schemes, the closest first. If several fit, and none is closer than all others by a factor of a hundred, it is the
+        one with the smallest position_residual. The differences of schemes that are far off at first are those until then.
+    """
+
+    scheme: str
+    nearest: str
+    early: float
+    residual: float
+    allowed: float
+    position_residual: float
+    candidates: tuple[Candidate, ...]
+
+    @property
+    def cannot_tell(self) -> bool:
+        """Whether the scene cannot distinguish schemes: some fit, but none is named."""
+        return not self.scheme and any(candidate.fits for candidate in self.candidates)
+
+
+def is_fraction(own: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Return whether differences in the first 2 s or over all are at most a hundredth of others."""
+    return any(part < MAX_UNEXPLAINED_FRACTION * whole for part, whole in zip(own, other, strict=True))
+
+
+def tells(own: Array, others: Iterable[Array], limit: Array, early: NDArray[np.bool_]) -> bool:
+    """Return whether a scheme's difference from a run distinguishes it from other candidates.
+
+    It does if every other difference exceeds the limit of rounding at some instant, and is a hundred times as large in the
+    first 2 s or in the whole run.
+
+    Parameters
+    ----------
+    own
+        The differences (n,) of the scheme.
+    others
+        The differences of the other candidates, each at the first of the n instants or at all.
+    limit
+        The largest differences (n,) that rounding can cause.
+    early
+        Marks (n,) the instants in the first 2 s.
+    """
+    return all(
+        (other > limit[: len(other)]).any()
+        and (
+            own[early].max() < MAX_UNEXPLAINED_FRACTION * other[early[: len(other)]].max()
+            or own.max() < MAX_UNEXPLAINED_FRACTION * other.max()
+        )
+        for other in others
+    )
