@@ -36,6 +36,17 @@ a constraint: explicit solvers refuse it. `GeneralizedAlpha` has it on positions
 of a welded body alternate, the more the smaller the step, or Newton's method fails. With `settings=engine`, and on velocities
 in `TrapezoidalIndex2`, the constraint costs an error of second order.
 
+A mechanism of turning and sliding joints from the world on, planar, universal and fixed ones included, is a kinematic tree in
+the coordinates of its joints (module `kinematic_trees`), which all solvers step, each with the order that it claims on scenes,
+with armature, springs, damping and efforts; `VelocityVerlet` is of order 1 where forces depend on velocities. Dry friction is
+proportional to the velocity below a speed that vanishes with the step, so that a joint under load creeps instead of being held.
+Every other mechanism, with ball joints or free bodies, is made of bodies that constraints hold together (`jointed_bodies`),
+which implicit solvers step, with order 2; these have no armature and no dry friction. As with links, `GeneralizedAlpha` without
+numerical damping lets the velocities of such bodies alternate, the more the smaller the step, until Newton fails: with
+`settings=engine` and in `TrapezoidalIndex2` they are of order 2. A loop is a constraint too: on positions in
+`GeneralizedAlpha`, where its gap is rounding, and on velocities in `TrapezoidalIndex2`, where it grows by the square of the
+step. Loops may be redundant, so that the solver is told to accept a singular Jacobian.
+
 A brick on a plane has `GeneralContact`, at its four corners; the module `contact` says how stiff it is. A cylinder has none.
 """
 

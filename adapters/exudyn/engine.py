@@ -8,11 +8,12 @@ import exudyn
 import numpy as np
 from exudyn import itemInterface, utilities
 
-from bodycheck.adapters.contract import Engine, Integrator, Link, Method, SceneUnsupported, Simulation, choice
-from bodycheck.adapters.exudyn import INSTALLATION, contact, formulations, stepping
+from bodycheck.adapters.contract import Engine, Integrator, Link, Method, Simulation, choice
+from bodycheck.adapters.exudyn import INSTALLATION, bodies, contact, formulations, mechanisms, stepping
 from bodycheck.adapters.exudyn.formulations import FORMULATIONS, Formulation
-from bodycheck.adapters.links import links_of, state_in, tensor
+from bodycheck.adapters.links import links_of, state_in
 from bodycheck.adapters.stepping import Normalised
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -60,8 +61,8 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(exudyn.__version__),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
-    variants={"flight": VARIANTS, "drag": VARIANTS, "plane": VARIANTS[1:]},
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
+    variants={"flight": VARIANTS, "drag": VARIANTS, "plane": VARIANTS[1:], "mechanism": VARIANTS[1:2]},
     defaults=defaults(),
 )
 
@@ -77,11 +78,14 @@ class Model:
     ----------
     stepper
         The simulation.
+    formulation
+        The formulation of the body's rotation.
     contacts
         Exudyn's contacts; None without a plane.
     """
 
     stepper: stepping.Stepper
+    formulation: Formulation
     contacts: "exudyn.GeneralContact | None"
 
 
@@ -89,6 +93,11 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
     return normalised(model(scene, method))
+
+
+def prepare_mechanism(mechanism: Mechanism, method: Method) -> Simulation:
+    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
+    return mechanisms.prepare(mechanism, method)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simulation:
@@ -99,26 +108,23 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simula
 def normalised(made: Model) -> Simulation:
     """Return the simulation of a model, whose quaternions have the norm 1."""
     # Only the Euler parameters can have another norm; the quaternions of the others are made here.
-    return Normalised(made.stepper) if made.stepper.formulation is FORMULATIONS["EP"] else made.stepper
+    return Normalised(made.stepper) if made.formulation is FORMULATIONS["EP"] else made.stepper
 
 
 def model(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Model:
     """Return the model of a scene with its body, or with links in its place, for a method. Raises `SceneUnsupported`."""
-    name = method.option("formulation") or ("EP" if method.option("settings") == "engine" else "RotVecLG")
-    formulation = FORMULATIONS[name]
+    formulation = formulations.of_method(method)
     container = exudyn.SystemContainer()
     system = container.AddSystem()
     body = add_body(system, formulation, links_of(scene, links), scene)
     contacts = None if scene.plane is None else contact.add(system, body, scene, scene.plane, method)
-    system.Assemble()
-    settings, solver = stepping.settings(method), stepping.solver(method)
-    try:
-        refusal = "" if solver.InitializeSolver(system, settings) else solver.GetErrorString()
-    except exudyn.exudynCPP.ModelError as error:  # explicit solvers raise it where links are welded by a joint
-        refusal = str(error).partition(" [Python file")[0]
-    if refusal:
-        raise SceneUnsupported(f"Exudyn refuses the model: {' '.join(refusal.split())}")
-    return Model(stepping.Stepper(container, system, solver, settings, formulation, method.timestep), contacts)
+
+    def seen() -> Array:
+        data, count = system.systemData, formulations.coordinates(formulation)  # those of the first link come first
+        return np.concatenate([data.GetODE2Coordinates()[:count], data.GetODE2Coordinates_t()[:count]])
+
+    stepper = stepping.initialised(container, system, method, seen, lambda seen: formulations.rows(formulation, seen))
+    return Model(stepper, formulation, contacts)
 
 
 def add_body(system: "exudyn.MainSystem", formulation: Formulation, links: Sequence[Link], scene: Scene) -> Any:
@@ -147,20 +153,7 @@ def add_body(system: "exudyn.MainSystem", formulation: Formulation, links: Seque
 
 def add_link(system: "exudyn.MainSystem", formulation: Formulation, link: Link, scene: Scene) -> Any:
     """Add to a system a link with its weight, where the initial state of a scene places it, and return its number."""
-    # Exudyn takes the tensor about the origin of the link; this is its own conversion.
-    inertia = utilities.RigidBodyInertia(link.mass, tensor(link), link.center_of_mass, inertiaTensorAtCOM=True)
-    initial = state_in((link.position, link.quaternion), scene.initial)
-    body = system.AddObject(
-        itemInterface.ObjectRigidBody(
-            nodeNumber=system.AddNode(formulations.node(formulation, initial)),
-            mass=inertia.Mass(),
-            inertia=inertia.GetInertia6D(),
-            centerOfMass=inertia.COM(),
-        )
-    )
-    mass = system.AddMarker(itemInterface.MarkerBodyMass(bodyNumber=body))
-    system.AddLoad(itemInterface.LoadMassProportional(markerNumber=mass, loadVector=[0.0, 0.0, -scene.gravity]))
-    return body
+    return bodies.add(system, formulation, link, state_in((link.position, link.quaternion), scene.initial), scene.gravity)
 
 
 def contact_law(scene: Scene, method: Method) -> Plane | None:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from exudyn import itemInterface
 
-from bodycheck.adapters.contract import SceneUnsupported, states
+from bodycheck.adapters.contract import Method, SceneUnsupported, states
 from bodycheck.adapters.rotation_vectors import quaternions, rotation_vector
 from bodycheck.reference.kinematics import conjugate, multiply
 from bodycheck.reference.scene import State
@@ -127,3 +127,8 @@ FORMULATIONS = {
     "RotVecLG": Formulation(itemInterface.NodeRigidBodyRotVecLG, (0.0, 0.0, 0.0), rotation_vector_at, of_rotation_vector),
     "Rxyz": Formulation(itemInterface.NodeRigidBodyRxyz, (0.0, 0.0, 0.0), angles_at, of_angles),
 }
+
+
+def of_method(method: Method) -> Formulation:
+    """Return the formulation of a method: the one that it names, or Exudyn's default with its settings, or the Lie group."""
+    return FORMULATIONS[method.option("formulation") or ("EP" if method.option("settings") == "engine" else "RotVecLG")]

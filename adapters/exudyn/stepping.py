@@ -1,14 +1,13 @@
 """Settings of Exudyn's solvers for a fixed time step, and the loop over strides, whose steps are taken in C++."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import exudyn
 import numpy as np
 
-from bodycheck.adapters.contract import EngineDiverged, Method, Strides, single
-from bodycheck.adapters.exudyn import formulations
-from bodycheck.adapters.exudyn.formulations import Formulation
+from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Strides, single
 from bodycheck.reference.trajectory import Array
 
 #: Exudyn's solvers that take explicit steps.
@@ -20,7 +19,7 @@ NO_TOLERANCE = 1e100
 
 @dataclass
 class Stepper:
-    """A simulation of one body.
+    """A simulation of one body or of a mechanism.
 
     Parameters
     ----------
@@ -28,8 +27,10 @@ class Stepper:
         Exudyn's system and the container that owns it.
     solver, settings
         The initialised solver with its settings.
-    formulation
-        The formulation of the body's rotation.
+    seen
+        Returns a copy of the numbers (k,) that describe the current state.
+    rows
+        Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`, or (n, bodies, 13).
     timestep
         The time step (s).
     taken
@@ -40,24 +41,22 @@ class Stepper:
     system: "exudyn.MainSystem"
     solver: Any
     settings: "exudyn.SimulationSettings"
-    formulation: Formulation
+    seen: Callable[[], Array]
+    rows: Callable[[Array], Array]
     timestep: float
     taken: int = 0
 
     def advance(self, strides: Strides) -> Array:
-        """Return the states (1, n, 1, 13) after each of n strides, as `Simulation.advance` does."""
+        """Return the states (1, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
         seen = []
         for stride in strides.tolist():
             failed = self.failed(stride) if stride else None
-            data = self.system.systemData
-            # Those of the first link come first.
-            count = formulations.coordinates(self.formulation)
-            seen.append(np.concatenate([data.GetODE2Coordinates()[:count], data.GetODE2Coordinates_t()[:count]]))
+            seen.append(self.seen())
             if failed is not None:
                 signal = EngineDiverged(failed)
-                signal.states = single(formulations.rows(self.formulation, np.array(seen)))
+                signal.states = single(self.rows(np.array(seen)))
                 raise signal
-        return single(formulations.rows(self.formulation, np.array(seen)))
+        return single(self.rows(np.array(seen)))
 
     def failed(self, steps: int) -> str | None:
         """Take a number of steps, at least one, and return what the solver says if it fails; None if it does not."""
@@ -100,3 +99,39 @@ def settings(method: Method) -> "exudyn.SimulationSettings":
 def solver(method: Method) -> Any:
     """Return Exudyn's solver of a method."""
     return exudyn.MainSolverExplicit() if method.integrator in EXPLICIT else exudyn.MainSolverImplicitSecondOrder()
+
+
+def initialised(
+    container: "exudyn.SystemContainer",
+    system: "exudyn.MainSystem",
+    method: Method,
+    seen: Callable[[], Array],
+    rows: Callable[[Array], Array],
+    redundant: bool = False,
+) -> Stepper:
+    """Return the simulation of a system that is complete, with an initialised solver.
+
+    Parameters
+    ----------
+    container, system, method, seen, rows
+        See `Stepper`.
+    redundant
+        Whether constraints may depend on each other, so that the solver is to accept a singular Jacobian.
+
+    Raises
+    ------
+    SceneUnsupported
+        If Exudyn refuses the system.
+    """
+    system.Assemble()
+    own, made = settings(method), solver(method)
+    if redundant:
+        own.linearSolverType = exudyn.LinearSolverType.EigenDense
+        own.linearSolverSettings.ignoreSingularJacobian = True
+    try:
+        refusal = "" if made.InitializeSolver(system, own) else made.GetErrorString()
+    except exudyn.exudynCPP.ModelError as error:  # explicit solvers raise it where there are constraints
+        refusal = str(error).partition(" [Python file")[0]
+    if refusal:
+        raise SceneUnsupported(f"Exudyn refuses the model: {' '.join(refusal.split())}")
+    return Stepper(container, system, made, own, seen, rows, method.timestep)

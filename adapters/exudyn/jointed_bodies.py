@@ -1,0 +1,120 @@
+"""Mechanisms in Exudyn as rigid bodies that joints hold together, which are constraints for implicit solvers.
+
+Springs, damping and efforts are connectors beside the joints. There are no universal joints, no armature and no dry friction.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import exudyn
+import numpy as np
+from exudyn import itemInterface, utilities
+
+from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.adapters.exudyn import bodies, formulations
+from bodycheck.adapters.exudyn.formulations import Formulation
+from bodycheck.adapters.exudyn.kinematic_trees import from_z
+from bodycheck.adapters.mechanisms import centred, frames, link_of, starts
+from bodycheck.reference.kinematics import multiply
+from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
+from bodycheck.reference.trajectory import Array
+
+#: The quaternions (w, x, y, z) of no turn, and of the turn from x to z.
+NO_TURN, X_TO_Z = np.array([1.0, 0.0, 0.0, 0.0]), np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0])
+
+#: The axes, three of translation and three of rotation, that Exudyn's generic joint locks, by the types of joints.
+LOCKED = {"fixed": [1, 1, 1, 1, 1, 1], "planar": [0, 0, 1, 1, 1, 0]}
+
+
+def add(
+    system: "exudyn.MainSystem", mechanism: Mechanism, formulation: Formulation
+) -> tuple[Callable[[], Array], Callable[[Array], Array]]:
+    """Add a mechanism to a system.
+
+    Returns
+    -------
+    A function that returns numbers (k,), after the system is assembled, that describe the state, and one that converts those of
+    n states (n, k) to the states (n, bodies, 13) of the contract.
+
+    Raises
+    ------
+    SceneUnsupported
+        If a joint is universal, or has armature or dry friction.
+    """
+    each = zip(mechanism.bodies, frames(mechanism), strict=True)
+    made = [bodies.add(system, formulation, link_of(body), frame, mechanism.gravity) for body, frame in each]
+    ground = system.AddObject(itemInterface.ObjectGround())
+    for joint, (position, _) in zip(mechanism.joints, starts(mechanism), strict=True):
+        add_joint(system, joint, ground if joint.parent == WORLD else made[joint.parent], made[joint.child], position)
+    for loop in mechanism.loops:
+        ends = zip(loop.bodies, loop.points, strict=True)
+        markers = [marker(system, ground if body == WORLD else made[body], point, NO_TURN) for body, point in ends]
+        system.AddObject(itemInterface.ObjectJointSpherical(markerNumbers=markers))
+    count, number = formulations.coordinates(formulation), len(mechanism.bodies)
+
+    def seen() -> Array:
+        data = system.systemData
+        both = [data.GetODE2Coordinates(), data.GetODE2Coordinates_t()]
+        return np.concatenate([np.reshape(part[: number * count], (number, count)) for part in both], axis=1).ravel()
+
+    def rows(numbers: Array) -> Array:
+        found = formulations.rows(formulation, numbers.reshape(-1, 2 * count))
+        return centred(mechanism, found.reshape(len(numbers), number, 13))
+
+    return seen, rows
+
+
+def add_joint(system: "exudyn.MainSystem", joint: Joint, parent: Any, child: Any, position: Array) -> None:
+    """Add a joint to a system, with what acts in it. Raises `SceneUnsupported`."""
+    only = "in its kinematic trees only, which begin at the world and have no balls"
+    if joint.armature or joint.friction:
+        raise SceneUnsupported(f"Exudyn has {'armature' if joint.armature else 'dry friction'} of joints {only}")
+    if joint.type == "universal":
+        raise SceneUnsupported(f"Exudyn has universal joints {only}")
+    turn = NO_TURN
+    if joint.type in ("revolute", "prismatic"):
+        turn = from_z(np.array(exact.nearest_axis(joint)))
+    if joint.type == "prismatic":
+        turn = multiply(turn, X_TO_Z)
+    frame = np.array(exact.nearest_turn(joint.attitude))
+    ends = [marker(system, parent, joint.position, multiply(frame, turn)), marker(system, child, (0.0, 0.0, 0.0), turn)]
+    if joint.type == "revolute":
+        system.AddObject(itemInterface.ObjectJointRevoluteZ(markerNumbers=ends))
+        if joint.stiffness or joint.damping or joint.effort:
+            turns = itemInterface.NodeGenericData(initialCoordinates=[position[0]], numberOfDataCoordinates=1)
+            system.AddObject(
+                itemInterface.TorsionalSpringDamper(
+                    markerNumbers=ends,
+                    nodeNumber=system.AddNode(turns),
+                    stiffness=joint.stiffness,
+                    damping=joint.damping,
+                    offset=joint.rest,
+                    torque=-joint.effort,
+                )
+            )
+    elif joint.type == "prismatic":
+        system.AddObject(itemInterface.ObjectJointPrismaticX(markerNumbers=ends))
+        if joint.stiffness or joint.damping or joint.effort:
+            system.AddObject(
+                itemInterface.LinearSpringDamper(
+                    markerNumbers=ends,
+                    stiffness=joint.stiffness,
+                    damping=joint.damping,
+                    offset=joint.rest,
+                    force=-joint.effort,
+                )
+            )
+    elif joint.type == "spherical":
+        system.AddObject(itemInterface.ObjectJointSpherical(markerNumbers=ends))
+        if joint.damping:
+            damping = np.diag([0.0, 0.0, 0.0, *[joint.damping] * 3])
+            system.AddObject(itemInterface.RigidBodySpringDamper(markerNumbers=ends, damping=damping))
+    elif joint.type in LOCKED:
+        system.AddObject(itemInterface.GenericJoint(markerNumbers=ends, constrainedAxes=LOCKED[joint.type]))
+
+
+def marker(system: "exudyn.MainSystem", body: Any, point: Sequence[float], turn: Array) -> Any:
+    """Add a marker to a system, at a point and with an attitude in the frame of a body, and return its number."""
+    pose = exudyn.HT(rotation=utilities.EulerParameters2RotationMatrix(turn), translation=[*point])
+    return system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=body, localHT=pose))

@@ -1,0 +1,257 @@
+"""Mechanisms in Exudyn as kinematic trees, in the coordinates of their joints.
+
+`ObjectKinematicTree` has turning and sliding joints about the axes of its links. Other axes are turned to z by the frames of
+the links; a universal and a planar joint are two and three of these joints, with links without mass between; a body on a fixed
+joint is a part of the link that carries it, by Exudyn's own sum of inertias. Springs, damping and efforts are those of the
+tree. Armature is the mass matrix of a second object on the coordinates of the tree, and dry friction a connector of a
+coordinate, proportional to the velocity at low speeds; see `friction_zone`. A loop is a spherical joint between two markers,
+which needs an implicit solver.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import exudyn
+import numpy as np
+from exudyn import itemInterface, utilities
+from scipy.spatial.transform import Rotation
+
+from bodycheck.adapters.links import tensor
+from bodycheck.adapters.mechanisms import link_of, starts
+from bodycheck.reference.kinematics import conjugate, multiply, rotate
+from bodycheck.reference.mechanisms import exact, kinematics
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, JointType, Mechanism
+from bodycheck.reference.trajectory import Array
+
+#: The types of joints of a tree.
+JOINTS: frozenset[JointType] = frozenset({"revolute", "prismatic", "universal", "planar", "fixed"})
+
+#: What a link of a tree tells, at a point of it.
+SEEN = ("Position", "RotationMatrix", "Velocity", "AngularVelocityLocal")
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a frame is: the number of a link, and the frame's origin (3,) and attitude (4,), w x y z, in the link's frame."""
+
+    link: int
+    origin: Array
+    turn: Array
+
+    def after(self, origin: Array, turn: Array) -> "Place":
+        """The place of a frame whose origin and attitude in this one are given."""
+        return Place(self.link, self.origin + rotate(self.turn, origin), multiply(self.turn, turn))
+
+
+@dataclass(frozen=True)
+class Link:
+    """A link of a tree: the type of its joint, its parent, the joint's frame in that of the parent, start and what acts."""
+
+    kind: str
+    parent: int
+    origin: Array
+    turn: Array
+    position: float
+    velocity: float
+    acting: Joint
+
+
+def fits(mechanism: Mechanism) -> bool:
+    """Return whether a mechanism is a tree of the joints that Exudyn's trees have, from the world on."""
+    return all(joint is not None and joint.type in JOINTS for joint in mechanism.joint_of)
+
+
+def elements(joint: Joint) -> list[tuple[str, Array]]:
+    """Return the kinds and axes (3,) of the turning and sliding joints that a joint is made of."""
+    x, y, z = np.eye(3)
+    kinds = {
+        "revolute": [("RevoluteZ", np.array(exact.nearest_axis(joint)))],
+        "prismatic": [("PrismaticZ", np.array(exact.nearest_axis(joint)))],
+        "universal": [("RevoluteZ", x), ("RevoluteZ", y)],
+        "planar": [("PrismaticZ", x), ("PrismaticZ", y), ("RevoluteZ", z)],
+        "fixed": [],
+    }
+    return kinds[joint.type]
+
+
+def from_z(axis: Array) -> Array:
+    """Return a quaternion (4,) of a turn from z to a unit vector (3,)."""
+    if axis[2] < 0:
+        # By half a turn about x first, so that the rest is not near half a turn.
+        return multiply(np.array([0.0, 1.0, 0.0, 0.0]), from_z(axis * np.array([1.0, -1.0, -1.0])))
+    made = np.array([1.0 + axis[2], -axis[1], axis[0], 0.0])
+    return np.asarray(made / np.linalg.norm(made))
+
+
+def linked(mechanism: Mechanism) -> tuple[list[Link], list[Place]]:
+    """Return the links of a tree, and the places of the bodies' frames in them."""
+    values = dict(zip((joint.name for joint in mechanism.joints), starts(mechanism), strict=True))
+    none = np.array([1.0, 0.0, 0.0, 0.0])
+    places = {WORLD: Place(-1, np.zeros(3), none)}
+    links: list[Link] = []
+    for joint in kinematics.from_the_root(mechanism):
+        there = places[joint.parent].after(np.array(joint.position), np.array(exact.nearest_turn(joint.attitude)))
+        for (kind, axis), position, velocity in zip(elements(joint), *values[joint.name], strict=True):
+            turn = from_z(axis)
+            at = there.after(np.zeros(3), turn)
+            links.append(Link(kind, at.link, at.origin, at.turn, position, velocity, joint))
+            there = Place(len(links) - 1, np.zeros(3), conjugate(turn))
+        places[joint.child] = there
+    return links, [places[place] for place in range(len(mechanism.bodies))]
+
+
+def add(
+    system: "exudyn.MainSystem", mechanism: Mechanism, timestep: float
+) -> tuple[Callable[[], Array], Callable[[Array], Array]]:
+    """Add a mechanism, which is to be stepped with a time step (s), to a system.
+
+    Returns
+    -------
+    A function that returns numbers (k,), after the system is assembled, that describe the state, and one that converts those of
+    n states (n, k) to the states (n, bodies, 13) of the contract.
+    """
+    links, places = linked(mechanism)
+    node = system.AddNode(
+        itemInterface.NodeGenericODE2(
+            referenceCoordinates=[0.0] * len(links),
+            initialCoordinates=[link.position for link in links],
+            initialCoordinates_t=[link.velocity for link in links],
+            numberOfODE2Coordinates=len(links),
+        )
+    )
+    tree = system.AddObject(tree_of(mechanism, links, places, node))
+    add_armature(system, links, node)
+    add_friction(system, mechanism, links, node, timestep)
+    for loop in mechanism.loops:
+        markers = [marker(system, tree, mechanism, places, *end) for end in zip(loop.bodies, loop.points, strict=True)]
+        system.AddObject(itemInterface.ObjectJointSpherical(markerNumbers=markers))
+    each = zip(places, mechanism.bodies, strict=True)
+    sensors = [sensor for place, body in each for sensor in told(system, tree, place, body)]
+
+    def seen() -> Array:
+        return np.concatenate([system.GetSensorValues(sensor) for sensor in sensors])
+
+    return seen, lambda numbers: rows(mechanism, places, numbers)
+
+
+def tree_of(mechanism: Mechanism, links: Sequence[Link], places: Sequence[Place], node: Any) -> Any:
+    """Return Exudyn's tree, with the inertia of each link summed over the bodies on it."""
+    matrix = utilities.EulerParameters2RotationMatrix
+    sums: list[Any] = [None] * len(links)
+    for place, body in zip(places, mechanism.bodies, strict=True):
+        if place.link >= 0:
+            own, turn = link_of(body), matrix(place.turn)
+            centre = place.origin + turn @ np.array(own.center_of_mass)
+            part = utilities.RigidBodyInertia(own.mass, turn @ tensor(own) @ turn.T, centre, inertiaTensorAtCOM=True)
+            sums[place.link] = part if sums[place.link] is None else sums[place.link] + part
+    none = utilities.RigidBodyInertia(0.0, np.zeros((3, 3)))
+    inertias = [none if own is None else own for own in sums]
+    return itemInterface.ObjectKinematicTree(
+        nodeNumber=node,
+        gravity=[0.0, 0.0, -mechanism.gravity],
+        jointTypes=[getattr(exudyn.JointType, link.kind) for link in links],
+        linkParents=[link.parent for link in links],
+        jointTransformations=exudyn.Matrix3DList([matrix(link.turn) for link in links]),
+        jointOffsets=exudyn.Vector3DList([link.origin for link in links]),
+        linkInertiasCOM=exudyn.Matrix3DList([own.InertiaCOM() for own in inertias]),
+        linkCOMs=exudyn.Vector3DList([own.COM() for own in inertias]),
+        linkMasses=[own.Mass() for own in inertias],
+        jointForceVector=[link.acting.effort for link in links],
+        jointPositionOffsetVector=[link.acting.rest for link in links],
+        jointVelocityOffsetVector=[0.0] * len(links),
+        jointPControlVector=[link.acting.stiffness for link in links],
+        jointDControlVector=[link.acting.damping for link in links],
+    )
+
+
+def add_armature(system: "exudyn.MainSystem", links: Sequence[Link], node: Any) -> None:
+    """Add to a system the armature of the coordinates of a tree."""
+    armatures = [link.acting.armature for link in links]
+    if any(armatures):
+        system.AddObject(itemInterface.ObjectGenericODE2(nodeNumbers=[node], massMatrix=np.diag(armatures)))
+
+
+def add_friction(system: "exudyn.MainSystem", mechanism: Mechanism, links: Sequence[Link], node: Any, timestep: float) -> None:
+    """Add to a system the dry friction of the coordinates of a tree."""
+    rubbing = [(number, link.acting) for number, link in enumerate(links) if link.acting.friction]
+    if not rubbing:
+        return
+    point = system.AddNode(itemInterface.NodePointGround())
+    ground = system.AddMarker(itemInterface.MarkerNodeCoordinate(nodeNumber=point, coordinate=0))
+    for number, joint in rubbing:
+        there = system.AddMarker(itemInterface.MarkerNodeCoordinate(nodeNumber=node, coordinate=number))
+        system.AddObject(
+            itemInterface.CoordinateSpringDamperExt(
+                markerNumbers=[ground, there],
+                dynamicFrictionForce=joint.friction,
+                frictionProportionalZone=friction_zone(mechanism, joint, timestep),
+            )
+        )
+
+
+def friction_zone(mechanism: Mechanism, joint: Joint, timestep: float) -> float:
+    """Return the speed (rad/s or m/s) below which dry friction is proportional to the speed.
+
+    It is twice the speed that the friction takes from the child alone in a step, so that no step reverses the motion of a joint
+    whose inertia is at least half of the child's. It vanishes with the step.
+    """
+    own = link_of(mechanism.bodies[joint.child])
+    inertia = joint.armature + own.mass
+    if joint.type == "revolute":
+        axis, centre = np.array(exact.nearest_axis(joint)), np.array(own.center_of_mass)
+        arm = np.cross(axis, centre)
+        inertia = joint.armature + float(axis @ tensor(own) @ axis + own.mass * arm @ arm)
+    return 2 * timestep * (joint.friction / inertia if inertia else 1.0)
+
+
+def marker(
+    system: "exudyn.MainSystem", tree: Any, mechanism: Mechanism, places: Sequence[Place], body: int, point: Sequence[float]
+) -> Any:
+    """Add a marker at a point of a body or of the world to a system, and return its number."""
+    if body == WORLD or places[body].link < 0:
+        place = places[body] if body != WORLD else Place(-1, np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0]))
+        ground = system.AddObject(itemInterface.ObjectGround())
+        there = place.origin + rotate(place.turn, np.array(point))
+        return system.AddMarker(itemInterface.MarkerBodyRigid(bodyNumber=ground, localPosition=there))
+    place = places[body]
+    there = place.origin + rotate(place.turn, np.array(point))
+    return system.AddMarker(
+        itemInterface.MarkerKinematicTreeRigid(objectNumber=tree, linkNumber=place.link, localPosition=there)
+    )
+
+
+def told(system: "exudyn.MainSystem", tree: Any, place: Place, body: JointedBody) -> list[Any]:
+    """Add sensors of a body, at its centre of mass, to a system, and return their numbers; none where it cannot move."""
+    if place.link < 0:
+        return []
+    centre = place.origin + rotate(place.turn, np.array(exact.nearest_inertia(body).centre))
+    return [
+        system.AddSensor(
+            itemInterface.SensorKinematicTree(
+                objectNumber=tree,
+                linkNumber=place.link,
+                localPosition=centre,
+                outputVariableType=getattr(exudyn.OutputVariableType, kind),
+                writeToFile=False,
+            )
+        )
+        for kind in SEEN
+    ]
+
+
+def rows(mechanism: Mechanism, places: Sequence[Place], numbers: Array) -> Array:
+    """Return the states (n, bodies, 13) of the contract from what the sensors of a tree tell (n, k)."""
+    first = kinematics.initial(mechanism)
+    found = []
+    told = iter(np.split(numbers, range(18, numbers.shape[1], 18), axis=1))
+    for number, place in enumerate(places):
+        if place.link < 0:
+            still = (first.position, first.quaternion, first.velocity, first.angular_velocity)
+            found.append(np.tile(np.concatenate([part[number, 0] for part in still]), (len(numbers), 1)))
+            continue
+        centre, attitude, velocity, spin = np.split(next(told), (3, 12, 15), axis=1)
+        turn = Rotation.from_matrix(attitude.reshape(-1, 3, 3)).as_quat(scalar_first=True)
+        turned = np.broadcast_to(place.turn, turn.shape)
+        found.append(np.concatenate([centre, multiply(turn, turned), velocity, rotate(conjugate(turned), spin)], axis=1))
+    return np.stack(found, axis=1)
