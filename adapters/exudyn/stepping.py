@@ -126,8 +126,8 @@ def initialised(
     system.Assemble()
     own, made = settings(method), solver(method)
     if redundant:
-        own.linearSolverType = exudyn.LinearSolverType.EigenDense
-        own.linearSolverSettings.ignoreSingularJacobian = True
+        own.linearSolver.solverType = exudyn.LinearSolverType.EigenDense
+        own.linearSolver.ignoreSingularJacobian = True
     try:
         refusal = "" if made.InitializeSolver(system, own) else made.GetErrorString()
     except exudyn.exudynCPP.ModelError as error:  # explicit solvers raise it where there are constraints
