@@ -16,7 +16,7 @@ from bodycheck.reference import truth
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.start import start
 from bodycheck.reference.independent import closed_form as second_closed_form
-from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sliding import ways as slides
 from bodycheck.reference.trajectory import Array
@@ -79,8 +79,11 @@ class Certificate:
 
 def certify(scene: AnyScene, times: Array) -> Certificate:
     """The certificate of the truth of a scene, at ascending times (n,) >= 0, s. Raises as `truth.truth` does."""
+    if isinstance(scene, Mechanism):
+        from bodycheck.reference.mechanisms.certificate import certify_mechanism  # which imports this module
+
+        return certify_mechanism(scene, times)
     found = truth.computed(scene, times)
-    assert isinstance(scene, Scene)  # there is no truth of anything else
     own = as_way(TRUTH_WAY, found.truth.trajectory, found.own)
     ways = (own, *_other_ways(scene, times, found.witnesses))
     apart = {(one.name, other.name): distances(one, other) for one, other in combinations(ways, 2)}

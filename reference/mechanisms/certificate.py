@@ -1,0 +1,133 @@
+"""The certificate of the truth of a mechanism: its ways, compared with one another and with arithmetic of more digits.
+
+The ways are the truth, the recursion where the truth is a closed form, the Lagrangian, and the recursion in arithmetic so wide
+that the growth of its rounding errors stays far below what is certified.
+"""
+
+import contextlib
+import math
+from collections.abc import Iterator
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.certificate import BITS, SPARE_BITS, TRUTH_WAY, Certificate, contradiction
+from bodycheck.reference.errors import NotModelled, OutOfReach, within_range
+from bodycheck.reference.integration.rotation import WideArray
+from bodycheck.reference.mechanisms import lagrange, recursion
+from bodycheck.reference.mechanisms.followed import (
+    FEWEST_ROUNDINGS,
+    RECURSION,
+    Followed,
+    arithmetic,
+    by_recursion,
+    followed,
+    growth_instants,
+    lagrangian,
+    motion_of,
+    require_modelled,
+    rounding_errors,
+    roundings,
+    witness_of,
+)
+from bodycheck.reference.mechanisms.growth import Growth
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.truth import joined, printed
+from bodycheck.reference.mechanisms.ways import Motion, Way, apart
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.witness import Witness
+from bodycheck.reference.witnesses import DOP853_ROUNDINGS
+
+
+def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
+    """The certificate of the truth of a mechanism at ascending times (n,) >= 0, s. Raises as `mechanism_truth` does."""
+    times = np.asarray(times, dtype=float)
+    with within_range("the motion"):
+        found = followed(mechanism, times)
+        truth = joined(mechanism, times, found, witness_of(mechanism, times, found)).truth
+        own = printed(mechanism, times, found)
+        assert truth.joints is not None  # which a mechanism has
+        stated = Motion(truth.joints.position, truth.joints.velocity, truth.trajectory)
+        ways = [Way(TRUTH_WAY, stated, own.bounds.of_states()), *_other_ways(mechanism, times, found)]
+        differences = {
+            (one.name, other.name): apart(mechanism, one.motion, other.motion) for one, other in combinations(ways, 2)
+        }
+    pairs = combinations((_as_witness(way) for way in ways), 2)
+    faults = [fault for one, other in pairs if (fault := contradiction(one, other, differences[one.name, other.name]))]
+    best = min(ways[1:], key=lambda way: float(np.max(way.errors["error"], initial=0.0)), default=None)
+    if best is None:
+        faults.append("no other way follows this motion")
+        bound = own.bounds.error
+    else:
+        bound = np.maximum.accumulate(differences[TRUTH_WAY, best.name]["error"] + best.errors["error"])
+    return Certificate(
+        truth=truth,
+        differences={pair: np.maximum.accumulate(each["error"]) for pair, each in differences.items()},
+        bound=bound,
+        digits=0 if best is None else best.digits,
+        faults=tuple(faults),
+        growth=truth.growth,
+    )
+
+
+def _as_witness(way: Way) -> Witness:
+    """The name and the bounds of a way."""
+    return Witness(way.name, **way.errors, digits=way.digits)
+
+
+def _other_ways(mechanism: Mechanism, times: Array, found: Followed) -> Iterator[Way]:
+    """Every way but that of the truth."""
+    grown = found.growth
+    if grown is None:
+        return
+    if found.form:
+        yield by_recursion(mechanism, times).way
+    if (way := lagrangian(mechanism, times)) is not None:
+        made, eps = _roundings_of_lagrangian(mechanism, times), float(np.finfo(arithmetic()[0]).eps)
+        yield Way(way.name, way.motion, rounding_errors(mechanism, way.motion, grown, made, eps), way.digits)
+    yield from _wide_way(mechanism, times, grown)
+
+
+def _roundings_of_lagrangian(mechanism: Mechanism, times: Array) -> float:
+    """How many roundings the Lagrangian makes, measured as those of the recursion are."""
+    dtype, _, _ = arithmetic()
+    if dtype is np.float64:
+        return DOP853_ROUNDINGS
+    measured = growth_instants(times)
+    wide, base = (motion_of(lagrange.follow(mechanism, measured, each), measured) for each in (dtype, np.float64))
+    return roundings(mechanism, base, wide, _measured_growth(mechanism, times))
+
+
+def _measured_growth(mechanism: Mechanism, times: Array) -> Growth:
+    found = by_recursion(mechanism, growth_instants(times)).growth
+    assert found is not None  # which the recursion always has
+    return found
+
+
+def _wide_way(mechanism: Mechanism, times: Array, grown: Growth) -> Iterator[Way]:
+    """The recursion in multiprecision that leaves digits for the growth of rounding, where it can follow the motion."""
+    needed = SPARE_BITS + math.log2(float(np.max(grown.of_start, initial=1.0)))
+    bits = next((bits for bits in BITS if bits >= needed), None)
+    with contextlib.suppress(OutOfReach, NotModelled, ImportError):
+        import heyoka as hy
+
+        require_modelled(mechanism)
+        if bits is not None:
+            found = recursion.follow(mechanism, times, hy.real, bits)
+            states = found.bodies.position, found.bodies.quaternion, found.bodies.velocity, found.bodies.angular_velocity
+            motion = Motion(
+                rounded_to_wide(found.position),
+                rounded_to_wide(found.velocity),
+                Trajectory(times, *(rounded_to_wide(each) for each in states)),
+            )
+            stored = rounding_errors(mechanism, motion, grown, 0.0, float(np.finfo(np.longdouble).eps))
+            integrated = rounding_errors(mechanism, motion, grown, FEWEST_ROUNDINGS, 2.0 ** (1 - bits))
+            errors = {name: stored[name] + integrated[name] for name in stored}
+            yield Way(f"{RECURSION}, heyoka-{bits}-bit", motion, errors, math.floor(bits * math.log10(2)))
+
+
+def rounded_to_wide(values: WideArray) -> WideArray:
+    """Multiprecision numbers in the widest type of NumPy."""
+    head: Any = values.astype(float)
+    return np.asarray(head.astype(np.longdouble) + (values - head).astype(float))

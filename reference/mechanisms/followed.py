@@ -1,0 +1,209 @@
+"""Ways to the motion of a mechanism, with what is known of their own error: closed forms, the recursion, and their witnesses.
+
+A closed form has bounds of its own. The recursion is integrated in the widest type of NumPy (heyoka), or in double precision
+(SciPy). The error of the former is measured: the recursion is followed in double precision too, and how far that gets from the
+wide motion, in roundings times the growth of an error (`growth`), says how many roundings the recursion makes. As many are made
+in the wide type, and grow as much.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.bounds import EPS, STATES
+from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.exact.numbers import Wide
+from bodycheck.reference.mechanisms import lagrange, recursion
+from bodycheck.reference.mechanisms.forms.choice import form_of
+from bodycheck.reference.mechanisms.forms.ground import carried
+from bodycheck.reference.mechanisms.forms.motion import Form
+from bodycheck.reference.mechanisms.growth import Growth, growth
+from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.placed import bodies_of
+from bodycheck.reference.mechanisms.ways import Motion, Way, apart, sizes
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import CLOSED_FORM_BACKEND
+from bodycheck.reference.witness import DOUBLE_DIGITS
+from bodycheck.reference.witnesses import DOP853_NAME, DOP853_ROUNDINGS, EXTENDED_DIGITS
+
+#: Instants, evenly spaced, at which the growth of an error is measured.
+GROWTH_INSTANTS = 129
+
+#: Roundings that an integration by Taylor's method makes at least, before they grow.
+FEWEST_ROUNDINGS = 2.0
+
+#: By how much the measured number of roundings may be too small: rounding in the two types is not the same, and growth is
+#: measured in a few directions only.
+CAUTION = 8.0
+
+#: Roundings of a number that grows with time, such as the angle of a wheel, and of what follows from it.
+STORED_ROUNDINGS = 16.0
+
+#: Name of the equations of the recursion in results.
+RECURSION = "articulated-body recursion"
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """A motion with what is known of its own error.
+
+    Attributes
+    ----------
+    way
+        The motion, with bounds of its errors before it is rounded to doubles.
+    model, reason, backend
+        As of a truth.
+    growth
+        The growth of an error at the same instants; None where it is not known.
+    form
+        Whether the way is a closed form.
+    """
+
+    way: Way
+    model: str
+    reason: str
+    backend: str
+    growth: Growth | None
+    form: bool = False
+
+
+def followed(mechanism: Mechanism, times: Array) -> Followed:
+    """The motion of a mechanism at ascending times (n,), s. Raises `NotModelled` and `OutOfReach`."""
+    form = form_of(mechanism)
+    return by_recursion(mechanism, times) if form is None else _by_form(mechanism, form, times)
+
+
+def witness_of(mechanism: Mechanism, times: Array, found: Followed) -> Way | None:
+    """The witness of a motion: the recursion of a closed form, else the Lagrangian; None where it cannot follow the motion."""
+    if not found.form:
+        return lagrangian(mechanism, times)
+    try:
+        require_modelled(mechanism)
+        dtype, name, digits = arithmetic()
+        return Way(f"{RECURSION}, {name}", _recursion(mechanism, times, dtype), {}, digits)
+    except (NotModelled, OutOfReach):
+        return None
+
+
+def lagrangian(mechanism: Mechanism, times: Array) -> Way | None:
+    """The motion by the Lagrangian at times (n,), s; None where it cannot follow it."""
+    dtype, name, digits = arithmetic()
+    try:
+        found = lagrange.follow_in_doubles(mechanism, times) if dtype is np.float64 else lagrange.follow(mechanism, times)
+    except (NotModelled, OutOfReach):
+        return None
+    return Way(f"{lagrange.NAME}, {name}", motion_of(found, times), {}, digits)
+
+
+def motion_of(found: WideMotion, times: Array) -> Motion:
+    """A motion by the Lagrangian at times (n,), s, as one that is compared."""
+    bodies = Trajectory(times, found.position, found.quaternion, found.velocity, found.angular_velocity)
+    return Motion(found.joint_position, found.joint_velocity, bodies)
+
+
+def require_modelled(mechanism: Mechanism) -> None:
+    """Raise `NotModelled` where the recursion has no model of a mechanism."""
+    if mechanism.loops:
+        raise NotModelled("closed loops")
+    if any(joint.friction for joint in mechanism.joints):
+        raise NotModelled("dry friction in a mechanism without a closed form")
+
+
+def by_recursion(mechanism: Mechanism, times: Array) -> Followed:
+    """The motion of a mechanism by the recursion, with what is known of its own error."""
+    require_modelled(mechanism)
+    dtype, name, digits = arithmetic()
+    measured = growth_instants(times)
+    instants = np.union1d(times, measured)
+    wide = _recursion(mechanism, instants, dtype)
+    base = wide.part(np.searchsorted(instants, measured)) if dtype is np.float64 else _in_doubles(mechanism, measured)
+    grown = growth(mechanism, _in_doubles, base, measured)
+    made = DOP853_ROUNDINGS
+    if dtype is not np.float64:
+        made = roundings(mechanism, base, wide.part(np.searchsorted(instants, measured)), grown)
+    here, own = grown.until(times), wide.part(np.searchsorted(instants, times))
+    errors = rounding_errors(mechanism, own, here, made, float(np.finfo(dtype).eps))
+    way = Way(f"{RECURSION}, {name}", own, errors, digits)
+    return Followed(way, RECURSION, "rigid bodies on joints", name, here)
+
+
+def roundings(mechanism: Mechanism, base: Motion, wide: Motion, grown: Growth) -> float:
+    """How many roundings an integration makes: by how much the same one in doubles differs, in roundings that have grown."""
+    off = apart(mechanism, base, wide)
+    return max(FEWEST_ROUNDINGS, *(float(np.max(off[name] / grown.figures[name])) / EPS for name in STATES))
+
+
+def rounding_errors(mechanism: Mechanism, motion: Motion, grown: Growth, made: float, eps: float) -> dict[str, Array]:
+    """Bounds (n,) of the errors of an integration that makes some roundings, each of which is eps, and how they have grown."""
+    largest = sizes(mechanism, motion)
+    return {name: eps * (CAUTION * made * grown.figures[name] + STORED_ROUNDINGS * _so_far(largest[name])) for name in STATES}
+
+
+def _by_form(mechanism: Mechanism, form: Form, times: Array) -> Followed:
+    """The motion of a mechanism by its closed form. All joints that move stand on the world."""
+    found = form.follow(times)
+    motion = Motion(found.position, found.velocity, bodies_of(mechanism, times, found.position, found.velocity))
+    largest = sizes(mechanism, motion)
+    slides = np.array([joint.type == "prismatic" for joint in mechanism.joints])
+    angle, slide, spin, slip = (
+        values[:, chosen].max(axis=1, initial=0.0)
+        for values in (found.error, found.velocity_error)
+        for chosen in (~slides, slides)
+    )
+    origins = [np.linalg.norm([float(value) for value in held.origin]) for held in carried(mechanism) or ()]
+    arm = largest["position_error"] + max(origins, default=0.0)
+    rate = largest["angular_velocity_error"]
+    stored = STORED_ROUNDINGS * float(np.finfo(Wide).eps)
+    errors = {
+        "error": angle + stored,
+        "position_error": slide + arm * (angle + stored),
+        "velocity_error": slip + arm * (spin + rate * (angle + stored)) + stored * largest["velocity_error"],
+        "angular_velocity_error": spin + rate * (angle + stored),
+    }
+    way = Way(
+        f"closed form, {CLOSED_FORM_BACKEND}",
+        motion,
+        {name: _so_far(values) for name, values in errors.items()},
+        EXTENDED_DIGITS,
+    )
+    return Followed(way, f"closed form: {form.name}", form.reason, CLOSED_FORM_BACKEND, _growth_of(mechanism, times), form=True)
+
+
+def _growth_of(mechanism: Mechanism, times: Array) -> Growth | None:
+    """The growth of an error along a motion in closed form; None where the recursion cannot follow it."""
+    measured = growth_instants(times)
+    try:
+        require_modelled(mechanism)
+        return growth(mechanism, _in_doubles, _in_doubles(mechanism, measured), measured).until(times)
+    except (NotModelled, OutOfReach):
+        return None
+
+
+def growth_instants(times: Array) -> Array:
+    """The instants (m,), s, at which growth is measured until the last of times (n,), s."""
+    end = float(times[-1]) if len(times) else 0.0
+    return np.linspace(0.0, end, GROWTH_INSTANTS) if end else np.zeros(1)
+
+
+def _so_far(values: Array) -> Array:
+    return np.asarray(np.maximum.accumulate(values))
+
+
+def arithmetic() -> tuple[Any, str, int]:
+    """The arithmetic of integrations: its floating-point type, the name of the solver in results, and its decimal digits."""
+    try:
+        from bodycheck.reference.integration.heyoka_solver import EXTENDED_NAME
+    except ImportError:
+        return np.float64, DOP853_NAME, DOUBLE_DIGITS
+    return np.longdouble, EXTENDED_NAME, EXTENDED_DIGITS
+
+
+def _recursion(mechanism: Mechanism, times: Array, dtype: Any) -> Motion:
+    found = recursion.follow(mechanism, times, dtype)
+    return Motion(found.position, found.velocity, found.bodies)
+
+
+def _in_doubles(mechanism: Mechanism, times: Array) -> Motion:
+    return _recursion(mechanism, times, np.float64)

@@ -1,0 +1,188 @@
+"""How an error grows along the motion of a mechanism, from nudged motions in double precision.
+
+A motion is followed again from a state that is nudged by a small part of the sizes of coordinates and velocities. How far it
+gets from the motion that is not nudged, per nudge, is the growth of an error. Where it has got so far that growth would not be
+proportional any more, its distance is scaled back to the size of a nudge, and the motion goes on from there (Benettin et al.,
+Meccanica 15, 1980), so that growth has no limit. Errors are made at all times, and one that is made later can grow more than
+one at the start; so motions are nudged at later instants too.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bodycheck.reference.bounds import STATES
+from bodycheck.reference.mechanisms.coordinates import places
+from bodycheck.reference.mechanisms.mechanism import BodyStart, Mechanism
+from bodycheck.reference.mechanisms.ways import Follow, Motion, apart, letters, reach, sizes
+from bodycheck.reference.trajectory import Array, Trajectory
+
+#: The size of a nudge, relative to the sizes of coordinates and velocities: between a rounding and what is not small.
+NUDGE = 2.0**-30
+
+#: Deviation, relative to the sizes, up to which it is proportional to the nudge.
+SMALL = 1e-4
+
+#: When motions are nudged, as parts of the duration, twice at the start in different directions.
+STARTS = (0.0, 0.0, 1 / 3, 2 / 3)
+
+#: Growth from where on nothing is known any more, in any arithmetic.
+LARGEST = 1e30
+
+#: Most scalings of one nudged motion.
+MOST_PIECES = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Growth:
+    """By how much a relative error of the state has grown at most until m instants.
+
+    Attributes
+    ----------
+    t
+        (m,) instants (s), ascending.
+    figures
+        (m,) errors per unit of relative error made at any earlier time, by the names of `bounds.STATES`, in their units, never
+        decreasing. An error of one is one radian, one length of the mechanism, and the largest speeds and rates of the motion.
+    of_start
+        (m,) growth of an error at t = 0, the largest of all figures in those units, never decreasing.
+    """
+
+    t: Array
+    figures: dict[str, Array]
+    of_start: Array
+
+    def until(self, times: Array) -> "Growth":
+        """The growth at other times (n,), s: that at the next instant that is not before."""
+        places = np.minimum(np.searchsorted(self.t, times), len(self.t) - 1)
+        return Growth(times, {name: values[places] for name, values in self.figures.items()}, self.of_start[places])
+
+
+def growth(mechanism: Mechanism, follow: Follow, base: Motion, t: Array) -> Growth:
+    """The growth of an error along a motion.
+
+    Parameters
+    ----------
+    mechanism
+        The mechanism.
+    follow
+        How a mechanism is followed in double precision, from t = 0 on. It may raise `OutOfReach`.
+    base
+        The motion at the instants in double precision.
+    t
+        (m,) ascending instants (s), the first of which is 0.
+    """
+    units = scales(mechanism, base, float(t[-1]))
+    figures = {name: np.full(len(t), units[name]) for name in STATES}
+    of_start = np.ones(len(t))
+    random = np.random.default_rng(0)
+    for begin in STARTS:
+        first = int(np.searchsorted(t, begin * t[-1]))
+        for rows, each in _deviations(mechanism, follow, base, t, first, units, random):
+            for name in STATES:
+                figures[name][rows] = np.maximum(figures[name][rows], each[name])
+            if begin == 0:
+                largest = np.max([each[name] / units[name] for name in STATES], axis=0)
+                of_start[rows] = np.maximum(of_start[rows], largest)
+    capped = {name: np.minimum(np.maximum.accumulate(values), LARGEST * units[name]) for name, values in figures.items()}
+    return Growth(t, capped, np.minimum(np.maximum.accumulate(of_start), LARGEST))
+
+
+def scales(mechanism: Mechanism, motion: Motion, duration: float) -> dict[str, float]:
+    """The sizes of the states of a motion, by the names of `bounds.STATES`: one radian, a length, and the largest rates."""
+    largest = {name: float(values.max(initial=0.0)) for name, values in sizes(mechanism, motion).items()}
+    length = reach(mechanism)
+    rate = largest["angular_velocity_error"] or 1 / (duration or 1.0)
+    return {
+        "error": 1.0,
+        "position_error": length,
+        "velocity_error": max(largest["velocity_error"], length * rate),
+        "angular_velocity_error": rate,
+    }
+
+
+def _deviations(
+    mechanism: Mechanism,
+    follow: Follow,
+    base: Motion,
+    t: Array,
+    first: int,
+    units: dict[str, float],
+    random: np.random.Generator,
+) -> Iterator[tuple[slice, dict[str, Array]]]:
+    """Deviations per nudge of a motion that is nudged at an instant, piece by piece: at which instants, and by figure."""
+    grown = 1.0
+    start = _nudged(mechanism, base.part([first]), units, random)
+    for _ in range(MOST_PIECES):
+        if first + 1 >= len(t) or grown >= LARGEST:
+            return
+        nudged = follow(start, t[first:] - t[first])
+        found = apart(mechanism, nudged, base.part(slice(first, None)))
+        relative = np.max([found[name] / units[name] for name in STATES], axis=0)
+        large = np.flatnonzero(relative[1:] > SMALL)
+        at = int(large[0]) + 1 if len(large) else len(relative) - 1
+        yield slice(first, first + at + 1), {name: values[: at + 1] * (grown / NUDGE) for name, values in found.items()}
+        if first + at + 1 >= len(t):
+            return
+        grown *= float(relative[at]) / NUDGE
+        start = _between(mechanism, base.part([first + at]), nudged.part([at]), NUDGE / float(relative[at]))
+        first += at
+
+
+def _nudged(mechanism: Mechanism, state: Motion, units: dict[str, float], random: np.random.Generator) -> Mechanism:
+    """A mechanism that starts from a state at one instant, with a random nudge of each coordinate and velocity."""
+    held, moving = letters(mechanism)
+    of_coordinate = {"a": 1.0, "q": 1.0, "l": units["position_error"]}
+    of_velocity = {"a": units["angular_velocity_error"], "l": units["velocity_error"]}
+    q = NUDGE * np.array([of_coordinate[each] for each in held]) * random.choice([-1.0, 1.0], len(held))
+    u = NUDGE * np.array([of_velocity[each] for each in moving]) * random.choice([-1.0, 1.0], len(moving))
+    turn = NUDGE * random.choice([-1.0, 1.0], (len(mechanism.bodies), 4))
+    spin = NUDGE * units["angular_velocity_error"] * random.choice([-1.0, 1.0], (len(mechanism.bodies), 3))
+    bodies = state.bodies
+    return _started(
+        mechanism,
+        state.position[0] + q,
+        state.velocity[0] + u,
+        replace(bodies, quaternion=bodies.quaternion + turn[:, None], angular_velocity=bodies.angular_velocity + spin[:, None]),
+    )
+
+
+def _between(mechanism: Mechanism, base: Motion, other: Motion, part: float) -> Mechanism:
+    """A mechanism that starts a part of the way from one state to another, both at one instant."""
+
+    def mixed(one: Array, two: Array) -> Array:
+        return np.asarray(one + part * (two - one))
+
+    sign = np.where((base.bodies.quaternion * other.bodies.quaternion).sum(axis=-1, keepdims=True) < 0, -1.0, 1.0)
+    bodies = replace(
+        base.bodies,
+        position=mixed(base.bodies.position, other.bodies.position),
+        quaternion=mixed(base.bodies.quaternion, sign * other.bodies.quaternion),
+        velocity=mixed(base.bodies.velocity, other.bodies.velocity),
+        angular_velocity=mixed(base.bodies.angular_velocity, other.bodies.angular_velocity),
+    )
+    target = other.position[0].copy()
+    for joint, (held, _) in zip(mechanism.joints, places(mechanism), strict=True):
+        if joint.type in ("spherical", "free"):
+            own = slice(held.stop - 4, held.stop)
+            if base.position[0, own] @ target[own] < 0:
+                target[own] = -target[own]
+    return _started(mechanism, mixed(base.position[0], target), mixed(base.velocity[0], other.velocity[0]), bodies)
+
+
+def _started(mechanism: Mechanism, q: Array, u: Array, states: Trajectory) -> Mechanism:
+    """A mechanism that starts from coordinates (c,) and velocities (u,) of its joints and states (b, 1, ...) of its bodies."""
+    joints = tuple(
+        replace(joint, start=tuple(q[held].tolist()), start_velocity=tuple(u[moving].tolist()))
+        for joint, (held, moving) in zip(mechanism.joints, places(mechanism), strict=True)
+    )
+
+    def begun(place: int) -> BodyStart:
+        x, v, w = (each[place, 0].tolist() for each in (states.position, states.velocity, states.angular_velocity))
+        return BodyStart(tuple(x), tuple(states.quaternion[place, 0].tolist()), tuple(v), tuple(w))
+
+    bodies = tuple(
+        body if body.start is None else replace(body, start=begun(place)) for place, body in enumerate(mechanism.bodies)
+    )
+    return replace(mechanism, joints=joints, bodies=bodies)

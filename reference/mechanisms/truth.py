@@ -1,0 +1,131 @@
+"""The truth of a mechanism: its motion together with a bound of the motion's own error.
+
+The way is the closed form of a mechanism that has one, and otherwise the articulated-body recursion; see `followed`. Its
+witness is another way: the recursion for a closed form, and for the recursion the Lagrangian, which starts from the mechanism
+by code of its own. The bound has three parts.
+
+- The rounding of what is printed to double precision.
+- The bound that the way has of itself; see `followed`.
+- Twice the largest disagreement so far with the witness. If the witness were exact, the disagreement would be the error. If
+  both are equally good, with independent errors, the error is 0.7 of the disagreement on the average; that it happens to be
+  small at one instant does not matter for the largest so far. The witness is noisier than the way, so that twice is cautious.
+
+Where energy is conserved, it must not drift by more than the bound allows; else all bounds grow by the ratio.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bodycheck.reference.bounds import EPS, STATES, Bounds
+from bodycheck.reference.errors import within_range
+from bodycheck.reference.mechanisms import kinematics, observables
+from bodycheck.reference.mechanisms.coordinates import JointMotion
+from bodycheck.reference.mechanisms.followed import Followed, followed, witness_of
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.ways import Way, apart, bounds_of, sizes
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import Computed, Truth
+
+#: By how much a disagreement with a witness may be smaller than the error: see the text of the module.
+DISAGREEMENT = 2.0
+
+#: Roundings of attitudes and angles, and of the joints' angles that follow from printed attitudes.
+PRINTED_ROUNDINGS = 4.0
+
+#: Roundings of an energy that is computed from states, relative to its terms.
+OBSERVED_ROUNDINGS = 32.0
+
+#: Error (rad) up to which a motion counts as known.
+KNOWN = 1e-9
+
+
+def mechanism_truth(mechanism: Mechanism, times: Array, *, vouched: bool = True) -> Truth:
+    """The truth of a mechanism at ascending times (n,) >= 0, s.
+
+    Where errors grow so much that less and less of the motion is known, the bounds grow with them: see `known_until`.
+
+    vouched: whether the motion is compared with its witness. Otherwise, and where the witness cannot follow the motion, the
+    bounds are those that the way has of itself.
+
+    Raises `NotModelled` where the reference has no model of the mechanism, and `OutOfReach` where it cannot follow the motion.
+    """
+    return computed_mechanism(mechanism, times, vouched=vouched).truth
+
+
+def known_until(truth: Truth, error: float = KNOWN) -> float | None:
+    """The last instant (s) of a truth until which all its attitudes and angles are known to an error (rad); None if none is."""
+    known = truth.bounds.error <= error
+    last = len(known) if known.all() else int(np.argmin(known))
+    return float(truth.trajectory.t[last - 1]) if last else None
+
+
+def computed_mechanism(mechanism: Mechanism, times: Array, *, vouched: bool = True) -> Computed:
+    """The truth of a mechanism with what its bounds come from; arguments and exceptions are those of `mechanism_truth`."""
+    times = np.asarray(times, dtype=float)
+    with within_range("the motion"):
+        found = followed(mechanism, times)
+        return joined(mechanism, times, found, witness_of(mechanism, times, found) if vouched else None)
+
+
+def joined(mechanism: Mechanism, times: Array, found: Followed, witness: Way | None) -> Computed:
+    """The truth of a mechanism at times (n,), s, from its way and the witness of this."""
+    own = printed(mechanism, times, found)
+    errors = own.bounds.of_states()
+    if witness is not None:
+        for name, difference in apart(mechanism, found.way.motion, witness.motion).items():
+            errors[name] = errors[name] + DISAGREEMENT * np.maximum.accumulate(difference)
+    truth = Truth(
+        mechanism,
+        own.trajectory,
+        _explained(mechanism, own, errors),
+        found.model,
+        found.reason,
+        found.backend,
+        () if witness is None else (witness.name,),
+        joints=own.joints,
+        growth=None if found.growth is None else found.growth.of_start,
+    )
+    until = known_until(truth)
+    if len(times) and until != times[-1]:
+        known = "at no instant" if until is None else f"until {until:g} s"
+        truth = replace(truth, reason=f"{truth.reason}; known to {KNOWN:g} rad {known}")
+    return Computed(truth, own.bounds, ())
+
+
+@dataclass(frozen=True, eq=False)
+class Printed:
+    """A motion in double precision, and the bounds that the way has of itself."""
+
+    trajectory: Trajectory
+    joints: JointMotion
+    bounds: Bounds
+
+
+def printed(mechanism: Mechanism, times: Array, found: Followed) -> Printed:
+    """The motion of a way at times (n,), s, rounded to double precision."""
+    motion = found.way.motion
+    states = motion.bodies.position, motion.bodies.quaternion, motion.bodies.velocity, motion.bodies.angular_velocity
+    trajectory = Trajectory(times, *(values.astype(float) for values in states))
+    largest = sizes(mechanism, motion)
+    errors = {name: found.way.errors[name] + EPS * largest[name] for name in STATES}
+    errors["error"] = errors["error"] + PRINTED_ROUNDINGS * EPS
+    joints = JointMotion(motion.position.astype(float), motion.velocity.astype(float))
+    return Printed(trajectory, joints, bounds_of(mechanism, trajectory, joints.position, errors))
+
+
+def _explained(mechanism: Mechanism, own: Printed, errors: dict[str, Array]) -> Bounds:
+    """The bounds of all figures, larger where energy drifts by more than they allow."""
+    trajectory, joints = own.trajectory, own.joints.position
+    found = bounds_of(mechanism, trajectory, joints, errors)
+    if not mechanism.conserves or not len(trajectory):
+        return found
+    seen = observables.observe(mechanism, trajectory)
+    start = observables.observe(mechanism, kinematics.initial(mechanism)).total_energy[0]
+    weights = observables.masses(mechanism)[:, None] * mechanism.gravity * np.abs(trajectory.position[..., 2])
+    terms = seen.kinetic_energy + np.abs(seen.potential_energy) + weights.sum(axis=0)
+    allowed = found.energy_error + OBSERVED_ROUNDINGS * EPS * np.maximum.accumulate(terms)
+    short = np.maximum.accumulate(np.abs(seen.total_energy - start) / np.where(allowed > 0, allowed, np.inf))
+    if not (short > 1).any():
+        return found
+    return bounds_of(mechanism, trajectory, joints, {name: values * np.maximum(short, 1.0) for name, values in errors.items()})

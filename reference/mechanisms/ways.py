@@ -1,0 +1,208 @@
+"""Ways to the motion of a mechanism, and how far two of them are apart."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.bounds import STATES, Bounds
+from bodycheck.reference.integration.rotation import WideArray
+from bodycheck.reference.kinematics import dot
+from bodycheck.reference.mechanisms import exact, observables
+from bodycheck.reference.mechanisms.coordinates import places
+from bodycheck.reference.mechanisms.mechanism import JointType, Mechanism
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.witness import DOUBLE_DIGITS, angle_between
+
+#: What the coordinates and the velocities of each type of joint are: lengths (l), angles (a), or the quaternion of an
+#: attitude (q).
+_COORDINATES: dict[JointType, str] = {
+    "revolute": "a",
+    "prismatic": "l",
+    "universal": "aa",
+    "planar": "lla",
+    "spherical": "qqqq",
+    "free": "lllqqqq",
+    "fixed": "",
+}
+_VELOCITIES: dict[JointType, str] = {**_COORDINATES, "spherical": "aaa", "free": "lllaaa"}
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """The motion of a mechanism at n instants, in a floating-point type that may be wider than double.
+
+    Attributes
+    ----------
+    position, velocity
+        (n, c) coordinates and (n, u) velocities of the joints, in the layout of `coordinates`.
+    bodies
+        The states (b, n, ...) of all bodies.
+    """
+
+    position: WideArray
+    velocity: WideArray
+    bodies: Trajectory
+
+    def part(self, rows: Any) -> "Motion":
+        """The motion at some of the instants, selected by a slice, by indices or by a mask (n,)."""
+        return Motion(self.position[rows], self.velocity[rows], self.bodies.part(rows))
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """A motion that was computed in one way.
+
+    Attributes
+    ----------
+    name
+        Name of the way, and of the software that computed it.
+    motion
+        The motion.
+    errors
+        (n,) bounds of its own errors, by the names of `bounds.STATES`; empty where they are not known.
+    digits
+        Decimal digits of the arithmetic.
+    """
+
+    name: str
+    motion: Motion
+    errors: dict[str, Array]
+    digits: int = DOUBLE_DIGITS
+
+
+#: How a mechanism is followed to times (n,), s.
+Follow = Callable[[Mechanism, Array], Motion]
+
+
+def letters(mechanism: Mechanism) -> tuple[str, str]:
+    """What the coordinates and the velocities of a mechanism's joints are, one letter each: l, a or q."""
+    types = [joint.type for joint in mechanism.joints]
+    return "".join(_COORDINATES[kind] for kind in types), "".join(_VELOCITIES[kind] for kind in types)
+
+
+def apart(mechanism: Mechanism, one: Motion, other: Motion) -> dict[str, Array]:
+    """How far two motions are apart at each instant (n,), by the names of `bounds.STATES`.
+
+    Each is the largest over all bodies and joints: angles of attitudes and joints together, places and slides, and their rates.
+    All differences are formed in the wider of the two types.
+    """
+    held, moving = letters(mechanism)
+    turned = _angles(one.bodies.quaternion, other.bodies.quaternion)
+    for joint, (slots, _) in zip(mechanism.joints, places(mechanism), strict=True):
+        if joint.type in ("spherical", "free"):
+            turned = np.maximum(turned, angle_between(one.position[:, slots][:, -4:], other.position[:, slots][:, -4:]))
+    return {
+        "error": np.maximum(turned, _differences(one.position, other.position, held, "a")),
+        "position_error": np.maximum(
+            _lengths(one.bodies.position, other.bodies.position), _differences(one.position, other.position, held, "l")
+        ),
+        "velocity_error": np.maximum(
+            _lengths(one.bodies.velocity, other.bodies.velocity), _differences(one.velocity, other.velocity, moving, "l")
+        ),
+        "angular_velocity_error": np.maximum(
+            _lengths(one.bodies.angular_velocity, other.bodies.angular_velocity),
+            _differences(one.velocity, other.velocity, moving, "a"),
+        ),
+    }
+
+
+def sizes(mechanism: Mechanism, motion: Motion) -> dict[str, Array]:
+    """The largest sizes (n,) of what `apart` compares: angles of joints, places, speeds and rates."""
+    held, moving = letters(mechanism)
+    bodies = motion.bodies
+
+    def largest(vectors: WideArray, joints: WideArray, own: str, letter: str) -> Array:
+        return np.maximum(_lengths(vectors, np.zeros_like(vectors)), _differences(joints, np.zeros_like(joints), own, letter))
+
+    return {
+        "error": _differences(motion.position, np.zeros_like(motion.position), held, "a"),
+        "position_error": largest(bodies.position, motion.position, held, "l"),
+        "velocity_error": largest(bodies.velocity, motion.velocity, moving, "l"),
+        "angular_velocity_error": largest(bodies.angular_velocity, motion.velocity, moving, "a"),
+    }
+
+
+def _angles(one: WideArray, other: WideArray) -> Array:
+    """The largest angle (n,) over bodies between attitudes (b, n, 4)."""
+    b, n, _ = one.shape
+    return np.asarray(angle_between(one.reshape(-1, 4), other.reshape(-1, 4)).reshape(b, n).max(axis=0))
+
+
+def _lengths(one: WideArray, other: WideArray) -> Array:
+    """The largest distance (n,) over bodies between vectors (b, n, 3)."""
+    difference = one - other
+    return np.asarray(np.sqrt((difference * difference).sum(axis=-1)).astype(float).max(axis=0))
+
+
+def _differences(one: WideArray, other: WideArray, own: str, letter: str) -> Array:
+    """The largest difference (n,) between those coordinates (n, c) that have a letter."""
+    columns = [place for place, each in enumerate(own) if each == letter]
+    found = np.abs(one[:, columns] - other[:, columns]).astype(float)
+    return np.asarray(found.max(axis=1, initial=0.0))
+
+
+def bounds_of(mechanism: Mechanism, motion: Trajectory, joints: Array, errors: dict[str, Array]) -> Bounds:
+    """The bounds of all figures from those of the states, which hold for errors in any direction.
+
+    Energy and angular momentum are those of `observables.observe`, whose own rounding is not in them.
+
+    Parameters
+    ----------
+    mechanism
+        The mechanism.
+    motion
+        The states (b, n, ...) of its bodies.
+    joints
+        (n, c) coordinates of its joints.
+    errors
+        (n,) bounds of the errors of the states, by the names of `bounds.STATES`.
+    """
+    known = {name: errors[name] for name in STATES}
+    masses = observables.masses(mechanism)[:, None]
+    moments = np.array([np.trace(observables.tensor(body)) / 2 for body in mechanism.bodies])[:, None]
+    speeds, spins = (np.sqrt(dot(each, each)) for each in (motion.velocity, motion.angular_velocity))
+    shift, slip, spun = errors["position_error"], errors["velocity_error"], errors["angular_velocity_error"]
+    turned = np.minimum(errors["error"], 2.0)  # a unit vector that is turned by any angle moves by at most 2
+    energy = masses * (slip * (speeds + slip) + mechanism.gravity * shift) + moments * spun * (spins + spun)
+    centre = (masses[..., None] * motion.position).sum(axis=0) / masses.sum()
+    common = (masses[..., None] * motion.velocity).sum(axis=0) / masses.sum()
+    arms, drifts = (
+        np.linalg.norm(each - mean, axis=-1) for each, mean in ((motion.position, centre), (motion.velocity, common))
+    )
+    momentum = masses * ((arms + shift) * 2 * slip + drifts * 2 * shift) + moments * (spun + spins * turned)
+    return Bounds(
+        **known,
+        energy_error=energy.sum(axis=0) + _of_joints(mechanism, joints, motion, known),
+        angular_momentum_error=momentum.sum(axis=0),
+    )
+
+
+def _of_joints(mechanism: Mechanism, position: Array, motion: Trajectory, errors: dict[str, Array]) -> Array:
+    """The error (n,), J, of the energies of armatures, springs and efforts.
+
+    A joint's rate is at most the difference of the velocities of its two bodies, and has at most twice their error.
+    """
+    found = np.zeros(len(motion))
+    rates = {
+        True: 2 * np.linalg.norm(motion.angular_velocity, axis=-1).max(axis=0),
+        False: 2 * np.linalg.norm(motion.velocity, axis=-1).max(axis=0),
+    }
+    for joint, (held, _) in zip(mechanism.joints, places(mechanism), strict=True):
+        if not (joint.armature or joint.stiffness or joint.effort):
+            continue
+        turns = joint.type == "revolute"
+        moved = 2 * errors["error" if turns else "position_error"]
+        slipped = 2 * errors["angular_velocity_error" if turns else "velocity_error"]
+        stretch = np.abs(position[:, held][:, 0] - joint.rest)
+        found += joint.armature * slipped * (rates[turns] + slipped)
+        found += (joint.stiffness * (stretch + moved) + abs(joint.effort)) * moved
+    return found
+
+
+def reach(mechanism: Mechanism) -> float:
+    """The largest length in a mechanism (m): between origins of joints, or from one to a centre of mass; 1 if all are 0."""
+    lengths = [np.linalg.norm(joint.position) for joint in mechanism.joints]
+    lengths += [np.linalg.norm(exact.nearest_inertia(body).centre) for body in mechanism.bodies]
+    return float(max(lengths, default=0.0)) or 1.0
