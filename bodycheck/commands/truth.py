@@ -52,8 +52,8 @@ def truth(
     from bodycheck.reference.certificate import Certificate
     from bodycheck.running import truths
 
-    tables.check(view, printing.STATES)
     loaded = arguments.load_case(case)
+    tables.check(view, printing.columns_of(loaded.scene))
     if not all(0 <= instant < float("inf") for instant in at):
         raise BadInput("--at: instants must be finite and at least 0 s")
     if not limit > 0:

@@ -1,11 +1,14 @@
 """Print a truth and its certificate to stdout."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from operator import itemgetter
+from typing import Any
 
 import numpy as np
 
+from bodycheck.console import mechanism_truths
 from bodycheck.console.options import View
 from bodycheck.console.output import say, tell
 from bodycheck.console.tables import Column, attribute, show
@@ -14,6 +17,7 @@ from bodycheck.figures.columns import bounds_of
 from bodycheck.figures.conservation import angular_momentum, rotational_energy, total_energy
 from bodycheck.figures.definition import Comparison
 from bodycheck.reference.certificate import Certificate
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
 
@@ -64,16 +68,26 @@ STATES = (
 )
 
 
+def columns_of(scene: AnyScene) -> Sequence[Column[Any]]:
+    """Return the columns of the table of the truth of a scene."""
+    return mechanism_truths.columns(scene) if isinstance(scene, Mechanism) else STATES
+
+
 def print_truth(truth: Truth, most_rows: int, view: View) -> None:
     """Print the states at no more than `most_rows` evenly chosen instants, the model and the methods that computed them."""
     trajectory, bounds = truth.trajectory, truth.bounds
     chosen = np.unique(np.linspace(0, len(trajectory) - 1, min(most_rows, len(trajectory))).astype(int))
-    states = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
-    columns = (trajectory.t, *states, bounds.error, bounds.position_error)
-    show(STATES, [Instant(*(values[i] for values in columns)) for i in chosen], view)
+    if isinstance(truth.scene, Mechanism):
+        mechanism_truths.print_states(truth.scene, truth, chosen.tolist(), view)
+    else:
+        states = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
+        columns = (trajectory.t, *states, bounds.error, bounds.position_error)
+        show(STATES, [Instant(*(values[i] for values in columns)) for i in chosen], view)
     left_out = f"; {len(chosen)} of {len(trajectory)} instants, --json prints all" if len(chosen) < len(trajectory) else ""
     say(_other_bounds(truth))
     tell(f"model {truth.model} ({truth.reason}), backend {truth.backend}{left_out}")
+    if isinstance(truth.scene, Mechanism):
+        mechanism_truths.print_growth(truth)
     if truth.witnesses:
         tell(f"compared with {'; '.join(truth.witnesses)}")
     if any("dop853" in witness for witness in truth.witnesses) and find_spec("heyoka") is None:
@@ -116,6 +130,9 @@ def print_certificate(certificate: Certificate) -> None:
     if certificate.growth is not None:
         tell(f"an error at one instant grows up to {certificate.growth.max():.2g}-fold until a later one")
     compared = Comparison(truth, truth.trajectory)
+    if isinstance(truth.scene, Mechanism):
+        tell(f"drift of the energy of the truth itself, relative: {total_energy(compared).max():.1e}")
+        return
     energy, rotational, momentum = (
         f"{compute(compared).max():.1e}" for compute in (total_energy, rotational_energy, angular_momentum)
     )

@@ -69,12 +69,14 @@ TRUTH_SCHEMA = pa.schema(
     ]
 )
 
-#: The columns of trajectories: one row for each instant. `kept` says why it is kept: it failed, is the worst, or is a sample.
+#: The columns of trajectories: one row for each instant, and each body of a mechanism, whose name is `body`. `kept` says why it
+#: is kept: it failed, is the worst, or is a sample.
 TRAJECTORY_SCHEMA = pa.schema(
     [
         *((name, _TEXT) for name in ("case", "engine", "integrator")),
         *(("timestep", _NUMBER), ("member", _COUNT), ("kept", _TEXT), ("t", _NUMBER)),
         *((name, _NUMBER) for name in STATE_COLUMNS),
+        ("body", _TEXT),
     ]
 )
 

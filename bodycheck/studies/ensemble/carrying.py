@@ -15,6 +15,7 @@ import numpy as np
 
 from bodycheck.adapters.method import Method
 from bodycheck.errors import BadInput, Failed
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.running import chunk_files, crews, engines, versions
 from bodycheck.running.chunk_files import (
@@ -215,13 +216,17 @@ def _table(
 def _trajectories(chunk: Chunk, made: _Made) -> Any:
     """Return the table of the trajectories that are kept, in the order of members and methods."""
     parts: dict[str, list[Any]] = {field.name: [] for field in TRAJECTORY_SCHEMA}
+    case = case_of(chunk.work.case)
+    names = [body.name for body in case.scene.bodies] if isinstance(case.scene, Mechanism) else [""]
     for place, member in sorted(made.kept, key=lambda key: (key[1], key[0])):
         motion, method = made.kept[place, member], chunk.share.methods[place]
-        states = np.hstack([motion.position, motion.quaternion, motion.velocity, motion.angular_velocity])
-        told: dict[str, Any] = {"case": case_of(chunk.work.case).name, "engine": chunk.share.engine, "integrator": method.name}
+        told: dict[str, Any] = {"case": case.name, "engine": chunk.share.engine, "integrator": method.name}
         told |= {"timestep": method.timestep, "member": member, "kept": ""}
-        for name, value in told.items():
-            parts[name] += [value] * len(motion)
-        for name, values in {"t": motion.t, **dict(zip(STATE_COLUMNS, states.T, strict=True))}.items():
-            parts[name] += values.tolist()
+        for body, name in enumerate(names):
+            own = motion.body(body) if isinstance(case.scene, Mechanism) else motion
+            states = np.hstack([own.position, own.quaternion, own.velocity, own.angular_velocity])
+            for column, value in {**told, "body": name}.items():
+                parts[column] += [value] * len(own)
+            for column, values in {"t": own.t, **dict(zip(STATE_COLUMNS, states.T, strict=True))}.items():
+                parts[column] += values.tolist()
     return chunk_files.table(parts, TRAJECTORY_SCHEMA)

@@ -1,0 +1,127 @@
+"""Print the truth of a mechanism to stdout: the motion of its joints and of its free bodies."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.console.options import View
+from bodycheck.console.output import tell
+from bodycheck.console.tables import Column, attribute, show
+from bodycheck.figures.bounds import rounded_up
+from bodycheck.reference.mechanisms.coordinates import by_name
+from bodycheck.reference.mechanisms.mechanism import JointType, Mechanism
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truth import Truth
+
+#: The units of the coordinates and of the velocities of each type of joint that has any, for the heads of columns.
+UNITS: dict[JointType, tuple[str, str]] = {
+    "revolute": ("rad", "rad/s"),
+    "prismatic": ("m", "m/s"),
+    "universal": ("rad", "rad/s"),
+    "planar": ("m m rad", "m/s m/s rad/s"),
+    "spherical": ("w x y z", "rad/s"),
+    "free": ("m, w x y z", "m/s, rad/s"),
+}
+
+#: Error (rad) up to which a motion counts as known.
+KNOWN = 1e-9
+
+#: Most joints and free bodies that have columns; all of them are in the JSON.
+MOST_TOLD = 12
+
+#: How early the columns of velocities go where the terminal is narrow, and those of coordinates after the first.
+VELOCITIES_GO, COORDINATES_GO = 100, 10
+
+
+@dataclass(frozen=True)
+class Instant:
+    """The coordinates of a mechanism at one instant (s), by the names of columns, with the bounds of the truth's errors."""
+
+    t: float
+    values: dict[str, Array]
+    truth_error: float
+    truth_position_error: float
+
+
+def columns(mechanism: Mechanism) -> tuple[Column[Instant], ...]:
+    """Return the columns of the table of the truth of a mechanism.
+
+    These are the coordinates and velocities of its joints, and the positions, attitudes and velocities of its free bodies.
+    """
+    told: list[tuple[str, str, int]] = []
+    for joint in mechanism.joints:
+        if joint.type in UNITS:
+            own, rate = UNITS[joint.type]
+            told += [(joint.name, f"{joint.name} {own}", 0), (_rate(joint.name), f"{joint.name} {rate}", 1)]
+    for body in _free(mechanism):
+        told += [(body, f"{body} m", 0), (f"{body}.quaternion", f"{body} w x y z", 0), (_rate(body), f"{body} m/s", 1)]
+    vectors = (_vector(name, head, place, bool(moves)) for place, (name, head, moves) in enumerate(told[: 2 * MOST_TOLD]))
+    return (
+        attribute("t", "t s", "g"),
+        *vectors,
+        _bound("truth_error", "error rad"),
+        _bound("truth_position_error", "error m"),
+    )
+
+
+def print_states(mechanism: Mechanism, truth: Truth, chosen: Sequence[int], view: View) -> None:
+    """Print the motion of a mechanism at some instants, given by their places."""
+    trajectory, bounds = truth.trajectory, truth.bounds
+    assert truth.joints is not None  # a mechanism has them
+    values: dict[str, Array] = {}
+    for name, own in by_name(mechanism, truth.joints).items():
+        values |= {name: own["position"], _rate(name): own["velocity"]}
+    for place, body in enumerate(mechanism.bodies):
+        if body.start is not None:
+            states = trajectory.body(place)
+            values |= {body.name: states.position, f"{body.name}.quaternion": states.quaternion}
+            values |= {_rate(body.name): states.velocity}
+    rows = [
+        Instant(
+            float(trajectory.t[i]),
+            {name: np.atleast_1d(own[i]) for name, own in values.items()},
+            float(bounds.error[i]),
+            float(bounds.position_error[i]),
+        )
+        for i in chosen
+    ]
+    show(columns(mechanism), rows, view)
+
+
+def print_growth(truth: Truth) -> None:
+    """Print by how much an error grows, and until when the motion is known."""
+    if truth.growth is not None:
+        tell(f"an error at the start has grown up to {truth.growth.max():.2g}-fold by t = {truth.trajectory.t[-1]:g} s")
+    known = truth.bounds.error <= KNOWN
+    if known.all():
+        tell(f"all angles and attitudes are known within {KNOWN:g} rad")
+    else:
+        first = int(np.argmin(known))
+        tell(f"known within {KNOWN:g} rad {f'until t = {truth.trajectory.t[first - 1]:g} s' if first else 'at no instant'}")
+
+
+def _free(mechanism: Mechanism) -> list[str]:
+    return [body.name for body in mechanism.bodies if body.start is not None]
+
+
+def _rate(name: str) -> str:
+    return f"{name}.velocity"
+
+
+def _vector(name: str, head: str, place: int, moves: bool) -> Column[Instant]:
+    """Return the column of a joint or a body; rows are sorted by the first of its numbers."""
+
+    def text(instant: Instant) -> str:
+        return " ".join(f"{value:.9g}" for value in instant.values[name])
+
+    goes = (VELOCITIES_GO if moves else COORDINATES_GO) + place if place else 0
+    return Column(name, head, text, lambda instant: float(instant.values[name][0]), goes)
+
+
+def _bound(name: str, head: str) -> Column[Instant]:
+    def value(instant: Instant) -> float:
+        found: float = getattr(instant, name)
+        return found
+
+    return Column(name, head, lambda instant: f"{rounded_up(value(instant), 2):.2g}", value)
