@@ -1,10 +1,10 @@
 """The contract between bodycheck and the adapter of an engine: a module, or any object, with the attributes of `Adapter`.
 
-An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Six protocols are optional:
+An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Seven protocols are optional:
 `Mechanisms` for an adapter that can build bodies on joints, `Models` for one that can model a scene in several ways, `Contact`
-for one that knows the friction law and the load of its contacts, `Scripts` for one that can write a run as a script for the
-engine alone, `Calls` for one that names the functions of its engine which its steps call, and `Links` for one that can give its
-engine a body as links welded together.
+for one that knows the friction law and the load of its contacts, `Scripts` and `MechanismScripts` for one that can write a run
+as a script for the engine alone, `Calls` for one that names the functions of its engine which its steps call, and `Links` for
+one that can give its engine a body as links welded together.
 `bodycheck.adapters.offers` handles for all adapters misspelled methods, scenes that an engine cannot model, and several scenes
 for an engine that steps one scene at a time.
 
@@ -267,6 +267,19 @@ class Scripts(Protocol):
         ------
         SceneUnsupported
             If the engine cannot model the scene, or there is no such script of the method.
+        """
+        ...
+
+
+@runtime_checkable
+class MechanismScripts(Protocol):
+    """An adapter that can write what a run of a mechanism does as a script for its engine alone."""
+
+    def mechanism_script(self, mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
+        """Return a Python script of a run of a mechanism, as `Scripts.script` does for one of a scene.
+
+        Its rows have the name of a body after the time: the bodies in their order at each instant. The columns are
+        `bodycheck.adapters.scripts.MECHANISM_COLUMNS`.
         """
         ...
 

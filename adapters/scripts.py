@@ -7,6 +7,9 @@ from typing import Any
 #: The names of the columns that a script prints: time (s), then the columns of `Simulation.advance`.
 COLUMNS = "t,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz"
 
+#: Those of the script of a mechanism, which has a row for each body.
+MECHANISM_COLUMNS = COLUMNS.replace("t,", "t,body,", 1)
+
 #: The sampling of a script, and its loop. A sample is taken at the end of the step that is nearest to each instant.
 SAMPLING = """\
 TIMESTEP = {timestep!r}  # s
@@ -22,6 +25,18 @@ for step in STEPS.tolist():
 {advance}
     done = step
     print(step * TIMESTEP, *{state}, sep=",")
+"""
+
+MECHANISM_LOOP = """\
+# Time (s), body, position of its centre of mass (m, world), quaternion (w x y z, body to world), velocity (m/s, world), angular
+# velocity (rad/s, body).
+print({columns!r})
+done = 0
+for step in STEPS.tolist():
+{advance}
+    done = step
+    for name, row in zip(BODIES, {states}.tolist()):
+        print(step * TIMESTEP, name, *row, sep=",")
 """
 
 
@@ -41,6 +56,14 @@ def loop(advance: str, state: str) -> str:
         An expression for the list of the 13 numbers of the present state.
     """
     return LOOP.format(columns=COLUMNS, advance=indented(advance), state=state)
+
+
+def mechanism_loop(advance: str, states: str) -> str:
+    """Return the loop over the samples of a mechanism, whose names of bodies are the list BODIES.
+
+    advance: as in `loop`. states: an expression for the array (bodies, 13) of the present states.
+    """
+    return MECHANISM_LOOP.format(columns=MECHANISM_COLUMNS, advance=indented(advance), states=states)
 
 
 def indented(lines: str) -> str:

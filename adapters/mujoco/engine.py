@@ -114,7 +114,7 @@ engine = Engine(
 
 calls = CALLS
 
-prepare_mechanism = mechanisms.prepare_mechanism
+prepare_mechanism, mechanism_script = mechanisms.prepare_mechanism, mechanisms.mechanism_script
 
 
 def models(scene: Scene, integrator: str) -> dict[str, Model]:

@@ -9,11 +9,12 @@ The velocity of a ball joint is the angular velocity in the child's frame. That 
 the child's frame, in the world frame, and the angular velocity in the child's frame.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import mujoco
 import numpy as np
 
+from bodycheck.adapters import scripts
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.mechanisms import frames, starts
 from bodycheck.adapters.mujoco.compiling import compiled_model
@@ -32,13 +33,58 @@ MODELS = frozenset(
     }
 )
 
+SCRIPT = '''\
+{future}
+import mujoco
+import numpy as np
+
+{sampling}
+BODIES = {bodies}
+XML = """
+{xml}
+"""
+
+model = mujoco.MjModel.from_xml_string(XML)
+data = mujoco.MjData(model)
+data.qpos[:] = {qpos}
+data.qvel[:] = {qvel}
+data.qfrc_applied[:] = {applied}
+
+
+{source}
+
+states = states_of(model, BODIES)
+{loop}'''
+
 
 def prepare_mechanism(mechanism: Mechanism, method: Method) -> Stepper:
     """Return the simulation of a mechanism at t = 0, as `Mechanisms.prepare_mechanism` does. Raises `SceneUnsupported`."""
     model = compiled_model(document(mechanism, method.timestep, method.integrator, dict(method.options)))
     data = mujoco.MjData(model)
     begin(model, data, mechanism)
-    return Stepper(model, data, states_of(model, mechanism))
+    return Stepper(model, data, states_of(model, [body.name for body in mechanism.bodies]))
+
+
+def mechanism_script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
+    """Return a script for MuJoCo alone, as `MechanismScripts.mechanism_script` does. Raises `SceneUnsupported`."""
+    xml = document(mechanism, method.timestep, method.integrator, dict(method.options))
+    model = compiled_model(xml)
+    data = mujoco.MjData(model)
+    begin(model, data, mechanism)
+    return SCRIPT.format(
+        future=scripts.FUTURE,
+        sampling=scripts.sampling(method.timestep, duration, samples),
+        bodies=[body.name for body in mechanism.bodies],
+        xml=xml,
+        qpos=scripts.written(data.qpos),
+        qvel=scripts.written(data.qvel),
+        applied=scripts.written(data.qfrc_applied),
+        source=scripts.source(conjugate, rotate, states_of),
+        loop=scripts.mechanism_loop(
+            "if step > done:\n    mujoco.mj_step(model, data, step - done)",
+            "states(np.concatenate([data.qpos, data.qvel])[None])[0]",
+        ),
+    )
 
 
 def begin(model: mujoco.MjModel, data: mujoco.MjData, mechanism: Mechanism) -> None:
@@ -60,9 +106,9 @@ def begin(model: mujoco.MjModel, data: mujoco.MjData, mechanism: Mechanism) -> N
             data.qfrc_applied[by] = joint.effort
 
 
-def states_of(model: mujoco.MjModel, mechanism: Mechanism) -> Callable[[Array], Array]:
-    """Return the function from n states (n, nq + nv) of a model to those of the bodies (n, bodies, 13) of its mechanism."""
-    data, bodies = mujoco.MjData(model), [model.body(body.name).id for body in mechanism.bodies]
+def states_of(model: mujoco.MjModel, names: Sequence[str]) -> Callable[[Array], Array]:
+    """Return the function from n states (n, nq + nv) of a model to those of bodies (n, bodies, 13), which are given by name."""
+    data, bodies = mujoco.MjData(model), [model.body(name).id for name in names]
     roots = model.body_rootid[bodies]
 
     def states(seen: Array) -> Array:

@@ -20,6 +20,7 @@ from bodycheck.adapters import flat_contact
 from bodycheck.adapters.contract import Engine, Integrator, Link, Method, Model, SceneUnsupported, Simulation, choice
 from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting, flights, mechanisms
+from bodycheck.adapters.pinocchio import mechanism_script as mechanism_scripts
 from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
@@ -102,7 +103,7 @@ calls = tuple(
     if hasattr(pin, name)
 )
 
-prepare_mechanism = mechanisms.prepare_mechanism
+prepare_mechanism, mechanism_script = mechanisms.prepare_mechanism, mechanism_scripts.mechanism_script
 
 
 def check_supported(scene: Scene, method: Method) -> None:

@@ -32,6 +32,12 @@ from bodycheck.reference.mechanisms.order import depth_first
 from bodycheck.reference.scene import Quaternion, State, Vector
 from bodycheck.reference.trajectory import Array
 
+#: A joint of Pinocchio: the name of its class after `JointModel`, and the numbers that it is made from.
+Kind = tuple[str, tuple[float, ...]]
+
+#: Whether the installed release has a universal joint.
+HAS_UNIVERSAL = hasattr(pin, "JointModelUniversal")
+
 #: The joints along the axes of a frame, by the axis.
 ALIGNED = {
     "revolute": {(1.0, 0.0, 0.0): "RX", (0.0, 1.0, 0.0): "RY", (0.0, 0.0, 1.0): "RZ"},
@@ -63,6 +69,8 @@ class Built:
         For each body, the index of the joint that it hangs on, and its frame in that of the joint.
     first
         For each joint of the mechanism, the first of its places in q and that in v.
+    kinds
+        The joints of the model, without the one that does not move.
     """
 
     model: pin.Model
@@ -70,13 +78,14 @@ class Built:
     v: Array
     places: tuple[tuple[int, pin.SE3], ...]
     first: tuple[tuple[int, int], ...]
+    kinds: tuple[Kind, ...]
 
 
 def built(mechanism: Mechanism, body_twist: bool) -> Built:
     """Return a mechanism on the joints of a scheme. Raises `SceneUnsupported` for armature in a release without it."""
     model = world(mechanism.gravity)
     places = {WORLD: (UNIVERSE, pin.SE3.Identity())}
-    q, v = list[float](), list[float]()
+    q, v, kinds = list[float](), list[float](), list[Kind]()
     held, origins, first = starts(mechanism), frames(mechanism), dict[Joint, tuple[int, int]]()
     for place in depth_first(mechanism):
         body, joint = mechanism.bodies[place], mechanism.joint_of[place]
@@ -85,8 +94,9 @@ def built(mechanism: Mechanism, body_twist: bool) -> Built:
             frame = frame * placement(joint.position, exact.nearest_turn(joint.attitude))
             first[joint] = len(q), len(v)
         for kind in joints_of(joint, body_twist):
-            parent = model.addJoint(parent, kind, frame, f"{body.name} {model.njoints}")
-            frame = pin.SE3.Identity()
+            made = getattr(pin, f"JointModel{kind[0]}")(*kind[1])
+            parent, frame = model.addJoint(parent, made, frame, f"{body.name} {model.njoints}"), pin.SE3.Identity()
+            kinds.append(kind)
         if joint is None:
             position, velocity = free_start(origins[place], body_twist)
         else:
@@ -97,7 +107,7 @@ def built(mechanism: Mechanism, body_twist: bool) -> Built:
         places[place] = parent, frame
     add_armature(model, [(first[joint][1], joint.armature) for joint in mechanism.joints if joint.armature])
     own = tuple(places[place] for place in range(len(mechanism.bodies)))
-    return Built(model, np.array(q), np.array(v), own, tuple(first[joint] for joint in mechanism.joints))
+    return Built(model, np.array(q), np.array(v), own, tuple(first[joint] for joint in mechanism.joints), tuple(kinds))
 
 
 def add_armature(model: pin.Model, given: Sequence[tuple[int, float]]) -> None:
@@ -112,21 +122,18 @@ def add_armature(model: pin.Model, given: Sequence[tuple[int, float]]) -> None:
     model.armature = armature
 
 
-def joints_of(joint: Joint | None, body_twist: bool) -> list[pin.JointModel]:
+def joints_of(joint: Joint | None, body_twist: bool) -> list[Kind]:
     """Return Pinocchio's joints of a joint; None stands for that of a free body."""
     if joint is not None and joint.type in ALIGNED:
         axis = exact.nearest_axis(joint)
-        aligned = ALIGNED[joint.type].get(axis)
-        general = pin.JointModelRevoluteUnaligned if joint.type == "revolute" else pin.JointModelPrismaticUnaligned
-        return [general(*axis) if aligned is None else getattr(pin, f"JointModel{aligned}")()]
+        if (aligned := ALIGNED[joint.type].get(axis)) is not None:
+            return [(aligned, ())]
+        return [("RevoluteUnaligned" if joint.type == "revolute" else "PrismaticUnaligned", axis)]
     if joint is not None and joint.type == "universal":
-        universal = getattr(pin, "JointModelUniversal", None)
-        if universal is not None:
-            return [universal(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0]))]
-        return [pin.JointModelRX(), pin.JointModelRY()]
+        return [("Universal", (1.0, 0.0, 0.0, 0.0, 1.0, 0.0))] if HAS_UNIVERSAL else [("RX", ()), ("RY", ())]
     if joint is not None and joint.type == "fixed":
         return []
-    return [getattr(pin, f"JointModel{name}")() for name in KINDS["free" if joint is None else joint.type, body_twist]]
+    return [(name, ()) for name in KINDS["free" if joint is None else joint.type, body_twist]]
 
 
 def placement(position: Vector, quaternion: Quaternion) -> pin.SE3:

@@ -10,11 +10,11 @@ velocity. At rest such a friction is zero and changes its sign in each step, so 
 trembles, and creeps where another force loads it.
 """
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from bodycheck.adapters.contract import Method, Option, Range, SceneUnsupported
 from bodycheck.adapters.pinocchio.joints import UNIVERSE
@@ -47,20 +47,27 @@ OPTIONS = {
 
 #: Accuracy, regularisation and most iterations of `constraintDynamics`, as in Pinocchio's examples of closed chains. The
 #: regularisation allows for constraints that say the same twice, and the iterations remove its effect.
-ACCURACY, REGULARISATION, ITERATIONS = 1e-14, 1e-10, 20
+ACCURACY = (1e-14, 1e-10, 20)
+
+#: Places of numbers in an array.
+Indices = NDArray[np.int64]
+
+#: The ends of a loop: a joint and the point (3,) in its frame (m), twice.
+Ends = tuple[int, Array, int, Array]
 
 
 def prepare_mechanism(mechanism: Mechanism, method: Method) -> Loop[tuple[Array, Array]]:
     """Return the simulation of a mechanism at t = 0, as `Mechanisms.prepare_mechanism` does. Raises `SceneUnsupported`."""
     scheme, body_twist = SCHEMES[method.integrator]
-    if method.option("baumgarte") and not mechanism.loops:
-        raise SceneUnsupported(f"the option baumgarte={method.option('baumgarte')} for a mechanism without loops")
+    check(mechanism, method)
     made = built(mechanism, body_twist)
     model, nq = made.model, made.model.nq
-    forces = joint_forces(mechanism, made)
-    acceleration = constrained(mechanism, made, forces, method) if mechanism.loops else unconstrained(made, forces)
-    step = np.full(model.nv, method.timestep)
-    rows = states_of(mechanism, made)
+    forces = forces_of(*joint_numbers(mechanism, made))
+    if mechanism.loops:
+        acceleration = constrained(model, forces, ends_of(mechanism, made), gains_of(method), ACCURACY)
+    else:
+        acceleration = unconstrained(model, forces)
+    step, rows = np.full(model.nv, method.timestep), states_of(model, made.places, centres_of(mechanism))
     return Loop(
         (made.q, made.v),
         lambda state: scheme(model, acceleration, *state, step),
@@ -69,14 +76,29 @@ def prepare_mechanism(mechanism: Mechanism, method: Method) -> Loop[tuple[Array,
     )
 
 
-def joint_forces(mechanism: Mechanism, made: Built) -> Callable[[Array, Array], Array]:
-    """Return the forces (nv,) of damping, springs, dry friction and constant efforts as a function of q and v."""
+def check(mechanism: Mechanism, method: Method) -> None:
+    """Raise `SceneUnsupported` for gains without loops, and for loops in a release without constraints between two bodies."""
+    if method.option("baumgarte") and not mechanism.loops:
+        raise SceneUnsupported(f"the option baumgarte={method.option('baumgarte')} for a mechanism without loops")
+    if mechanism.loops and not hasattr(pin, "RigidConstraintModel"):
+        raise SceneUnsupported(f"loops: Pinocchio {pin.__version__} has no constraints between two bodies")
+
+
+def joint_numbers(mechanism: Mechanism, made: Built) -> tuple[Array, Array, Array, Array, Array, Indices]:
+    """Return efforts, dampings, stiffnesses, rests and frictions (nv,) of joints, and the places in q of their coordinates."""
     effort, damping, stiffness, rest, friction = (np.zeros(made.model.nv) for _ in range(5))
     position = np.zeros(made.model.nv, dtype=np.int64)
     for joint, (in_q, in_v) in zip(mechanism.joints, made.first, strict=True):
         own = slice(in_v, in_v + VELOCITIES[joint.type])
         damping[own], friction[own], effort[own] = joint.damping, joint.friction, joint.effort
         stiffness[own], rest[own], position[own] = joint.stiffness, joint.rest, in_q
+    return effort, damping, stiffness, rest, friction, position
+
+
+def forces_of(
+    effort: Array, damping: Array, stiffness: Array, rest: Array, friction: Array, position: Indices
+) -> Callable[[Array, Array], Array]:
+    """Return the forces (nv,) on joints as a function of q and v, from the numbers of `joint_numbers`."""
     if not (damping.any() or stiffness.any() or friction.any()):
         return lambda q, v: effort
     rubbing = bool(friction.any())
@@ -88,57 +110,74 @@ def joint_forces(mechanism: Mechanism, made: Built) -> Callable[[Array, Array], 
     return forces
 
 
-def unconstrained(made: Built, forces: Callable[[Array, Array], Array]) -> Acceleration:
+def unconstrained(model: pin.Model, forces: Callable[[Array, Array], Array]) -> Acceleration:
     """Return the accelerations of a mechanism without loops by the articulated-body algorithm."""
-    model, data = made.model, made.model.createData()
+    data = model.createData()
     return lambda q, v: pin.aba(model, data, q, v, forces(q, v))
 
 
-def constrained(mechanism: Mechanism, made: Built, forces: Callable[[Array, Array], Array], method: Method) -> Acceleration:
-    """Return the accelerations of a mechanism with loops. Raises `SceneUnsupported` in a release without such dynamics."""
-    if not hasattr(pin, "RigidConstraintModel"):
-        raise SceneUnsupported(f"loops: Pinocchio {pin.__version__} has no constraints between two bodies")
-    model, data = made.model, made.model.createData()
-    constraints, datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+def ends_of(mechanism: Mechanism, made: Built) -> tuple[Ends, ...]:
+    """Return the two ends of each loop."""
     places = {WORLD: (UNIVERSE, pin.SE3.Identity()), **dict(enumerate(made.places))}
+    found = []
     for loop in mechanism.loops:
-        ends = list[object]()
-        for body, point in zip(loop.bodies, loop.points, strict=True):
-            joint, frame = places[body]
-            ends += [joint, pin.SE3(np.eye(3), frame.act(np.array(point)))]
-        one = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, *ends, pin.ReferenceFrame.LOCAL)
-        if given := method.option("baumgarte"):
-            set_correction(one, *map(float, given.split()))
-        constraints.append(one)
-        datas.append(one.createData())
+        (one, first), (other, second) = (places[body] for body in loop.bodies)
+        points = (frame.act(np.array(point)) for frame, point in zip((first, second), loop.points, strict=True))
+        found.append((one, next(points), other, next(points)))
+    return tuple(found)
+
+
+def gains_of(method: Method) -> tuple[float, float] | None:
+    """Return the gains of the correction of loops, 1/s^2 and 1/s; None without one."""
+    if (given := method.option("baumgarte")) is None:
+        return None
+    stiffness, damping = map(float, given.split())
+    return stiffness, damping
+
+
+def constrained(
+    model: pin.Model,
+    forces: Callable[[Array, Array], Array],
+    ends: Sequence[Ends],
+    gains: tuple[float, float] | None,
+    accuracy: tuple[float, float, int],
+) -> Acceleration:
+    """Return the accelerations of a mechanism with loops, whose ends are given."""
+    data, constraints, datas = model.createData(), pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+    for one, point, other, second in ends:
+        pair = one, pin.SE3(np.eye(3), point), other, pin.SE3(np.eye(3), second)
+        constraint = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, *pair, pin.ReferenceFrame.LOCAL)
+        if gains is not None and hasattr(constraint, "setBaumgarteCorrectorParameters"):
+            constraint.setBaumgarteCorrectorParameters(pin.BaumgarteCorrectorParameters(*gains))
+        elif gains is not None:  # before Pinocchio 4 each axis had gains of its own
+            constraint.corrector.Kp[:], constraint.corrector.Kd[:] = gains
+        constraints.append(constraint)
+        datas.append(constraint.createData())
     try:
         pin.initConstraintDynamics(model, data, constraints, datas)
     except TypeError:  # before Pinocchio 4 it did not take the data of the constraints
         pin.initConstraintDynamics(model, data, constraints)
-    settings = pin.ProximalSettings(ACCURACY, REGULARISATION, ITERATIONS)
+    settings = pin.ProximalSettings(*accuracy)
     return lambda q, v: pin.constraintDynamics(model, data, q, v, forces(q, v), constraints, datas, settings).copy()
 
 
-def set_correction(constraint: Any, stiffness: float, damping: float) -> None:
-    """Set the gains of the correction of a constraint: the stiffness (1/s^2) and the damping (1/s)."""
-    if hasattr(pin, "BaumgarteCorrectorParameters") and hasattr(constraint, "setBaumgarteCorrectorParameters"):
-        constraint.setBaumgarteCorrectorParameters(pin.BaumgarteCorrectorParameters(stiffness, damping))
-        return
-    # Before Pinocchio 4 each axis had gains of its own.
-    constraint.corrector.Kp[:] = stiffness
-    constraint.corrector.Kd[:] = damping
+def centres_of(mechanism: Mechanism) -> Array:
+    """Return the centres of mass (bodies, 3), each in the frame of its body (m)."""
+    return np.array([exact.nearest_inertia(body).centre for body in mechanism.bodies])
 
 
-def states_of(mechanism: Mechanism, made: Built) -> Callable[[Array, Array], Array]:
-    """Return the function from q (n, nq) and v (n, nv) at n instants to the states (n, bodies, 13) of the bodies."""
-    model, data = made.model, made.model.createData()
-    centres = np.array([exact.nearest_inertia(body).centre for body in mechanism.bodies])
+def states_of(model: pin.Model, places: Sequence[tuple[int, pin.SE3]], centres: Array) -> Callable[[Array, Array], Array]:
+    """Return the function from q (n, nq) and v (n, nv) at n instants to the states (n, bodies, 13) of bodies.
+
+    places: the joint of each body, and the body's frame in that of the joint. centres: (bodies, 3) in the bodies' frames (m).
+    """
+    data = model.createData()
 
     def rows(q: Array, v: Array) -> Array:
         poses, twists = np.empty((len(q), len(centres), 7)), np.empty((len(q), len(centres), 6))
         for row in range(len(q)):
             pin.forwardKinematics(model, data, q[row], v[row])
-            for body, (joint, frame) in enumerate(made.places):
+            for body, (joint, frame) in enumerate(places):
                 poses[row, body] = pin.SE3ToXYZQUAT(data.oMi[joint] * frame)
                 twists[row, body] = frame.actInv(data.v[joint]).vector
         attitude, spin = poses[..., [6, 3, 4, 5]], twists[..., 3:]

@@ -1,0 +1,132 @@
+"""Write what a run of a mechanism does as a script for Pinocchio alone."""
+
+import pinocchio as pin
+
+from bodycheck.adapters import scripts
+from bodycheck.adapters.contract import Method
+from bodycheck.adapters.pinocchio import mechanisms
+from bodycheck.adapters.pinocchio.mechanism_model import Built, built
+from bodycheck.adapters.pinocchio.schemes import SCHEMES, rk4, transport
+from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.trajectory import Array
+
+SCRIPT = """\
+{future}
+import numpy as np
+import pinocchio as pin
+
+{sampling}
+BODIES = {bodies}
+
+
+def place(turn, origin):
+    return pin.SE3(np.array(turn).reshape(3, 3), np.array(origin))
+
+
+model = pin.Model()
+model.gravity.linear[:] = 0.0, 0.0, {gravity!r}
+{joints}
+{armature}
+q = np.array({q})
+v = np.array({v})
+# The joint of each body, and the body's frame in that of the joint; the centres of mass in the bodies' frames.
+PLACES = [
+{places}
+]
+CENTRES = np.array({centres})
+# Efforts, dampings, stiffnesses, rests and dry frictions of the velocities, and the places in q of their coordinates.
+FORCES = [
+{forces}
+]
+
+
+{source}
+
+forces = forces_of(*FORCES)
+{acceleration}
+states = states_of(model, PLACES, CENTRES)
+step_length = np.full(model.nv, TIMESTEP)
+{loop}"""
+
+JOINT = """\
+model.addJoint({parent}, pin.JointModel{kind}({numbers}), {frame}, {name!r})
+model.inertias[{place}] = pin.Inertia({mass!r}, np.array({lever}), np.array({tensor}).reshape(3, 3))"""
+
+
+def mechanism_script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
+    """Return a script for Pinocchio alone, as `MechanismScripts.mechanism_script` does. Raises `SceneUnsupported`."""
+    mechanisms.check(mechanism, method)
+    scheme, body_twist = SCHEMES[method.integrator]
+    made = built(mechanism, body_twist)
+    dynamics = mechanisms.constrained if mechanism.loops else mechanisms.unconstrained
+    needed = [transport, scheme] if scheme is rk4 else [scheme]
+    return SCRIPT.format(
+        future=scripts.FUTURE,
+        sampling=scripts.sampling(method.timestep, duration, samples),
+        bodies=[body.name for body in mechanism.bodies],
+        gravity=-mechanism.gravity,
+        joints=joint_lines(made),
+        armature=armature_line(mechanism, made),
+        q=scripts.written(made.q),
+        v=scripts.written(made.v),
+        places="\n".join(f"    ({joint}, {placed(frame)})," for joint, frame in made.places),
+        centres=mechanisms.centres_of(mechanism).tolist(),
+        forces="\n".join(f"    {array(numbers)}," for numbers in mechanisms.joint_numbers(mechanism, made)),
+        source=scripts.source(rotate, mechanisms.forces_of, dynamics, mechanisms.states_of, *needed),
+        acceleration=acceleration_line(mechanism, made, method),
+        loop=scripts.mechanism_loop(
+            f"for _ in range(step - done):\n    q, v = {scheme.__name__}(model, acceleration, q, v, step_length)",
+            "states(q[None], v[None])[0]",
+        ),
+    )
+
+
+def joint_lines(made: Built) -> str:
+    """Return the lines that add the joints of a model, with the inertia of what hangs on each."""
+    model, lines = made.model, []
+    for place, (kind, numbers) in enumerate(made.kinds, start=1):
+        inertia = model.inertias[place]
+        lines.append(
+            JOINT.format(
+                parent=model.parents[place],
+                kind=kind,
+                numbers=", ".join(map(repr, numbers)),
+                frame=placed(model.jointPlacements[place]),
+                name=model.names[place],
+                place=place,
+                mass=float(inertia.mass),
+                lever=scripts.written(inertia.lever),
+                tensor=scripts.written(inertia.inertia.ravel()),
+            )
+        )
+    return "\n".join(lines)
+
+
+def armature_line(mechanism: Mechanism, made: Built) -> str:
+    """Return the line that sets the armature, empty without one."""
+    if not any(joint.armature for joint in mechanism.joints):
+        return ""
+    return f"model.armature = np.array({scripts.written(made.model.armature)})"
+
+
+def acceleration_line(mechanism: Mechanism, made: Built, method: Method) -> str:
+    """Return the line that defines the accelerations."""
+    if not mechanism.loops:
+        return "acceleration = unconstrained(model, forces)"
+    ends = ", ".join(
+        f"({one}, {array(point)}, {other}, {array(second)})"
+        for one, point, other, second in mechanisms.ends_of(mechanism, made)
+    )
+    gains, accuracy = mechanisms.gains_of(method), mechanisms.ACCURACY
+    return f"acceleration = constrained(model, forces, [{ends}], {gains}, {accuracy})"
+
+
+def placed(frame: pin.SE3) -> str:
+    """Return a place as an expression."""
+    return f"place({scripts.written(frame.rotation.ravel())}, {scripts.written(frame.translation)})"
+
+
+def array(numbers: Array | mechanisms.Indices) -> str:
+    """Return an array as an expression."""
+    return f"np.array({numbers.tolist()})"

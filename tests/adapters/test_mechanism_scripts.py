@@ -1,0 +1,62 @@
+"""The scripts of mechanisms make the steps of the adapters' own runs, in a process that cannot import bodycheck."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Mechanisms, MechanismScripts, Method, SceneUnsupported
+from bodycheck.adapters.scripts import MECHANISM_COLUMNS
+from tests.support.jointed import ball_and_hinge, cart_pole, four_bar, tree
+
+STEP, DURATION, SAMPLES = 0.003, 0.2, 5  # the instants are no multiples of the step
+
+MECHANISMS = {"tree": tree(), "loop": four_bar(), "ball": ball_and_hinge()}
+
+RUNS = {
+    "mujoco": [("tree", "RK4"), ("ball", "discrete"), ("loop", "Euler:solref=0.01 1")],
+    "pinocchio": [
+        *(("tree", "rk4"), ("tree", "semi-implicit-euler"), ("ball", "rk4-naive")),
+        *(("loop", "rk4"), ("loop", "semi-implicit-euler:baumgarte=100 20")),
+    ],
+}
+
+RUNNER = """
+import contextlib, pathlib, runpy, sys
+sys.modules["bodycheck"] = None
+for script in sorted(pathlib.Path(sys.argv[1]).glob("*.py")):
+    with script.with_suffix(".csv").open("w") as out, contextlib.redirect_stdout(out):
+        runpy.run_path(str(script))
+"""
+
+
+@pytest.mark.parametrize("engine", [name for name in RUNS if registry.installed(name)])
+def test_a_script_makes_the_steps_of_the_run_to_the_last_bit(tmp_path: Path, engine: str) -> None:
+    adapter = registry.load(engine)
+    assert isinstance(adapter, Mechanisms)
+    assert isinstance(adapter, MechanismScripts)
+    for number, (which, spelling) in enumerate(RUNS[engine]):
+        program = adapter.mechanism_script(MECHANISMS[which], Method.parse(spelling, STEP), DURATION, SAMPLES)
+        (tmp_path / f"{number}.py").write_text(program)
+    done = subprocess.run([sys.executable, "-I", "-c", RUNNER, tmp_path], capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    steps = np.unique(np.rint(np.linspace(0.0, DURATION, SAMPLES) / STEP).astype(np.int64))
+    for number, (which, spelling) in enumerate(RUNS[engine]):
+        mechanism = MECHANISMS[which]
+        expected = adapter.prepare_mechanism(mechanism, Method.parse(spelling, STEP)).advance(np.diff(steps, prepend=0))[0]
+        first, *lines = (tmp_path / f"{number}.csv").read_text().splitlines()
+        cells = [line.split(",") for line in lines]
+        assert first == MECHANISM_COLUMNS
+        assert [cell[1] for cell in cells] == [body.name for body in mechanism.bodies] * SAMPLES
+        printed = np.array([[float(number) for number in cell[2:]] for cell in cells]).reshape(expected.shape)
+        np.testing.assert_array_equal(printed, expected, err_msg=f"{which} {spelling}")
+
+
+def test_what_cannot_be_a_script_is_refused_with_the_reason() -> None:
+    adapter = registry.load("mujoco")
+    assert isinstance(adapter, MechanismScripts)
+    with pytest.raises(SceneUnsupported, match="for a mechanism without loops"):
+        adapter.mechanism_script(cart_pole(), Method.parse("Euler:solref=0.01 1", STEP), DURATION, SAMPLES)
