@@ -289,7 +289,7 @@ def _of_table(table: type[Table], path: Path, content: Mapping[str, Any]) -> Ite
         elif form.repeated:
             for index, item in enumerate(value if isinstance(value, list) else ()):
                 yield from _of_table(form.table, (*path, name, index), mapping(item))
-        elif isinstance(value, dict) or (value is None and isinstance(table.model_fields[name].default, Table)):
+        elif isinstance(value, dict) or (value is None and table.model_fields[name].default_factory):
             yield from _of_table(form.table, (*path, name), mapping(value))
 
 

@@ -77,8 +77,9 @@ WORLD_FRAME = Frame(np.eye(3, dtype=Wide), np.zeros(3, Wide), np.zeros(3, Wide),
 def frames(mechanism: Mechanism) -> dict[int, Frame]:
     """The frames of all bodies at the start by their places, with that of the world at `WORLD`."""
     found = {WORLD: WORLD_FRAME}
+    joint_of = mechanism.joint_of
     for place in _from_the_world(mechanism):
-        joint, body = mechanism.joint_of[place], mechanism.bodies[place]
+        joint, body = joint_of[place], mechanism.bodies[place]
         found[place] = _of_free(body, body.start or BodyStart()) if joint is None else _of_child(joint, found[joint.parent])
     return found
 
@@ -89,8 +90,8 @@ def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
     The pivots are those of the articulated-body recursion (Featherstone 2008, chapter 7), from the ends of the chains to the
     world. They are rounded in the widest type.
     """
-    at, made, places = frames(mechanism), list[Coordinate](), {id(joint): place for place, joint in enumerate(mechanism.joints)}
-    joint_of = mechanism.joint_of
+    at, made, joint_of = frames(mechanism), list[Coordinate](), mechanism.joint_of
+    places = {joint.child: place for place, joint in enumerate(mechanism.joints)}
     loose = {place: _inertia(body, at[place]) for place, body in enumerate(mechanism.bodies)}
     locked = {place: inertia.copy() for place, inertia in loose.items()}
     for place in reversed(_from_the_world(mechanism)):
@@ -99,7 +100,7 @@ def coordinates(mechanism: Mechanism) -> tuple[Coordinate, ...]:
         for column in columns[::-1]:
             force = loose[place] @ column
             pivot, whole = column @ force + Wide(armature), column @ locked[place] @ column + Wide(armature)
-            made.append(Coordinate(None if joint is None else places[id(joint)], place, whole, pivot))
+            made.append(Coordinate(places.get(place), place, whole, pivot))
             if pivot > 0:
                 loose[place] = loose[place] - np.outer(force, force) / pivot
         if joint is not None and joint.parent != WORLD:

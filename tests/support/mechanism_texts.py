@@ -168,3 +168,41 @@ gravity = 1.6
 duration = 1.0
 samples = 11
 """
+
+#: A parallelogram of three bars on the ground, closed by a loop.
+FOUR_BAR = """\
+format = 2
+name = "four-bar"
+title = "A parallelogram"
+bodies = [
+    {name = "left", mass = 1.0, center_of_mass = [0.0, 0.0, 0.5], inertia = [0.1, 0.1, 0.0]},
+    {name = "top", mass = 1.0, center_of_mass = [0.5, 0.0, 0.0], inertia = [0.0, 0.1, 0.1]},
+    {name = "right", mass = 1.0, center_of_mass = [0.0, 0.0, 0.5], inertia = [0.1, 0.1, 0.0]},
+]
+loops = [{bodies = ["top", "right"], points = [[1, 0, 0], [0, 0, 1]]}]
+run = {duration = 1.0, samples = 11}
+
+[[joints]]
+name = "a"
+type = "revolute"
+child = "left"
+axis = [0, 1, 0]
+initial = {position = 0.3, velocity = 1.0}
+
+[[joints]]
+name = "b"
+type = "revolute"
+parent = "left"
+child = "top"
+position = [0, 0, 1]
+axis = [0, 1, 0]
+initial = {position = -0.3, velocity = -1.0}
+
+[[joints]]
+name = "c"
+type = "revolute"
+child = "right"
+position = [1, 0, 0]
+axis = [0, 1, 0]
+initial = {position = 0.3, velocity = 1.0}
+"""

@@ -14,6 +14,7 @@ from typing import Any
 
 from bodycheck import CaseFaults, load
 from bodycheck.casefile.case import MAX_FILE_BYTES, shipped
+from tests.support.mechanism_texts import ALL_JOINTS, CART_POLE, FOUR_BAR
 
 RICH = """\
 format = 1
@@ -84,6 +85,15 @@ timestep = 0.002
 status = "diverged"
 """
 
+#: As little as files may have.
+BARE = (
+    'format = 1\nname = "bare"\ntitle = ""\nbody = {shape = "sphere", radius = 1, mass = 1}\nrun = {duration = 1, samples = 2}'
+)
+BARE_JOINTS = re.sub("\n(initial|gravity) = .*", "", ALL_JOINTS).replace("[scene]\n", "")
+
+#: Good files of mechanisms.
+MECHANISMS = (ALL_JOINTS, CART_POLE, FOUR_BAR)
+
 #: Values that a stranger may give a key.
 NASTY = (
     *("nan", "inf", "-inf", "-0.0", "0", "-1", "1e308", "1e-308", "1e99", "1e100", "1e-100", "1e400", "1000000000000", "0x7f"),
@@ -98,6 +108,16 @@ NASTY = (
 #: Lines that a stranger may write.
 JUNK = (
     *("[", "]]", "= 1", "x", "x =", '"x" = 1', "'' = 1", "[a.b]", "[[expect]]", "[body]", "[[body]]", "[scene.plane]"),
+    *(
+        "[[bodies]]",
+        "[[joints]]",
+        "[[loops]]",
+        "[model]",
+        "bodies = 1",
+        "joints = [1]",
+        "[bodies.initial]",
+        "[initial.joints.a]",
+    ),
     *(r'"a\nb" = 1', r'"\u001b[31m" = 1', '"\u202e" = 1', "body.mass = 1", "expect = 3", "extremes = 3", "x = [[[]]]", "#\x07"),
     *(".".join("x" * 17) + " = 1", "x." * 9000 + "x = 1", "[" + "a." * 500 + "a]", 'x = """', "x = '''", "include = 'x'"),
 )
@@ -108,7 +128,14 @@ CONTROLS = "\0\a\b\f\r\x1b\x7f\x85\u2028"
 FILLINGS = (
     *(("1,", "x = [", "]\n"), ("[],", "x = [", "]\n"), ("{a=1},", "tags = [", "]\n"), ("\\n", 'x = "', '"\n')),
     *(("[", "x = ", "\n"), ("{a=", "x = ", "\n"), ('"', "", "\n"), ("a", "", " = 1\n"), ("a.", "", "a = 1\n")),
-    *(("\n", "", ""), ("#\n", "", ""), ("[[expect]]\n", "", ""), ("[[body.parts]]\nmass=1\n", "", ""), ("x", "#", "\n")),
+    *(
+        ("\n", "", ""),
+        ("#\n", "", ""),
+        ("[[expect]]\n", "", ""),
+        ("[[body.parts]]\nmass=1\n", "", ""),
+        ("[[joints]]\n", "", ""),
+        ("x", "#", "\n"),
+    ),
 )
 
 Mutation = Callable[[random.Random, str], str | bytes]
@@ -211,7 +238,7 @@ SILENT = {"sys._getframe", "object.__getattr__", "object.__setattr__"}
 def mutants(seed: int, count: int) -> Any:
     """Names and contents of so many mutants, the same for one seed."""
     chance = random.Random(seed)
-    good = [RICH, *(load(name).text for name in shipped())]
+    good = [RICH, *MECHANISMS, *(load(name).text for name in shipped())]
     for _ in range(count):
         yield mutant(chance, good)
 
@@ -256,7 +283,15 @@ def watch(folder: str, seed: int, count: int) -> None:
             seen.append(f"{event} {[argument if isinstance(argument, str) else type(argument) for argument in arguments]}")
 
     everything = list(mutants(seed, count))
-    for text in (RICH, RICH.replace("1.0", "-1.0"), RICH.replace("[scene]", "[scne]"), "x = "):  # so that all is imported
+    spoilt = [text.replace("1.0", "-1.0").replace("[scene]", "[scne]") for text in (RICH, *MECHANISMS)]
+    for text in (
+        RICH,
+        BARE,
+        BARE_JOINTS,
+        *MECHANISMS,
+        *spoilt,
+        "x = ",
+    ):  # so that all is imported, and the grammar of all tables built
         path.write_text(text)
         with contextlib.suppress(CaseFaults):
             load(path)

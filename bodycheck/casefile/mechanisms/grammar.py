@@ -154,7 +154,7 @@ class AxisTable(JointTable):
     rest: Number = Field(default=0.0, description="the coordinate at which the spring is at rest, rad or m")
     friction: NonNegative = Field(default=0.0, description="dry friction, sticking included, N m or N")
     effort: Number = Field(default=0.0, description="constant torque or force along the coordinate, N m or N")
-    initial: CoordinateStart = CoordinateStart()
+    initial: CoordinateStart = Field(default_factory=CoordinateStart)
 
 
 class RevoluteTable(AxisTable):
@@ -173,14 +173,14 @@ class UniversalTable(JointTable):
     """Two hinges at right angles."""
 
     type: Literal["universal"]
-    initial: UniversalStart = UniversalStart()
+    initial: UniversalStart = Field(default_factory=UniversalStart)
 
 
 class PlanarTable(JointTable):
     """A child that moves in the plane x, y of the joint's frame and turns about its z."""
 
     type: Literal["planar"]
-    initial: PlanarStart = PlanarStart()
+    initial: PlanarStart = Field(default_factory=PlanarStart)
 
 
 class SphericalTable(JointTable):
@@ -188,14 +188,14 @@ class SphericalTable(JointTable):
 
     type: Literal["spherical"]
     damping: NonNegative = Field(default=0.0, description="against the relative angular velocity, N m s/rad")
-    initial: SphericalStart = SphericalStart()
+    initial: SphericalStart = Field(default_factory=SphericalStart)
 
 
 class FreeTable(JointTable):
     """A joint that holds nothing."""
 
     type: Literal["free"]
-    initial: FreeStart = FreeStart()
+    initial: FreeStart = Field(default_factory=FreeStart)
 
 
 class FixedTable(JointTable):
@@ -212,6 +212,16 @@ JOINT_TABLES: dict[str, type[Table]] = {
     "fixed": FixedTable,
     "planar": PlanarTable,
     "universal": UniversalTable,
+}
+
+#: The table `initial` of each joint that has one.
+STARTS: dict[type[Table], type[Table]] = {
+    RevoluteTable: CoordinateStart,
+    PrismaticTable: CoordinateStart,
+    UniversalTable: UniversalStart,
+    PlanarTable: PlanarStart,
+    SphericalTable: SphericalStart,
+    FreeTable: FreeStart,
 }
 
 AnyJoint = Annotated[
@@ -250,9 +260,9 @@ class MechanismTable(Table):
     loops: Annotated[tuple[LoopTable, ...], Field(max_length=MAX_LOOPS)] = Field(
         default=(), description="what closes chains, a table a point"
     )
-    scene: SurroundingsTable = SurroundingsTable()
+    scene: SurroundingsTable = Field(default_factory=SurroundingsTable)
     run: grammar.RunTable
-    extremes: grammar.ExtremesTable = grammar.ExtremesTable()
+    extremes: grammar.ExtremesTable = Field(default_factory=grammar.ExtremesTable)
     ensemble: EnsembleTable | None = None
     expect: grammar.Expectations = Field(default=(), description="what must hold, a table a method")
 
@@ -295,8 +305,7 @@ def table_at(path: Path, document: dict[str, Any]) -> type[Table] | None:
             return JOINT_TABLES.get(type_of(document["joints"][index]))
         case ("joints", int(index), "initial"):
             joint = JOINT_TABLES.get(type_of(document["joints"][index]))
-            start = joint.model_fields.get("initial") if joint is not None else None
-            return type(start.default) if start is not None else None
+            return STARTS.get(joint) if joint is not None else None
     if path[:2] == ("ensemble", "vary"):
         return grammar.table_at(path, document)
     return TABLES.get(tuple(key for key in path if isinstance(key, str)))

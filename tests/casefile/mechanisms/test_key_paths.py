@@ -16,8 +16,7 @@ from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.start import frames
 from bodycheck.reference.scene import Brick
-from tests.casefile.mechanisms.test_format import FOUR_BAR
-from tests.support.mechanism_texts import ALL_JOINTS, CART_POLE
+from tests.support.mechanism_texts import ALL_JOINTS, CART_POLE, FOUR_BAR
 
 
 def drawing(text: str, **variation: object) -> str:
