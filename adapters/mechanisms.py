@@ -5,6 +5,7 @@ from numpy.typing import ArrayLike
 
 from bodycheck.adapters.contract import Link
 from bodycheck.adapters.links import carried
+from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.exact import nearest_inertia
@@ -47,3 +48,17 @@ def centred(mechanism: Mechanism, rows: ArrayLike) -> Array:
     seen = np.asarray(rows, dtype=float)
     of_bodies = [carried(seen[:, place], nearest_inertia(body).centre, IDENTITY) for place, body in enumerate(mechanism.bodies)]
     return np.stack(of_bodies, axis=1)
+
+
+def from_z(axis: Array) -> Array:
+    """Return a quaternion (4,) of a turn from z to a unit vector (3,)."""
+    if axis[2] < 0:
+        # By half a turn about x first, so that the rest is not near half a turn.
+        return multiply(np.array([0.0, 1.0, 0.0, 0.0]), from_z(axis * np.array([1.0, -1.0, -1.0])))
+    made = np.array([1.0 + axis[2], -axis[1], axis[0], 0.0])
+    return np.asarray(made / np.linalg.norm(made))
+
+
+def from_x(axis: Array) -> Array:
+    """Return a quaternion (4,) of a turn from x to a unit vector (3,)."""
+    return multiply(from_z(axis), np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0]))

@@ -13,15 +13,14 @@ from exudyn import itemInterface, utilities
 from bodycheck.adapters.contract import SceneUnsupported
 from bodycheck.adapters.exudyn import bodies, formulations
 from bodycheck.adapters.exudyn.formulations import Formulation
-from bodycheck.adapters.exudyn.kinematic_trees import from_z
-from bodycheck.adapters.mechanisms import centred, frames, link_of, starts
+from bodycheck.adapters.mechanisms import centred, frames, from_x, from_z, link_of, starts
 from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 
-#: The quaternions (w, x, y, z) of no turn, and of the turn from x to z.
-NO_TURN, X_TO_Z = np.array([1.0, 0.0, 0.0, 0.0]), np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0])
+#: The quaternion (w, x, y, z) of no turn.
+NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
 
 #: The axes, three of translation and three of rotation, that Exudyn's generic joint locks, by the types of joints.
 LOCKED = {"fixed": [1, 1, 1, 1, 1, 1], "planar": [0, 0, 1, 1, 1, 0]}
@@ -74,9 +73,8 @@ def add_joint(system: "exudyn.MainSystem", joint: Joint, parent: Any, child: Any
         raise SceneUnsupported(f"Exudyn has universal joints {only}")
     turn = NO_TURN
     if joint.type in ("revolute", "prismatic"):
-        turn = from_z(np.array(exact.nearest_axis(joint)))
-    if joint.type == "prismatic":
-        turn = multiply(turn, X_TO_Z)
+        to_axis = from_z if joint.type == "revolute" else from_x
+        turn = to_axis(np.array(exact.nearest_axis(joint)))
     frame = np.array(exact.nearest_turn(joint.attitude))
     ends = [marker(system, parent, joint.position, multiply(frame, turn)), marker(system, child, (0.0, 0.0, 0.0), turn)]
     if joint.type == "revolute":

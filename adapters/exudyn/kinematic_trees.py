@@ -18,7 +18,7 @@ from exudyn import itemInterface, utilities
 from scipy.spatial.transform import Rotation
 
 from bodycheck.adapters.links import tensor
-from bodycheck.adapters.mechanisms import link_of, starts
+from bodycheck.adapters.mechanisms import from_z, link_of, starts
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, JointType, Mechanism
@@ -73,15 +73,6 @@ def elements(joint: Joint) -> list[tuple[str, Array]]:
         "fixed": [],
     }
     return kinds[joint.type]
-
-
-def from_z(axis: Array) -> Array:
-    """Return a quaternion (4,) of a turn from z to a unit vector (3,)."""
-    if axis[2] < 0:
-        # By half a turn about x first, so that the rest is not near half a turn.
-        return multiply(np.array([0.0, 1.0, 0.0, 0.0]), from_z(axis * np.array([1.0, -1.0, -1.0])))
-    made = np.array([1.0 + axis[2], -axis[1], axis[0], 0.0])
-    return np.asarray(made / np.linalg.norm(made))
 
 
 def linked(mechanism: Mechanism) -> tuple[list[Link], list[Place]]:

@@ -26,6 +26,11 @@ the critical one. Friction is viscous below OpenSim's default transition speed o
 Links are bodies that are joined to the first one by weld joints. The coordinates are the position of the first link's origin,
 and an integrator's error of a centre of mass that is elsewhere is of its order.
 
+Mechanisms have OpenSim's own joint for each type; the module `mechanisms` says with what forces. All integrators have the
+orders that they have in flight, on joints of every type. CPodes stops where its own test of accuracy fails, as with steps of 10
+ms of a cart with a pole. OpenSim has no armature, no dry friction, and no damping of a ball joint. The state of a loop is
+projected only where its gap is above Simbody's tolerance of constraints, some 0.1 mm of a linkage of 1 m.
+
 Frames, found by experiment: velocities are the angular velocity, then that of the centre of mass, both in the world frame.
 Simbody normalises a quaternion only where its norm is off by more than 1e-4; the adapter hands over unit quaternions, and the
 deviation as `quaternion_norm_error`. The arithmetic is in double precision.

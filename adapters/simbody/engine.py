@@ -2,7 +2,7 @@
 
 import ctypes
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from importlib import metadata
@@ -25,12 +25,13 @@ from bodycheck.adapters.contract import (
     states,
 )
 from bodycheck.adapters.quiet import no_stderr
-from bodycheck.adapters.simbody import INSTALLATION
+from bodycheck.adapters.simbody import INSTALLATION, mechanisms
 from bodycheck.adapters.simbody.attitude import poses
 from bodycheck.adapters.simbody.libraries import function
 from bodycheck.adapters.simbody.models import described, started
 from bodycheck.adapters.stepping import Normalised
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -93,8 +94,8 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=metadata.version(INSTALLATION.distribution),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
-    variants={"flight": tuple(f"{own.name}:settings=engine" for own in integrators())},
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
+    variants=dict.fromkeys(("flight", "mechanism"), tuple(f"{own.name}:settings=engine" for own in integrators())),
     defaults=defaults(),
 )
 
@@ -114,7 +115,7 @@ def contact_load(scene: Scene, method: Method, steps: int) -> None:
 
 @dataclass
 class Simbody:
-    """A model of one scene, stepped by OpenSim's manager.
+    """A model of one scene or mechanism, stepped by OpenSim's manager.
 
     Attributes
     ----------
@@ -122,14 +123,16 @@ class Simbody:
         OpenSim's manager, and its model. They are destroyed in this order, because the manager uses the model to its end.
     timestep
         The time step (s).
-    quaternions
-        Whether the coordinates have a quaternion.
+    seen
+        Returns a copy of the numbers (k,) that describe a state of the model.
+    rows
+        Converts the numbers (n, k) of n states to rows (n, 13) in the columns of `Simulation.advance`, or (n, bodies, 13).
+    complains
+        Whether the integrator writes on stderr in C what it also says in an exception.
     drag
         The coefficient of drag (kg/m).
     actuators
         The forces on the coordinates x, y and z; none without drag.
-    complains
-        Whether the integrator writes on stderr in C what it also says in an exception.
     taken
         The number of steps taken.
     """
@@ -137,31 +140,32 @@ class Simbody:
     manager: Any
     model: Any
     timestep: float
-    quaternions: bool
-    drag: float
-    actuators: Sequence[Any]
+    seen: Callable[[Any], Array]
+    rows: Callable[[Array], Array]
     complains: bool
+    drag: float = 0.0
+    actuators: Sequence[Any] = ()
     taken: int = 0
 
     def advance(self, strides: Strides) -> Array:
-        """Return the states (1, n, 1, 13) after each of n strides, as `Simulation.advance` does; quaternions have any norm."""
+        """Return the states (1, n, bodies, 13) after each of n strides, as `Simulation.advance` does, of any norm."""
         with no_stderr() if self.complains else nullcontext():
             return self._advance(strides)
 
     def _advance(self, strides: Strides) -> Array:
-        seen = np.empty((len(strides), 13))
-        for place, stride in enumerate(strides.tolist()):
+        seen: list[Array] = []
+        for stride in strides.tolist():
             try:
                 self._stride(stride)
             except RuntimeError as error:
-                seen[place] = self._seen()
+                seen.append(self.seen(self.manager.getState()))
                 # Before it are the C++ function and the place in its source.
                 words = " ".join(str(error).split())
                 signal = EngineDiverged(f"Simbody: {words.partition('SimTK Exception')[2].partition(': ')[2] or words}")
-                signal.states = single(self._rows(seen[: place + 1]))
+                signal.states = single(self.rows(np.array(seen)))
                 raise signal from error
-            seen[place] = self._seen()
-        return single(self._rows(seen))
+            seen.append(self.seen(self.manager.getState()))
+        return single(self.rows(np.array(seen)))
 
     def _stride(self, steps: int) -> None:
         if steps and not self.actuators:
@@ -182,14 +186,6 @@ class Simbody:
             actuator.setOverrideActuation(now, slowing * speed)
         self.model.realizeAcceleration(now)  # the next step begins with these accelerations
 
-    def _seen(self) -> Array:
-        now = self.manager.getState()
-        return np.concatenate([now.getQ().to_numpy(), now.getU().to_numpy()])
-
-    def _rows(self, seen: Array) -> Array:
-        position, attitude = poses(seen[:, :7], self.quaternions)
-        return states(position, attitude, seen[:, 10:], rotate(conjugate(normalise(attitude)), seen[:, 7:10]))
-
 
 def prepare(scenes: Sequence[Scene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
@@ -202,6 +198,14 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simula
     return simulation(scene, method, links)
 
 
+def prepare_mechanism(mechanism: Mechanism, method: Method) -> Simulation:
+    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
+    made = mechanisms.built(mechanism)
+    state = mechanisms.started(mechanism, made, method.option("settings") != "engine")
+    seen = mechanisms.seer(mechanism, made)
+    return Simbody(managed(made.model, state, method), made.model, method.timestep, seen, mechanisms.rows, complains(method))
+
+
 def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Normalised:
     """Return the simulation of a scene with its body, or with links in its place. Raises `SceneUnsupported`."""
     model, actuators = described(scene, links)
@@ -209,6 +213,27 @@ def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Norm
     state = started(scene, model, quaternions)
     for actuator in actuators:
         actuator.overrideActuation(state, True)
+
+    def rows(seen: Array) -> Array:
+        position, attitude = poses(seen[:, :7], quaternions)
+        return states(position, attitude, seen[:, 10:], rotate(conjugate(normalise(attitude)), seen[:, 7:10]))
+
+    manager = managed(model, state, method)
+    return Normalised(Simbody(manager, model, method.timestep, coordinates, rows, complains(method), scene.drag, actuators))
+
+
+def coordinates(state: Any) -> Array:
+    """Return the coordinates and velocities in a state of a model."""
+    return np.concatenate([state.getQ().to_numpy(), state.getU().to_numpy()])
+
+
+def complains(method: Method) -> bool:
+    """Return whether a method writes on stderr in C what it also says in an exception."""
+    return method.integrator == CPODES
+
+
+def managed(model: Any, state: Any, method: Method) -> Any:
+    """Return OpenSim's manager of a model from a state on, which takes the fixed steps of a method."""
     manager = opensim.Manager(model)
     manager.setIntegratorMethod(getattr(opensim.Manager, PREFIX + method.integrator))
     manager.setIntegratorFixedStepSize(method.timestep)
@@ -216,5 +241,4 @@ def simulation(scene: Scene, method: Method, links: Sequence[Link] = ()) -> Norm
     for records in (manager.setWriteToStorage, manager.setPerformAnalyses, manager.setRecordStatesTrajectory):
         records(False)
     manager.initialize(state)
-    complains = method.integrator == CPODES
-    return Normalised(Simbody(manager, model, method.timestep, quaternions, scene.drag, actuators, complains))
+    return manager

@@ -1,0 +1,227 @@
+"""Mechanisms in Simbody by OpenSim's joints and forces.
+
+OpenSim's pin turns about z and its slider slides along x of the joint's frame, so that the frames are turned there. Springs and
+damping are OpenSim's `SpringGeneralizedForce`, and an effort is an `ExpressionBasedCoordinateForce` with a constant. Loops are
+OpenSim's `PointConstraint`. OpenSim has neither armature nor dry friction of joints, and its bushings damp the rates of angles
+instead of the angular velocity of a ball joint.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import opensim
+
+from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.adapters.mechanisms import frames, from_x, from_z, link_of, starts
+from bodycheck.adapters.simbody.attitude import angles, use_quaternions
+from bodycheck.adapters.simbody.models import added
+from bodycheck.reference.kinematics import conjugate, multiply, rotate
+from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointType, Mechanism
+from bodycheck.reference.trajectory import Array
+
+#: What OpenSim models of mechanisms; see `Engine.models`.
+MODELS = frozenset(
+    {
+        "mechanisms",
+        "revolute joints",
+        "prismatic joints",
+        "ball joints",
+        "free joints",
+        "fixed joints",
+        "planar joints",
+        "universal joints",
+        "joint damping",
+        "joint springs",
+        "joint efforts",
+        "loops",
+        "point masses",
+    }
+)
+
+#: The quaternion (w, x, y, z) of no turn.
+NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
+
+#: OpenSim's joints by the types of joints.
+KINDS = {
+    "revolute": opensim.PinJoint,
+    "prismatic": opensim.SliderJoint,
+    "spherical": opensim.BallJoint,
+    "free": opensim.FreeJoint,
+    "planar": opensim.PlanarJoint,
+    "universal": opensim.UniversalJoint,
+    "fixed": opensim.WeldJoint,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Built:
+    """OpenSim's model of a mechanism.
+
+    Parameters
+    ----------
+    model
+        The model.
+    bodies
+        The bodies, in the order of the mechanism.
+    joints
+        The joints of the bodies, in the same order.
+    """
+
+    model: Any
+    bodies: Sequence[Any]
+    joints: Sequence[Any]
+
+
+def built(mechanism: Mechanism) -> Built:
+    """Return OpenSim's model of a mechanism. Raises `SceneUnsupported`."""
+    model = opensim.Model()
+    model.setGravity(opensim.Vec3(0.0, 0.0, -mechanism.gravity))
+    bodies = [added(model, f"body_{place}", link_of(body)) for place, body in enumerate(mechanism.bodies)]
+    joints = []
+    for place, joint in enumerate(mechanism.joint_of):
+        if joint is None:
+            made = opensim.FreeJoint(f"joint_{place}", model.getGround(), bodies[place])
+        else:
+            made = joint_of(joint, model.getGround() if joint.parent == WORLD else bodies[joint.parent], bodies[place])
+        model.addJoint(made)
+        joints.append(made)
+        if joint is not None:
+            add_forces(model, joint, made)
+    for place, loop in enumerate(mechanism.loops):
+        one, other = (model.getGround() if body == WORLD else bodies[body] for body in loop.bodies)
+        here, there = (opensim.Vec3(*point) for point in loop.points)
+        constraint = opensim.PointConstraint(one, here, other, there)
+        constraint.setName(f"loop_{place}")
+        model.addConstraint(constraint)
+    return Built(model, bodies, joints)
+
+
+def joint_of(joint: Joint, parent: Any, child: Any) -> Any:
+    """Return OpenSim's joint between two bodies. Raises `SceneUnsupported` for a ball joint with damping."""
+    if joint.type == "spherical" and joint.damping:
+        raise SceneUnsupported("OpenSim has no damping of a ball joint's angular velocity")
+    turn = NO_TURN
+    if joint.type in ("revolute", "prismatic"):
+        to_axis = from_z if joint.type == "revolute" else from_x
+        turn = to_axis(np.array(exact.nearest_axis(joint)))
+    return KINDS[joint.type](
+        f"joint_{joint.child}",
+        parent,
+        opensim.Vec3(*joint.position),
+        oriented(multiply(np.array(exact.nearest_turn(joint.attitude)), turn)),
+        child,
+        opensim.Vec3(0.0),
+        oriented(turn),
+    )
+
+
+def oriented(turn: Array) -> Any:
+    """Return the orientation of a frame, as OpenSim takes it, of a quaternion (4,)."""
+    w, x, y, z = turn.tolist()
+    return opensim.Vec3(*angles((w, x, y, z)))
+
+
+def add_forces(model: Any, joint: Joint, made: Any) -> None:
+    """Add to a model what acts in a joint."""
+    if joint.type not in ("revolute", "prismatic"):
+        return
+    name = made.get_coordinates(0).getName()
+    if joint.stiffness or joint.damping:
+        spring = opensim.SpringGeneralizedForce(name)
+        spring.setName(f"spring_{joint.child}")
+        spring.setStiffness(joint.stiffness)
+        spring.setRestLength(joint.rest)
+        spring.setViscosity(joint.damping)
+        model.addForce(spring)
+    if joint.effort:
+        effort = opensim.ExpressionBasedCoordinateForce(name, repr(joint.effort))
+        effort.setName(f"effort_{joint.child}")
+        model.addForce(effort)
+
+
+def started(mechanism: Mechanism, made: Built, quaternions: bool) -> Any:
+    """Return the state of a model at the start of a mechanism, with quaternions or with angles."""
+    state = made.model.initSystem()
+    starting = dict(zip((joint.child for joint in mechanism.joints), starts(mechanism), strict=True))
+    first = frames(mechanism)
+    places = [coordinates_of(state, joint) for joint in made.joints]
+    if quaternions:
+        use_quaternions(made.model, state)
+    q, u = state.updQ(), state.updU()
+    for place, joint in enumerate(mechanism.joint_of):
+        if joint is None:
+            frame = first[place]
+            position = np.array([*frame.position, *frame.quaternion])
+            velocity = np.array([*frame.velocity, *frame.angular_velocity])
+            held, moving = in_simbody("free", position, velocity, quaternions)
+        else:
+            held, moving = in_simbody(joint.type, *starting[place], quaternions)
+        found = places[place]
+        if found is not None:
+            at, by = found
+            for number, value in enumerate(held):
+                q.set(at + number, value)
+            for number, value in enumerate(moving):
+                u.set(by + number, value)
+    return state
+
+
+def coordinates_of(state: Any, joint: Any) -> tuple[int, int] | None:
+    """Return the places of a joint's first coordinate and velocity in a state; None for a joint that has none.
+
+    OpenSim does not tell them, but setting a value shows where it is. They are the same with quaternions as with angles.
+    """
+    if not joint.numCoordinates():
+        return None
+    first = joint.get_coordinates(0)
+    before = state.getQ().to_numpy().copy(), state.getU().to_numpy().copy()
+    first.setValue(state, 0.1, False)
+    first.setSpeedValue(state, 0.1)
+    after = state.getQ().to_numpy().copy(), state.getU().to_numpy().copy()
+    first.setValue(state, 0.0, False)
+    first.setSpeedValue(state, 0.0)
+    at, by = (int(np.flatnonzero(one != other)[0]) for one, other in zip(before, after, strict=True))
+    return at, by
+
+
+def in_simbody(type: JointType, position: Array, velocity: Array, quaternions: bool) -> tuple[Array, Array]:
+    """Return Simbody's coordinates and velocities of a joint; angular velocities are along the axes of the joint's frame."""
+    if type == "planar":
+        return np.roll(position, 1), np.roll(velocity, 1)
+    if type in ("spherical", "free"):
+        place, turn = np.split(position, [len(position) - 4])
+        speed, spin = np.split(velocity, [len(velocity) - 3])
+        w, x, y, z = turn.tolist()
+        turned = turn if quaternions else np.array(angles((w, x, y, z)))
+        return np.concatenate([turned, place]), np.concatenate([rotate(turn, spin), speed])
+    return position, velocity
+
+
+def seer(mechanism: Mechanism, made: Built) -> Callable[[Any], Array]:
+    """Return a function that returns the states (13 k,) of k bodies in a state, with velocities along the axes of the world."""
+    centres = [opensim.Vec3(*exact.nearest_inertia(body).centre) for body in mechanism.bodies]
+
+    def seen(state: Any) -> Array:
+        made.model.realizeVelocity(state)
+        parts = []
+        for body, centre in zip(made.bodies, centres, strict=True):
+            turn = body.getTransformInGround(state).R().convertRotationToQuaternion()
+            parts += [
+                body.findStationLocationInGround(state, centre).to_numpy(),
+                [turn.get(part) for part in range(4)],
+                body.findStationVelocityInGround(state, centre).to_numpy(),
+                body.getAngularVelocityInGround(state).to_numpy(),
+            ]
+        return np.concatenate(parts)
+
+    return seen
+
+
+def rows(seen: Array) -> Array:
+    """Return the states (n, bodies, 13) of the contract from what is seen (n, 13 bodies)."""
+    found = seen.reshape(len(seen), -1, 13)
+    found[..., 10:] = rotate(conjugate(found[..., 3:7]), found[..., 10:])
+    return found
