@@ -12,6 +12,7 @@ from bodycheck.casefile.case import shipped
 from tests.support import MINIATURES, processes
 from tests.support import browser as browsing
 from tests.support.asked import ADAPTER_OPTION
+from tests.support.cases import OF_ONE_BODY
 
 # No deadline: the first example pays for imports, and machines that run tests are slow at times.
 settings.register_profile("bodycheck", deadline=None)
@@ -53,15 +54,21 @@ def shipped_case(request: pytest.FixtureRequest) -> Case:
     return load(request.param)
 
 
-@pytest.fixture(params=[name for name in shipped() if load(name).scene.conserves])
-def conservative_case(request: pytest.FixtureRequest) -> Case:
-    """Each of the shipped cases without friction and drag."""
+@pytest.fixture(params=OF_ONE_BODY)
+def case_of_one_body(request: pytest.FixtureRequest) -> Case:
+    """Each of the shipped cases of one body in turn."""
     return load(request.param)
 
 
-@pytest.fixture(params=[name for name in shipped() if load(name).scene.plane is None])
+@pytest.fixture(params=[name for name in OF_ONE_BODY if load(name).scene.conserves])
+def conservative_case(request: pytest.FixtureRequest) -> Case:
+    """Each of the shipped cases of one body without friction and drag."""
+    return load(request.param)
+
+
+@pytest.fixture(params=[name for name in OF_ONE_BODY if load(name).scene.plane is None])
 def flying_case(request: pytest.FixtureRequest) -> Case:
-    """Each of the shipped cases that does not touch a plane."""
+    """Each of the shipped cases of one body that does not touch a plane."""
     return load(request.param)
 
 

@@ -334,8 +334,10 @@ def test_an_ensemble_is_not_part_of_the_physics() -> None:
     assert identity(parse(ensemble_of(BRICK, attitude()), "f")) == identity(parse(BRICK, "f"))
 
 
-def test_shipped_cases_have_none_and_can_have_one(shipped_case: Case) -> None:
-    text = ensemble_of(load(shipped_case.name).text, normal("initial.angular_velocity", 0, 1), uniform("run.duration", 1, 2))
+def test_shipped_cases_of_one_body_have_none_and_can_have_one(case_of_one_body: Case) -> None:
+    text = ensemble_of(
+        load(case_of_one_body.name).text, normal("initial.angular_velocity", 0, 1), uniform("run.duration", 1, 2)
+    )
     ensemble = parse(text, "f").ensemble
     assert ensemble is not None
     assert len(ensemble.vary) == 2

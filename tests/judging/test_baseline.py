@@ -168,8 +168,8 @@ def test_single_precision_is_allowed_its_own_rounding() -> None:
     assert rounding.allowances(reference, coarse, [coarse])["velocity_error"] > 1e-3
 
 
-def test_on_a_plane_a_nudged_body_stays_flat(shipped_case: Case) -> None:
-    case = replace(shipped_case, samples=3)
+def test_on_a_plane_a_nudged_body_stays_flat(case_of_one_body: Case) -> None:
+    case = replace(case_of_one_body, samples=3)
     adapter = registry.load("mujoco")
     run = simulate(case, "mujoco", offers.offered(adapter.engine, case.scene)[0], 0.01)
     for seed in range(rounding.NUDGES):

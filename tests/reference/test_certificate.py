@@ -18,8 +18,8 @@ def ways(found: Certificate) -> set[str]:
     return {way for pair in found.differences for way in pair}
 
 
-def test_every_shipped_truth_is_certified(shipped_case: Case) -> None:
-    found = certify(shipped_case.scene, shipped_case.instants)
+def test_every_shipped_truth_is_certified(case_of_one_body: Case) -> None:
+    found = certify(case_of_one_body.scene, case_of_one_body.instants)
     assert found.faults == ()
     assert found.certified
     assert len(found.differences) == len(ways(found)) * (len(ways(found)) - 1) // 2

@@ -6,12 +6,17 @@ from dataclasses import replace
 from typing import Any
 
 from bodycheck import Case, load
+from bodycheck.casefile.case import shipped
+from bodycheck.reference.scene import Scene
 
 SPHERE = {"shape": "sphere", "radius": 0.1, "mass": 1.0}
 SPINNING = {"angular_velocity": [0.0, 0.0, 5.0]}
 HALF_A_SECOND = {"duration": 0.5, "samples": 6}
 
 Table = Mapping[str, Any]
+
+#: The names of the shipped cases of one body.
+OF_ONE_BODY = tuple(name for name in shipped() if isinstance(load(name).scene, Scene))
 
 
 def a_case(

@@ -7,7 +7,6 @@ import pytest
 
 from bodycheck import load
 from bodycheck.adapters.contract import Method
-from bodycheck.casefile.case import shipped
 from bodycheck.casefile.expectation import Expectation
 from bodycheck.judging.judgement import Breach, Judged, Verdict
 from bodycheck.reference.requirements import requirements
@@ -18,10 +17,11 @@ from bodycheck.reports.runs.findings import findings, measured
 from bodycheck.reports.runs.matrix import KINDS, decade, kind_of
 from bodycheck.reports.runs.summary import broken, expectation_status, headline, tally
 from bodycheck.running.outcome import Diverged
+from tests.support.cases import OF_ONE_BODY
 from tests.support.measured_runs import DRAG, FLIGHT, FLIP, SLIDE, ended, matrices_of, ran
 
 
-@pytest.mark.parametrize("name", shipped())
+@pytest.mark.parametrize("name", OF_ONE_BODY)
 def test_a_kind_follows_from_what_a_scene_requires(name: str) -> None:
     scene = load(name).scene
     needs, kind = requirements(scene), kind_of(scene)
@@ -68,11 +68,13 @@ def test_other_time_steps_stand_in_the_same_cell() -> None:
 
 
 def test_every_run_is_in_one_cell() -> None:
-    runs = [ran(name, integrator=f"i{place % 3}", timestep=0.001 * (1 + place % 2)) for name in shipped() for place in range(6)]
+    runs = [
+        ran(name, integrator=f"i{place % 3}", timestep=0.001 * (1 + place % 2)) for name in OF_ONE_BODY for place in range(6)
+    ]
     found = matrices_of(*runs)
     cells = [cell for matrix in found for row in matrix.rows for cell in row.cells if cell is not None]
     assert sum(len(cell.figures) for cell in cells) == len(runs)
-    assert sorted(row.case for matrix in found for row in matrix.rows) == sorted(shipped())
+    assert sorted(row.case for matrix in found for row in matrix.rows) == sorted(OF_ONE_BODY)
 
 
 def test_what_failed_and_what_is_within_the_truths_own_error_is_marked() -> None:

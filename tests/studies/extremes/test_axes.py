@@ -9,11 +9,12 @@ import pytest
 from bodycheck import Case, CaseFaults, load
 from bodycheck.casefile import axes
 from bodycheck.casefile.axes import AXES
-from bodycheck.casefile.case import parse, shipped
+from bodycheck.casefile.case import parse
 from bodycheck.casefile.grammar import ExtremesTable
 from bodycheck.reference.inertia import principal_moments, satisfies_triangle_inequality
 from bodycheck.reference.scene import Body, Brick
 from bodycheck.studies.extremes.points import points
+from tests.support.cases import OF_ONE_BODY
 
 GOOD = """\
 format = 1
@@ -124,7 +125,7 @@ def test_friction_is_the_planes() -> None:
     assert plane.law == "area"
 
 
-@pytest.mark.parametrize("name", [name for name in shipped() if load(name).extremes])
+@pytest.mark.parametrize("name", [name for name in OF_ONE_BODY if load(name).extremes])
 def test_every_shipped_point_is_a_body_that_exists(name: str) -> None:
     def exists(case: Case) -> bool:
         body: Body = case.scene.body

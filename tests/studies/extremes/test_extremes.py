@@ -18,7 +18,6 @@ import vl_convert
 
 from bodycheck import Case, load, simulate, truth
 from bodycheck.adapters import registry
-from bodycheck.casefile.case import shipped
 from bodycheck.errors import BadInput
 from bodycheck.reference.scene import State
 from bodycheck.reference.truth import NoTruth
@@ -32,7 +31,7 @@ from bodycheck.studies.extremes.points import points
 from bodycheck.studies.extremes.rows import STATUSES, Limit, Row
 from bodycheck.studies.extremes.study import follow
 from tests.support.campaigns import header, records
-from tests.support.cases import STEADY_SPIN, a_case
+from tests.support.cases import OF_ONE_BODY, STEADY_SPIN, a_case
 from tests.support.commands import Done, as_process, bodycheck
 from tests.support.processes import calls_here, stopped_when_last
 
@@ -301,7 +300,7 @@ def test_the_report_begins_with_what_engines_take_for_healthy() -> None:
     assert all(finding.where in anchors for finding in report.findings if finding.where)
 
 
-@pytest.mark.parametrize("name", [name for name in shipped() if load(name).extremes])
+@pytest.mark.parametrize("name", [name for name in OF_ONE_BODY if load(name).extremes])
 def test_the_truth_follows_to_every_shipped_corner_or_says_why_not(name: str) -> None:
     for point in points(load(name)):
         found = follow(point.case.scene, point.case.instants)

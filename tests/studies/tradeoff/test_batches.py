@@ -13,7 +13,6 @@ from bodycheck import Case, load, truth
 from bodycheck import tradeoff as tradeoff_function
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
-from bodycheck.casefile.case import shipped
 from bodycheck.commands import saved
 from bodycheck.judging import judgement
 from bodycheck.reference.kinematics import geodesic_angle
@@ -27,7 +26,7 @@ from bodycheck.studies.tradeoff.batches import Batch
 from bodycheck.studies.tradeoff.page import present
 from bodycheck.studies.tradeoff.turned import errors, turned
 from tests.support import campaigns
-from tests.support.cases import a_case, shortened
+from tests.support.cases import OF_ONE_BODY, a_case, shortened
 from tests.support.commands import bodycheck
 from tests.support.processes import calls_here
 
@@ -66,7 +65,7 @@ def test_a_turned_scene_has_the_truth_turned_likewise(name: str) -> None:
 
 
 def test_copies_are_other_scenes_that_require_the_same() -> None:
-    for name in shipped():
+    for name in OF_ONE_BODY:
         scene = load(name).scene
         first, *copies = turned(scene, 6)
         assert first is scene
