@@ -11,6 +11,7 @@ from bodycheck.console.tables import Column, attribute, show
 from bodycheck.figures.bounds import rounded_up
 from bodycheck.reference.mechanisms.coordinates import by_name
 from bodycheck.reference.mechanisms.mechanism import JointType, Mechanism
+from bodycheck.reference.mechanisms.truth import KNOWN, known_until
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
 
@@ -23,9 +24,6 @@ UNITS: dict[JointType, tuple[str, str]] = {
     "spherical": ("w x y z", "rad/s"),
     "free": ("m, w x y z", "m/s, rad/s"),
 }
-
-#: Error (rad) up to which a motion counts as known.
-KNOWN = 1e-9
 
 #: Most joints and free bodies that have columns; all of them are in the JSON.
 MOST_TOLD = 12
@@ -93,12 +91,11 @@ def print_growth(truth: Truth) -> None:
     """Print by how much an error grows, and until when the motion is known."""
     if truth.growth is not None:
         tell(f"an error at the start has grown up to {truth.growth.max():.2g}-fold by t = {truth.trajectory.t[-1]:g} s")
-    known = truth.bounds.error <= KNOWN
-    if known.all():
-        tell(f"all angles and attitudes are known within {KNOWN:g} rad")
+    until, end = known_until(truth), float(truth.trajectory.t[-1])
+    if until == end:
+        tell(f"all angles and attitudes are known within {KNOWN:.0e} rad")
     else:
-        first = int(np.argmin(known))
-        tell(f"known within {KNOWN:g} rad {f'until t = {truth.trajectory.t[first - 1]:g} s' if first else 'at no instant'}")
+        tell(f"known within {KNOWN:.0e} rad {'at no instant' if until is None else f'until t = {until:g} s'}")
 
 
 def _free(mechanism: Mechanism) -> list[str]:

@@ -33,12 +33,10 @@ def described(mechanism: Mechanism) -> tuple[tuple[str, str], ...]:
 
 def _bodies(mechanism: Mechanism) -> str:
     masses = [nearest_inertia(body).mass for body in mechanism.bodies]
-    amount = count(len(masses), "body", "bodies")
     if len(masses) > MOST_TOLD:
-        return f"{amount} of {number(min(masses))} to {number(max(masses))} kg"
-    return (
-        f"{amount}: {listing([f'{body.name} {number(mass)} kg' for body, mass in zip(mechanism.bodies, masses, strict=True)])}"
-    )
+        least, most = number(min(masses)), number(max(masses))
+        return f"{len(masses)} of {least if least == most else f'{least} to {most}'} kg"
+    return listing([f"{body.name} {number(mass)} kg" for body, mass in zip(mechanism.bodies, masses, strict=True)])
 
 
 def _joints(mechanism: Mechanism) -> str:
