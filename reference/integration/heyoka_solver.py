@@ -7,7 +7,7 @@ import functools
 import os
 import stat
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +39,7 @@ EXTENDED_NAME = f"heyoka-{BITS_BY_MANTISSA[np.finfo(np.longdouble).nmant]}-bit"
 Equations = list[tuple[Any, Any]]
 
 #: Held while an integrator runs: a compiled integrator contains its state and is shared by all threads of the process.
-_integrator_lock = threading.Lock()
+integrator_lock = threading.Lock()
 
 
 @functools.cache
@@ -66,16 +66,23 @@ def is_private(path: Path) -> bool:
 
 
 @functools.cache
-def integrator(equations: Callable[[], Equations], dtype: Any, bits: int | None = None) -> Any:
+def integrator(equations: Callable[[], Equations], dtype: Any, bits: int | None = None, *, large: bool = False) -> Any:
     """heyoka's integrator of the given equations in a floating-point type, compiled or taken from heyoka's cache.
 
-    bits: the length of the mantissa where the type is heyoka's multiprecision `real`, and None for any other type.
+    bits: the length of the mantissa where the type is heyoka's multiprecision `real`, and None for any other type. large:
+    whether the equations are so many that optimising their code would take minutes; the code then takes twice the time.
     """
+    return compiled(equations(), dtype, bits, large=large)
+
+
+def compiled(system: Equations, dtype: Any, bits: int | None, *, large: bool = False, events: Sequence[Any] = ()) -> Any:
+    """An integrator as from `integrator` that is not kept. events: heyoka's events that do not stop it."""
     prepare_heyoka()
-    system = equations()
     options: dict[str, Any] = {} if bits is None else {"prec": bits}
     zero = dtype(0) if bits is None else hy.real(0, bits)
     tolerance = STEP_TOLERANCES[dtype] if bits is None else 2.0 ** (TOLERANCE_BITS - bits)
+    if large:
+        options["opt_level"] = 0
     return hy.taylor_adaptive(
         system,
         np.full(len(system), zero, dtype=dtype),
@@ -83,6 +90,7 @@ def integrator(equations: Callable[[], Equations], dtype: Any, bits: int | None 
         fp_type=dtype,
         # Code that is not compact runs 10 % faster and takes ten times as long to compile.
         compact_mode=True,
+        nt_events=list(events),
         **options,
     )
 
@@ -115,7 +123,7 @@ def solve(solver: Any, start: WideArray, parameters: WideArray, times: Array, an
     """
     instants, rows = np.unique(np.append(times[:0].dtype.type(0), times), return_inverse=True)
     reducer = hy.callback.angle_reducer(hy.make_vars(*angles)) if angles else None
-    with _integrator_lock:
+    with integrator_lock:
         solver.time = instants.astype(start.dtype)[0]
         solver.state[:] = start
         solver.pars[:] = parameters[: len(solver.pars)]

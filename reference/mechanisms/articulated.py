@@ -32,9 +32,16 @@ FREEDOMS: dict[Kind, tuple[int, ...]] = {
 
 ZERO: Vec = [0, 0, 0]
 
-#: What the acceleration along an eliminated coordinate follows from: its component k, and the parts that the acceleration of
-#: the link and the forces have in it.
-_Step = tuple[int, Vec, Number]
+
+@dataclass(frozen=True, eq=False)
+class Accelerations:
+    """The derivatives of the rates of each link; of a free one the acceleration (6,) along its own axes without gravity.
+
+    strains: for each link with one coordinate, the force that would keep it from accelerating, with the other sign.
+    """
+
+    rates: list[Vec]
+    strains: list[Number]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +59,8 @@ class Constants:
         (6,) inertia XX, YY, ZZ, XY, XZ, YZ about the origin, and (3,) ZZ - YY, XX - ZZ, YY - XX (kg m^2).
     armature, damping, stiffness, force
         What acts at the joint's own coordinate: the force is `force` - `stiffness` q - `damping` v.
+    moves
+        1, or 0 for a joint that is held.
     """
 
     turn: Sequence[Number]
@@ -64,6 +73,7 @@ class Constants:
     damping: Number
     stiffness: Number
     force: Number
+    moves: Number
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +105,21 @@ class _Motion:
     linear: Vec
     rotation: "Rotation"
     displacement: Vec
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """What the acceleration along an eliminated coordinate follows from.
+
+    component: which of the six it is. ratio: its part of the acceleration of the link, with the other sign. given: its part of
+    the forces. weight: the inertia along it. moves: as in `Constants`.
+    """
+
+    component: int
+    ratio: Vec
+    given: Number
+    weight: Number
+    moves: Number
 
 
 class Rotation:
@@ -151,8 +176,8 @@ def quaternion_rows(q: Sequence[Number]) -> Rows:
     ]
 
 
-def accelerations(links: Sequence[Link], gravity: Sequence[Number], functions: Any) -> list[Vec]:
-    """The derivatives of the rates of all links; of a free one the acceleration (6,) along its own axes without gravity.
+def accelerations(links: Sequence[Link], gravity: Sequence[Number], functions: Any) -> Accelerations:
+    """The accelerations of all links.
 
     Parameters
     ----------
@@ -170,7 +195,7 @@ def accelerations(links: Sequence[Link], gravity: Sequence[Number], functions: A
         link, motion, (inertia, force) = links[place], motions[place], (inertias[place], forces[place])
         steps = []
         for k, effort in zip(FREEDOMS[link.kind], _efforts(link), strict=True):
-            inertia, force, step = _eliminate(inertia, force, k, effort, link.constants.armature)
+            inertia, force, step = _eliminate(inertia, force, k, effort, link.constants)
             steps.append(step)
         eliminated.append(steps)
         if link.parent >= 0:
@@ -264,23 +289,23 @@ def _efforts(link: Link) -> list[Number]:
     return [0] * 6
 
 
-def _eliminate(
-    inertia: Rows, force: Vec, k: int, effort: Number, armature: Number
-) -> tuple[Rows, Vec, tuple[int, Vec, Number]]:
+def _eliminate(inertia: Rows, force: Vec, k: int, effort: Number, constants: Constants) -> tuple[Rows, Vec, _Step]:
     """Inertia and force without the coordinate along component k, and what its acceleration follows from."""
+    armature, moves = constants.armature, constants.moves
     column = [row[k] for row in inertia]
-    inverse = 1 / (column[k] + armature)
+    weight = column[k] + armature
+    inverse = 1 / weight
     ratio = [entry * inverse for entry in column]
-    need = effort - force[k]
-    left = _mirrored(lambda i, j: inertia[i][j] - column[i] * ratio[j], 6)
-    rest = [part + of * need for part, of in zip(force, ratio, strict=True)]
-    # Along the coordinate itself only the armature is left, in terms that do not cancel.
-    kept = [entry * (armature * inverse) for entry in column]
+    released, need = [entry * moves for entry in ratio], effort - force[k]
+    left = _mirrored(lambda i, j: inertia[i][j] - column[i] * released[j], 6)
+    rest = [part + of * need for part, of in zip(force, released, strict=True)]
+    # Along the coordinate itself only the armature is left, or all where it is held, in terms that do not cancel.
+    kept = (armature + (1 - moves) * column[k]) * inverse
     for j in range(6):
-        left[k][j] = left[j][k] = kept[j]
-    if _absent(armature):
+        left[k][j] = left[j][k] = column[j] * kept
+    if _absent(armature) and not _absent(moves) and isinstance(moves, int):
         rest[k] = effort
-    return left, rest, (k, ratio, need * inverse)
+    return left, rest, _Step(k, ratio, need * inverse, weight, moves)
 
 
 def _passed(inertia: Rows, force: Vec, constants: Constants, motion: _Motion) -> tuple[Rows, Vec]:
@@ -307,10 +332,11 @@ def _shifted(angular: Rows, mixed: Rows, linear: Rows, shift: Vec) -> Rows:
     ]
 
 
-def _solved(links: Sequence[Link], motions: list[_Motion], eliminated: list[list[_Step]]) -> list[Vec]:
+def _solved(links: Sequence[Link], motions: list[_Motion], eliminated: list[list[_Step]]) -> Accelerations:
     """The accelerations of the joints, from the root to the tips."""
     extra: list[Vec] = []
-    found = []
+    rates: list[Vec] = []
+    strains: list[Number] = []
     for link, motion, steps in zip(links, motions, eliminated, strict=True):
         if link.parent >= 0:
             angular, linear = extra[link.parent][:3], extra[link.parent][3:]
@@ -325,12 +351,14 @@ def _solved(links: Sequence[Link], motions: list[_Motion], eliminated: list[list
         else:
             whole = [0] * 6
         own: dict[int, Number] = {}
-        for k, ratio, given in reversed(steps):
-            own[k] = given - _dot(ratio, whole)
+        for step in reversed(steps):
+            k, released = step.component, step.given - _dot(step.ratio, whole)
+            own[k] = step.moves * released
             whole[k] = whole[k] + own[k]
         extra.append(whole)
-        found.append([own[k] for k in sorted(own)])
-    return found
+        rates.append([own[k] for k in sorted(own)])
+        strains.append(step.weight * released)
+    return Accelerations(rates, strains)
 
 
 def _absent(value: Number) -> bool:

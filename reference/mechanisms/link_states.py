@@ -10,7 +10,7 @@ matrices are formed without dividing by it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,37 @@ class LinkStates:
 
 
 @dataclass(frozen=True, eq=False)
+class Change:
+    """A joint with dry friction begins or ceases to slip.
+
+    Attributes
+    ----------
+    time
+        When (s), in the floating-point type of the motion.
+    joint
+        The place of the joint in the mechanism.
+    mode
+        What it does from then on: 1 or -1 where it slips forwards or backwards, 0 where it sticks.
+    slope
+        How fast what has become zero went there: the velocity of the joint where it slipped before (rad/s^2 or m/s^2), else
+        what is left of the friction (N m/s or N/s). An error of that quantity divided by it is the error of the time.
+    """
+
+    time: Any
+    joint: int
+    mode: int
+    slope: float
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """The motion of a tree: the states of its links, and the changes of its joints with dry friction in order of time."""
+
+    links: list[LinkStates]
+    changes: tuple[Change, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class Form:
     """A tree in some arithmetic: the kind and the parent of each link, its numbers, and gravity (3,)."""
 
@@ -54,21 +85,29 @@ class Form:
         return self.links[0][0] == "free" and len(self.links) > 1
 
 
-def derivatives(form: Form, state: Sequence[Number], functions: Any) -> list[Number]:
+@dataclass(frozen=True, eq=False)
+class Rates:
+    """The derivative of a state, and the strain of each link's joint (see `articulated.Accelerations`)."""
+
+    state: list[Number]
+    strains: list[Number]
+
+
+def derivatives(form: Form, state: Sequence[Number], functions: Any) -> Rates:
     """The derivative of a state. functions: what has the functions `sin` and `cos` of the arithmetic."""
     links, first = [], 0
     for (kind, parent), constants in zip(form.links, form.constants, strict=True):
         middle, last = first + SIZES[kind][0], first + sum(SIZES[kind])
         links.append(articulated.Link(kind, parent, constants, state[first:middle], state[middle:last]))
         first = last
-    found: list[Number] = []
-    accelerations = articulated.accelerations(links, form.gravity, functions)
-    for link, own in zip(links, accelerations, strict=True):
-        found += [*_coordinate_rates(link), *own[: len(link.rates)]]
+    rates: list[Number] = []
+    found = articulated.accelerations(links, form.gravity, functions)
+    for link, own in zip(links, found.rates, strict=True):
+        rates += [*_coordinate_rates(link), *own[: len(link.rates)]]
     if form.floats:
-        linear, rows = accelerations[0][3:], quaternion_rows(links[0].coordinates)
-        found += [*state[first + 3 :], *(sum(a * b for a, b in zip(row, linear, strict=True)) for row in rows)]
-    return found
+        linear, rows = found.rates[0][3:], quaternion_rows(links[0].coordinates)
+        rates += [*state[first + 3 :], *(sum(a * b for a, b in zip(row, linear, strict=True)) for row in rows)]
+    return Rates(rates, found.strains)
 
 
 def _coordinate_rates(link: articulated.Link) -> Sequence[Number]:
@@ -84,9 +123,31 @@ def _coordinate_rates(link: articulated.Link) -> Sequence[Number]:
     ]
 
 
-def form(tree: Tree, constants: Sequence[Constants], gravity: Sequence[Number]) -> Form:
-    """A tree in the arithmetic of some numbers."""
-    return Form([(link.kind, link.parent) for link in tree.links], constants, gravity)
+def in_doubles(tree: Tree) -> Form:
+    """A tree in double precision; zeros are integers, by which the recursion knows them."""
+    links = [(link.kind, link.parent) for link in tree.links]
+    return Form(links, [_in_doubles(link.constants) for link in tree.links], [_double(part) for part in tree.gravity])
+
+
+def _in_doubles(constants: Constants) -> Constants:
+    values: dict[str, Any] = {}
+    for field in fields(Constants):
+        value = getattr(constants, field.name)
+        values[field.name] = [_double(each) for each in value] if isinstance(value, tuple) else _double(value)
+    return Constants(**{**values, "moves": 1})
+
+
+def _double(value: Real) -> float | int:
+    return float(value) if value else 0
+
+
+def places_of_rates(links: Sequence[tuple[Kind, int]]) -> list[int]:
+    """The place of each link's first rate in a state."""
+    found, first = [], 0
+    for kind, _ in links:
+        found.append(first + SIZES[kind][0])
+        first += sum(SIZES[kind])
+    return found
 
 
 def start(tree: Tree) -> list[Real]:
@@ -124,6 +185,6 @@ def split(tree: Tree, rows: WideArray, times: WideArray, kind: FloatType) -> lis
 
 def _flown(tree: Tree, floating: WideArray, times: WideArray, kind: FloatType) -> tuple[WideArray, WideArray]:
     """Position and velocity (n, 3), world, of the first link, which is free, from those relative to where it would be."""
-    begin, t = tree.links[0].start, kind.array([MP.mpf(time) for time in times])[:, None]
+    begin, t = tree.links[0].start, kind.array(times)[:, None]
     origin, velocity, fall = (kind.array(part) for part in (begin.place.origin, common_velocity(tree), tree.fall))
     return origin + (velocity + fall * t / 2) * t + floating[:, :3], velocity + fall * t + floating[:, 3:]

@@ -12,14 +12,14 @@ import numpy as np
 
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.mechanisms import poses
-from bodycheck.reference.mechanisms.link_states import LinkStates
+from bodycheck.reference.mechanisms.link_states import Change, Course
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
 from bodycheck.reference.mechanisms.tree import Tree, forest
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: What follows the links of a tree at ascending or other times.
-Solver = Callable[[Tree, WideArray, FloatType], list[LinkStates]]
+Solver = Callable[[Tree, WideArray, FloatType], Course]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,11 +32,14 @@ class JointStates:
         (n, c) coordinates and (n, u) velocities of the joints, in the layout of `coordinates`. Angles are not reduced.
     bodies
         The states of all bodies, free ones included: arrays (b, n, ...) of that type, as `trajectory.Trajectory` has them.
+    changes
+        When joints with dry friction began and ceased to slip, up to the last instant.
     """
 
     position: WideArray
     velocity: WideArray
     bodies: Trajectory
+    changes: tuple[Change, ...]
 
 
 def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits: int | None = None) -> JointStates:
@@ -56,17 +59,19 @@ def follow(mechanism: Mechanism, times: Array, dtype: Any = np.longdouble, bits:
     NotModelled
         If the mechanism has loops.
     OutOfReach
-        If the integration fails or takes too many steps.
+        If the integration fails or takes too many steps, or too many joints of one tree have dry friction.
     """
     if mechanism.loops:
         raise NotModelled("the recursion follows trees, and this mechanism has loops")
     kind, found, instants = FloatType(dtype, bits), forest(mechanism), np.asarray(times, dtype=float)
     solve, count = solver(), len(instants)
-    states = [solve(tree, instants, kind) for tree in found.trees]
+    courses = [solve(tree, instants, kind) for tree in found.trees]
+    states = [course.links for course in courses]
     links = [poses.link_frames(tree, own, count, kind) for tree, own in zip(found.trees, states, strict=True)]
     frames = poses.body_frames(found, links, count, kind)
     position, velocity = poses.joints(mechanism, found, states, frames, count, kind)
-    return JointStates(position, velocity, poses.bodies(mechanism, frames, instants, kind))
+    changes = sorted((change for course in courses for change in course.changes), key=lambda change: float(change.time))
+    return JointStates(position, velocity, poses.bodies(mechanism, frames, instants, kind), tuple(changes))
 
 
 @functools.cache

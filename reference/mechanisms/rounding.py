@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference.exact.numbers import DIGITS, MP, Real, wide
+from bodycheck.reference.exact.numbers import DIGITS, MP, Real, real, wide
 
 #: An array of any floating-point type; the types of heyoka are not NumPy's own.
 WideArray = NDArray[Any]
@@ -21,7 +21,8 @@ class FloatType:
     bits: int | None = None
 
     def number(self, value: Real) -> Any:
-        """The number of this type that is nearest to an exact one."""
+        """The number of this type that is nearest to an exact one or to a double."""
+        value = real(value)
         if self.bits is not None:
             return self.dtype(MP.nstr(value, DIGITS), self.bits)
         if self.dtype is np.float64:
@@ -31,5 +32,5 @@ class FloatType:
         return self.dtype(MP.nstr(value, DIGITS))
 
     def array(self, values: Iterable[Real]) -> WideArray:
-        """Exact numbers as an array of this type."""
+        """Exact numbers or doubles as an array of this type."""
         return np.array([self.number(value) for value in values])

@@ -363,6 +363,7 @@ def _constants(before: Place, made: MassProperties | None, joint: Joint | None =
         damping=damping,
         stiffness=stiffness,
         force=effort + stiffness * rest,
+        moves=MP.mpf(1),
     )
 
 

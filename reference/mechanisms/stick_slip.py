@@ -1,0 +1,274 @@
+"""Trees whose joints have dry friction, by Taylor's method with events (heyoka; Linux only).
+
+Each such joint slips forwards, slips backwards or sticks. While it slips, friction is a constant force against it; while it
+sticks, its coordinate does not move, and friction is whatever this takes, up to its size. A joint that slips does so until its
+velocity is zero, and one that sticks until that force exceeds the friction. Both are roots of functions of the state, which
+heyoka finds within the step of the series to the rounding of the arithmetic.
+
+Where joints are at rest at the start, or one comes to rest, what all those at rest do follows from their accelerations, which
+are linear in the forces of friction: a joint either does not accelerate, and its force is within the friction, or accelerates
+against it. This complementarity problem has one solution, as the mass matrix is positive definite.
+"""
+
+import functools
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+
+from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.integration.dop853 import MAX_STEPS
+from bodycheck.reference.integration.heyoka_solver import compiled, integrator_lock
+from bodycheck.reference.mechanisms.link_states import (
+    Change,
+    Course,
+    Form,
+    derivatives,
+    in_doubles,
+    places_of_rates,
+    split,
+    start,
+)
+from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
+from bodycheck.reference.mechanisms.tree import Tree
+from bodycheck.reference.mechanisms.tree_equations import Shape, parameters, shape_of, written
+from bodycheck.reference.trajectory import Array
+
+#: Most joints of one tree with dry friction, since up to 3 to this power cases are tried where they are at rest.
+MOST_DRY = 8
+
+#: Most changes of what joints do.
+MOST_CHANGES = 10_000
+
+#: Part of a step after its beginning within which a joint that has just begun to slip has not come to rest again: there its
+#: velocity is zero but for rounding.
+JUST_BEGUN = 2.0**-20
+
+#: Rounding of doubles in accelerations and forces, relative to the largest terms; a joint this near to a change is watched.
+NEAR = 1e-11
+
+#: What each link with dry friction does, by its place: 1 or -1 where it slips forwards or backwards, 0 where it sticks.
+Modes = dict[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class _Solver:
+    """heyoka's integrator, and the list to which it appends the places of links and the times of their changes."""
+
+    solver: Any
+    crossings: list[tuple[int, Any]]
+
+    def output(self, time: Any) -> WideArray:
+        """The state at a time within the last step."""
+        self.solver.update_d_output(time)
+        return np.array(self.solver.d_output)
+
+
+@dataclass(frozen=True, eq=False)
+class _Phase:
+    """The beginning of a phase without changes: time and state, what the joints do, and which of them have just begun to."""
+
+    time: Any
+    state: WideArray
+    modes: Modes
+    begun: frozenset[int]
+
+
+def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
+    """The links of a tree at times (n,) >= 0, s, in any order. Raises `OutOfReach`."""
+    shape = shape_of(tree)
+    if len(shape.dry) > MOST_DRY:
+        text = "joints with dry friction act on one another; the truth follows at most"
+        raise OutOfReach(f"{len(shape.dry)} {text} {MOST_DRY}")
+    instants, order = np.unique(times, return_inverse=True)
+    with integrator_lock:
+        rows, changes = _rows(tree, kind.array(instants), kind, _solver(shape, kind))
+    return Course(split(tree, rows[order], times, kind), changes)
+
+
+@functools.cache
+def _solver(shape: Shape, kind: FloatType) -> _Solver:
+    equations, crossings = written(shape), list[tuple[int, Any]]()
+    events = [
+        hy.nt_event(margin, _noting(crossings, place), direction=hy.event_direction.negative, fp_type=kind.dtype)
+        for place, margin in zip(shape.dry, equations.margins, strict=True)
+    ]
+    return _Solver(compiled(equations.system, kind.dtype, kind.bits, events=events), crossings)
+
+
+def _noting(crossings: list[tuple[int, Any]], place: int) -> Callable[[Any, Any, int], None]:
+    def note(_: Any, time: Any, __: int) -> None:
+        crossings.append((place, time))
+
+    return note
+
+
+def _rows(tree: Tree, instants: WideArray, kind: FloatType, solver: _Solver) -> tuple[WideArray, tuple[Change, ...]]:
+    """The states (n, k) at ascending times (n,), and the changes."""
+    state, changes = kind.array(start(tree)), list[Change]()
+    moving = {place: int(np.sign(float(state[at]))) for place, at in _velocities(tree).items()}
+    modes = settled(tree, state, moving)
+    phase = _Phase(instants[0] * 0, state, modes, _slipping(modes, moving))
+    rows = [state for instant in instants if instant <= phase.time]
+    while len(rows) < len(instants):
+        crossing = _advanced(tree, kind, solver, phase, instants, rows)
+        if crossing is None:
+            break
+        place, time = crossing
+        if len(changes) >= MOST_CHANGES:
+            raise OutOfReach(f"more than {MOST_CHANGES} changes between sticking and slipping before t = {float(time):.6g} s")
+        before, modes = phase.modes, phase.modes
+        slope = _slope(tree, solver, phase, place, time)
+        state, modes = _changed(tree, solver.output(time), before, place)
+        changes += [Change(time, tree.links[each].joint, mode, slope) for each, mode in modes.items() if mode != before[each]]
+        phase = _Phase(time, state, modes, _slipping(modes, before))
+    return np.array(rows), tuple(changes)
+
+
+def _slipping(modes: Modes, before: Modes) -> frozenset[int]:
+    """The links that have begun to slip."""
+    return frozenset(place for place, mode in modes.items() if mode and mode != before[place])
+
+
+def _velocities(tree: Tree) -> dict[int, int]:
+    """The places in a state of the velocities of links with dry friction, by the places of the links."""
+    places = places_of_rates([(link.kind, link.parent) for link in tree.links])
+    return {place: places[place] for place, link in enumerate(tree.links) if link.friction}
+
+
+def _advanced(
+    tree: Tree, kind: FloatType, solver: _Solver, phase: _Phase, instants: WideArray, rows: list[WideArray]
+) -> tuple[int, Any] | None:
+    """Follow a phase to its end, and add the states at the instants in it: the change that ends it, None after the last."""
+    inner, first = solver.solver, True
+    inner.time, inner.state[:] = phase.time, phase.state
+    inner.pars[:] = kind.array(parameters(tree, phase.modes))[: len(inner.pars)]
+    watched = _nearly_slipping(tree, phase.state, phase.modes)
+    for _ in range(MAX_STEPS):
+        solver.crossings.clear()
+        begin = inner.time
+        outcome, step = inner.step(max_delta_t=instants[-1] - begin, write_tc=True)
+        if outcome not in (hy.taylor_outcome.success, hy.taylor_outcome.time_limit):
+            raise OutOfReach(f"Taylor's method stopped at t = {float(begin):.6g} s: {outcome.name}")
+        ignored = phase.begun if first else frozenset[int]()
+        found = [each for each in solver.crossings if each[0] not in ignored or each[1] - begin > JUST_BEGUN * step]
+        if first and not found:
+            found = [(place, begin) for place in watched if _exceeded(tree, inner.state, phase.modes, place)]
+        crossing = min(found, key=lambda each: each[1], default=None)
+        until = inner.time if crossing is None else crossing[1]
+        while len(rows) < len(instants) and instants[len(rows)] <= until:
+            rows.append(solver.output(instants[len(rows)]))
+        if crossing is not None or len(rows) == len(instants):
+            return crossing
+        _check_directions(tree, inner.state, phase.modes, float(begin))
+        first = False
+    raise OutOfReach(f"more than {MAX_STEPS} integration steps before t = {float(instants[-1]):.6g} s")
+
+
+def _changed(tree: Tree, state: WideArray, modes: Modes, place: int) -> tuple[WideArray, Modes]:
+    """The state after a change of a link, and what the links do from then on."""
+    if not modes[place]:
+        # Its acceleration begins at zero, so that nothing changes at once for the others.
+        return state, {**modes, place: int(np.sign(_strains(tree, state, modes)[place]))}
+    state, velocities = state.copy(), _velocities(tree)
+    largest = float(max(abs(state[at]) for at in velocities.values()))
+    moving = dict(modes)
+    for each, at in velocities.items():
+        if each == place or not modes[each] or abs(float(state[at])) <= NEAR**1.5 * largest:
+            state[at], moving[each] = state[at] * 0, 0
+    return state, settled(tree, state, moving)
+
+
+def settled(tree: Tree, state: WideArray, moving: Modes) -> Modes:
+    """What the links with dry friction do: those that move as they are, those at rest (0) as their accelerations say.
+
+    Raises
+    ------
+    OutOfReach
+        If rounding leaves no solution.
+    """
+    rest = [place for place, mode in moving.items() if not mode]
+    if not rest:
+        return dict(moving)
+    free, across = _responses(tree, state, moving, rest)
+    scale = np.abs(free) + np.abs(across).sum(axis=1)
+    for trial in itertools.product((0, 1, -1), repeat=len(rest)):
+        modes = np.array(trial)
+        held = modes == 0
+        force = -modes.astype(float)
+        force[held] = np.linalg.solve(across[np.ix_(held, held)], -(free + across @ force)[held])
+        acceleration = free + across @ force
+        if (np.abs(force) <= 1 + NEAR).all() and (modes * acceleration >= -NEAR * scale).all():
+            return {**moving, **dict(zip(rest, trial, strict=True))}
+    raise OutOfReach("rounding leaves undecided which joints with dry friction stick")
+
+
+def _responses(tree: Tree, state: WideArray, moving: Modes, rest: Sequence[int]) -> tuple[Array, Array]:
+    """The accelerations (m,) of links at rest without their friction, and (m, m) what each one's whole friction adds."""
+    form, places = _with_modes(tree, moving), [_velocities(tree)[place] for place in rest]
+    # A joint at rest is not held here: its acceleration without friction is asked for.
+    constants = [
+        replace(own, moves=1) if place in moving and not moving[place] else own for place, own in enumerate(form.constants)
+    ]
+
+    def accelerations(pushed: int | None) -> Array:
+        given = list(constants)
+        if pushed is not None:
+            given[pushed] = replace(given[pushed], force=given[pushed].force + float(tree.links[pushed].friction))
+        rates = derivatives(Form(form.links, given, form.gravity), state.astype(float).tolist(), np).state
+        return np.array([float(rates[at]) for at in places])
+
+    free = accelerations(None)
+    return free, np.stack([accelerations(place) - free for place in rest], axis=1)
+
+
+def _with_modes(tree: Tree, modes: Mapping[int, int]) -> Form:
+    """A tree in doubles whose links with dry friction slip or stick."""
+    form = in_doubles(tree)
+    constants = list(form.constants)
+    for place, mode in modes.items():
+        force = constants[place].force - mode * float(tree.links[place].friction)
+        constants[place] = replace(constants[place], force=force, moves=abs(mode))
+    return Form(form.links, constants, form.gravity)
+
+
+def _strains(tree: Tree, state: WideArray, modes: Modes) -> list[float]:
+    return [float(strain) for strain in derivatives(_with_modes(tree, modes), state.astype(float).tolist(), np).strains]
+
+
+def _left(tree: Tree, state: WideArray, modes: Modes, place: int) -> float:
+    """What is left of the friction of a link that sticks, in units of the friction; its velocity where it slips."""
+    if modes[place]:
+        return abs(float(state[_velocities(tree)[place]]))
+    return 1 - abs(_strains(tree, state, modes)[place]) / float(tree.links[place].friction)
+
+
+def _nearly_slipping(tree: Tree, state: WideArray, modes: Modes) -> list[int]:
+    """The links that stick with all of their friction."""
+    sticking = [place for place, mode in modes.items() if not mode]
+    return [place for place in sticking if _left(tree, state, modes, place) < NEAR]
+
+
+def _exceeded(tree: Tree, state: WideArray, modes: Modes, place: int) -> bool:
+    """Whether a link cannot stick any more."""
+    return _left(tree, state, modes, place) < -NEAR
+
+
+def _slope(tree: Tree, solver: _Solver, phase: _Phase, place: int, time: Any) -> float:
+    """How fast the velocity of a link, or what is left of its friction, became zero at a time of the last step."""
+    lapse = time - phase.time
+    if lapse <= 0:
+        return 0.0
+    begin = time - min(lapse, abs(solver.solver.last_h)) * 2.0**-13
+    unit = 1.0 if phase.modes[place] else float(tree.links[place].friction)
+    return _left(tree, solver.output(begin), phase.modes, place) * unit / float(time - begin)
+
+
+def _check_directions(tree: Tree, state: WideArray, modes: Modes, time: float) -> None:
+    """Raise `OutOfReach` if a link slips against the direction in which it was last known to."""
+    for place, at in _velocities(tree).items():
+        if modes[place] * float(state[at]) < -NEAR * float(np.abs(state.astype(float)).max()):
+            raise OutOfReach(f"rounding leaves undecided whether a joint with dry friction slips after t = {time:.6g} s")

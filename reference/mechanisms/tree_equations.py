@@ -1,0 +1,136 @@
+"""The equations of a tree in heyoka's expressions, and their parameters.
+
+One compilation serves all mechanisms whose trees have the same kinds of links on the same parents, dry friction at the same
+joints, and zeros in the same places: all other numbers are parameters. heyoka keeps compiled code on disk.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import heyoka as hy
+
+from bodycheck.reference.exact.numbers import MP, Real
+from bodycheck.reference.integration.heyoka_solver import Equations
+from bodycheck.reference.mechanisms.articulated import Constants, Kind
+from bodycheck.reference.mechanisms.link_states import SIZES, Form, derivatives, places_of_rates
+from bodycheck.reference.mechanisms.tree import Link, Tree
+
+#: What is known of a number when the equations are written: 0, 1 and -1 themselves, and None for a parameter.
+Mark = int | None
+
+#: The fields of `Constants` with several numbers, and how many there are.
+_SIZES = {"turn": 9, "offset": 3, "moment": 3, "tensor": 6, "differences": 3}
+
+#: The fields whose ones are known when the equations are written, and those that change with what a dry joint does.
+_WITH_ONES = ("turn", "moves")
+_CHANGING = ("force", "moves")
+
+
+@dataclass(frozen=True)
+class Shape:
+    """What compiled equations depend on.
+
+    links: the kind and the parent of each link. marks: those of its numbers. gravity: those of gravity. dry: the places of the
+    links with dry friction.
+    """
+
+    links: tuple[tuple[Kind, int], ...]
+    marks: tuple[tuple[Mark, ...], ...]
+    gravity: tuple[Mark, ...]
+    dry: tuple[int, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Written:
+    """Equations in heyoka's form, and for each link with dry friction what becomes negative when what it does has to change.
+
+    That is the velocity along its direction while it slips, and while it sticks what is left of the friction, squared.
+    """
+
+    system: Equations
+    margins: list[Any]
+
+
+def shape_of(tree: Tree) -> Shape:
+    """What the compiled equations of a tree depend on."""
+    return Shape(
+        tuple((link.kind, link.parent) for link in tree.links),
+        tuple(tuple(mark for mark, _ in _numbers(link, link.constants)) for link in tree.links),
+        tuple(_mark(part, ones=False) for part in tree.gravity),
+        tuple(place for place, link in enumerate(tree.links) if link.friction),
+    )
+
+
+def parameters(tree: Tree, modes: Mapping[int, int] | None = None) -> list[Real]:
+    """The exact values of the parameters, in the order of the equations.
+
+    modes: what each link with dry friction does, by its place: 1 or -1 where it slips forwards or backwards, 0 where it sticks.
+    """
+    modes = modes or {}
+    found: list[Real] = []
+    for place, link in enumerate(tree.links):
+        constants = with_mode(link, modes[place]) if link.friction else link.constants
+        found += [number for mark, number in _numbers(link, constants) if mark is None]
+    found += [part for part in tree.gravity if part]
+    for place, mode in modes.items():
+        found += [tree.links[place].friction, MP.mpf(mode)]
+    return found
+
+
+def with_mode(link: Link, mode: int) -> Constants:
+    """The numbers of a link whose joint with dry friction slips forwards (1) or backwards (-1) or sticks (0)."""
+    constants = link.constants
+    return replace(constants, force=constants.force - mode * link.friction, moves=MP.mpf(abs(mode)))
+
+
+def _numbers(link: Link, constants: Constants) -> Iterator[tuple[Mark, Real]]:
+    """The numbers of a link in order, with their marks."""
+    for field in fields(Constants):
+        value = getattr(constants, field.name)
+        changing = bool(link.friction) and field.name in _CHANGING
+        for number in value if field.name in _SIZES else [value]:
+            yield None if changing else _mark(number, ones=field.name in _WITH_ONES), number
+
+
+def _mark(number: Real, *, ones: bool) -> Mark:
+    return int(number) if number == 0 or (ones and abs(number) == 1) else None
+
+
+def written(shape: Shape) -> Written:
+    """The equations; the parameters are numbered in the order of `parameters`."""
+    taken = 0
+
+    def symbols(marks: Sequence[Mark]) -> list[Any]:
+        nonlocal taken
+        found: list[Any] = []
+        for mark in marks:
+            found.append(hy.par[taken] if mark is None else mark)
+            taken += mark is None
+        return found
+
+    constants = [_named(symbols(marks)) for marks in shape.marks]
+    form = Form(shape.links, constants, symbols(shape.gravity))
+    count = sum(sum(SIZES[kind]) for kind, _ in shape.links) + 6 * form.floats
+    state = [hy.make_vars(f"x{place}") for place in range(count)]
+    rates, velocities = derivatives(form, state, hy), places_of_rates(shape.links)
+    margins = []
+    for place in shape.dry:
+        friction, mode = symbols((None, None))
+        slips, strain = constants[place].moves, rates.strains[place]
+        left = (friction - strain) * (friction + strain)
+        margins.append(slips * mode * state[velocities[place]] + (1 - slips) * left)
+    # A derivative that is zero is a number here, which heyoka takes only as an expression.
+    system = [(x, hy.expression(0.0) + rate) for x, rate in zip(state, rates.state, strict=True)]
+    return Written(system, margins)
+
+
+def _named(symbols: list[Any]) -> Constants:
+    """The numbers of a link from their symbols in order."""
+    values, taken = dict[str, Any](), 0
+    for field in fields(Constants):
+        size = _SIZES.get(field.name, 1)
+        own = symbols[taken : taken + size]
+        values[field.name] = own if field.name in _SIZES else own[0]
+        taken += size
+    return Constants(**values)
