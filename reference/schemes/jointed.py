@@ -11,14 +11,13 @@ springs there too adds h^2 k, and h k v to the force, where d and k are the coef
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.reference.mechanisms import articulated, poses
 from bodycheck.reference.mechanisms.articulated import Constants
-from bodycheck.reference.mechanisms.link_states import SIZES, Form, form, split, start
+from bodycheck.reference.mechanisms.link_states import SIZES, Form, in_doubles, split, start
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.rounding import FloatType
 from bodycheck.reference.mechanisms.tree import Tree, forest
@@ -48,7 +47,8 @@ class Equations:
             own = coordinates[q : q + held], rates[v : v + moving]
             links.append(articulated.Link(kind, parent, constants, *own))
             q, v = q + held, v + moving
-        return [value for link in articulated.accelerations(links, self.form.gravity, np) for value in link]
+        found = articulated.accelerations(links, self.form.gravity, np)
+        return [value for own in found.rates for value in own]
 
     def displaced(self, coordinates: Sequence[float], increment: Sequence[float]) -> list[float]:
         """The coordinates after an increment, which is a rotation vector in the axes of the link for a ball."""
@@ -201,8 +201,8 @@ def trajectory(mechanism: Mechanism, rows: Sequence[Array], t: Array) -> Traject
 
 def _doubles(tree: Tree, damping_step: float, spring_step: float) -> Form:
     """A tree in doubles, with the damping and the springs of the joints taken at the ends of steps (s); 0 for the start."""
-    constants = [_at_end(_rounded(link.constants), damping_step, spring_step) for link in tree.links]
-    return form(tree, constants, [float(part) for part in tree.gravity])
+    found = in_doubles(tree)
+    return replace(found, constants=[_at_end(own, damping_step, spring_step) for own in found.constants])
 
 
 def _at_end(given: Constants, damping_step: float, spring_step: float) -> Constants:
@@ -210,17 +210,6 @@ def _at_end(given: Constants, damping_step: float, spring_step: float) -> Consta
     if not added:
         return given
     return replace(given, armature=given.armature + added, damping=given.damping + spring_step * given.stiffness)
-
-
-def _rounded(constants: Constants) -> Constants:
-    """The numbers of a link in doubles; zeros are integers, by which the recursion leaves out products."""
-
-    def double(value: Any) -> Any:
-        if isinstance(value, tuple):
-            return tuple(double(each) for each in value)
-        return float(value) if value else 0
-
-    return Constants(**{name: double(getattr(constants, name)) for name in Constants.__dataclass_fields__})
 
 
 def _apart(tree: Tree, row: Sequence[float]) -> State:
