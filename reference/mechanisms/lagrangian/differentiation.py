@@ -235,3 +235,17 @@ def needed(tape: Tape, outputs: Sequence[Node]) -> set[Node]:
         if kind not in ("number", "parameter", "variable"):
             waiting += [a] if b is None else [a, b]
     return found
+
+
+def plus(tape: Tape, one: list[Node], other: list[Node]) -> list[Node]:
+    """The sum of two vectors."""
+    return [tape.add(a, b) for a, b in zip(one, other, strict=True)]
+
+
+def cross(tape: Tape, one: list[Node], other: list[Node]) -> list[Node]:
+    """The vector product of two vectors."""
+
+    def component(i: int, j: int) -> Node:
+        return tape.subtract(tape.multiply(one[i], other[j]), tape.multiply(one[j], other[i]))
+
+    return [component(1, 2), component(2, 0), component(0, 1)]

@@ -10,8 +10,8 @@ where the second term belongs to balls alone. dL/du_i = p_i is linear in u, so t
 
     M du/dt = X L - omega x p - (dp/dq) dq/dt + Q.
 
-M is factored into L^T D L from the leaves of the tree to its root, which fills no zero in [Featherstone, Rigid Body Dynamics
-Algorithms, 2008, section 6.5]. Damping and dry friction are the forces Q.
+M is formed by carrying the second derivatives of T from the leaves of the tree to its root; see `mass_matrix`. Damping is the
+force Q.
 
 Equations belong to a structure. Numbers are parameters, but for those that are zero, and rotations by right angles, which
 simplify the equations.
@@ -23,7 +23,8 @@ from dataclasses import dataclass
 
 from bodycheck.reference.independent.border import MP, Matrix, Number, Triple
 from bodycheck.reference.mechanisms.lagrangian.border import NONE, SIZES, Border, Carried, Kind
-from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape, along, gradient, needed
+from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape, along, cross, gradient, needed, plus
+from bodycheck.reference.mechanisms.lagrangian.mass_matrix import Frame, Solid, mass_matrix, order, solved
 
 #: What is known of a number when equations are derived: that it is 0, 1 or -1, or None.
 Mark = int | None
@@ -161,56 +162,83 @@ class _Read:
         return [next(self.nodes) for _ in range(count)]
 
 
-@functools.lru_cache(maxsize=32)
-def derived(structure: Structure) -> Derived:
-    """The equations of a structure. The state is all coordinates, then all velocities."""
-    tape = Tape()
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """What the equations of a structure are made of, on a tape.
+
+    Attributes
+    ----------
+    coordinates, velocities
+        The variables.
+    slopes, momenta
+        The derivatives of L by the coordinates and by the velocities.
+    forces
+        The forces Q of damping along the velocities.
+    solids
+        What the mass matrix is made of.
+    """
+
+    coordinates: list[Node]
+    velocities: list[Node]
+    slopes: list[Node]
+    momenta: list[Node]
+    forces: list[Node]
+    solids: list[Solid]
+
+
+def parts_of(tape: Tape, structure: Structure) -> Parts:
+    """L and its derivatives. The state is all coordinates, then all velocities."""
     nodes, parameters = [], 0
     for mark in structure.marks:
         nodes.append(tape.parameter(parameters) if mark is None else tape.number(float(mark)))
         parameters += mark is None
-    places = structure.places
-    coordinates, velocities = places[-1][0].stop, places[-1][1].stop
-    q = [tape.variable(index) for index in range(coordinates)]
-    u = [tape.variable(coordinates + index) for index in range(velocities)]
-    lagrangian, forces = _lagrangian(tape, structure, _Read(tape, iter(nodes)), q, u)
+    held, moving = structure.places[-1][0].stop, structure.places[-1][1].stop
+    q = [tape.variable(index) for index in range(held)]
+    u = [tape.variable(held + index) for index in range(moving)]
+    lagrangian, forces, solids = _lagrangian(tape, structure, _Read(tape, iter(nodes)), q, u)
     slopes = gradient(tape, lagrangian, [*q, *u])
-    momenta = slopes[coordinates:]
-    rates = [
-        rate
-        for kind, (held, moving) in zip(structure.kinds, places, strict=True)
-        for rate in _rates(tape, kind, q[held], u[moving])
-    ]
-    changes = along(tape, dict(zip(q, rates, strict=True)), momenta)
-    drives = []
+    return Parts(q, u, slopes[:held], slopes[held:], forces, solids)
+
+
+@functools.lru_cache(maxsize=32)
+def derived(structure: Structure) -> Derived:
+    """The equations of a structure. The state is all coordinates, then all velocities."""
+    tape, places = Tape(), structure.places
+    parts = parts_of(tape, structure)
+    q, u, momenta = parts.coordinates, parts.velocities, parts.momenta
+    rates, drives = [], []
     for kind, (held, moving) in zip(structure.kinds, places, strict=True):
-        drives += _drives(tape, kind, q[held], slopes[held], u[moving], momenta[moving])
+        rates += _rates(tape, kind, q[held], u[moving])
+        drives += _drives(tape, kind, q[held], parts.slopes[held], u[moving], momenta[moving])
+    changes = along(tape, dict(zip(q, rates, strict=True)), momenta)
     right = [
-        tape.add(tape.subtract(drive, change), force) for drive, change, force in zip(drives, changes, forces, strict=True)
+        tape.add(tape.subtract(drive, change), force)
+        for drive, change, force in zip(drives, changes, parts.forces, strict=True)
     ]
-    above = _above(structure)
-    matrix = _mass_matrix(tape, momenta, u, above)
-    found = *rates, *_solved(tape, matrix, right, above)
+    matrix = mass_matrix(tape, structure.parents, places, parts.solids)
+    found = *rates, *solved(tape, matrix, right, order(structure.parents, places))
     used = sorted(tape.operations[place][1] for place in needed(tape, found) if tape.operations[place][0] == "parameter")
-    return Derived(tape, coordinates + velocities, found, tuple(used))
+    return Derived(tape, len(q) + len(u), found, tuple(used))
 
 
-def _lagrangian(tape: Tape, structure: Structure, read: _Read, q: list[Node], u: list[Node]) -> tuple[Node, list[Node]]:
-    """L, and the forces Q of damping along the velocities."""
+def _lagrangian(
+    tape: Tape, structure: Structure, read: _Read, q: list[Node], u: list[Node]
+) -> tuple[Node, list[Node], list[Solid]]:
+    """L, the forces Q of damping along the velocities, and what the mass matrix is made of."""
     (gravity,) = read.some(1)
     half = tape.number(0.5)
     moving: list[_Moving] = []
     world = _Moving([tape.zero] * 3, [tape.zero] * 3, [tape.zero, tape.zero, tape.one], tape.zero)
-    terms, forces = [], []
+    terms, forces, solids = [], [], []
     for kind, parent, falls, (held, moved) in zip(
         structure.kinds, structure.parents, structure.falls, structure.places, strict=True
     ):
         turned, origin = read.some(9), read.some(3)
         own_q, own_u = q[held], u[moved]
-        own = _moved(tape, kind, world if parent is None else moving[parent], turned, origin, own_q, own_u)
+        own, frame = _moved(tape, kind, world if parent is None else moving[parent], turned, origin, own_q, own_u)
         moving.append(own)
         (mass,), centre, tensor = read.some(1), read.some(3), read.some(6)
-        velocity = _plus(tape, own.velocity, _cross(tape, own.omega, centre))
+        velocity = plus(tape, own.velocity, cross(tape, own.omega, centre))
         xx, yy, zz, xy, xz, yz = tensor
         spun = [tape.dot(row, own.omega) for row in ([xx, xy, xz], [xy, yy, yz], [xz, yz, zz])]
         doubled = tape.add(tape.multiply(mass, tape.dot(velocity, velocity)), tape.dot(own.omega, spun))
@@ -219,6 +247,7 @@ def _lagrangian(tape: Tape, structure: Structure, read: _Read, q: list[Node], u:
             height = tape.add(own.height, tape.dot(own.vertical, centre))
             terms.append(tape.negate(tape.multiply(tape.multiply(mass, gravity), height)))
         armature, damping, stiffness, rest, effort = read.some(5)
+        solids.append(Solid(kind, frame, mass, centre, tensor, armature))
         if kind in ("turn", "slide"):
             terms.append(tape.multiply(tape.multiply(half, armature), tape.multiply(own_u[0], own_u[0])))
             stretch = tape.subtract(own_q[0], rest)
@@ -226,24 +255,24 @@ def _lagrangian(tape: Tape, structure: Structure, read: _Read, q: list[Node], u:
             terms.append(tape.multiply(effort, own_q[0]))
         damped = [tape.zero] * 3 + own_u[3:] if kind == "free" else own_u
         forces += [tape.negate(tape.multiply(damping, velocity)) for velocity in damped]
-    return tape.total(terms), forces
+    return tape.total(terms), forces, solids
 
 
 def _moved(
     tape: Tape, kind: Kind, parent: _Moving, turned: list[Node], origin: list[Node], q: list[Node], u: list[Node]
-) -> _Moving:
-    """How an element moves, from how its parent moves."""
+) -> tuple[_Moving, Frame]:
+    """How an element moves, from how its parent moves, and where its frame is in that of the parent."""
     rows = turned[:3], turned[3:6], turned[6:]
 
     def across(vector: list[Node]) -> list[Node]:
         return [tape.dot(row, vector) for row in rows]
 
     omega, vertical = across(parent.omega), across(parent.vertical)
-    velocity = across(_plus(tape, parent.velocity, _cross(tape, parent.omega, origin)))
+    velocity = across(plus(tape, parent.velocity, cross(tape, parent.omega, origin)))
     height = tape.add(parent.height, tape.dot(parent.vertical, origin))
     none = [tape.zero] * 3
     slid, slides, turns = none, none, none
-    columns: list[list[Node]] = []
+    columns = [[tape.one if i == j else tape.zero for j in range(3)] for i in range(3)]
     match kind:
         case "turn":
             c, s = tape.cosine(q[0]), tape.sine(q[0])
@@ -256,10 +285,9 @@ def _moved(
         case "free":
             slid, slides, columns, turns = q[:3], u[:3], _axes(tape, q[3:]), u[3:]
     height = tape.add(height, tape.dot(vertical, slid))
-    velocity = _plus(tape, _plus(tape, velocity, _cross(tape, omega, slid)), slides)
-    if columns:
-        omega, velocity, vertical = ([tape.dot(axis, vector) for axis in columns] for vector in (omega, velocity, vertical))
-    return _Moving(_plus(tape, omega, turns), velocity, vertical, height)
+    velocity = plus(tape, plus(tape, velocity, cross(tape, omega, slid)), slides)
+    omega, velocity, vertical = ([tape.dot(axis, vector) for axis in columns] for vector in (omega, velocity, vertical))
+    return _Moving(plus(tape, omega, turns), velocity, vertical, height), Frame(list(rows), origin, columns, slid)
 
 
 def _axes(tape: Tape, quaternion: list[Node]) -> list[list[Node]]:
@@ -304,63 +332,5 @@ def _drives(tape: Tape, kind: Kind, q: list[Node], slopes: list[Node], u: list[N
         return slopes
     half = tape.number(0.5)
     turning = [tape.multiply(half, tape.dot(direction, slopes[-4:])) for direction in _directions(tape, q[-4:])]
-    gyroscopic = _cross(tape, u[-3:], momenta[-3:])
+    gyroscopic = cross(tape, u[-3:], momenta[-3:])
     return [*slopes[:-4], *(tape.subtract(own, turn) for own, turn in zip(turning, gyroscopic, strict=True))]
-
-
-def _above(structure: Structure) -> list[int | None]:
-    """For each velocity, the one before it on the way to the root, or None."""
-    found: list[int | None] = []
-    for parent, (_, moving) in zip(structure.parents, structure.places, strict=True):
-        found.append(None if parent is None else structure.places[parent][1].stop - 1)
-        found += range(moving.start, moving.stop - 1)
-    return found
-
-
-def _path(above: Sequence[int | None], place: int) -> Iterator[int]:
-    """The velocities on the way from one, which is not among them, to the root."""
-    step = above[place]
-    while step is not None:
-        yield step
-        step = above[step]
-
-
-def _mass_matrix(tape: Tape, momenta: list[Node], u: list[Node], above: Sequence[int | None]) -> dict[tuple[int, int], Node]:
-    """The entries (i, j) of M with j = i, or with j on the way from i to the root."""
-    found: dict[tuple[int, int], Node] = {}
-    for i in range(len(u)):
-        rows = [i, *_path(above, i)]
-        column = along(tape, {u[i]: tape.one}, [momenta[j] for j in rows])
-        found |= {(i, j): entry for j, entry in zip(rows, column, strict=True)}
-    return found
-
-
-def _solved(tape: Tape, matrix: dict[tuple[int, int], Node], right: list[Node], above: Sequence[int | None]) -> list[Node]:
-    """The solution x of M x = b, with M = L^T D L."""
-    h, x = dict(matrix), list(right)
-    lower: dict[tuple[int, int], Node] = {}
-    for k in reversed(range(len(x))):
-        for i in _path(above, k):
-            lower[k, i] = tape.divide(h[k, i], h[k, k])
-            for j in (i, *_path(above, i)):
-                h[i, j] = tape.subtract(h[i, j], tape.multiply(lower[k, i], h[k, j]))
-        for i in _path(above, k):
-            x[i] = tape.subtract(x[i], tape.multiply(lower[k, i], x[k]))
-    x = [tape.divide(value, h[k, k]) for k, value in enumerate(x)]
-    for k in range(len(x)):
-        for i in _path(above, k):
-            x[k] = tape.subtract(x[k], tape.multiply(lower[k, i], x[i]))
-    return x
-
-
-def _plus(tape: Tape, one: list[Node], other: list[Node]) -> list[Node]:
-    return [tape.add(a, b) for a, b in zip(one, other, strict=True)]
-
-
-def _cross(tape: Tape, one: list[Node], other: list[Node]) -> list[Node]:
-    """The vector product of two vectors."""
-
-    def component(i: int, j: int) -> Node:
-        return tape.subtract(tape.multiply(one[i], other[j]), tape.multiply(one[j], other[i]))
-
-    return [component(1, 2), component(2, 0), component(0, 1)]

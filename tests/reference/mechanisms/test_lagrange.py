@@ -7,8 +7,9 @@ import sympy
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.mechanisms import kinematics, lagrange, observables
 from bodycheck.reference.mechanisms.coordinates import JointMotion
-from bodycheck.reference.mechanisms.lagrangian.differentiation import made
-from bodycheck.reference.mechanisms.lagrangian.equations import derived
+from bodycheck.reference.mechanisms.lagrangian.differentiation import Tape, along, made
+from bodycheck.reference.mechanisms.lagrangian.equations import derived, parts_of
+from bodycheck.reference.mechanisms.lagrangian.mass_matrix import mass_matrix
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Loop, Mechanism
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -163,3 +164,24 @@ def test_loops_and_dry_friction_are_not_modelled() -> None:
     loop = Loop((1, WORLD), ((0.0, 0.0, 0.7), (0.0, 0.0, 0.0)))
     with pytest.raises(NotModelled, match="loops"):
         lagrange.follow_in_doubles(Mechanism(plain.bodies, plain.joints, (loop,), 9.81), TIMES)
+
+
+def test_the_mass_matrix_is_the_derivative_of_the_momenta() -> None:
+    """M is formed apart from the momenta; what is wrong in one of them makes du/dt depend on u in the wrong way."""
+    ready = lagrange.prepared(tree())
+    tape, structure = Tape(), ready.structure
+    parts = parts_of(tape, structure)
+    entries = mass_matrix(tape, structure.parents, structure.places, parts.solids)
+    columns = {j: along(tape, {parts.velocities[j]: tape.one}, parts.momenta) for j in range(len(parts.velocities))}
+    values = [*(float(value) for value in ready.start), *(float(value) for value in ready.parameters)]
+    count = len(ready.start)
+    leaves = {
+        "number": lambda value: float(value),
+        "parameter": lambda place: values[count + place],
+        "variable": lambda place: values[place],
+    }
+    pairs = [node for (i, j), entry in entries.items() for node in (entry, columns[j][i])]
+    found = made(tape, pairs, lambda kind, value: leaves[kind](value), np.sin, np.cos)
+    # Some tens of roundings of entries of the order of one.
+    np.testing.assert_allclose(found[::2], found[1::2], atol=1e-13)
+    assert len(entries) > 100

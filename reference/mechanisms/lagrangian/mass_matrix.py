@@ -1,0 +1,206 @@
+"""The mass matrix of a mechanism, M = d2T/du2, and the solution of its equations.
+
+The kinetic energy of all that moves with an element as one rigid body is a quadratic form in the motion of the element's frame:
+its coefficients are a mass, a first moment and an inertia tensor about the origin. They are carried from the leaves of the tree
+to its root, since T is a sum over bodies, and the motion of a child's frame is linear in that of its parent. The momenta that
+belong to one velocity are then carried on towards the root, and are components of M along every velocity there.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from bodycheck.reference.mechanisms.lagrangian.border import Kind
+from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape, cross, plus
+
+#: A vector, and rows of a matrix.
+Vector = list[Node]
+Rows = list[Vector]
+
+#: The entries (i, j) of a mass matrix with j = i, or with j on the way from i to the root. All others are symmetric to these,
+#: or 0.
+Entries = dict[tuple[int, int], Node]
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Where the frame of an element is in that of its parent.
+
+    turned: rows of the matrix from the frame of the parent to that at zero. origin: that at zero, in the frame of the parent.
+    axes: those of the element in the frame at zero. slid: its origin in the frame at zero.
+    """
+
+    turned: Rows
+    origin: Vector
+    axes: Rows
+    slid: Vector
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """An element, its armature, and what it carries: mass, centre of mass, inertia tensor about it (XX, YY, ZZ, XY, XZ, YZ)."""
+
+    kind: Kind
+    frame: Frame
+    mass: Node
+    centre: Vector
+    tensor: Vector
+    armature: Node
+
+
+@dataclass(frozen=True, eq=False)
+class _Inertia:
+    """Mass, first moment, and inertia tensor about the origin of a frame."""
+
+    mass: Node
+    moment: Vector
+    tensor: Rows
+
+    def shifted(self, tape: Tape, origin: Vector) -> "_Inertia":
+        """In a parallel frame, in which the origin of this one is at a place."""
+        moved = plus(tape, self.moment, [tape.multiply(self.mass, part) for part in origin])
+        both = tape.add(tape.dot(origin, self.moment), tape.dot(origin, moved))
+
+        def entry(i: int, j: int) -> Node:
+            crossed = tape.add(tape.multiply(origin[i], self.moment[j]), tape.multiply(moved[i], origin[j]))
+            return tape.add(self.tensor[i][j], tape.subtract(both if i == j else tape.zero, crossed))
+
+        return _Inertia(self.mass, moved, _symmetric(entry))
+
+    def turned(self, tape: Tape, rows: Rows) -> "_Inertia":
+        """In a turned frame. rows: those of the matrix to it."""
+        half = [[tape.dot(row, column) for column in self.tensor] for row in rows]
+        return _Inertia(
+            self.mass,
+            [tape.dot(row, self.moment) for row in rows],
+            _symmetric(lambda i, j: tape.dot(half[i], rows[j])),
+        )
+
+    def plus(self, tape: Tape, other: "_Inertia") -> "_Inertia":
+        """Together with another in the same frame."""
+        rows = [plus(tape, one, two) for one, two in zip(self.tensor, other.tensor, strict=True)]
+        return _Inertia(tape.add(self.mass, other.mass), plus(tape, self.moment, other.moment), rows)
+
+    def momenta(self, tape: Tape, omega: Vector, velocity: Vector) -> tuple[Vector, Vector]:
+        """The angular momentum about the origin, and the linear one, of a motion of the frame."""
+        linear = plus(tape, [tape.multiply(self.mass, part) for part in velocity], cross(tape, omega, self.moment))
+        turning = [tape.dot(row, omega) for row in self.tensor]
+        return plus(tape, turning, cross(tape, self.moment, velocity)), linear
+
+
+def mass_matrix(
+    tape: Tape, parents: Sequence[int | None], places: Sequence[tuple[slice, slice]], solids: Sequence[Solid]
+) -> Entries:
+    """The entries of M. places: the slices of the coordinates and velocities of each element."""
+    whole = [_about_origin(tape, solid) for solid in solids]
+    for place in reversed(range(len(solids))):
+        if (parent := parents[place]) is not None:
+            frame = solids[place].frame
+            at_zero = whole[place].turned(tape, _transposed(frame.axes)).shifted(tape, frame.slid)
+            whole[parent] = whole[parent].plus(
+                tape, at_zero.turned(tape, _transposed(frame.turned)).shifted(tape, frame.origin)
+            )
+    found: Entries = {}
+    for place, solid in enumerate(solids):
+        first = places[place][1].start
+        own = _motions(tape, solid)
+        for k, (omega, velocity) in enumerate(own):
+            turning, linear = whole[place].momenta(tape, omega, velocity)
+            for j, motion in enumerate(own[: k + 1]):
+                found[first + k, first + j] = _along(tape, motion, turning, linear)
+            if solid.kind in ("turn", "slide"):
+                found[first, first] = tape.add(found[first, first], solid.armature)
+            for step, (angular, straight) in _towards_the_root(tape, parents, solids, place, (turning, linear)):
+                for j, motion in enumerate(_motions(tape, solids[step])):
+                    found[first + k, places[step][1].start + j] = _along(tape, motion, angular, straight)
+    return found
+
+
+def _towards_the_root(
+    tape: Tape, parents: Sequence[int | None], solids: Sequence[Solid], place: int, momenta: tuple[Vector, Vector]
+) -> Iterator[tuple[int, tuple[Vector, Vector]]]:
+    """The momenta of a motion in the frames of all elements on the way to the root, about their origins."""
+    turning, linear = momenta
+    while (parent := parents[place]) is not None:
+        frame = solids[place].frame
+        for rows, origin in ((frame.axes, frame.slid), (frame.turned, frame.origin)):
+            turning, linear = ([tape.dot(row, vector) for row in _transposed(rows)] for vector in (turning, linear))
+            turning = plus(tape, turning, cross(tape, origin, linear))
+        place = parent
+        yield place, (turning, linear)
+
+
+def _about_origin(tape: Tape, solid: Solid) -> _Inertia:
+    """The inertia of what an element carries about its origin."""
+    xx, yy, zz, xy, xz, yz = solid.tensor
+    central = _Inertia(solid.mass, [tape.zero] * 3, [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return central.shifted(tape, solid.centre)
+
+
+def _motions(tape: Tape, solid: Solid) -> list[tuple[Vector, Vector]]:
+    """The angular velocity and the velocity of the origin, in an element's frame, that belong to each of its velocities."""
+    none = [tape.zero] * 3
+    unit = [[tape.one if i == j else tape.zero for j in range(3)] for i in range(3)]
+    spins = [(axis, none) for axis in unit]
+    match solid.kind:
+        case "turn":
+            return [(unit[2], none)]
+        case "slide":
+            return [(none, unit[2])]
+        case "ball":
+            return spins
+        case "free":
+            return [*((none, column) for column in _transposed(solid.frame.axes)), *spins]
+
+
+def _along(tape: Tape, motion: tuple[Vector, Vector], turning: Vector, linear: Vector) -> Node:
+    """The component of momenta along a motion."""
+    omega, velocity = motion
+    return tape.add(tape.dot(omega, turning), tape.dot(velocity, linear))
+
+
+def _symmetric(entry: Callable[[int, int], Node]) -> Rows:
+    upper = {(i, j): entry(i, j) for i in range(3) for j in range(i, 3)}
+    return [[upper[min(i, j), max(i, j)] for j in range(3)] for i in range(3)]
+
+
+def _transposed(rows: Rows) -> Rows:
+    return [list(column) for column in zip(*rows, strict=True)]
+
+
+def order(parents: Sequence[int | None], places: Sequence[tuple[slice, slice]]) -> list[int | None]:
+    """For each velocity, the one before it on the way to the root, or None."""
+    found: list[int | None] = []
+    for parent, (_, moving) in zip(parents, places, strict=True):
+        found.append(None if parent is None else places[parent][1].stop - 1)
+        found += range(moving.start, moving.stop - 1)
+    return found
+
+
+def _path(above: Sequence[int | None], place: int) -> Iterator[int]:
+    """The velocities on the way from one, which is not among them, to the root."""
+    step = above[place]
+    while step is not None:
+        yield step
+        step = above[step]
+
+
+def solved(tape: Tape, matrix: Entries, right: list[Node], above: Sequence[int | None]) -> list[Node]:
+    """The solution x of M x = b.
+
+    M is factored into L^T D L from the leaves of the tree to its root, which fills no zero in (Featherstone, Rigid Body
+    Dynamics Algorithms, 2008, section 6.5). above: the order of the velocities.
+    """
+    h, x = dict(matrix), list(right)
+    lower: Entries = {}
+    for k in reversed(range(len(x))):
+        for i in _path(above, k):
+            lower[k, i] = tape.divide(h[k, i], h[k, k])
+            for j in (i, *_path(above, i)):
+                h[i, j] = tape.subtract(h[i, j], tape.multiply(lower[k, i], h[k, j]))
+        for i in _path(above, k):
+            x[i] = tape.subtract(x[i], tape.multiply(lower[k, i], x[k]))
+    x = [tape.divide(value, h[k, k]) for k, value in enumerate(x)]
+    for k in range(len(x)):
+        for i in _path(above, k):
+            x[k] = tape.subtract(x[k], tape.multiply(lower[k, i], x[i]))
+    return x
