@@ -107,8 +107,6 @@ def require_modelled(mechanism: Mechanism) -> None:
     """Raise `NotModelled` where the recursion has no model of a mechanism."""
     if mechanism.loops:
         raise NotModelled("closed loops")
-    if any(joint.friction for joint in mechanism.joints):
-        raise NotModelled("dry friction in a mechanism without a closed form")
 
 
 def by_recursion(mechanism: Mechanism, times: Array) -> Followed:

@@ -8,7 +8,6 @@ import pytest
 
 from bodycheck.reference.bounds import EPS, STATES
 from bodycheck.reference.certificate import certify
-from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.mechanisms import dop853_tree, followed, observables, recursion
 from bodycheck.reference.mechanisms import truth as truths
 from bodycheck.reference.mechanisms.certificate import rounded_to_wide
@@ -208,8 +207,10 @@ def test_a_truth_is_a_part_of_itself() -> None:
     assert part.trajectory.position.shape == (2, 2, 3)
 
 
-def test_dry_friction_in_a_chain_is_not_modelled() -> None:
-    plain = chain(2, 1.0)
-    rough = replace(plain, joints=(replace(plain.joints[0], friction=0.1), plain.joints[1]))
-    with pytest.raises(NotModelled, match="dry friction"):
-        truth(rough, TIMES)
+def test_a_chain_with_dry_friction_has_a_truth_that_stops() -> None:
+    pytest.importorskip("heyoka")
+    plain = replace(chain(2, 1.0), gravity=0.0)
+    joints = tuple(replace(joint, friction=0.3, start_velocity=(1.0,)) for joint in plain.joints)
+    found = truth(replace(plain, joints=joints), np.linspace(0.0, 20.0, 21))
+    assert (motion_of(found).velocity[-1] == 0).all()
+    assert found.bounds.error[-1] < 1e-12
