@@ -1,0 +1,234 @@
+"""Mechanisms with loops by Newton and Euler in the coordinates of every body, with constraint forces at joints and loops.
+
+Each body has a position, a quaternion, a velocity and an angular velocity along its own axes. Joints and loops are constraints of
+their accelerations; nothing is projected, so that what they drift shows the error. It is the witness of `joint_space`, with which
+it shares numerical tools only. The start is computed with a hundred digits from the mechanism.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.exact.numbers import MP, Quaternion4, Vector3, Wide, vector, wide
+from bodycheck.reference.exact.pairs import WideArray
+from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, turned, unit
+from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms.kinematics import from_the_root
+from bodycheck.reference.mechanisms.loops.minimum_norm import solved
+from bodycheck.reference.mechanisms.loops.vectors import apply, cross, dot, matrices, rounded, turning
+from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, Mechanism
+
+#: Coordinates and velocities of a body.
+_HELD, _MOVING = 7, 6
+
+_ZERO: Vector3 = (MP.mpf(0), MP.mpf(0), MP.mpf(0))
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """The frame of a body at the start, with a hundred digits, along the axes of the world.
+
+    Its attitude, origin (m), velocity of the origin (m/s) and angular velocity (rad/s).
+    """
+
+    attitude: Quaternion4
+    origin: Vector3
+    velocity: Vector3
+    spin: Vector3
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """A frame fixed in a body: the body's place, and the frame's axes (3, 3) and origin (3,) from the body's centre (m)."""
+
+    body: int
+    axes: WideArray
+    arm: WideArray
+
+
+@dataclass(frozen=True, eq=False)
+class Link:
+    """What holds two bodies together: points on each other, directions of one that stay across directions of the other.
+
+    Attributes
+    ----------
+    one, other
+        The frames of parent and child.
+    along
+        (k, 3) directions, in the frame of the first, along which the origins keep together.
+    across
+        Pairs of directions (3,), one in each frame, that stay perpendicular.
+    joint
+        The joint; None for a loop.
+    axis
+        (3,) the axis of a revolute or prismatic joint in both frames.
+    """
+
+    one: Side
+    other: Side
+    along: WideArray
+    across: tuple[tuple[WideArray, WideArray], ...]
+    joint: Joint | None
+    axis: WideArray
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """The bodies and their links; mass (b,), tensor (b, 3, 3) along the bodies' axes, and gravity (m/s^2)."""
+
+    mass: WideArray
+    tensor: WideArray
+    links: tuple[Link, ...]
+    gravity: np.longdouble
+
+
+def system(mechanism: Mechanism) -> System:
+    """The bodies and links of a mechanism. Raises `NotModelled` where it has dry friction or a point mass that turns."""
+    if any(joint.friction for joint in mechanism.joints):
+        raise NotModelled("dry friction in a mechanism with loops")
+    inertias = [exact.inertia(body) for body in mechanism.bodies]
+    tensors = [
+        [[wide(own.tensor[part]) for part in row] for row in ((0, 3, 4), (3, 1, 5), (4, 5, 2))] for own in inertias
+    ]
+    return System(
+        np.array([wide(own.mass) for own in inertias], dtype=Wide),
+        np.array(tensors, dtype=Wide),
+        (*(_joint(mechanism, joint) for joint in mechanism.joints), *_loops(mechanism)),
+        Wide(mechanism.gravity),
+    )
+
+
+def _side(mechanism: Mechanism, body: int, position: Any, axes: WideArray) -> Side:
+    arm = vector(position)
+    if body != WORLD:
+        x, y, z = exact.inertia(mechanism.bodies[body]).centre
+        arm = (arm[0] - x, arm[1] - y, arm[2] - z)
+    return Side(body, axes, rounded(list(arm)))
+
+
+def _joint(mechanism: Mechanism, joint: Joint) -> Link:
+    """The constraints of a joint."""
+    turn = rounded([list(row) for row in matrix(exact.turn(joint.attitude))])
+    here = np.eye(3, dtype=Wide)
+    one, other = _side(mechanism, joint.parent, joint.position, turn), _side(mechanism, joint.child, (0.0, 0.0, 0.0), here)
+    axis = rounded(list(exact.unit_axis(joint))) if joint.type in ("revolute", "prismatic") else here[2]
+    # Two directions across the axis.
+    first = cross(axis, here[int(np.argmin(np.abs(axis)))])
+    first = first / np.sqrt(dot(first, first))
+    second = cross(axis, first)
+    aligned = ((first, axis), (second, axis))
+    fixed = (*aligned, (first, second))
+    nothing = here[:0]
+    along, across = {
+        "revolute": (here, aligned),
+        "prismatic": (np.array([first, second]), fixed),
+        "spherical": (here, ()),
+        "fixed": (here, fixed),
+        "planar": (here[2:], ((here[0], here[2]), (here[1], here[2]))),
+        "universal": (here, ((here[0], here[1]),)),
+        "free": (nothing, ()),
+    }[joint.type]
+    return Link(one, other, along, across, joint, axis)
+
+
+def _loops(mechanism: Mechanism) -> list[Link]:
+    here = np.eye(3, dtype=Wide)
+    found = []
+    for loop in mechanism.loops:
+        one, other = (_side(mechanism, body, point, here) for body, point in zip(loop.bodies, loop.points, strict=True))
+        found.append(Link(one, other, here, (), None, here[2]))
+    return found
+
+
+def initial(mechanism: Mechanism) -> WideArray:
+    """Positions and quaternions (7 b), velocities and angular velocities (6 b), and coordinates of single joints at the start."""
+    frames = {WORLD: Place(IDENTITY, _ZERO, _ZERO, _ZERO)}
+    for body, own in enumerate(mechanism.bodies):
+        if mechanism.joint_of[body] is None:
+            frames[body] = _free(own.start or BodyStart(), exact.inertia(own).centre)
+    for joint in from_the_root(mechanism):
+        frames[joint.child] = _child(joint, frames[joint.parent])
+    held: list[Any] = []
+    moving: list[Any] = []
+    for body, own in enumerate(mechanism.bodies):
+        frame = frames[body]
+        arm = turned(matrix(frame.attitude), exact.inertia(own).centre)
+        held += [*_plus(frame.origin, arm), *frame.attitude]
+        spin = turned(matrix(conjugate(frame.attitude)), frame.spin)
+        moving += [*_plus(frame.velocity, _cross(frame.spin, arm)), *spin]
+    single = [joint.start[0] for joint in mechanism.joints if _is_single(joint)]
+    return np.array([*(wide(value) for value in (*held, *moving)), *(Wide(value) for value in single)], dtype=Wide)
+
+
+def _is_single(joint: Joint | None) -> bool:
+    return joint is not None and joint.type in ("revolute", "prismatic")
+
+
+def _free(start: BodyStart, centre: Vector3) -> Place:
+    attitude = exact.turn(start.attitude)
+    rows = matrix(attitude)
+    spin, arm = turned(rows, exact.rates(start.attitude, start.rotation)), turned(rows, centre)
+    origin, velocity = vector(start.position), vector(start.velocity)
+    return Place(attitude, _minus(origin, arm), _minus(velocity, _cross(spin, arm)), spin)
+
+
+def _child(joint: Joint, parent: Place) -> Place:
+    """The frame of a joint's child."""
+    rows = matrix(parent.attitude)
+    attitude = multiply(parent.attitude, exact.turn(joint.attitude))
+    frame = matrix(attitude)
+    shift, own, slides, rate = _relative(joint)
+    arm = _plus(turned(rows, vector(joint.position)), turned(frame, shift))
+    velocity = _plus(_plus(parent.velocity, _cross(parent.spin, arm)), turned(frame, slides))
+    return Place(multiply(attitude, own), _plus(parent.origin, arm), velocity, _plus(parent.spin, turned(frame, rate)))
+
+
+def _relative(joint: Joint) -> tuple[Vector3, Quaternion4, Vector3, Vector3]:
+    """Shift, turn, velocity and angular velocity of a child in the joint's frame, along the axes of that frame."""
+    q, v = [MP.mpf(value) for value in joint.start], [MP.mpf(value) for value in joint.start_velocity]
+    x, y, z = ((MP.mpf(1), *_ZERO[1:]), (_ZERO[0], MP.mpf(1), _ZERO[0]), (*_ZERO[1:], MP.mpf(1)))
+    match joint.type:
+        case "revolute":
+            axis = exact.unit_axis(joint)
+            return _ZERO, _about(axis, q[0]), _ZERO, _times(axis, v[0])
+        case "prismatic":
+            axis = exact.unit_axis(joint)
+            return _times(axis, q[0]), IDENTITY, _times(axis, v[0]), _ZERO
+        case "universal":
+            first = _about(x, q[0])
+            rate = _plus(_times(x, v[0]), _times(turned(matrix(first), y), v[1]))
+            return _ZERO, multiply(first, _about(y, q[1])), _ZERO, rate
+        case "planar":
+            return (q[0], q[1], _ZERO[0]), _about(z, q[2]), (v[0], v[1], _ZERO[0]), _times(z, v[2])
+        case "spherical" | "free":
+            own = unit((q[-4], q[-3], q[-2], q[-1]))
+            rate = turned(matrix(own), (v[-3], v[-2], v[-1]))
+            if joint.type == "spherical":
+                return _ZERO, own, _ZERO, rate
+            return (q[0], q[1], q[2]), own, (v[0], v[1], v[2]), rate
+        case _:
+            return _ZERO, IDENTITY, _ZERO, _ZERO
+
+
+def _about(axis: Vector3, angle: Any) -> Quaternion4:
+    cosine, sine = MP.cos_sin(angle / 2)
+    return cosine, sine * axis[0], sine * axis[1], sine * axis[2]
+
+
+def _plus(a: Vector3, b: Vector3) -> Vector3:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def _minus(a: Vector3, b: Vector3) -> Vector3:
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def _times(a: Vector3, factor: Any) -> Vector3:
+    return a[0] * factor, a[1] * factor, a[2] * factor
+
+
+def _cross(a: Vector3, b: Vector3) -> Vector3:
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

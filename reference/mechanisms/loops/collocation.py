@@ -1,0 +1,240 @@
+"""Integration by Gauss-Legendre collocation in the widest type of NumPy, all nodes of a step at once.
+
+A step is solved for the derivatives at its nodes by Picard's iteration, accelerated by Anderson's method (J. ACM 12, 547, 1965),
+which also converges where a few directions of the iteration do not contract: close to a position in which a mechanism is
+singular. The derivatives are a series of Legendre polynomials in a step; how fast its terms fall off gives the size of the steps.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.exact.numbers import MP, Wide, wide
+from bodycheck.reference.exact.pairs import WideArray
+from bodycheck.reference.trajectory import Array
+
+#: The derivatives (s, k) of states (s, k).
+Derivatives = Callable[[WideArray], WideArray]
+
+#: A state (k,) that is moved back to where it belongs.
+Corrected = Callable[[WideArray], WideArray]
+
+#: Iterations of a step at most, and how many of the last ones Anderson's method combines.
+_ITERATIONS, _MEMORY = 80, 25
+
+#: The smallest tolerance: relative size of the last terms of the series of a step that rounding in the wide type allows.
+FINEST = 2 * float(np.finfo(Wide).eps)
+
+#: The last change of a step, in tolerances, and the size of the last terms up to which it is taken.
+_CHANGE, _TAKEN = 5, 30
+
+#: How far the size of a step changes at most, and the sizes that are tried for a step.
+_SMALLER, _LARGER = 0.6, 1.7
+_SIZES = (1.0, 0.62, 1.45, 0.38, 0.8, 0.23, 0.14, 0.07, 0.03, 0.01, 1e-3, 1e-4, 1e-5)
+
+#: Relative size of what a singular position makes of rounding in a step that is taken.
+_MAGNIFIED = 1e-12
+
+#: Steps after which an integration ends.
+MOST_STEPS = 4000
+
+
+@dataclass(frozen=True, eq=False)
+class Rule:
+    """Gauss-Legendre collocation with s nodes in [0, 1].
+
+    Attributes
+    ----------
+    nodes
+        (s,) the nodes.
+    inside, across
+        (s, s) integrals from 0 to each node of the polynomials that are one at a node and zero at the others; (s,) those to 1.
+    series
+        (s, s) the coefficients of the Legendre series of such polynomials.
+    """
+
+    nodes: WideArray
+    inside: WideArray
+    across: WideArray
+    series: WideArray
+
+
+@cache
+def rule(stages: int) -> Rule:
+    """The rule with a number of nodes. Its coefficients are those of the Legendre series, whose integrals are known."""
+    x = np.array([MP.mpf(float(node)) for node in legendre.leggauss(stages)[0]])
+    for _ in range(4):
+        # Newton's iteration with a hundred digits; the derivative follows from the polynomials of the two highest degrees.
+        values = _polynomials(x, stages)
+        x = x - values[stages] * (x * x - 1) / (stages * (x * values[stages] - values[stages - 1]))
+    values = _polynomials(x, stages)
+    weights = 2 * (1 - x * x) / (stages * values[stages - 1]) ** 2
+    series = np.array([(2 * n + 1) * values[n] * weights / 2 for n in range(stages)])
+    return Rule(*(_rounded(each) for each in ((x + 1) / 2, _integrals(x, stages) @ series, weights / 2, series)))
+
+
+def _rounded(values: Any) -> WideArray:
+    return np.array([wide(value) for value in values.ravel()], dtype=Wide).reshape(values.shape)
+
+
+def _polynomials(x: Any, degree: int) -> Any:
+    """The Legendre polynomials (degree + 1, n) at points x (n,)."""
+    values = [x * 0 + 1, x]
+    for n in range(1, degree):
+        values.append(((2 * n + 1) * x * values[n] - n * values[n - 1]) / (n + 1))
+    return np.array(values)
+
+
+def _integrals(x: Any, count: int) -> Any:
+    """The integrals (n, count) of the first polynomials from -1 to x (n,), divided by two: those over [0, 1]."""
+    values = _polynomials(x, count + 1)
+    first = (values[1] + 1) / 2
+    rest = [(values[n + 1] - values[n - 1]) / (2 * (2 * n + 1)) for n in range(1, count)]
+    return np.array([first, *rest]).T
+
+
+def integrate(
+    derivatives: Derivatives, start: WideArray, times: Array, *, stages: int, first: float, tolerance: float = FINEST, corrected: Corrected | None = None
+) -> WideArray:
+    """The states (n, k) at ascending times (n,) >= 0, s, from a state (k,) at t = 0.
+
+    Parameters
+    ----------
+    derivatives
+        The equations.
+    start
+        The state at t = 0.
+    times
+        The instants.
+    stages
+        Number of nodes of a step.
+    first
+        A size of the first step (s).
+    tolerance
+        Relative size of the last terms of the series of a step.
+    corrected
+        What is done to the state after each step, such as a projection on constraints.
+
+    Raises `OutOfReach` where no step can be solved or too many are needed.
+    """
+    found = np.empty((len(times), len(start)), dtype=Wide)
+    used, state, t, h, row = rule(stages), start, Wide(0), Wide(first), 0
+    guess: WideArray | None = None
+    for _ in range(MOST_STEPS):
+        while row < len(times) and times[row] <= t:
+            found[row], row = state, row + 1
+        if row == len(times):
+            return found
+        step = _step(derivatives, used, state, h, guess, tolerance)
+        inside = int(np.searchsorted(times, t + step.size, side="left"))
+        if inside > row:
+            at = 2 * (times[row:inside].astype(Wide) - t) / step.size - 1
+            found[row:inside] = state + step.size * (_integrals(at, stages) @ (used.series @ step.slopes))
+            row = inside
+        state, t = state + step.size * (used.across @ step.slopes), t + step.size
+        state = corrected(state) if corrected else state
+        grown = Wide(_factor(step.error / tolerance, stages))
+        # The next step begins with the continued series of this one, where that does not grow too much.
+        guess = _continued(used, step.slopes, grown) if grown < 1.2 else None
+        h = step.size * grown
+    raise OutOfReach(f"the motion of the closed loops needs more than {MOST_STEPS} steps")
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """A solved step: its size (s), the derivatives (s, k) at its nodes, and the relative size of the last terms of their series."""
+
+    size: np.longdouble
+    slopes: WideArray
+    error: float
+
+
+def _step(
+    derivatives: Derivatives, used: Rule, state: WideArray, h: np.longdouble, guess: WideArray | None, tolerance: float
+) -> _Step:
+    """A step from a state whose size is near h.
+
+    Close to a singular position the accelerations have few digits, and a smaller step does not make its series shorter. Then the
+    larger step, which has fewer nodes close to that position, is taken.
+    """
+    best: _Step | None = None
+    for factor in _SIZES:
+        size = h * Wide(factor)
+        slopes, error = _solved(derivatives, used, state, size, guess, _CHANGE * tolerance)
+        guess = None
+        if slopes is None:
+            continue
+        step = _Step(size, slopes, error)
+        if error < _TAKEN * tolerance:
+            return step
+        if best is not None and best.error < _MAGNIFIED and error > best.error / 1000:
+            return best if best.error < 30 * error else step
+        best = step if best is None or error < best.error else best
+    if best is None or best.error > 1000 * _MAGNIFIED:
+        raise OutOfReach("the motion of the closed loops cannot be continued: no step can be solved")
+    return best
+
+
+def _factor(error: float, stages: int) -> float:
+    """By how much the next step is larger; error: in tolerances."""
+    return float(max(0.95 * error ** (-1 / stages), _SMALLER)) if error > 0.3 else _LARGER
+
+
+def _continued(used: Rule, slopes: WideArray, grown: np.longdouble) -> WideArray:
+    """The derivatives at the nodes of a step from the low terms of the series of the step before."""
+    few = 6
+    at = 1 + 2 * used.nodes * grown
+    return _polynomials(at, few)[:few].T @ (used.series @ slopes)[:few]
+
+
+def _solved(
+    derivatives: Derivatives, used: Rule, state: WideArray, h: np.longdouble, guess: WideArray | None, enough: float
+) -> tuple[WideArray | None, float]:
+    """The derivatives at the nodes of a step, or None, and the relative size of the last terms of their series."""
+    slopes = np.tile(derivatives(state[None]), (len(used.nodes), 1)) if guess is None else guess
+    points: list[WideArray] = []
+    residuals: list[WideArray] = []
+    best = np.inf
+    for iteration in range(_ITERATIONS):
+        made = derivatives(state + h * (used.inside @ slopes))
+        residual = made - slopes
+        # Small components count by a twentieth of the largest, so that what rounding leaves of zero does not.
+        scale = np.abs(made).max(axis=0) + np.abs(made).max() / 20 + Wide(1e-300)
+        change = float((np.abs(residual) / scale).max())
+        if not np.isfinite(change):
+            return None, np.inf
+        if change < enough or (iteration > 8 and change < 200 * enough and change > 0.3 * best):
+            terms = np.abs(used.series @ made)
+            return made, float((terms[-2:] / scale).max()) / (2 * len(terms))
+        if iteration > 10 and change > 1e3 * max(best, 1e-3):
+            return None, np.inf
+        best = min(best, change)
+        points.append(slopes.ravel())
+        residuals.append(residual.ravel())
+        slopes = _mixed(points[-_MEMORY:], residuals[-_MEMORY:], np.tile(scale, len(used.nodes))).reshape(slopes.shape)
+    return None, np.inf
+
+
+def _mixed(points: list[WideArray], residuals: list[WideArray], scale: WideArray) -> WideArray:
+    """The next iterate of Anderson's method: the combination of the last ones whose linear residual is smallest."""
+    latest = points[-1] + residuals[-1]
+    if len(points) == 1:
+        return latest
+    steps = np.array([residuals[-1] - other for other in residuals[:-1]])
+    sizes = np.abs(steps / scale).max(axis=1)
+    steps, kept = steps[sizes > 0], [other for other, size in zip(range(len(points) - 1), sizes, strict=True) if size > 0]
+    largest = np.abs(residuals[-1] / scale).max()
+    if not (kept and largest):
+        return latest
+    unit = np.array([Wide(1) / size for size in sizes[sizes > 0]])
+    columns = (steps / scale * unit[:, None]).astype(float).T
+    target = (residuals[-1] / scale / largest).astype(float)
+    weights = np.linalg.lstsq(columns, target, rcond=1e-12)[0].astype(Wide) * largest * unit
+    moves = np.array([latest - (points[other] + residuals[other]) for other in kept])
+    found: WideArray = latest - weights @ moves
+    return found

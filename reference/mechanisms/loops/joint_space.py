@@ -1,0 +1,403 @@
+"""Mechanisms with loops in the coordinates of their joints: the mass matrix of the tree, and multipliers for the loops.
+
+Each joint consists of turns, slides and balls; a free body has three slides and a ball. The accelerations of bodies are linear in
+those of the coordinates, a = J q'' + b, so that d'Alembert's principle gives
+
+    sum over bodies of  Jv^T m (Jv q'' + bv - g) + Jw^T (I (Jw q'' + bw) + w x I w) = tau + J_loop^T forces.
+
+The frames of the start are those of `start`.
+"""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.exact.numbers import Wide, wide
+from bodycheck.reference.exact.pairs import WideArray
+from bodycheck.reference.exact.rotations import matrix
+from bodycheck.reference.independent.directions import quaternion_of
+from bodycheck.reference.mechanisms import exact, start
+from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES, places
+from bodycheck.reference.mechanisms.kinematics import from_the_root
+from bodycheck.reference.mechanisms.loops.minimum_norm import solved
+from bodycheck.reference.mechanisms.loops.vectors import about, apply, cross, dot, matrices, rounded, turning
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
+
+_EYE = np.eye(3, dtype=Wide)
+_HERE = np.zeros(3, dtype=Wide)
+
+Kind = Literal["turn", "slide", "ball", "fixed"]
+
+
+@dataclass(frozen=True, eq=False)
+class Element:
+    """A part of a joint.
+
+    Attributes
+    ----------
+    kind, parent
+        What it does, and the place of the element before it; `WORLD` for none.
+    turned, arm
+        Its axes as columns (3, 3) and its origin (3,) in the frame of the element before it (m).
+    axis
+        (3,) its axis in its own frame.
+    held, moving
+        Its coordinates and velocities in those of the mechanism.
+    joint
+        The joint, of whose forces it has a part; None for a free body.
+    """
+
+    kind: Kind
+    parent: int
+    turned: WideArray
+    arm: WideArray
+    axis: WideArray
+    held: slice
+    moving: slice
+    joint: Joint | None
+
+
+@dataclass(frozen=True, eq=False)
+class Tree:
+    """A mechanism of b bodies and l loops with c coordinates and u velocities, free bodies included.
+
+    Attributes
+    ----------
+    elements, ends
+        The elements, each behind its parent, and the place of the element that carries each body.
+    coordinates
+        c.
+    mass, centre, tensor
+        (b,), (b, 3) and (b, 3, 3) of the bodies, in their frames.
+    points
+        The ends of the loops, as two tuples of an element and a point (3,) in its frame for each.
+    along
+        (b + 2 l, u) which velocities move each body, and then each first and each second end of a loop.
+    gravity
+        (m/s^2).
+    inertia, damping, stiffness, rest, effort
+        (u,) armature and the numbers of the forces of each velocity's coordinate.
+    """
+
+    elements: tuple[Element, ...]
+    ends: tuple[int, ...]
+    coordinates: int
+    mass: WideArray
+    centre: WideArray
+    tensor: WideArray
+    points: tuple[tuple[tuple[int, WideArray], tuple[int, WideArray]], ...]
+    along: WideArray
+    gravity: np.longdouble
+    inertia: WideArray
+    damping: WideArray
+    stiffness: WideArray
+    rest: WideArray
+    effort: WideArray
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """The motion of the frames of elements at s instants, along the axes of the world.
+
+    Attributes
+    ----------
+    axes, origin
+        (s, 3, 3) axes as columns, and (s, 3) origins (m), element by element.
+    spin, velocity, turn_bias, bias
+        (s, 3) angular velocity, velocity of the origin, and their derivatives without accelerations of coordinates.
+    turns, slides, centres
+        (s, u, 3) angular velocity and velocity of the origin for each velocity, and where the axis of a turn lies.
+    """
+
+    axes: list[WideArray]
+    origin: list[WideArray]
+    spin: list[WideArray]
+    velocity: list[WideArray]
+    turn_bias: list[WideArray]
+    bias: list[WideArray]
+    turns: WideArray
+    slides: WideArray
+    centres: WideArray
+
+
+def tree(mechanism: Mechanism) -> Tree:
+    """The tree of a mechanism. Raises `NotModelled` where it has dry friction."""
+    if any(joint.friction for joint in mechanism.joints):
+        raise NotModelled("dry friction in a mechanism with loops")
+    slices = dict(zip((id(joint) for joint in mechanism.joints), places(mechanism), strict=True))
+    held, moving = of_joints(mechanism)
+    elements: list[Element] = []
+    ends: dict[int, int] = {WORLD: WORLD}
+    for body, joint in enumerate(mechanism.joint_of):
+        if joint is None:
+            ends[body] = _grown(elements, WORLD, _EYE, _HERE, _steps("free", None), held, moving, None)
+            held, moving = held + 7, moving + 6
+    for joint in from_the_root(mechanism):
+        own = slices[id(joint)]
+        turned, arm = rounded(list(map(list, matrix(exact.turn(joint.attitude))))), np.array(joint.position, dtype=Wide)
+        steps = _steps(joint.type, joint)
+        ends[joint.child] = _grown(elements, ends[joint.parent], turned, arm, steps, own[0].start, own[1].start, joint)
+    inertias = [exact.inertia(body) for body in mechanism.bodies]
+    points = tuple(
+        tuple((ends[body], np.array(point, dtype=Wide)) for body, point in zip(loop.bodies, loop.points, strict=True))
+        for loop in mechanism.loops
+    )
+    carriers = [ends[body] for body in range(len(mechanism.bodies))]
+    carriers += [end[0] for side in (0, 1) for end in (pair[side] for pair in points)]
+    numbers = {name: np.zeros(moving, dtype=Wide) for name in ("armature", "damping", "stiffness", "rest", "effort")}
+    for element in elements:
+        for name, values in numbers.items():
+            values[element.moving] = getattr(element.joint, name) if element.joint is not None else 0
+    return Tree(
+        tuple(elements),
+        tuple(carriers[: len(mechanism.bodies)]),
+        held,
+        np.array([wide(own.mass) for own in inertias], dtype=Wide),
+        np.array([rounded(list(own.centre)) for own in inertias]),
+        np.array([start.tensor(body) for body in mechanism.bodies]),
+        points,  # type: ignore[arg-type]
+        np.array([_moved_by(elements, place, moving) for place in carriers], dtype=Wide),
+        Wide(mechanism.gravity),
+        *(numbers[name] for name in ("armature", "damping", "stiffness", "rest", "effort")),
+    )
+
+
+def of_joints(mechanism: Mechanism) -> tuple[int, int]:
+    """The numbers of coordinates and of velocities of the joints, which come before those of free bodies."""
+    held, moving = (sum(size[joint.type] for joint in mechanism.joints) for size in (COORDINATES, VELOCITIES))
+    return held, moving
+
+
+def _steps(kind: str, joint: Joint | None) -> list[tuple[Kind, WideArray]]:
+    """The elements of a type of joint and their axes."""
+    x, y, z = _EYE
+    match kind:
+        case "revolute" | "prismatic":
+            assert joint is not None
+            return [("turn" if kind == "revolute" else "slide", rounded(list(exact.unit_axis(joint))))]
+        case "universal":
+            return [("turn", x), ("turn", y)]
+        case "planar":
+            return [("slide", x), ("slide", y), ("turn", z)]
+        case "spherical":
+            return [("ball", z)]
+        case "free":
+            return [("slide", x), ("slide", y), ("slide", z), ("ball", z)]
+        case _:
+            return [("fixed", z)]
+
+
+def _grown(
+    elements: list[Element],
+    parent: int,
+    turned: WideArray,
+    arm: WideArray,
+    steps: list[tuple[Kind, WideArray]],
+    held: int,
+    moving: int,
+    joint: Joint | None,
+) -> int:
+    """Append the elements of a joint, and return the place of the last one."""
+    for kind, axis in steps:
+        coordinates, velocities = {"ball": (4, 3), "fixed": (0, 0)}.get(kind, (1, 1))
+        own = slice(held, held + coordinates), slice(moving, moving + velocities)
+        elements.append(Element(kind, parent, turned, arm, axis, *own, joint))
+        parent, turned, arm = len(elements) - 1, _EYE, _HERE
+        held, moving = held + coordinates, moving + velocities
+    return parent
+
+
+def _moved_by(elements: list[Element], place: int, count: int) -> WideArray:
+    """Which of the velocities (u,) move an element: one or zero."""
+    found = np.zeros(count, dtype=Wide)
+    while place != WORLD:
+        found[elements[place].moving] = 1
+        place = elements[place].parent
+    return found
+
+
+def initial(mechanism: Mechanism) -> WideArray:
+    """The coordinates and velocities (c + u,) at the start."""
+    held: list[Any] = []
+    moving: list[Any] = []
+    for joint in mechanism.joints:
+        values = [Wide(value) for value in joint.start]
+        if joint.type in ("spherical", "free"):
+            w, x, y, z = joint.start[-4:]
+            values[-4:] = list(rounded(list(exact.turn((w, x, y, z)))))
+        held, moving = [*held, *values], [*moving, *(Wide(value) for value in joint.start_velocity)]
+    frames = start.frames(mechanism)
+    for body, own in enumerate(mechanism.bodies):
+        if mechanism.joint_of[body] is None and own.start is not None:
+            frame = frames[body]
+            held += [*frame.origin, *rounded(list(exact.turn(own.start.attitude)))]
+            moving += [*frame.velocity, *(frame.turn.T @ frame.spin)]
+    return np.array([*held, *moving], dtype=Wide)
+
+
+def moved(of: Tree, states: WideArray) -> Motion:
+    """The motion of all frames at states (s, c + u)."""
+    count, velocities = len(states), len(of.inertia)
+    q, v = states[:, : of.coordinates], states[:, of.coordinates :]
+    still = np.zeros((count, 3), dtype=Wide)
+    found = Motion([], [], [], [], [], [], *(np.zeros((count, velocities, 3), dtype=Wide) for _ in range(3)))
+    world = (np.broadcast_to(_EYE, (count, 3, 3)), still, still, still, still, still)
+    parts = (found.axes, found.origin, found.spin, found.velocity, found.turn_bias, found.bias)
+    for element in of.elements:
+        axes, origin, spin, velocity, turn_bias, bias = (
+            world if element.parent == WORLD else tuple(part[element.parent] for part in parts)
+        )
+        arm = apply(axes, element.arm)
+        axes = axes @ element.turned
+        own, rate = q[:, element.held], v[:, element.moving]
+        slid = turned = still
+        match element.kind:
+            case "slide":
+                along = apply(axes, element.axis)
+                found.slides[:, element.moving.start] = along
+                arm, slid = arm + along * own, along * rate
+            case "turn":
+                along = apply(axes, element.axis)
+                found.turns[:, element.moving.start] = along
+                axes, turned = axes @ about(element.axis, own[:, 0]), along * rate
+            case "ball":
+                axes = axes @ matrices(own)
+                found.turns[:, element.moving] = np.swapaxes(axes, 1, 2)
+                turned = apply(axes, rate)
+        around = cross(spin, arm)
+        found.centres[:, element.moving] = (origin + arm)[:, None]
+        values = (
+            axes,
+            origin + arm,
+            spin + turned,
+            velocity + around + slid,
+            turn_bias + cross(spin, turned),
+            bias + cross(turn_bias, arm) + cross(spin, around + 2 * slid),
+        )
+        for part, value in zip(parts, values, strict=True):
+            part.append(value)
+    return found
+
+
+def _at(motion: Motion, element: int, point: WideArray) -> tuple[WideArray, WideArray, WideArray]:
+    """Place, velocity and acceleration without those of the coordinates (s, 3) of a point (3,) in the frame of an element."""
+    if element == WORLD:
+        still = np.zeros((len(motion.turns), 3), dtype=Wide)
+        return still + point, still, still
+    arm = apply(motion.axes[element], point)
+    spin = motion.spin[element]
+    around = cross(spin, arm)
+    bias = motion.bias[element] + cross(motion.turn_bias[element], arm) + cross(spin, around)
+    return motion.origin[element] + arm, motion.velocity[element] + around, bias
+
+
+def _rows(of: Tree, motion: Motion, row: int, place: WideArray) -> WideArray:
+    """The velocities (s, u, 3) of a point at a place (s, 3) for each velocity; row: its row in `Tree.along`."""
+    found: WideArray = motion.slides + cross(motion.turns, place[:, None] - motion.centres)
+    return found * of.along[row][:, None]
+
+
+def _loops(of: Tree, motion: Motion) -> tuple[WideArray, WideArray, WideArray, WideArray]:
+    """Of the loops: gaps, their rates and their accelerations without those of coordinates (s, 3 l), and rows (s, 3 l, u)."""
+    count, bodies, loops = len(motion.turns), len(of.mass), len(of.points)
+    gaps, rates, biases, rows = ([np.zeros((count, 0), dtype=Wide)] for _ in range(4))
+    rows = [np.zeros((count, 0, len(of.inertia)), dtype=Wide)]
+    for place, (one, other) in enumerate(of.points):
+        first, second = _at(motion, *one), _at(motion, *other)
+        for part, values in enumerate((gaps, rates, biases)):
+            values.append(first[part] - second[part])
+        row = _rows(of, motion, bodies + place, first[0]) - _rows(of, motion, bodies + loops + place, second[0])
+        rows.append(np.swapaxes(row, 1, 2))
+    return np.hstack(gaps), np.hstack(rates), np.hstack(biases), np.concatenate(rows, axis=1)
+
+
+def _dynamics(of: Tree, motion: Motion, states: WideArray) -> tuple[WideArray, WideArray]:
+    """The mass matrix (s, u, u), and the forces less those of inertia without accelerations of coordinates (s, u)."""
+    v = states[:, of.coordinates :]
+    slots = np.zeros_like(v)
+    for element in of.elements:
+        if element.kind in ("turn", "slide"):
+            slots[:, element.moving] = states[:, element.held]
+    force = of.effort - of.damping * v - of.stiffness * (slots - of.rest)
+    mass = np.zeros((*v.shape, v.shape[1]), dtype=Wide)
+    mass[:, range(v.shape[1]), range(v.shape[1])] = of.inertia
+    down = np.array([0, 0, -1], dtype=Wide) * of.gravity
+    ends = [(body, end) for body, end in enumerate(of.ends) if end != WORLD]
+    if not ends:
+        return mass, force
+    which, carriers = (list(part) for part in zip(*ends, strict=True))
+    # All bodies at once, (b, s, ...).
+    axes, origin, spin, turn_bias, bias = (
+        np.array([part[end] for end in carriers])
+        for part in (motion.axes, motion.origin, motion.spin, motion.turn_bias, motion.bias)
+    )
+    arm = apply(axes, of.centre[which][:, None])
+    tensor = axes @ of.tensor[which][:, None] @ np.swapaxes(axes, 2, 3)
+    along, weight = of.along[which][:, None, :, None], of.mass[which][:, None, None]
+    slides = (motion.slides + cross(motion.turns, (origin + arm)[:, :, None] - motion.centres)) * along
+    turns = motion.turns * along
+    push = weight * (bias + cross(turn_bias, arm) + cross(spin, cross(spin, arm)) - down)
+    twist = apply(tensor, turn_bias) + cross(spin, apply(tensor, spin))
+    mass += (weight[..., None] * slides @ np.swapaxes(slides, 2, 3) + turns @ tensor @ np.swapaxes(turns, 2, 3)).sum(axis=0)
+    force = force - (dot(slides, push[:, :, None]) + dot(turns, twist[:, :, None])).sum(axis=0)
+    return mass, force
+
+
+def derivatives(of: Tree, states: WideArray) -> WideArray:
+    """The derivatives (s, c + u) of states (s, c + u)."""
+    motion = moved(of, states)
+    mass, force = _dynamics(of, motion, states)
+    _, _, bias, rows = _loops(of, motion)
+    accelerations, _ = solved(mass, rows, force, -bias)
+    return np.hstack([_coordinate_rates(of, states, states[:, of.coordinates :]), accelerations])
+
+
+def _coordinate_rates(of: Tree, states: WideArray, v: WideArray) -> WideArray:
+    """The derivatives (s, c) of the coordinates with the velocities (s, u)."""
+    found = np.zeros((len(states), of.coordinates), dtype=Wide)
+    for element in of.elements:
+        if element.kind == "ball":
+            found[:, element.held] = turning(states[:, element.held], v[:, element.moving])
+        elif element.kind != "fixed":
+            found[:, element.held] = v[:, element.moving]
+    return found
+
+
+def closed(of: Tree, state: WideArray) -> WideArray:
+    """A state (c + u,) moved back to where the loops are closed and their rates are zero, by the smallest changes."""
+    states = state[None].copy()
+    c = of.coordinates
+    for element in of.elements:
+        if element.kind == "ball":
+            states[:, element.held] /= np.sqrt((states[:, element.held] ** 2).sum())
+    motion = moved(of, states)
+    mass, force = _dynamics(of, motion, states)
+    gaps, _, _, rows = _loops(of, motion)
+    shift, _ = solved(mass, rows, np.zeros_like(force), -gaps, refinements=2)
+    states[:, :c] += _coordinate_rates(of, states, shift)
+    _, rates, _, rows = _loops(of, moved(of, states))
+    change, _ = solved(mass, rows, np.zeros_like(force), -rates, refinements=2)
+    states[:, c:] += change
+    found: WideArray = states[0]
+    return found
+
+
+def gaps(of: Tree, states: WideArray) -> WideArray:
+    """How far (s,) the ends of the loops are apart at most at states (s, c + u) (m)."""
+    found = _loops(of, moved(of, states))[0]
+    return np.abs(found).max(axis=1, initial=0)
+
+
+def bodies(of: Tree, states: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
+    """Position, quaternion, velocity and angular velocity (b, s, k) of the bodies: the conventions of `trajectory`."""
+    motion = moved(of, states)
+    found: list[tuple[WideArray, ...]] = []
+    for body, end in enumerate(of.ends):
+        place, velocity, _ = _at(motion, end, of.centre[body])
+        axes = np.broadcast_to(_EYE, (len(states), 3, 3)) if end == WORLD else motion.axes[end]
+        spin = np.zeros((len(states), 3), dtype=Wide) if end == WORLD else motion.spin[end]
+        found.append((place, quaternion_of(axes), velocity, apply(np.swapaxes(axes, 1, 2), spin)))
+    first, second, third, fourth = (np.array([own[part] for own in found]) for part in range(4))
+    return first, second, third, fourth

@@ -1,0 +1,52 @@
+"""Accelerations and constraint forces: the equations of motion with multipliers, solved in the wide type with minimum norm.
+
+    M a + J^T l = f,    J a = c
+
+The inverse in doubles of the matrix with a small negative multiple of one in its empty block is refined with residuals in the
+wide type (the proximal iteration of Bauschke and Combettes; used for robots by Carpentier et al., RSS 2021). It converges to the
+multipliers of minimum norm where constraints are redundant, and directions in which they are very weak are left alone.
+"""
+
+import numpy as np
+
+from bodycheck.reference.exact.numbers import Wide
+from bodycheck.reference.exact.pairs import WideArray
+from bodycheck.reference.trajectory import Array
+
+#: The multiple of one, relative to the mean of the diagonal of J M^-1 J^T.
+_PROXIMAL = 1e-11
+
+#: Relative change at which refinements end.
+_ENOUGH = 2e-20
+
+
+def solved(
+    mass: WideArray, rows: WideArray, force: WideArray, target: WideArray, *, refinements: int = 16
+) -> tuple[WideArray, WideArray]:
+    """The accelerations (s, n) and multipliers (s, m) for M (s, n, n), J (s, m, n), f (s, n) and c (s, m)."""
+    n, m = rows.shape[2], rows.shape[1]
+    matrix = np.zeros((len(mass), n + m, n + m), dtype=Wide)
+    matrix[:, :n, :n], matrix[:, n:, :n], matrix[:, :n, n:] = mass, rows, np.swapaxes(rows, 1, 2)
+    narrow = matrix.astype(float)
+    if m:
+        across = (narrow[:, n:, :n] ** 2 / _loosened(narrow[:, :n, :n])[:, None]).sum(axis=(1, 2))
+        narrow[:, range(n, n + m), range(n, n + m)] = -_PROXIMAL * (across / m + 1e-300)[:, None]
+    inverse = np.linalg.inv(narrow)
+    right = np.concatenate([force, target], axis=1)
+    found = np.zeros_like(right)
+    smallest = np.inf
+    for _ in range(refinements):
+        rest = right - (matrix @ found[:, :, None])[:, :, 0]
+        step = (inverse @ rest.astype(float)[:, :, None])[:, :, 0]
+        found = found + step
+        change = float((np.abs(step[:, :n]).max(axis=1) / (np.abs(found[:, :n]).max(axis=1) + Wide(1e-300))).max())
+        if change < _ENOUGH or change > 0.5 * smallest:
+            break
+        smallest = change
+    return found[:, :n], found[:, n:]
+
+
+def _loosened(mass: Array) -> Array:
+    """The diagonals (s, n) of mass matrices, without zeros: a point mass may have them."""
+    found = np.diagonal(mass, axis1=1, axis2=2)
+    return np.asarray(np.maximum(found, found.max(axis=1, keepdims=True) * 1e-6 + 1e-300))

@@ -1,0 +1,67 @@
+"""Vectors and rotation matrices at several instants at once, in the wide type."""
+
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.exact.numbers import Wide, wide
+from bodycheck.reference.exact.pairs import WideArray
+
+
+def rounded(values: Any) -> WideArray:
+    """Numbers of a hundred digits, of any nesting, in the wide type."""
+    if isinstance(values, tuple | list):
+        return np.array([rounded(value) for value in values], dtype=Wide)
+    return np.asarray(wide(values))
+
+
+def cross(a: WideArray, b: WideArray) -> WideArray:
+    """Vector products (..., 3)."""
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    p, q, r = b[..., 0], b[..., 1], b[..., 2]
+    first = y * r - z * q
+    found = np.empty((*first.shape, 3), dtype=Wide)
+    found[..., 0], found[..., 1], found[..., 2] = first, z * p - x * r, x * q - y * p
+    return found
+
+
+def dot(a: WideArray, b: WideArray) -> WideArray:
+    """Scalar products (...) of vectors (..., 3)."""
+    found: WideArray = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
+    return found
+
+
+def apply(matrices: WideArray, v: WideArray) -> WideArray:
+    """Products (..., 3) of matrices (..., 3, 3) and vectors (..., 3)."""
+    found: WideArray = (matrices * v[..., None, :]).sum(axis=-1)
+    return found
+
+
+def about(axis: WideArray, angle: WideArray) -> WideArray:
+    """Rotation matrices (s, 3, 3) about an axis (3,) of length one by angles (s,)."""
+    x, y, z = axis
+    skew = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]], dtype=Wide)
+    cosine, sine = np.cos(angle)[:, None, None], np.sin(angle)[:, None, None]
+    versine = 2 * np.sin(angle / 2)[:, None, None] ** 2
+    found: WideArray = cosine * np.eye(3, dtype=Wide) + sine * skew + versine * np.outer(axis, axis)
+    return found
+
+
+def matrices(q: WideArray) -> WideArray:
+    """Rotation matrices (s, 3, 3) of quaternions (s, 4) of any length."""
+    w, x, y, z = q[:, 0], q[:, 1], q[:, 2], q[:, 3]
+    size = w * w + x * x + y * y + z * z
+    rows = [
+        [size - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), size - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), size - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows, dtype=Wide) / size, -1, 0)
+
+
+def turning(q: WideArray, rates: WideArray) -> WideArray:
+    """The derivatives (s, 4) of quaternions (s, 4) whose bodies turn with angular velocities (s, 3) in their own frames."""
+    w, x, y, z = q[:, 0], q[:, 1], q[:, 2], q[:, 3]
+    a, b, c = rates[:, 0], rates[:, 1], rates[:, 2]
+    made = [-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a]
+    return np.stack(made, axis=1) / 2
