@@ -20,6 +20,7 @@ from bodycheck.reference.mechanisms.forms.ground import carried
 from bodycheck.reference.mechanisms.forms.motion import Form
 from bodycheck.reference.mechanisms.growth import Growth, growth
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
+from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.placed import bodies_of
 from bodycheck.reference.mechanisms.ways import Motion, Way, apart, sizes
@@ -72,11 +73,15 @@ class Followed:
 def followed(mechanism: Mechanism, times: Array) -> Followed:
     """The motion of a mechanism at ascending times (n,), s. Raises `NotModelled` and `OutOfReach`."""
     form = form_of(mechanism)
-    return by_recursion(mechanism, times) if form is None else _by_form(mechanism, form, times)
+    if form is not None:
+        return _by_form(mechanism, form, times)
+    return by_loops(mechanism, times) if mechanism.loops else by_recursion(mechanism, times)
 
 
 def witness_of(mechanism: Mechanism, times: Array, found: Followed) -> Way | None:
     """The witness of a motion: the recursion of a closed form, else the Lagrangian; None where it cannot follow the motion."""
+    if mechanism.loops:
+        return _loops_witness(mechanism, times, found)
     if not found.form:
         return lagrangian(mechanism, times)
     try:
@@ -125,6 +130,20 @@ def by_recursion(mechanism: Mechanism, times: Array) -> Followed:
     errors = rounding_errors(mechanism, own, here, made, float(np.finfo(dtype).eps))
     way = Way(f"{RECURSION}, {name}", own, errors, digits)
     return Followed(way, RECURSION, "rigid bodies on joints", name, here)
+
+
+def by_loops(mechanism: Mechanism, times: Array) -> Followed:
+    """The motion of a mechanism with loops by multipliers. How an error grows is not measured; the witness shows it."""
+    found = loops.way(mechanism, times)
+    return Followed(found, loops.NAME, "closed loops", loops.SOLVER, None)
+
+
+def _loops_witness(mechanism: Mechanism, times: Array, found: Followed) -> Way | None:
+    """The witness of a mechanism with loops: the multipliers of a closed form, else the equations of every body."""
+    try:
+        return loops.way(mechanism, times) if found.form else loops.witness(mechanism, times)
+    except (NotModelled, OutOfReach):
+        return None
 
 
 def roundings(mechanism: Mechanism, base: Motion, wide: Motion, grown: Growth) -> float:

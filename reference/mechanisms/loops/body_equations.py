@@ -6,7 +6,7 @@ import numpy as np
 
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.exact.pairs import WideArray
-from bodycheck.reference.mechanisms.loops.body_space import Link, Side, System
+from bodycheck.reference.mechanisms.loops.body_space import Side, System
 from bodycheck.reference.mechanisms.loops.minimum_norm import solved
 from bodycheck.reference.mechanisms.loops.vectors import apply, cross, dot, matrices, turning
 from bodycheck.reference.mechanisms.mechanism import WORLD
@@ -26,7 +26,7 @@ class Bodies:
 
 @dataclass(frozen=True, eq=False)
 class _Frame:
-    """A side of a link at s instants: axes (s, 3, 3), arm, place, velocity and spin (s, 3) of its origin along the world's axes."""
+    """A side of a link at s instants: axes (s, 3, 3); arm, place, velocity and spin (s, 3) of its origin; all in the world."""
 
     body: int
     axes: WideArray
@@ -158,9 +158,7 @@ def _about(bodies: int, one: _Frame, other: _Frame, axis: WideArray) -> tuple[Wi
     return row, dot(cross(one.spin, axis), apart), dot(axis, apart)
 
 
-def _across(
-    bodies: int, one: _Frame, other: _Frame, a: WideArray, b: WideArray
-) -> tuple[WideArray, WideArray, WideArray]:
+def _across(bodies: int, one: _Frame, other: _Frame, a: WideArray, b: WideArray) -> tuple[WideArray, WideArray, WideArray]:
     """The cosine between directions a of the first and b of the second frame (s, 3): see `_along`."""
     normal = cross(b, a)
     row = np.zeros((len(a), 6 * bodies), dtype=Wide)

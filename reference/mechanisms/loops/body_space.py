@@ -1,11 +1,10 @@
 """Mechanisms with loops by Newton and Euler in the coordinates of every body, with constraint forces at joints and loops.
 
-Each body has a position, a quaternion, a velocity and an angular velocity along its own axes. Joints and loops are constraints of
-their accelerations; nothing is projected, so that what they drift shows the error. It is the witness of `joint_space`, with which
-it shares numerical tools only. The start is computed with a hundred digits from the mechanism.
+Each body has a position, a quaternion, a velocity and an angular velocity along its own axes. Joints and loops are constraints
+of their accelerations; nothing is projected, so that what they drift shows the error. It is the witness of `joint_space`, with
+which it shares numerical tools only. The start is computed with a hundred digits from the mechanism.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,8 +16,7 @@ from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, turned, unit
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.kinematics import from_the_root
-from bodycheck.reference.mechanisms.loops.minimum_norm import solved
-from bodycheck.reference.mechanisms.loops.vectors import apply, cross, dot, matrices, rounded, turning
+from bodycheck.reference.mechanisms.loops.vectors import cross, dot, rounded
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, Mechanism
 
 #: Coordinates and velocities of a body.
@@ -90,9 +88,7 @@ def system(mechanism: Mechanism) -> System:
     if any(joint.friction for joint in mechanism.joints):
         raise NotModelled("dry friction in a mechanism with loops")
     inertias = [exact.inertia(body) for body in mechanism.bodies]
-    tensors = [
-        [[wide(own.tensor[part]) for part in row] for row in ((0, 3, 4), (3, 1, 5), (4, 5, 2))] for own in inertias
-    ]
+    tensors = [[[wide(own.tensor[part]) for part in row] for row in ((0, 3, 4), (3, 1, 5), (4, 5, 2))] for own in inertias]
     return System(
         np.array([wide(own.mass) for own in inertias], dtype=Wide),
         np.array(tensors, dtype=Wide),
@@ -144,7 +140,7 @@ def _loops(mechanism: Mechanism) -> list[Link]:
 
 
 def initial(mechanism: Mechanism) -> WideArray:
-    """Positions and quaternions (7 b), velocities and angular velocities (6 b), and coordinates of single joints at the start."""
+    """Positions and quaternions (7 b), velocities and rates (6 b), and angles and slides of single joints, at the start."""
     frames = {WORLD: Place(IDENTITY, _ZERO, _ZERO, _ZERO)}
     for body, own in enumerate(mechanism.bodies):
         if mechanism.joint_of[body] is None:

@@ -1,8 +1,8 @@
 """Integration by Gauss-Legendre collocation in the widest type of NumPy, all nodes of a step at once.
 
-A step is solved for the derivatives at its nodes by Picard's iteration, accelerated by Anderson's method (J. ACM 12, 547, 1965),
-which also converges where a few directions of the iteration do not contract: close to a position in which a mechanism is
-singular. The derivatives are a series of Legendre polynomials in a step; how fast its terms fall off gives the size of the steps.
+A step is solved for the derivatives at its nodes by Picard's iteration, accelerated by Anderson's method (J. ACM 12, 547,
+1965), which also converges where a few directions of the iteration do not contract: close to a position in which a mechanism is
+singular. The derivatives are a series of Legendre polynomials in a step; how fast they fall off gives the size of the next.
 """
 
 from collections.abc import Callable
@@ -38,10 +38,7 @@ _SMALLER, _LARGER = 0.6, 1.7
 _SIZES = (1.0, 0.62, 1.45, 0.38, 0.8, 0.23, 0.14, 0.07, 0.03, 0.01, 1e-3, 1e-4, 1e-5)
 
 #: Relative size of what a singular position makes of rounding in a step that is taken.
-_MAGNIFIED = 1e-12
-
-#: Steps after which an integration ends.
-MOST_STEPS = 4000
+_MAGNIFIED = 1e-11
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,10 +95,37 @@ def _integrals(x: Any, count: int) -> Any:
     return np.array([first, *rest]).T
 
 
+class _Counted:
+    """Equations that count how often they are evaluated."""
+
+    def __init__(self, derivatives: Derivatives) -> None:
+        self.derivatives, self.calls = derivatives, 0
+
+    def __call__(self, states: WideArray) -> WideArray:
+        self.calls += 1
+        return self.derivatives(states)
+
+
+@dataclass(frozen=True, eq=False)
+class Integrated:
+    """States (n, k), and the sum (n,) of the errors that the steps until then have made, before they grow."""
+
+    states: WideArray
+    errors: Array
+
+
 def integrate(
-    derivatives: Derivatives, start: WideArray, times: Array, *, stages: int, first: float, tolerance: float = FINEST, corrected: Corrected | None = None
-) -> WideArray:
-    """The states (n, k) at ascending times (n,) >= 0, s, from a state (k,) at t = 0.
+    derivatives: Derivatives,
+    start: WideArray,
+    times: Array,
+    *,
+    stages: int,
+    first: float,
+    most: int,
+    tolerance: float = FINEST,
+    corrected: Corrected | None = None,
+) -> Integrated:
+    """The motion at ascending times (n,) >= 0, s, from a state (k,) at t = 0.
 
     Parameters
     ----------
@@ -115,6 +139,8 @@ def integrate(
         Number of nodes of a step.
     first
         A size of the first step (s).
+    most
+        Evaluations of the equations, of all nodes at once, after which the integration is given up.
     tolerance
         Relative size of the last terms of the series of a step.
     corrected
@@ -122,32 +148,34 @@ def integrate(
 
     Raises `OutOfReach` where no step can be solved or too many are needed.
     """
-    found = np.empty((len(times), len(start)), dtype=Wide)
+    found, errors = np.empty((len(times), len(start)), dtype=Wide), np.empty(len(times))
+    made = 0.0
     used, state, t, h, row = rule(stages), start, Wide(0), Wide(first), 0
     guess: WideArray | None = None
-    for _ in range(MOST_STEPS):
+    counted = _Counted(derivatives)
+    while counted.calls < most:
         while row < len(times) and times[row] <= t:
-            found[row], row = state, row + 1
+            found[row], errors[row], row = state, made, row + 1
         if row == len(times):
-            return found
-        step = _step(derivatives, used, state, h, guess, tolerance)
+            return Integrated(found, errors)
+        step = _step(counted, used, state, h, guess, tolerance)
+        made += max(step.error, FINEST) * float(step.size * np.abs(step.slopes).max())
         inside = int(np.searchsorted(times, t + step.size, side="left"))
         if inside > row:
             at = 2 * (times[row:inside].astype(Wide) - t) / step.size - 1
             found[row:inside] = state + step.size * (_integrals(at, stages) @ (used.series @ step.slopes))
+            errors[row:inside] = made
             row = inside
         state, t = state + step.size * (used.across @ step.slopes), t + step.size
         state = corrected(state) if corrected else state
         grown = Wide(_factor(step.error / tolerance, stages))
-        # The next step begins with the continued series of this one, where that does not grow too much.
-        guess = _continued(used, step.slopes, grown) if grown < 1.2 else None
-        h = step.size * grown
-    raise OutOfReach(f"the motion of the closed loops needs more than {MOST_STEPS} steps")
+        guess, h = _continued(used, step.slopes, grown), step.size * grown
+    raise OutOfReach(f"the motion of the closed loops needs more than {most} evaluations of its equations")
 
 
 @dataclass(frozen=True, eq=False)
 class _Step:
-    """A solved step: its size (s), the derivatives (s, k) at its nodes, and the relative size of the last terms of their series."""
+    """A solved step: its size (s), the derivatives (s, k) at its nodes, and how large the last terms of their series are."""
 
     size: np.longdouble
     slopes: WideArray
@@ -159,8 +187,8 @@ def _step(
 ) -> _Step:
     """A step from a state whose size is near h.
 
-    Close to a singular position the accelerations have few digits, and a smaller step does not make its series shorter. Then the
-    larger step, which has fewer nodes close to that position, is taken.
+    Close to a singular position the accelerations have few digits, and a smaller step does not make its series shorter. Then
+    the larger step, which has fewer nodes close to that position, is taken.
     """
     best: _Step | None = None
     for factor in _SIZES:
@@ -189,7 +217,8 @@ def _continued(used: Rule, slopes: WideArray, grown: np.longdouble) -> WideArray
     """The derivatives at the nodes of a step from the low terms of the series of the step before."""
     few = 6
     at = 1 + 2 * used.nodes * grown
-    return _polynomials(at, few)[:few].T @ (used.series @ slopes)[:few]
+    found: WideArray = _polynomials(at, few)[:few].T @ (used.series @ slopes)[:few]
+    return found
 
 
 def _solved(

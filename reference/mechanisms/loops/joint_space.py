@@ -1,7 +1,7 @@
 """Mechanisms with loops in the coordinates of their joints: the mass matrix of the tree, and multipliers for the loops.
 
-Each joint consists of turns, slides and balls; a free body has three slides and a ball. The accelerations of bodies are linear in
-those of the coordinates, a = J q'' + b, so that d'Alembert's principle gives
+Each joint consists of turns, slides and balls; a free body has three slides and a ball. The accelerations of bodies are linear
+in those of the coordinates, a = J q'' + b, so that d'Alembert's principle gives
 
     sum over bodies of  Jv^T m (Jv q'' + bv - g) + Jw^T (I (Jw q'' + bw) + w x I w) = tau + J_loop^T forces.
 
@@ -295,8 +295,8 @@ def _at(motion: Motion, element: int, point: WideArray) -> tuple[WideArray, Wide
 
 def _rows(of: Tree, motion: Motion, row: int, place: WideArray) -> WideArray:
     """The velocities (s, u, 3) of a point at a place (s, 3) for each velocity; row: its row in `Tree.along`."""
-    found: WideArray = motion.slides + cross(motion.turns, place[:, None] - motion.centres)
-    return found * of.along[row][:, None]
+    found: WideArray = (motion.slides + cross(motion.turns, place[:, None] - motion.centres)) * of.along[row][:, None]
+    return found
 
 
 def _loops(of: Tree, motion: Motion) -> tuple[WideArray, WideArray, WideArray, WideArray]:
@@ -384,10 +384,10 @@ def closed(of: Tree, state: WideArray) -> WideArray:
     return found
 
 
-def gaps(of: Tree, states: WideArray) -> WideArray:
-    """How far (s,) the ends of the loops are apart at most at states (s, c + u) (m)."""
-    found = _loops(of, moved(of, states))[0]
-    return np.abs(found).max(axis=1, initial=0)
+def gaps(of: Tree, states: WideArray) -> tuple[WideArray, WideArray]:
+    """How far (s,) the ends of the loops are apart at most (m), and how fast they move apart (m/s), at states (s, c + u)."""
+    found, rates, _, _ = _loops(of, moved(of, states))
+    return np.abs(found).max(axis=1, initial=0), np.abs(rates).max(axis=1, initial=0)
 
 
 def bodies(of: Tree, states: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:

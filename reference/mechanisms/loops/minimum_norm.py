@@ -3,8 +3,9 @@
     M a + J^T l = f,    J a = c
 
 The inverse in doubles of the matrix with a small negative multiple of one in its empty block is refined with residuals in the
-wide type (the proximal iteration of Bauschke and Combettes; used for robots by Carpentier et al., RSS 2021). It converges to the
-multipliers of minimum norm where constraints are redundant, and directions in which they are very weak are left alone.
+wide type (a proximal iteration; for robots: Carpentier et al., Robotics: Science and Systems 2021). Where constraints are
+redundant it gives the multipliers of minimum norm, to some five digits, and the accelerations to all; directions in which
+constraints are very weak are left alone.
 """
 
 import numpy as np

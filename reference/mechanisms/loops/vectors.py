@@ -64,4 +64,5 @@ def turning(q: WideArray, rates: WideArray) -> WideArray:
     w, x, y, z = q[:, 0], q[:, 1], q[:, 2], q[:, 3]
     a, b, c = rates[:, 0], rates[:, 1], rates[:, 2]
     made = [-x * a - y * b - z * c, w * a + y * c - z * b, w * b + z * a - x * c, w * c + x * b - y * a]
-    return np.stack(made, axis=1) / 2
+    found: WideArray = np.stack(made, axis=1) / Wide(2)
+    return found

@@ -1,78 +1,97 @@
 """The motion of a mechanism with loops, in two ways that share numerical tools only.
 
 The way is the mass matrix in joint coordinates with multipliers for the loops (`joint_space`), the witness Newton's and Euler's
-equations of every body with constraint forces (`body_space`). Where a position is singular, the multipliers are those of minimum
-norm, and the motion goes on as its analytic continuation: a step has no node there, and the series of a step does not end there.
+equations of every body with constraint forces (`body_space`). Where a position is singular, the multipliers are those of
+minimum norm, and the motion goes on as its analytic continuation: a step has no node there, and its series does not end there.
 """
+
+from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.exact.numbers import Wide
+from bodycheck.reference.bounds import STATES
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.mechanisms.kinematics import joints
-from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
 from bodycheck.reference.mechanisms.loops import body_equations, body_space, joint_space
 from bodycheck.reference.mechanisms.loops.collocation import integrate
 from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.ways import Motion, Way
 from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.witness import DOUBLE_DIGITS
+from bodycheck.reference.witnesses import EXTENDED_DIGITS
 
 #: The names of the ways in results.
 NAME, WITNESS = "joint coordinates with multipliers", "Newton-Euler of every body"
 
+#: The name of the solver in results.
+SOLVER = "Gauss-Legendre collocation"
+
+#: By how much errors of the steps may grow.
+CAUTION = 8.0
+
 #: Nodes of a step.
 STAGES = 28
+
+#: Some seconds that a way may take. What an evaluation of its equations costs was measured on one core.
+MOST_SECONDS = 20.0
 
 #: The tolerance of the witness: it is asked for disagreements above some 1e-13.
 WITNESS_TOLERANCE = 1e-15
 
 
-def follow(mechanism: Mechanism, times: Array) -> WideMotion:
-    """The motion at ascending times (n,) >= 0, s.
+def way(mechanism: Mechanism, times: Array) -> Way:
+    """The motion at ascending times (n,) >= 0, s, with bounds of its own errors.
 
-    Loops that are open at the start by roundings are closed at the end of the first step.
+    The bounds hold as far as errors do not grow by more than `CAUTION`; the witness shows how they do.
 
     Raises `NotModelled` where the mechanism has dry friction, and `OutOfReach` where it cannot be followed.
     """
     tree, start = joint_space.tree(mechanism), joint_space.initial(mechanism)
-    states = integrate(
+    found = integrate(
         lambda values: joint_space.derivatives(tree, values),
         start,
         times,
         stages=STAGES,
+        most=int(MOST_SECONDS / (0.003 + 0.0012 * len(tree.elements))),
         first=_first(joint_space.derivatives(tree, start[None])[0, tree.coordinates :], start[tree.coordinates :]),
         corrected=lambda state: joint_space.closed(tree, state),
     )
     held, moving = joint_space.of_joints(mechanism)
-    found = joint_space.bodies(tree, states)
-    return WideMotion(states[:, :held], states[:, tree.coordinates : tree.coordinates + moving], *found)
+    states: tuple[Any, ...] = joint_space.bodies(tree, found.states)
+    bodies = Trajectory(times, *states)
+    motion = Motion(found.states[:, :held], found.states[:, tree.coordinates : tree.coordinates + moving], bodies)
+    # What is open at the start by rounding can be closed in several ways.
+    gap, rate = (float(value[0]) for value in joint_space.gaps(tree, start[None]))
+    errors = CAUTION * (found.errors + gap + rate * (1 + times))
+    return Way(f"{NAME}, {SOLVER}", motion, dict.fromkeys(STATES, errors), EXTENDED_DIGITS)
 
 
-def witness(mechanism: Mechanism, times: Array) -> WideMotion:
+def witness(mechanism: Mechanism, times: Array) -> Way:
     """The motion at ascending times (n,) >= 0, s; the joints are computed from the poses in double precision.
 
     Raises `NotModelled` where the mechanism has dry friction, and `OutOfReach` where it cannot be followed.
     """
     system, start = body_space.system(mechanism), body_space.initial(mechanism)
-    moving = slice(7 * len(system.mass), 13 * len(system.mass))
+    bodies = len(system.mass)
+    moving = slice(7 * bodies, 13 * bodies)
     rates = body_equations.derivatives(system, start[None])[0, moving]
-    states = integrate(
+    found = integrate(
         lambda values: body_equations.derivatives(system, values),
         start,
         times,
         stages=STAGES,
+        most=int(MOST_SECONDS / (0.006 * bodies + 2e-5 * bodies**3)),
         tolerance=WITNESS_TOLERANCE,
         first=_first(rates, start[moving]),
     )
-    bodies = body_equations.unpacked(system, states)
-    length = np.sqrt((bodies.quaternion * bodies.quaternion).sum(axis=-1, keepdims=True))
-    parts = [
-        np.swapaxes(part, 0, 1)
-        for part in (bodies.position, bodies.quaternion / length, bodies.velocity, bodies.rates)
-    ]
-    found = joints(mechanism, Trajectory(times, *(part.astype(np.float64) for part in parts)))
-    position, quaternion, velocity, angular_velocity = parts
-    held, speed = found.position.astype(Wide), found.velocity.astype(Wide)
-    return WideMotion(held, speed, position, quaternion, velocity, angular_velocity)
+    end = body_equations.unpacked(system, found.states)
+    length = np.sqrt((end.quaternion * end.quaternion).sum(axis=-1, keepdims=True))
+    states: tuple[Any, ...] = (end.position, end.quaternion / length, end.velocity, end.rates)
+    parts: tuple[Any, ...] = tuple(np.swapaxes(part, 0, 1) for part in states)
+    wide = Trajectory(times, *parts)
+    narrow = (wide.position, wide.quaternion, wide.velocity, wide.angular_velocity)
+    held = joints(mechanism, Trajectory(times, *(part.astype(np.float64) for part in narrow)))
+    return Way(f"{WITNESS}, {SOLVER}", Motion(held.position, held.velocity, wide), {}, DOUBLE_DIGITS)
 
 
 def _first(accelerations: WideArray, velocities: WideArray) -> float:
