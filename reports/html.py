@@ -33,7 +33,8 @@ def render_study(report: StudyReport) -> str:
         for part in report.parts
         for place, chart in enumerate(part.charts, start=1)
     }
-    animated = any(shown.data is not None for part in report.parts for shown in part.animations)
+    played = [shown.data for part in report.parts for shown in part.animations]
+    animated = any(data is not None for data in played)
     return page(
         "study.html.jinja",
         report.header,
@@ -42,7 +43,7 @@ def render_study(report: StudyReport) -> str:
         _index(report),
         report=report,
         player_style=verbatim(player.style() if animated else "", "style"),
-        player=verbatim(player.script() if animated else "", "script"),
+        player=verbatim(player.script(played) if animated else "", "script"),
     )
 
 

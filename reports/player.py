@@ -1,18 +1,28 @@
 """The player of motions: its script and its style, for pages that have animations."""
 
+from collections.abc import Iterable, Mapping
 from importlib import resources
+from typing import Any
 
 #: The files of `templates/player` without `.js`, each after those that it uses.
 PLAYER = (
     "vectors", "tracks", "solids", "view", "elements", "motion", "body", "polhode",
-    "ground", "controls", "legend", "readings", "panels", "player", "start",
+    "ground", "controls", "legend", "readings", "panels", "mechanism", "player", "start",
 )  # fmt: skip
 
+#: The file that only pages with mechanisms have.
+OF_MECHANISMS = "mechanism"
 
-def script() -> str:
-    """Return the script that plays motions: its files in one scope, without indentation, blank lines and lines of comment."""
+
+def script(played: Iterable[Mapping[str, Any] | None] = ()) -> str:
+    """Return the script that plays motions: its files in one scope, without indentation, blank lines and lines of comment.
+
+    played: the data of the animations of a page, which say whether it has mechanisms.
+    """
+    mechanisms = any(data is not None and "bodies" in data for data in played)
+    names = [name for name in PLAYER if mechanisms or name != OF_MECHANISMS]
     folder = resources.files("bodycheck.reports") / "templates" / "player"
-    lines = [line.strip() for name in PLAYER for line in (folder / f"{name}.js").read_text("utf-8").splitlines()]
+    lines = [line.strip() for name in names for line in (folder / f"{name}.js").read_text("utf-8").splitlines()]
     code = "\n".join(line for line in lines if line and not line.startswith("//"))
     return f'"use strict";\n(() => {{\n{code}\n}})();'
 

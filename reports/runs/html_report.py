@@ -24,7 +24,7 @@ def render(contents: Contents) -> str:
         datasets={section.name: json_text(section.curves.datasets) for section in contents.sections},
         played={section.name: json_text(section.playback.data) for section in contents.sections if section.playback},
         player_style=verbatim(player.style(), "style"),
-        player=verbatim(player.script(), "script"),
+        player=verbatim(player.script(section.playback.data for section in contents.sections if section.playback), "script"),
     )
 
 

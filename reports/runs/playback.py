@@ -12,8 +12,7 @@ import numpy as np
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.inertia import angular_momentum
 from bodycheck.reference.kinematics import normalise
-from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Scene, Sphere, Vector
+from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.reports.lines import Line
@@ -78,8 +77,8 @@ class Shown:
     maxima: Mapping[str, float]
 
 
-def playback(scene: AnyScene, runs: Mapping[Line, Verdict], truths: Mapping[float, Truth], most: int) -> Playback | None:
-    """Return the animation of one case, or None if no run has a truth to be compared with, and of a mechanism.
+def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, Truth], most: int) -> Playback | None:
+    """Return the animation of one case, or None if no run has a truth to be compared with.
 
     It shows the time step that most runs have. If not all of its runs fit, those that are shown first are kept first.
 
@@ -94,35 +93,37 @@ def playback(scene: AnyScene, runs: Mapping[Line, Verdict], truths: Mapping[floa
     most
         Most characters of the data.
     """
-    timestep = _common([line for line, verdict in runs.items() if verdict.discrepancy is not None and line.timestep in truths])
-    if timestep is None or isinstance(scene, Mechanism):
+    timestep = common_step(
+        [line for line, verdict in runs.items() if verdict.discrepancy is not None and line.timestep in truths]
+    )
+    if timestep is None:
         return None
     truth, trajectory, reach = truths[timestep], truths[timestep].trajectory, _reach(scene.body)
     fastest = float(np.linalg.norm(trajectory.angular_velocity, axis=1).max())
     own_runs = {line: verdict for line, verdict in runs.items() if line.timestep == timestep}
-    played = [one for line, verdict in own_runs.items() if (one := _shown(line, verdict, truth)) is not None]
+    played = [one for line, verdict in own_runs.items() if (one := shown_run(line, verdict, truth)) is not None]
     if not played:
         return Playback(None, "", ("There is no animation because the errors of no run are finite numbers.",))
     if scene.plane is None and not fastest and not any(one.trajectory.angular_velocity.any() for one in played):
         return Playback(None, "", ("There is no animation because nothing rotates in this case.",))
     rates = RATE_TOLERANCE * fastest if scene.plane is None and fastest else math.inf
-    record = _turning(trajectory, rates)
+    record = turning_of(trajectory, rates)
     if record is None:
         return Playback(None, "", (f"There is no animation because the body turns by {TOO_FAST}.",))
     if scene.plane is not None and _too_far(trajectory, reach):
         return Playback(None, "", ("There is no animation because the body goes too far to be drawn.",))
     if scene.plane is not None:
-        record |= _course(trajectory.t, trajectory.position / reach, PLACE_TOLERANCE)
+        record |= course_of(trajectory.t, trajectory.position / reach, PLACE_TOLERANCE)
     first = choose(played, reach if scene.plane is not None else math.inf)
     unseen = own_runs.keys() - {one.line for one in played}
     undrawn = [name_of(line) for line, verdict in own_runs.items() if verdict.discrepancy is not None and line in unseen]
     left_out, kept = [], dict[Shown, dict[str, Any]]()
-    if (room := most - len(_json(record))) < 0:
+    if (room := most - len(as_json(record))) < 0:
         return Playback(None, "", ("There is no animation, to keep this file small.",))
     for one in (*first, *(other for other in played if other not in first)):
         if (entry := _run(one, scene, reach, rates)) is None:
             undrawn.append(name_of(one.line))
-        elif (room := room - len(_json(entry))) < 0:
+        elif (room := room - len(as_json(entry))) < 0:
             left_out.append(name_of(one.line))
         else:
             kept[one] = entry
@@ -162,12 +163,13 @@ def choose(runs: Sequence[Shown], reach: float) -> list[Shown]:
     return [*(run for run in worst if run in largest), *others[:1]][:MOST_SHOWN]
 
 
-def _common(lines: Sequence[Line]) -> float | None:
+def common_step(lines: Sequence[Line]) -> float | None:
     """Return the time step (s) that most of the lines have, the first of equals, or None without lines."""
     return max(steps, key=steps.__getitem__) if (steps := Counter(line.timestep for line in lines)) else None
 
 
-def _shown(line: Line, verdict: Verdict, truth: Truth) -> Shown | None:
+def shown_run(line: Line, verdict: Verdict, truth: Truth) -> Shown | None:
+    """Return a run that can be shown; None if it did not complete, or if an error is not finite."""
     if not isinstance(verdict.outcome, Completed) or verdict.discrepancy is None:
         return None
     trajectory, maxima = verdict.outcome.trajectory, verdict.discrepancy.maxima()
@@ -183,17 +185,17 @@ def _run(run: Shown, scene: Scene, reach: float, rates: float) -> dict[str, Any]
     entry: dict[str, Any] = {"label": name_of(run.line), "colour": run.line.colour}
     entry |= {f"{name}_error": float(f"{run.maxima[f'{name}_error']:.4g}") for name in ("attitude", "position")}
     if run.maxima["attitude_error"] > tracks.TOLERANCE or run.maxima["angular_velocity_error"] > rates:
-        turning = _turning(run.trajectory, rates)
+        turning = turning_of(run.trajectory, rates)
         if turning is None:
             return None
         entry |= turning
     if scene.plane is not None:
         far = _too_far(run.trajectory, reach)
-        return None if far else entry | _course(run.trajectory.t, run.trajectory.position / reach, PLACE_TOLERANCE)
+        return None if far else entry | course_of(run.trajectory.t, run.trajectory.position / reach, PLACE_TOLERANCE)
     offset = (run.trajectory.position - run.truth.position) / reach
     farthest = float(np.abs(offset).max())
     if PLACE_TOLERANCE < farthest < FARTHEST:
-        entry |= _course(run.trajectory.t, offset, max(PLACE_TOLERANCE, SHIFT_TOLERANCE * farthest))
+        entry |= course_of(run.trajectory.t, offset, max(PLACE_TOLERANCE, SHIFT_TOLERANCE * farthest))
     return entry
 
 
@@ -202,12 +204,14 @@ def name_of(line: Line) -> str:
     return f"{line.engine} {line.integrator}" + (f" ({line.results})" if line.results else "")
 
 
-def _turning(trajectory: Trajectory, rates: float) -> dict[str, Any] | None:
+def turning_of(trajectory: Trajectory, rates: float) -> dict[str, Any] | None:
+    """Return the rotation of a body as the player reads it; None if it cannot be stored. rates: see `tracks.turning`."""
     track = tracks.turning(trajectory.t, normalise(trajectory.quaternion), trajectory.angular_velocity, rates)
     return None if track is None else {"turning": track.encoded()}
 
 
-def _course(t: Array, place: Array, tolerance: float) -> dict[str, Any]:
+def course_of(t: Array, place: Array, tolerance: float) -> dict[str, Any]:
+    """Return the path of a body as the player reads it; see `tracks.course`."""
     return {"course": tracks.course(t, place, tolerance).encoded()}
 
 
@@ -233,9 +237,19 @@ def _too_far(trajectory: Trajectory, reach: float) -> bool:
     return not float(np.abs(trajectory.position).max()) < FARTHEST * reach
 
 
-def _solid(body: Body) -> tuple[str, tuple[float, float, float]]:
+def _solid(body: Body) -> tuple[str, Vector]:
     """Return the kind of solid that a body is drawn as, and its half-lengths along its axes (m)."""
-    match body.shape:
+    if body.shape is not None:
+        return solid_of(body.shape)
+    a, b, c = body.moments
+    squares = (b + c - a, a + c - b, a + b - c)
+    x, y, z = (math.sqrt(max(square, 0.0) * 5 / 2 / body.mass) for square in squares)
+    return "ellipsoid", (x, y, z)
+
+
+def solid_of(shape: Shape) -> tuple[str, Vector]:
+    """Return the kind of solid that a shape is drawn as, and its half-lengths along its axes (m)."""
+    match shape:
         case Brick(semi_axes):
             return "brick", semi_axes
         case Cylinder(radius, half_length):
@@ -244,11 +258,6 @@ def _solid(body: Body) -> tuple[str, tuple[float, float, float]]:
             return "ellipsoid", (radius, radius, radius)
         case Ellipsoid(semi_axes):
             return "ellipsoid", semi_axes
-        case None:
-            a, b, c = body.moments
-            squares = (b + c - a, a + c - b, a + b - c)
-            x, y, z = (math.sqrt(max(square, 0.0) * 5 / 2 / body.mass) for square in squares)
-            return "ellipsoid", (x, y, z)
 
 
 def _reach(body: Body) -> float:
@@ -285,5 +294,6 @@ def _notes(
     return notes
 
 
-def _json(value: Any) -> str:
+def as_json(value: Any) -> str:
+    """Return what the player reads as text."""
     return json.dumps(value, separators=(",", ":"))

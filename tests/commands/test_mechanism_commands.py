@@ -12,42 +12,10 @@ from bodycheck.casefile.case import load
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from tests.support.commands import bodycheck
+from tests.support.jointed import CART_POLE
 
-TEXT = """
-format = 2
-name = "cart-pole"
-title = "Cart and pole"
-[[bodies]]
-name = "cart"
-mass = 2.3
-inertia = [0.1, 0.1, 0.1]
-[[bodies]]
-name = "pole"
-mass = 0.4
-center_of_mass = [0.0, 0.0, 0.35]
-inertia = [0.016, 0.017, 0.001]
-[[joints]]
-name = "rail"
-type = "prismatic"
-child = "cart"
-axis = [1.0, 0.0, 0.0]
-initial = {position = 0.0, velocity = 0.5}
-[[joints]]
-name = "pin"
-type = "revolute"
-parent = "cart"
-child = "pole"
-position = [0.0, 0.0, 0.1]
-axis = [0.0, 1.0, 0.0]
-initial = {position = 0.3, velocity = 0.0}
-[scene]
-gravity = 9.81
-[run]
-duration = 0.5
-samples = 6
-[extremes]
-gravity = [0.0, 1.0]
-"""
+TEXT = CART_POLE.replace("duration = 2.0", "duration = 0.5").replace("samples = 41", "samples = 6")
+TEXT += "[extremes]\ngravity = [0.0, 1.0]\n"
 
 MUJOCO = ("--engine", "mujoco", "--integrator", "RK4")
 

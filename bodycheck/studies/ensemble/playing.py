@@ -7,7 +7,7 @@ from bodycheck.casefile.case import parse
 from bodycheck.judging import judgement
 from bodycheck.reference.truth import Truth
 from bodycheck.reports.quantities import QUANTITIES
-from bodycheck.reports.runs.playback import playback
+from bodycheck.reports.runs.animation import animated
 from bodycheck.reports.study import Animation
 from bodycheck.running import campaign
 from bodycheck.running.header import Header
@@ -89,7 +89,7 @@ def animations(
             if (verdict.run.case, verdict.run.engine, verdict.run.method)
             == (cases[member].name, keys[place].engine, keys[place].method)
         }
-        played = playback(cases[member].scene, own, truths[member], MOST_CHARACTERS)
+        played = animated(cases[member].scene, own, truths[member], MOST_CHARACTERS)
         if played is not None:
             heading = f"Member {member}, with the largest {title} of {lines[places[0]].label}"
             shown.append(Animation(heading, played.data, played.alt, played.notes))

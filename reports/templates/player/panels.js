@@ -1,10 +1,11 @@
 // The panels: beside each other the truth's body and those of the runs, each with its name, its picture and its readings.
-// Uses elements.js and body.js.
+// Uses elements.js.
 
 // shown: the runs that are shown, changed in place when the reader chooses another, after which `chosen` is called.
-const panelsOf = ({ truth, runs }, shown, solid, onPlane, chosen) =>
+// made: makes the picture of a panel.
+const panelsOf = ({ truth, runs }, shown, made, chosen) =>
   [truth, ...shown].map((body, k) => {
-    const { picture, draw } = bodyPicture(solid, onPlane);
+    const { picture, draw } = made();
     const words = html("p", { class: "reading" });
     const swatch = html("i", { class: "swatch" });
     const head = html("div", { class: "head" }, swatch);

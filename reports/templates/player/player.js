@@ -37,6 +37,7 @@ const pastOf = (body, now) => Array.from({ length: 41 }, (_, i) => placeAt(body.
 
 const build = (figure) => {
   const data = JSON.parse(document.getElementById(figure.dataset.player).textContent);
+  if (data.bodies) return void buildMechanism(figure, data);
   const motion = motionOf(data);
   const { truth, runs, stateOf, fastest } = motion;
   const solid = solidOf(data.body);
@@ -45,7 +46,7 @@ const build = (figure) => {
   const tip = times(solid.exit(AXES[2]).at + AXIS, AXES[2]);
   const trail = data.plane || !fastest ? 0 : Math.min(data.end, TRAIL / fastest); // s
 
-  const panels = panelsOf(motion, shown, solid, data.plane, () => choose());
+  const panels = panelsOf(motion, shown, () => bodyPicture(solid, data.plane), () => choose());
   const polhode = !data.plane && data.momentum ? polhodePicture(data.body, motion) : null;
   const controls = controlsOf(data.end, fastest);
   const squares = html("span", {});

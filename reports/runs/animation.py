@@ -1,0 +1,17 @@
+"""The animation of a case of any scene."""
+
+from collections.abc import Mapping
+
+from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.truth import Truth
+from bodycheck.reports.lines import Line
+from bodycheck.reports.runs.mechanism_playback import mechanism_playback
+from bodycheck.reports.runs.playback import Playback, playback
+
+
+def animated(scene: AnyScene, runs: Mapping[Line, Verdict], truths: Mapping[float, Truth], most: int) -> Playback | None:
+    """Return the animation of one case, or None if no run has a truth to be compared with; see `playback`."""
+    if isinstance(scene, Mechanism):
+        return mechanism_playback(scene, runs, truths, most)
+    return playback(scene, runs, truths, most)

@@ -1,0 +1,183 @@
+// A player of a mechanism: the pictures of all its bodies in motion, beside each other those of the truth and of the runs. It is
+// made in a `figure` from the data that reports/runs/mechanism_playback.py stores. Lengths are in units of the mechanism's extent.
+// Uses all other files of this folder but player.js.
+
+// The part of the extent by which places differ visibly.
+const APART = 0.01;
+
+const statesAt = (parts, t) => parts.map(({ turning, course }) => ({ ...turningAt(turning, t), place: placeAt(course, t) }));
+const partsOf = (entry) => entry.parts?.map(({ turning, course }) => ({ turning: readTurning(turning), course: readCourse(course) }));
+const largestOf = (values) => Math.max(0, ...values);
+
+// How far the bodies of two motions are apart at most: in attitude (rad) and in place.
+const mechanismDifference = (states, exact) => ({
+  angle: largestOf(states.map(({ attitude }, k) => angleBetween(attitude, exact[k].attitude))),
+  shift: largestOf(states.map(({ place }, k) => length(minus(place, exact[k].place)))),
+});
+
+// The picture of a mechanism: solids, or sticks where a body has no shape, the farthest first; joints; and the truth as a ghost.
+const mechanismPicture = (data) => {
+  const picture = svg("svg", { viewBox: `0 0 ${SIZE} ${SIZE}`, role: "img", class: "drawing scene" });
+  const [skin, over] = [0, 1].map(() => picture.appendChild(svg("g", {})));
+  const solids = data.bodies.map(({ solid }) => solid && solidOf(solid));
+  const ghost = addPath(over, "ghost");
+  const [pins, fixed] = ["pin", "pin fixed"].map((kind) => addPath(over, kind));
+  const dot0 = (point) => `${path([point])}h0`;
+  const paths = [];
+
+  const facesOf = (view, solid, { attitude, place }, colour) => {
+    const fills = new Map();
+    const world = (v) => add(place, rotate(attitude, v));
+    for (const { points, normal, tone, edge } of solid.faces) {
+      const outward = rotate(attitude, normal);
+      if (!isSeen(view, world(points[0]), outward)) continue;
+      const light = 0.5 + 0.5 * dot(LIGHT, [dot(outward, view.right), dot(outward, view.up), dot(outward, view.toward)]);
+      const key = `${shaded(colour, light, tone)}|${edge ? "edge" : ""}`;
+      fills.set(key, (fills.get(key) ?? "") + path(points.map((p) => project(view, world(p))), true));
+    }
+    return [...fills].map(([key, d]) => {
+      const [fill, edge] = key.split("|");
+      return { d, fill, class: edge ? "face edge" : "face", stroke: edge ? "" : fill };
+    });
+  };
+  const sticksOf = (view, sticks, { attitude, place }) =>
+    sticks.map((ends) => path(ends.map((p) => project(view, add(place, rotate(attitude, p)))))).join("");
+
+  // states, truth: of all bodies; truth is null in the truth's own picture and where it looks the same.
+  const draw = (view, states, truth, colour) => {
+    const order = states.map((_, k) => k).sort((a, b) => dot(states[a].place, view.toward) - dot(states[b].place, view.toward));
+    const drawn = order.flatMap((k) => [
+      ...(solids[k] ? facesOf(view, solids[k], states[k], colour) : []),
+      { d: sticksOf(view, data.bodies[k].sticks, states[k]), class: "stick", stroke: colour, fill: "none" },
+    ]);
+    drawn.forEach((attributes, k) => assign((paths[k] ??= addPath(skin, "")), attributes));
+    for (let k = drawn.length; k < paths.length; k++) paths[k].setAttribute("d", "");
+    const joints = states.flatMap(({ attitude, place }, k) => data.bodies[k].joints.map((p) => add(place, rotate(attitude, p))));
+    assign(pins, { d: joints.map((p) => dot0(project(view, p))).join("") });
+    assign(fixed, { d: data.fixed.map((p) => dot0(project(view, p))).join("") });
+    let outline = "";
+    truth?.forEach((state, k) => {
+      const there = (v) => add(state.place, rotate(state.attitude, v));
+      outline += sticksOf(view, data.bodies[k].sticks, state);
+      for (const { points, normal } of solids[k]?.outline ?? [])
+        if (!normal || isSeen(view, there(points[0]), rotate(state.attitude, normal)))
+          outline += path(points.map((p) => project(view, there(p))), true);
+    });
+    assign(ghost, { d: outline });
+    picture.dataset.places = states.map(({ place }) => place.join(",")).join(";");
+  };
+  return { picture, draw };
+};
+
+const mechanismLegend = ({ within, bodies, follows }) => {
+  const legend = html("p", { class: "note key" });
+  const explain = (kind, d, words) =>
+    legend.append(html("span", {}, svg("svg", { viewBox: "0 0 26 12", class: "drawing sign", "aria-hidden": "true" }, svg("path", { class: kind, d })), html("span", {}, words)));
+  if (bodies.some(({ sticks }) => sticks.length)) explain("stick sample", "M2 9 13 3 24 9", "body without a shape: from its joint to its centre of mass and to the next joints");
+  explain("pin", "M13 6h0", "joint");
+  explain("ghost", "M3 2H23V10H3Z", "bodies of the truth");
+  if (follows) legend.append(html("span", {}, "Pictures follow the centre of mass of the truth."));
+  legend.append(html("span", {}, `Attitudes are drawn to within ${within} rad. A method that is closer to the truth than this is drawn like the truth.`));
+  return legend;
+};
+
+const buildMechanism = (figure, data) => {
+  const truth = { label: "the truth", colour: TRUTH, parts: partsOf(data.truth) };
+  // A run without parts of its own moves as the truth does.
+  const runs = data.runs.map((run) => ({ ...run, isAlike: !run.parts, parts: partsOf(run) ?? truth.parts }));
+  const shown = data.shown.map((k) => runs[k]);
+  const all = () => [truth, ...shown];
+  const speeds = [truth, ...runs].flatMap(({ parts }) => parts.flatMap(({ turning }) => turning.spans.map(({ start, h }) => length(start) / h)));
+  const fastest = largestOf(speeds);
+
+  const panels = panelsOf({ truth, runs }, shown, () => mechanismPicture(data), () => choose());
+  const controls = controlsOf(data.end, fastest);
+  const status = html("p", { class: "unseen", role: "status" });
+  const stage = html("div", { class: "stage" }, ...panels.map(({ element }) => element));
+  figure.prepend(stage, controls.element, mechanismLegend(data), status);
+
+  const differenceAt = (t) => {
+    const exact = statesAt(truth.parts, t);
+    return largestOf(shown.filter(({ isAlike }) => !isAlike).map(({ parts }) => {
+      const { angle, shift } = mechanismDifference(statesAt(parts, t), exact);
+      return angle + shift;
+    }));
+  };
+  const instants = Array.from({ length: 101 }, (_, k) => (data.end * k) / 100);
+  let now = instants.reduce((best, t) => (differenceAt(t) > differenceAt(best) + 1e-6 ? t : best), 0);
+  let [azimuth, elevation] = [data.azimuth + 0.3, 0.2];
+  let view = null;
+
+  const wordsOf = (run, { angle, shift }) => {
+    const least = indistinct(data.within);
+    const turned = run.isAlike ? atMost(run.attitude_error) : angle < least ? `< ${least}` : number(angle);
+    const unsure = run.isAlike ? Infinity : 2 * largestOf(run.parts.map(({ course }) => course.within)) * data.extent;
+    const shifted = shift * data.extent > 3 * unsure ? number(shift * data.extent, 2) : atMost(Math.min(run.position_error, shift * data.extent + unsure));
+    return `off by ${turned} rad\nand ${shifted} m`;
+  };
+  const draw = () => {
+    const exact = statesAt(truth.parts, now);
+    all().forEach((body, k) => {
+      const states = k && !body.isAlike ? statesAt(body.parts, now) : exact;
+      const difference = mechanismDifference(states, exact);
+      const isApart = k > 0 && (difference.angle > indistinct(data.within) || difference.shift > APART);
+      panels[k].draw(view, states, isApart ? exact : null, body.colour);
+      panels[k].words.textContent = k ? wordsOf(body, difference) : `fastest body turning at\n${number(largestOf(states.map(({ rate }) => length(rate))))} rad/s`;
+      panels[k].picture.dataset.time = now;
+    });
+    controls.showTime(now);
+    if (!player.isPlaying()) settle();
+  };
+  // Pictures are described once they have stood still for half a second.
+  let pending = 0;
+  const settle = () => {
+    clearTimeout(pending);
+    pending = setTimeout(() => {
+      const time = controls.clock.textContent;
+      const descriptions = panels.map(({ words }, k) => `${all()[k].label}: ${words.textContent}`);
+      panels.forEach(({ picture }, k) => picture.setAttribute("aria-label", `At ${time}, ${descriptions[k]}`));
+      if (status.textContent || document.activeElement?.closest(".player") === figure) status.textContent = `At ${time}: ${descriptions.join("; ")}.`;
+    }, 500);
+  };
+  const choose = () => {
+    all().forEach(({ colour, label }, k) => {
+      panels[k].swatch.style.background = colour;
+      panels[k].picture.dataset.body = label;
+    });
+    turn(azimuth, elevation);
+  };
+  const move = (t) => {
+    now = Math.min(data.end, Math.max(0, t));
+    draw();
+  };
+  const turn = (about, above) => {
+    [azimuth, elevation] = [about, Math.min(1.4, Math.max(-1.4, above))];
+    view = { ...viewFrom(azimuth, elevation), scale: 96, distance: 7 };
+    controls.showSide(azimuth);
+    draw();
+  };
+  const player = playing(
+    (elapsed) => {
+      const next = now + elapsed * controls.speed.value;
+      move(next > data.end ? 0 : next);
+    },
+    (isPlaying) => {
+      controls.showPlaying(isPlaying);
+      if (!isPlaying) draw();
+    },
+  );
+  connect(controls, data.end, {
+    toggle: player.toggle,
+    moveTo: move,
+    moveBy: (step) => move(now + step),
+    turnTo: (about) => turn(about, elevation),
+    changeSpeed: () => {},
+  });
+  panels.forEach(({ picture }) =>
+    picture.addEventListener("pointermove", (event) => {
+      if (event.buttons & 1) turn(azimuth - event.movementX / 100, elevation + event.movementY / 100);
+    }),
+  );
+  new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || player.stop()).observe(figure);
+  choose();
+};

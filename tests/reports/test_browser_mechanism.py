@@ -1,0 +1,46 @@
+"""The player of a mechanism in a real browser: its pictures have all bodies where the truth has them, at the chosen time."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bodycheck import reports, truth
+from bodycheck.casefile.case import parse
+from bodycheck.judging.result_set import judged
+from bodycheck.reports.runs.playback import PLACE_TOLERANCE
+from bodycheck.running import plan
+from tests.support import campaigns
+from tests.support.browser import visiting
+from tests.support.jointed import CART_POLE
+
+
+def test_bodies_are_drawn_where_they_are(browser: Any, tmp_path: Path) -> None:
+    case = parse(CART_POLE, "cart-pole")
+    results = campaigns.results(plan.plan([case], campaigns.records("mujoco"), ("Euler",), (0.01,)), tmp_path / "results")
+    (tmp_path / "report").mkdir()
+    page = reports.write([judged(results)], tmp_path / "report")[0]
+    with visiting(browser, page) as visit:
+        player = visit.page.locator("#case-cart-pole .player")
+        player.scroll_into_view_if_needed()
+        visit.page.wait_for_selector("#case-cart-pole .player[data-ready] .controls")
+        for t in (0.0, 1.0, 1.37):
+            player.get_by_label("Time", exact=True).fill(str(t))
+            exact, euler = (places(player, name) for name in ("the truth", "mujoco Euler"))
+            extent = float(visit.page.evaluate("JSON.parse(document.getElementById('playback-cart-pole').textContent).extent"))
+            states = truth(case, [0.0, t]).trajectory.position[:, -1]
+            # The middle of the picture is unknown here, and each place is drawn to a tolerance.
+            assert (exact[1] - exact[0]) * extent == pytest.approx(states[1] - states[0], abs=3 * PLACE_TOLERANCE * extent)
+            assert (np.linalg.norm(euler - exact) > PLACE_TOLERANCE) == (t > 0)
+        words = player.locator(".reading").all_inner_texts()
+        assert words[0].startswith("fastest body turning at")
+        assert words[1].startswith("off by 0.")
+        player.get_by_role("button", name="Play").click()
+        player.get_by_role("button", name="Pause").click()
+
+
+def places(player: Any, name: str) -> Any:
+    """The places of the bodies in the picture of a motion, in units of the extent."""
+    told = player.locator(f'svg[data-body="{name}"]').get_attribute("data-places")
+    return np.array([place.split(",") for place in told.split(";")], dtype=float)
