@@ -2,9 +2,9 @@
 
 import re
 import tomllib
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
-from datetime import date, time
+from datetime import date
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -16,15 +16,17 @@ import numpy as np
 from pydantic import ValidationError
 
 from bodycheck.adapters.method import Method, current
-from bodycheck.casefile import formats, grammar
+from bodycheck.casefile import grammar
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.checkable import uncheckable
 from bodycheck.casefile.ensemble import Ensemble, build_ensemble
 from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
 from bodycheck.casefile.finding import SUFFIX
-from bodycheck.casefile.formats import AnyCaseTable, Format, format_of
+from bodycheck.casefile.formats import AnyCaseTable, format_of
+from bodycheck.casefile.mechanisms.model import expanded, split, with_model
 from bodycheck.casefile.scenes import Inconsistent
 from bodycheck.casefile.toml_positions import Path, Position, positions
+from bodycheck.casefile.wording import explain, is_misleading, key_text, quote
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
 from bodycheck.files import reading
@@ -38,9 +40,8 @@ MAX_KEY_PARTS = 16
 MAX_DIGITS = 500
 #: What some editors write at the beginning of a file.
 BYTE_ORDER_MARK = "\ufeff"
-#: The largest number of faults that are reported, and the longest quotation and message (characters).
+#: The largest number of faults that are reported, and the longest message of the reader of TOML (characters).
 MAX_FAULTS = 100
-MAX_QUOTE_LENGTH = 60
 MAX_MESSAGE_LENGTH = 200
 
 #: Allowed deviation from an order that is given as one number: it is measured at three time steps, not in the limit.
@@ -88,7 +89,7 @@ class Case:
     extremes
         The names of axes, each with the values at which a study of extremes tries the case.
     text
-        The text of the file.
+        The text of the file, with that of the robot model that it names.
     ensemble
         What many members are drawn from the case with; None where the file does not say it.
     """
@@ -104,6 +105,11 @@ class Case:
     extremes: tuple[tuple[str, tuple[float, ...]], ...]
     text: str
     ensemble: Ensemble | None = None
+
+    @property
+    def file_text(self) -> str:
+        """Return the text of the file alone, without that of its model."""
+        return split(self.text)[0]
 
     @property
     def instants(self) -> Array:
@@ -140,22 +146,32 @@ def load(case: str | FilePath) -> Case:
     that is neither a text nor a path.
     """
     if not isinstance(case, str | FilePath):
-        raise TypeError(f"read {_quote(case)} as the case; allowed: the name of a shipped case, or a path")
+        raise TypeError(f"read {quote(case)} as the case; allowed: the name of a shipped case, or a path")
     if isinstance(case, str) and case in shipped():
         file = _shipped_files()[case]
-        return parse(file.read_text("utf-8"), str(file))
-    return parse(_read(FilePath(case)), str(case))
+        return _loaded(file.read_text("utf-8"), str(file))
+    return _loaded(_read(FilePath(case)), str(case))
 
 
 def check_case(case: object) -> None:
     """Raise `TypeError` for anything that is not a case, for example the name of one."""
     if not isinstance(case, Case):
         meant = f"; did you mean bodycheck.load({case!r})?" if isinstance(case, str | FilePath) else ""
-        raise TypeError(f"read {_quote(case)} as the case; allowed: what bodycheck.load returns{meant}")
+        raise TypeError(f"read {quote(case)} as the case; allowed: what bodycheck.load returns{meant}")
+
+
+def _loaded(text: str, file: str) -> Case:
+    """Return the case in the text of a case file that was read from a path, beside which its model may lie."""
+    text, refused = with_model(text, _document(text, file), FilePath(file).parent)
+    document = _document(text, file)
+    return _parsed(document, text, file, uncheckable(document), refused)
 
 
 def parse(text: str, file: str) -> Case:
-    """Return the case in the text of a case file; `file` is its name in the faults. Raises `CaseFaults`."""
+    """Return the case in the text of a case file; `file` is its name in the faults. Raises `CaseFaults`.
+
+    A model beside the file is not read: the text of a case that was loaded has that of its model.
+    """
     document = _document(text, file)
     return _parsed(document, text, file, uncheckable(document))
 
@@ -173,24 +189,31 @@ def parse_stored(text: str, file: str) -> Case:
     return _parsed(document, text, file)
 
 
-def _parsed(document: dict[str, Any], text: str, file: str, further: Iterable[tuple[Path, str]] = ()) -> Case:
-    """Return the case of a document. Raises `CaseFaults` with the faults of the format, and further ones."""
-    form = format_of(document)
-    errors, unreported = [*form.contradictions(document), *further], 0
+def _parsed(
+    document: dict[str, Any], text: str, file: str, further: Iterable[tuple[Path, str]] = (), refused: str | None = None
+) -> Case:
+    """Return the case of a document. Raises `CaseFaults` with the faults of the format, and further ones.
+
+    refused: why the model of the case is not read.
+    """
+    made = expanded(document, refused)
+    form = format_of(made.document)
+    errors, unreported = [*form.contradictions(made.document), *made.faults, *further], 0
     try:
-        table = form.table.model_validate(document)
+        table = form.table.model_validate(made.document)
     except ValidationError as error:
-        records = [record for record in error.errors(include_url=False) if not _is_misleading(record)]
-        errors += [_explain(record, document, form) for record in records[:MAX_FAULTS]]
+        records = [record for record in error.errors(include_url=False) if not is_misleading(record)]
+        errors += [explain(record, made.document, form) for record in records[:MAX_FAULTS]]
         unreported += len(records[MAX_FAULTS:])
     if not errors:
         try:
-            return _case(table, form.build(table), document, text)
+            return _case(table, form.build(table), made.document, text)
         except Inconsistent as error:
             errors += error.faults
     unreported += len(errors[MAX_FAULTS:])
-    places = positions(text, [path for path, _ in errors[:MAX_FAULTS]])
-    faults = [_locate(file, places, document, path, message) for path, message in errors[:MAX_FAULTS]]
+    errors = [made.in_the_file(path, message) for path, message in errors[:MAX_FAULTS]]
+    places = positions(split(text)[0], [path for path, _ in errors])
+    faults = [_locate(file, places, document, path, message) for path, message in errors]
     faults.sort(key=lambda fault: fault.position or Position(0, 0))
     raise CaseFaults((*faults, *([Fault(file, f"{unreported} more faults")] if unreported else [])))
 
@@ -206,15 +229,20 @@ SLOW_PATTERNS = {
 
 
 def _document(text: str, file: str) -> dict[str, Any]:
+    """Return the raw document of a text, with the model that is stored behind it. Raises `CaseFaults` if it is not TOML."""
+    text, model = split(text)
     for pattern, message in SLOW_PATTERNS.items():
         if (found := re.search(pattern, text)) is not None:
             raise CaseFaults((Fault(file, message, _position(text, found.start())),))
     try:
-        return tomllib.loads(text)
+        document = tomllib.loads(text)
     except RecursionError as error:
         raise CaseFaults((Fault(file, "nested too deeply", _position(text, _deepest_offset(text))),)) from error
     except tomllib.TOMLDecodeError as error:
         raise CaseFaults((_syntax_fault(file, text, str(error)),)) from error
+    if model is not None and isinstance(document.get("model"), dict):
+        document["model"]["stored"] = model
+    return document
 
 
 def _position(text: str, offset: int) -> Position:
@@ -255,54 +283,6 @@ def _syntax_fault(file: str, text: str, message: str) -> Fault:
     return Fault(file, f"not TOML: {(what or message)[:MAX_MESSAGE_LENGTH]}", position)
 
 
-#: Messages in TOML's terms for errors that pydantic states in Python's terms, by the type of the error.
-TOML_WORDING = {
-    **dict.fromkeys(("model_type", "model_attributes_type"), "should be a table"),
-    "tuple_type": "should be an array",
-    "string_type": "should be a string",
-}
-
-
-def _is_misleading(record: Any) -> bool:
-    """Return whether pydantic reports too few items only because some of them have faults of their own."""
-    if record["type"] != "too_short":
-        return False
-    least: int = record["ctx"]["min_length"]
-    return len(record["input"]) >= least
-
-
-def _explain(record: Any, document: dict[str, Any], form: Format) -> tuple[Path, str]:
-    """Return the path in the document and the message for one of pydantic's error records."""
-    path = form.untagged(tuple(record["loc"]))
-    kind = record["type"]
-    if kind == "missing":
-        return path, "is missing"
-    if path == ("format",):
-        return path, formats.ALLOWED
-    if kind in ("union_tag_not_found", "union_tag_invalid"):
-        word, known = form.known_types(path)
-        if kind == "union_tag_not_found":
-            return (*path, word), f"is missing; allowed: {', '.join(known)}"
-        return (*path, word), _allowed(record["input"].get(word), known)
-    if kind == "extra_forbidden" and (table := form.table_at(path[:-1], document)) is not None:
-        return path, f"unknown key; {_allowed(path[-1], table.model_fields)}"
-    message = TOML_WORDING.get(kind) or str(record["msg"]).removeprefix("Input ").removeprefix("Value error, ")
-    if kind in ("too_long", "too_short"):
-        side, bound = ("most", "max_length") if kind == "too_long" else ("least", "min_length")
-        message = f"has {len(record['input'])} items; allowed: at {side} {record['ctx'][bound]}"
-    if kind == "literal_error":
-        message += _suggestion(record["input"], re.findall("'([^']*)'", record["ctx"]["expected"]))
-    return path, message
-
-
-def _allowed(word: Any, known: Collection[str]) -> str:
-    return f"allowed: {', '.join(known)}{_suggestion(word, known)}"
-
-
-def _suggestion(word: Any, known: Collection[str]) -> str:
-    return did_you_mean(word, known) if isinstance(word, str) else ""
-
-
 def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], path: Path, message: str) -> Fault:
     """Return a fault at the position of its key, or of the innermost table around a missing key.
 
@@ -322,7 +302,7 @@ def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], p
     place = path
     while place not in places:
         place = place[:-1]
-    key = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{_key_text(part)}" for part in path).removeprefix(".")
+    key = "".join(f"[{part + 1}]" if isinstance(part, int) else f".{key_text(part)}" for part in path).removeprefix(".")
     value: Any = document
     for part in path:
         try:
@@ -331,21 +311,7 @@ def _locate(file: str, places: dict[Path, Position], document: dict[str, Any], p
             return Fault(file, message, places[place], key)
     if isinstance(value, dict) or (isinstance(value, list) and value and isinstance(value[0], dict)):
         return Fault(file, message, places[place], key)
-    return Fault(file, f"read {_quote(value)}; {message}", places[place], key)
-
-
-def _key_text(key: str) -> str:
-    """Return a key for a message; a key with special characters is quoted."""
-    return key if re.fullmatch(f"[A-Za-z0-9_-]{{1,{MAX_QUOTE_LENGTH}}}", key) else _quote(key)
-
-
-def _quote(value: Any) -> str:
-    """Return the beginning of a value, on one line."""
-    try:
-        quote = str(value) if isinstance(value, date | time) else repr(value)
-    except RecursionError:
-        return "a deeply nested value"
-    return quote if len(quote) <= MAX_QUOTE_LENGTH else quote[: MAX_QUOTE_LENGTH - 1] + "…"
+    return Fault(file, f"read {quote(value)}; {message}", places[place], key)
 
 
 def _case(table: AnyCaseTable, scene: AnyScene, document: dict[str, Any], text: str) -> Case:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from bodycheck.casefile.checkable import uncheckable
 from bodycheck.casefile.key_paths import ARRAYS, ATTITUDE, base, find, keys, present, rivals, value_at
+from bodycheck.casefile.mechanisms.model import standalone
 from bodycheck.casefile.raw_values import mapping
 from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_TEXT_LENGTH
 from bodycheck.figures.columns import LIMITED
@@ -49,6 +50,7 @@ def wholes(document: Mapping[str, Any], values: Mapping[str, Array]) -> dict[str
     Unknown
         A key path leads to no number or vector that can be drawn.
     """
+    document = standalone(document)
     known, made = keys(document), dict[str, Array]()
     for text in sorted(values, key=lambda text: not text.startswith("body.")):  # the height of a start depends on the body
         key, array = find(text, document, known), np.asarray(values[text], dtype=float)
@@ -103,7 +105,10 @@ def member_document(document: Mapping[str, Any], whole: Mapping[str, Array], pla
         The place of the member in them.
     member
         Its number, which becomes the end of the name.
+
+    Bodies and joints of a model are written out, so that the member needs no other file.
     """
+    document = standalone(document)
     made = {name: copy.deepcopy(value) for name, value in document.items() if name not in NOT_OF_A_MEMBER}
     name, end = str(document["name"]), f"-{member}"
     made["name"] = name[: MAX_NAME_LENGTH - len(end)] + end
@@ -143,6 +148,7 @@ def outside(whole: Mapping[str, Array], document: Mapping[str, Any]) -> NDArray[
     All others are valid as far as single numbers, quaternions and moments of inertia go. The limits are somewhat stricter than
     those of case files: whoever wants to know builds the member.
     """
+    document = standalone(document)
     known = keys(document)
     given = [base(document, key) for text, key in known.items() if text not in whole]
     extreme = not all(_moderate(np.asarray(value, dtype=float)).all() for value in given if value is not None)

@@ -7,6 +7,7 @@ from hashlib import sha256
 from typing import Any
 
 from bodycheck.casefile.case import Case
+from bodycheck.casefile.raw_values import mapping
 
 #: Tables and keys of a case file that do not affect the motion.
 NOT_PHYSICS = {"format", "name", "title", "source", "tags", "extremes", "ensemble", "expect"}
@@ -23,8 +24,11 @@ def identity(case: Case) -> str:
 
 
 def keys(case: Case) -> dict[str, str]:
-    """Return the dotted keys of a case that affect the motion, with their values as JSON."""
-    return dict(_leaves(physics(case)))
+    """Return the dotted keys of a case that affect the motion, with their values as JSON; of a model's text its digest."""
+    tables = physics(case)
+    if (stored := mapping(mapping(tables.get("model")).get("stored"))).get("text") is not None:
+        tables["model"]["stored"] = {"sha256": sha256(str(stored["text"]).encode()).hexdigest()}
+    return dict(_leaves(tables))
 
 
 def changed_keys(base: Mapping[str, str], now: Mapping[str, str]) -> list[tuple[str, str | None, str | None]]:

@@ -18,6 +18,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from bodycheck.casefile import grammar
 from bodycheck.casefile.mechanisms import grammar as mechanism_grammar
+from bodycheck.casefile.mechanisms.model import standalone
 from bodycheck.casefile.raw_values import mapping
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import Table
@@ -125,7 +126,7 @@ def keys(document: Mapping[str, Any]) -> dict[str, Key]:
 
     The document may have any faults; a body whose shape is not known has no keys.
     """
-    found: dict[str, Key] = {}
+    document, found = standalone(document), dict[str, Key]()
     for path, table in _moving(document):
         content = mapping(value_at(document, path))
         own = {key.text: key for key in _of_table(table, path, content)} if table is not None else {}
@@ -182,6 +183,7 @@ def find(text: str, document: Mapping[str, Any], known: Mapping[str, Key] | None
     Unknown
         There is no such number or vector, or it cannot be drawn. The text says why, or what can be drawn.
     """
+    document = standalone(document)
     known, text = keys(document) if known is None else known, _with_name(text, document)
     if (key := known.get(text)) is not None:
         if len(key.shape) > 1:

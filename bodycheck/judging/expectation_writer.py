@@ -142,7 +142,7 @@ def places(files: Sequence[str], cases: Sequence[Case]) -> dict[str, Path]:
     for file, case in zip(dict.fromkeys(files), cases, strict=True):
         if file in shipped():
             raise BadInput(f"{file}: the name of a shipped case; give the path of a file, which will be written to")
-        expect = entries(case.text, [("expect",)]).get(("expect",))
+        expect = entries(case.file_text, [("expect",)]).get(("expect",))
         if expect is not None and expect.value is not None:
             raise BadInput(f"{file}: expect: an array; write its elements as [[expect]] tables, to which others can be added")
         found[case.name] = Path(file)
@@ -183,9 +183,9 @@ def write(
         file, own = places[name], by_case[name]
         measurements = [measure(verdict, results.truth(name, verdict.run.method.timestep), figures) for verdict in own]
         text, made = rewrite(case, measurements, margin)
-        parse(text, str(file))
+        parse(text + case.text.removeprefix(case.file_text), str(file))
         try:
-            if file.read_bytes() != case.text.encode():
+            if file.read_bytes() != case.file_text.encode():
                 raise BadInput(f"{file}: has changed meanwhile; nothing is written")
         except OSError as error:
             raise BadInput(f"{file}: cannot be read: {error.strerror}") from error
@@ -200,8 +200,8 @@ def rewrite(case: Case, measurements: Sequence[Measurement], margin: float) -> t
     Where something is expected of a method already, its numbers and its version are renewed; ranges, orders, statuses and what
     is known to fail stay. Of others all figures are limited, in tables at the end. A limit that cannot fail is not written.
     """
-    newline = "\r\n" if "\r\n" in case.text else "\n"
-    lines = case.text.split("\n")
+    newline = "\r\n" if "\r\n" in case.file_text else "\n"
+    lines = case.file_text.split("\n")
     changes: list[Change] = []
     tables: list[str] = []
     for measurement in measurements:
@@ -253,7 +253,7 @@ def _renew(lines: list[str], case: Case, place: int, measurement: Measurement, m
     numbers = _numbers(case, place)
     limits = {name: _limit(measurement, name, margin) for name in measurement.figures if name in numbers}
     renewed = {name: limit for name, limit in limits.items() if not limit.idle}
-    there = positions(case.text, [("expect", place, name) for name in (*renewed, "timestep", "version")])
+    there = positions(case.file_text, [("expect", place, name) for name in (*renewed, "timestep", "version")])
     for name, limit in renewed.items():
         at = there["expect", place, name].line - 1
         lines[at] = _with_value(lines[at], name, tomlkit.value(limit.number), limit.comment)
@@ -268,7 +268,7 @@ def _renew(lines: list[str], case: Case, place: int, measurement: Measurement, m
 
 def _numbers(case: Case, place: int) -> set[str]:
     """The names of the figures that one of a case's expectations limits by a number, and not by a range."""
-    table = tomllib.loads(case.text)["expect"][place]
+    table = tomllib.loads(case.file_text)["expect"][place]
     return {name for name in FIGURES if isinstance(table.get(name), int | float)}
 
 

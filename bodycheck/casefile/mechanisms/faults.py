@@ -17,6 +17,11 @@ MAX_LISTED = 20
 def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
     """Yield the faults between keys, as pairs of path and message. The raw document may have any other faults too."""
     bodies, joints = _tables(document, "bodies", MAX_BODIES), _tables(document, "joints", MAX_BODIES)
+    if "model" not in document:
+        if document.get("bodies", []) == []:
+            yield ("bodies",), "is missing; a mechanism has [[bodies]], or a [model] with a file"
+        if "initial" in document:
+            yield ("initial",), "is that of a [model]; here, joints and free bodies have an initial of their own"
     yield from _twice("bodies", bodies)
     yield from _twice("joints", joints)
     names = list(dict.fromkeys(name for body in bodies if isinstance(name := body.get("name"), str) and name != WORLD))

@@ -237,6 +237,25 @@ class LoopTable(Table):
     points: tuple[Vector, Vector] = Field(description="the two points, each in the frame of its body, m")
 
 
+class StoredTable(Table):
+    """What was read of a model, as bodycheck stores it with the case."""
+
+    text: str = Field(description="content of the file")
+
+
+class ModelTable(Table):
+    """A robot model in the place of bodies and joints."""
+
+    file: Text = Field(description="URDF or MJCF, in the folder of the case file")
+    stored: StoredTable | None = Field(default=None, description="what was read of it; bodycheck writes it")
+
+
+class ModelStartTable(Table):
+    """The state at t = 0 of the joints of a model, a table a joint."""
+
+    joints: dict[str, dict[str, Any]] = Field(default={}, description="the keys of the table initial of a joint, by its name")
+
+
 class SurroundingsTable(Table):
     """The surroundings."""
 
@@ -251,8 +270,10 @@ class MechanismTable(Table):
     title: Text = Field(description="what it is, in a few words")
     source: Text = Field(default="", description="where it comes from")
     tags: grammar.Tags = Field(default=(), description="to group cases by")
-    bodies: Annotated[tuple[AnyBody, ...], Field(min_length=1, max_length=MAX_BODIES)] = Field(
-        description="what moves, a table a body"
+    model: ModelTable | None = None
+    initial: ModelStartTable | None = None
+    bodies: Annotated[tuple[AnyBody, ...], Field(max_length=MAX_BODIES)] = Field(
+        default=(), description="what moves, a table a body"
     )
     joints: Annotated[tuple[AnyJoint, ...], Field(max_length=MAX_BODIES)] = Field(
         default=(), description="what holds the bodies together, a table a joint"
@@ -277,6 +298,9 @@ TABLES: dict[Path, type[Table]] = {
     ("bodies", "particles"): grammar.ParticleTable,
     ("bodies", "parts"): grammar.PartTable,
     ("bodies", "initial"): grammar.InitialTable,
+    ("model",): ModelTable,
+    ("model", "stored"): StoredTable,
+    ("initial",): ModelStartTable,
     ("loops",): LoopTable,
     ("scene",): SurroundingsTable,
 }

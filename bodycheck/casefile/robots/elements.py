@@ -55,7 +55,6 @@ class Element:
 
 def read(path: Path) -> Element:
     """Return the root of an XML file. Raises `BadInput` if it is not there, too large, or not such a file."""
-    name = quoted(path.name)[1:-1]
     try:
         content = reading.content(path, MAX_BYTES, follow=True)
     except reading.Refused as error:
@@ -64,7 +63,12 @@ def read(path: Path) -> Element:
         raise BadInput(f"{path}: cannot be read: {error.strerror}") from error
     except ValueError as error:  # a path with a null character
         raise BadInput(f"{path}: cannot be read: {error}") from error
-    return _Reader(name).read(content)
+    return parsed(content, path.name)
+
+
+def parsed(content: bytes, file: str) -> Element:
+    """Return the root of the content of an XML file. file: its name. Raises `BadInput` if it is no such file."""
+    return _Reader(quoted(file)[1:-1]).read(content)
 
 
 class _Reader:

@@ -24,11 +24,25 @@ def link(root: Element, name: str | None) -> Link:
     classes: dict[Element, str | None] = {}
     for world in root.all("worldbody"):
         classes |= dict(_bodies(world, None))
-    # What an <include> at any place would bring may change every number.
+    refuse_includes(root)
+    found = chosen(root, list(classes), name, "body")
+    refuse_what_is_not_followed(found)
+    rules, defaults = settings(root), Defaults(root, "geom")
+    geoms = [defaults.resolved(geom, classes[found]) for geom in found.all("geom")]
+    made, inertia_from = _inertia(found, geoms, rules)
+    shape, shape_from = _shape(geoms, made, rules)
+    return Link(found.attributes.get("name", ""), made, inertia_from, shape, shape_from, left_out(len(classes) - 1))
+
+
+def refuse_includes(root: Element) -> None:
+    """Raise `BadInput` for an <include> at any place: what it would bring may change every number."""
     for element in root.everything():
         if element.tag == "include":
             refuse(element, "file", "names another file, which is not opened; put its content in its place")
-    found = chosen(root, list(classes), name, "body")
+
+
+def refuse_what_is_not_followed(found: Element) -> None:
+    """Raise `BadInput` for elements of a body, without those of the bodies in it, that may change its mass or frame."""
     for element in _own(found):
         if element.tag in WRITERS:
             refuse(
@@ -42,18 +56,38 @@ def link(root: Element, name: str | None) -> Link:
                 None,
                 "is in a <frame>, which is not followed here; put it into the <body>, with the pose that it has there",
             )
-    rules, defaults = settings(root), Defaults(root)
+
+
+def inertia_of(found: Element, inherited: str | None, rules: Settings, defaults: Defaults) -> MassProperties | None:
+    """Return the mass properties of a body in its frame; None if it has no mass.
+
+    Parameters
+    ----------
+    found
+        The body.
+    inherited
+        The default class of its geoms.
+    rules, defaults
+        The settings of the file, and its default classes of geoms.
+    """
+    geoms = [defaults.resolved(geom, inherited) for geom in found.all("geom")]
+    if found.only("inertial") is None and not any(
+        rules.counts(number(geom, "group", 0.0)) and mjcf_geoms.mass_properties(geom, rules) is not None for geom in geoms
+    ):
+        return None
+    return _inertia(found, geoms, rules)[0]
+
+
+def _inertia(found: Element, geoms: list[Element], rules: Settings) -> tuple[MassProperties, str]:
+    """Return the mass properties of a body with some geoms, and where they stand."""
     inertial = found.only("inertial")
-    geoms = [defaults.resolved(geom, classes[found]) for geom in found.all("geom")]
     counted = [geom for geom in geoms if rules.counts(number(geom, "group", 0.0))]
     # Where no geom counts, MuJoCo keeps the <inertial>, also with inertiafromgeom="true".
     if inertial is not None and (rules.inertiafromgeom != "true" or not counted):
         made, inertia_from = _stated(inertial, rules), place(inertial)
     else:
         made, inertia_from = _of_geoms(found, counted, rules)
-    made = without_rounding(made)
-    shape, shape_from = _shape(geoms, made, rules)
-    return Link(found.attributes.get("name", ""), made, inertia_from, shape, shape_from, left_out(len(classes) - 1))
+    return without_rounding(made), inertia_from
 
 
 def _bodies(parent: Element, inherited: str | None) -> Iterator[tuple[Element, str | None]]:

@@ -1,4 +1,4 @@
-"""The settings of an MJCF file that decide what its numbers mean: the <compiler> and the default classes of geoms."""
+"""The settings of an MJCF file that decide what its numbers mean: the <compiler> and the default classes."""
 
 from dataclasses import dataclass
 
@@ -82,31 +82,33 @@ def _word(element: Element, attribute: str, default: str, allowed: tuple[str, ..
 
 
 class Defaults:
-    """The attributes of geoms by default, by the name of the class; None is the class of geoms without one."""
+    """The attributes of elements with a tag by default, by the name of the class; None is that of elements without one."""
 
-    def __init__(self, root: Element) -> None:
-        self.geoms: dict[str | None, dict[str, str]] = {None: {}}
+    def __init__(self, root: Element, tag: str) -> None:
+        self.tag = tag
+        self.classes: dict[str | None, dict[str, str]] = {None: {}}
         for top in root.all("default"):
             self._add(top, None, None)
 
     def _add(self, element: Element, name: str | None, parent: str | None) -> None:
         """Add a class and those in it, which inherit what it has."""
-        own = self.geoms.setdefault(name, dict(self.geoms[parent]))
-        for geom in element.all("geom"):
-            own |= geom.attributes
+        own = self.classes.setdefault(name, dict(self.classes[parent]))
+        for one in element.all(self.tag):
+            own |= one.attributes
         if name is None and (called := element.attributes.get("class")) is not None:
-            self.geoms[called] = own
+            self.classes[called] = own
         for inner in element.all("default"):
             if "class" not in inner.attributes:
                 refuse(inner, "class", "is missing; a default class in another one has a name")
             self._add(inner, inner.attributes["class"], name)
 
-    def resolved(self, geom: Element, inherited: str | None) -> Element:
-        """Return a geom with the attributes of its class, or of the class that its body hands down.
+    def resolved(self, element: Element, inherited: str | None) -> Element:
+        """Return an element with the attributes of its class, or of the class that its body hands down.
 
         Raises `BadInput` for an unknown class.
         """
-        name = geom.attributes.get("class", inherited)
-        if name not in self.geoms and name != "main":
-            refuse(geom, "class", f"there is no default class {quoted(name or '')}")
-        return Element(geom.tag, self.geoms.get(name, self.geoms[None]) | geom.attributes, geom.file, geom.line)
+        name = element.attributes.get("class", inherited)
+        if name not in self.classes and name != "main":
+            refuse(element, "class", f"there is no default class {quoted(name or '')}")
+        attributes = self.classes.get(name, self.classes[None]) | element.attributes
+        return Element(element.tag, attributes, element.file, element.line)

@@ -16,19 +16,13 @@ def link(root: Element, name: str | None) -> Link:
 
     The tensor of <inertia> is about the centre of mass, along the axes of the <origin> of <inertial>. Raises `BadInput`.
     """
-    for element in root.everything():
-        if element.tag.startswith("xacro:"):
-            refuse(element, None, "is a macro of xacro, which is not expanded here; expand the file first")
+    refuse_macros(root)
     links = list(root.all("link"))
     found = chosen(root, links, name, "link")
     inertial = found.only("inertial")
     if inertial is None:
         refuse(found, None, "has no <inertial>: a link without mass is no body that can move by itself")
-    mass, inertia, origin = inertial.only("mass"), inertial.only("inertia"), inertial.only("origin")
-    if mass is None or inertia is None:
-        refuse(inertial, None, f"has no <{'mass' if mass is None else 'inertia'}>, which URDF requires")
-    tensor = turned_inertia([number(inertia, key) for key in COMPONENTS], orientations.urdf(origin))
-    made = without_rounding(MassProperties(MP.mpf(positive(mass, "value")), _place(origin), tensor))
+    made, origin = _stated(inertial), inertial.only("origin")
     shape, shape_from = _shape(found, made.centre)
     turned = " turned by its rpy" if origin is not None and "rpy" in origin.attributes else ""
     return Link(
@@ -41,7 +35,33 @@ def link(root: Element, name: str | None) -> Link:
     )
 
 
-def _place(origin: Element | None) -> Vector3:
+def refuse_macros(root: Element) -> None:
+    """Raise `BadInput` if a file has macros of xacro."""
+    for element in root.everything():
+        if element.tag.startswith("xacro:"):
+            refuse(element, None, "is a macro of xacro, which is not expanded here; expand the file first")
+
+
+def inertial_of(found: Element) -> MassProperties | None:
+    """Return the mass properties of a link in its frame; None if it has no mass. Raises `BadInput`."""
+    inertial = found.only("inertial")
+    mass = None if inertial is None else inertial.only("mass")
+    if inertial is None or (mass is not None and number(mass, "value") == 0):
+        return None
+    return _stated(inertial)
+
+
+def _stated(inertial: Element) -> MassProperties:
+    """Return the mass properties that an <inertial> states. Raises `BadInput`."""
+    mass, inertia, origin = inertial.only("mass"), inertial.only("inertia"), inertial.only("origin")
+    if mass is None or inertia is None:
+        refuse(inertial, None, f"has no <{'mass' if mass is None else 'inertia'}>, which URDF requires")
+    tensor = turned_inertia([number(inertia, key) for key in COMPONENTS], orientations.urdf(origin))
+    return without_rounding(MassProperties(MP.mpf(positive(mass, "value")), place_of(origin), tensor))
+
+
+def place_of(origin: Element | None) -> Vector3:
+    """Return the xyz of an <origin> (m)."""
     return vector((0.0, 0.0, 0.0) if origin is None else numbers(origin, "xyz", (3,), (0.0, 0.0, 0.0)))
 
 
@@ -65,6 +85,6 @@ def _shape(found: Element, centre: Vector3) -> tuple[Shape | None, str]:
             shape = Cylinder(positive(solids[0], "radius"), positive(solids[0], "length") / 2)
         case _:
             shape = Sphere(positive(solids[0], "radius"))
-    if not about(centre, shape, _place(origin), orientations.urdf(origin)):
+    if not about(centre, shape, place_of(origin), orientations.urdf(origin)):
         return None, f"{place(solids[0])} is not about the centre of mass and along the axes of the link"
     return shape, place(solids[0])

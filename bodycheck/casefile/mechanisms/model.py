@@ -1,0 +1,175 @@
+"""The table `[model]` of a case file: a robot model, URDF or MJCF, in the place of `[[bodies]]` and `[[joints]]`.
+
+The model is a regular file in the folder of the case file. Its text is appended to that of the case as `[model.stored]` when
+the case is loaded, so that wherever the text of a case goes, its mechanism goes too.
+"""
+
+import copy
+import functools
+import json
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Any
+
+from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD, is_mechanism
+from bodycheck.casefile.raw_values import mapping
+from bodycheck.casefile.robots import elements, mjcf_tree, urdf_tree
+from bodycheck.casefile.robots.tables import Tables
+from bodycheck.casefile.toml_positions import Path
+from bodycheck.errors import BadInput
+from bodycheck.files import reading
+from bodycheck.suggestion import did_you_mean
+
+#: What stands between the text of a case file and that of its model.
+MARK = "\n# The text of the model, as it was read beside this file.\n[model.stored]\ntext = "
+
+#: The name of a file, without a folder.
+FILE_NAME = re.compile(r"(?!\.)[^/\\:\0\r\n]{1,100}")
+
+#: How the tables of bodies and joints are read, by the root of the file.
+READERS = {"robot": urdf_tree.tree, "mujoco": mjcf_tree.tree}
+
+#: The path of the key with the name of the model.
+FILE: Path = ("model", "file")
+
+#: Characters that JSON writes as they are and TOML does not allow so.
+DELETE = "\x7f"
+
+
+@dataclass(frozen=True)
+class Expanded:
+    """The document of a case file with the bodies and joints of its model.
+
+    Attributes
+    ----------
+    document
+        The document; that of the file where it has no model, or none that can be read.
+    faults
+        The faults of the table and of the model, as pairs of path and message.
+    from_model
+        Whether the bodies and joints are those of a model.
+    """
+
+    document: dict[str, Any]
+    faults: tuple[tuple[Path, str], ...] = ()
+    from_model: bool = False
+
+    def in_the_file(self, path: Path, message: str) -> tuple[Path, str]:
+        """Return path and message in the case file of a fault in the document."""
+        match path:
+            case ("joints", int(index), "initial", *rest) if self.from_model:
+                return ("initial", "joints", self.document["joints"][index]["name"], *rest), message
+            case (("bodies" | "joints") as tables, int(index), *rest) if self.from_model:
+                name = self.document[tables][index]["name"]
+                key = ".".join(str(part + 1 if isinstance(part, int) else part) for part in rest)
+                return (
+                    FILE,
+                    f"{tables.replace('ies', 'y').removesuffix('s')} {elements.quoted(name)}: {key and key + ': '}{message}",
+                )
+            case (("bodies" | "joints"), *_) if self.from_model:
+                return FILE, message
+        return path, message
+
+
+def with_model(text: str, document: dict[str, Any], folder: FilePath) -> tuple[str, str | None]:
+    """Return the text of a case file with that of its model appended, or the text alone and why the model is not read.
+
+    document: that of the text. folder: of the case file.
+    """
+    table = mapping(document.get("model"))
+    name = table.get("file")
+    if not is_mechanism(document) or "stored" in table or not isinstance(name, str):
+        return text, None
+    if not FILE_NAME.fullmatch(name):
+        return text, "must be the name of a file in the folder of this one"
+    try:
+        tomllib.loads(f'{text}{MARK}""')
+    except tomllib.TOMLDecodeError:  # behind an inline table
+        return text, "is not in a table of its own; write it below a line [model]"
+    try:
+        content = reading.content(folder / name, elements.MAX_BYTES).decode("utf-8")
+    except reading.Refused as error:
+        return text, error.reason
+    except UnicodeDecodeError:
+        return text, "cannot be read: it is not UTF-8"
+    except OSError as error:
+        return text, f"cannot be read: {error.strerror}"
+    return text + MARK + json.dumps(content, ensure_ascii=False).replace(DELETE, "\\u007f") + "\n", None
+
+
+def split(text: str) -> tuple[str, dict[str, Any] | None]:
+    """Return the text of a case file as it was read, and the table with its model that is stored behind it, if there is one."""
+    own, mark, stored = text.partition(MARK)
+    if not mark:
+        return text, None
+    try:
+        return own, {"text": json.loads(stored)}
+    except ValueError:
+        return text, None
+
+
+def expanded(document: dict[str, Any], refused: str | None = None) -> Expanded:
+    """Return the document of a case file with the bodies and joints of its model, whose text is stored in it.
+
+    A document that has other faults is taken as far as it goes. refused: why there is no text, if that is known.
+    """
+    table = mapping(document.get("model"))
+    if "model" not in document or not is_mechanism(document):
+        return Expanded(document)
+    both = tuple(((name,), "[model] is given too; give only one") for name in ("bodies", "joints") if name in document)
+    file, text = table.get("file"), mapping(table.get("stored")).get("text")
+    if both or not isinstance(file, str):
+        return Expanded(document, both)
+    if not isinstance(text, str):
+        return Expanded(document, ((FILE, refused or "is read only where a case file is loaded from its folder"),))
+    try:
+        made = copy.deepcopy(_tables(text, file))
+    except BadInput as error:
+        return Expanded(document, ((FILE, str(error)),))
+    return _started(document, made)
+
+
+@functools.lru_cache(maxsize=2)
+def _tables(text: str, file: str) -> Tables:
+    """Return the tables of the bodies and joints of a model. Raises `BadInput`."""
+    root = elements.parsed(text.encode("utf-8", "replace"), file)
+    if root.tag not in READERS:
+        elements.refuse(root, None, "is no robot model; allowed: <robot> (URDF) or <mujoco> (MJCF)")
+    made = READERS[root.tag](root, WORLD)
+    if len(made["bodies"]) > MAX_BODIES:
+        raise BadInput(f"{root.file}: has {len(made['bodies'])} bodies; allowed: at most {MAX_BODIES}")
+    return made
+
+
+def _started(document: dict[str, Any], made: Tables) -> Expanded:
+    """Return a document with the tables of a model, whose joints begin as the document says."""
+    initial = mapping(mapping(document.get("initial")).get("joints"))
+    joints = {joint["name"]: joint for joint in made["joints"]}
+    for name, start in initial.items():
+        if name in joints:
+            joints[name]["initial"] = mapping(joints[name].get("initial")) | copy.deepcopy(mapping(start))
+    return Expanded(
+        {**document, "bodies": made["bodies"], "joints": made["joints"]},
+        tuple(_unknown(initial, list(joints))),
+        from_model=True,
+    )
+
+
+def _unknown(initial: Mapping[str, Any], joints: list[str]) -> Iterator[tuple[Path, str]]:
+    for name, start in initial.items():
+        if name not in joints:
+            listed = ", ".join(joints[:20]) + (", …" if len(joints) > 20 else "")
+            yield ("initial", "joints", name), f"the model has no such joint; allowed: {listed}{did_you_mean(name, joints)}"
+        elif not isinstance(start, dict):
+            yield ("initial", "joints", name), "should be a table"
+
+
+def standalone(document: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the document of a case file with bodies and joints of its own instead of a model that can be read."""
+    made = expanded(dict(document))
+    if not made.from_model:
+        return made.document
+    return {name: value for name, value in made.document.items() if name not in ("model", "initial")}

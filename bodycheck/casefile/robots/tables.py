@@ -1,0 +1,53 @@
+"""Tables of bodies and joints of a case file, made of a robot model: the doubles nearest to the exact numbers of the model."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from bodycheck.reference.exact.inertia import MassProperties
+from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3, vector
+from bodycheck.reference.exact.rotations import IDENTITY, conjugate, multiply
+
+#: The tables `bodies` and `joints` of a document.
+Tables = dict[str, list[dict[str, Any]]]
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """A frame in another one: its origin (m), and the unit quaternion (w, x, y, z) from its axes to those of the other."""
+
+    origin: Vector3
+    turn: Quaternion4
+
+    def then(self, inner: "Pose") -> "Pose":
+        """The pose of a frame that has the pose `inner` in this one."""
+        moved = tuple(a + b for a, b in zip(self.origin, turned(self.turn, inner.origin), strict=True))
+        return Pose(vector(moved), multiply(self.turn, inner.turn))
+
+
+#: The pose of a frame that is the other one.
+HERE = Pose(vector((0, 0, 0)), IDENTITY)
+
+
+def turned(turn: Quaternion4, place: Vector3) -> Vector3:
+    """A vector in the axes to which a unit quaternion turns it."""
+    _, x, y, z = multiply(multiply(turn, (MP.mpf(0), *place)), conjugate(turn))
+    return x, y, z
+
+
+def body(name: str, made: MassProperties) -> dict[str, Any]:
+    """The table of a body, whose inertia is given in its frame."""
+    xx, yy, zz, xy, xz, yz = map(float, made.tensor)
+    rows = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
+    return {"name": name, "mass": float(made.mass), "center_of_mass": doubles(made.centre), "inertia": rows}
+
+
+def joint(name: str, kind: str, parent: str, child: str, pose: Pose) -> dict[str, Any]:
+    """The table of a joint with a pose in the frame of its parent."""
+    table: dict[str, Any] = {"name": name, "type": kind, "parent": parent, "child": child, "position": doubles(pose.origin)}
+    return table if pose.turn == IDENTITY else {**table, "quaternion": doubles(pose.turn)}
+
+
+def doubles(values: Sequence[Real]) -> list[float]:
+    """The doubles nearest to exact numbers, as an array of a document."""
+    return [float(value) for value in values]

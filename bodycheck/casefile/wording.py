@@ -1,0 +1,75 @@
+"""Say what is wrong with a key of a case file, in the terms of TOML and of the grammar instead of pydantic's."""
+
+import re
+from collections.abc import Collection
+from datetime import date, time
+from typing import Any
+
+from bodycheck.casefile import formats
+from bodycheck.casefile.formats import Format
+from bodycheck.casefile.toml_positions import Path
+from bodycheck.suggestion import did_you_mean
+
+#: The longest quotation (characters).
+MAX_QUOTE_LENGTH = 60
+
+#: Messages in TOML's terms for errors that pydantic states in Python's terms, by the type of the error.
+TOML_WORDING = {
+    **dict.fromkeys(("model_type", "model_attributes_type"), "should be a table"),
+    "tuple_type": "should be an array",
+    "string_type": "should be a string",
+}
+
+
+def is_misleading(record: Any) -> bool:
+    """Return whether pydantic reports too few items only because some of them have faults of their own."""
+    if record["type"] != "too_short":
+        return False
+    least: int = record["ctx"]["min_length"]
+    return len(record["input"]) >= least
+
+
+def explain(record: Any, document: dict[str, Any], form: Format) -> tuple[Path, str]:
+    """Return the path in the document and the message for one of pydantic's error records."""
+    path = form.untagged(tuple(record["loc"]))
+    kind = record["type"]
+    if kind == "missing":
+        return path, "is missing"
+    if path == ("format",):
+        return path, formats.ALLOWED
+    if kind in ("union_tag_not_found", "union_tag_invalid"):
+        word, known = form.known_types(path)
+        if kind == "union_tag_not_found":
+            return (*path, word), f"is missing; allowed: {', '.join(known)}"
+        return (*path, word), _allowed(record["input"].get(word), known)
+    if kind == "extra_forbidden" and (table := form.table_at(path[:-1], document)) is not None:
+        return path, f"unknown key; {_allowed(path[-1], table.model_fields)}"
+    message = TOML_WORDING.get(kind) or str(record["msg"]).removeprefix("Input ").removeprefix("Value error, ")
+    if kind in ("too_long", "too_short"):
+        side, bound = ("most", "max_length") if kind == "too_long" else ("least", "min_length")
+        message = f"has {len(record['input'])} items; allowed: at {side} {record['ctx'][bound]}"
+    if kind == "literal_error":
+        message += _suggestion(record["input"], re.findall("'([^']*)'", record["ctx"]["expected"]))
+    return path, message
+
+
+def _allowed(word: Any, known: Collection[str]) -> str:
+    return f"allowed: {', '.join(known)}{_suggestion(word, known)}"
+
+
+def _suggestion(word: Any, known: Collection[str]) -> str:
+    return did_you_mean(word, known) if isinstance(word, str) else ""
+
+
+def key_text(key: str) -> str:
+    """Return a key for a message; a key with special characters is quoted."""
+    return key if re.fullmatch(f"[A-Za-z0-9_-]{{1,{MAX_QUOTE_LENGTH}}}", key) else quote(key)
+
+
+def quote(value: Any) -> str:
+    """Return the beginning of a value, on one line."""
+    try:
+        quote = str(value) if isinstance(value, date | time) else repr(value)
+    except RecursionError:
+        return "a deeply nested value"
+    return quote if len(quote) <= MAX_QUOTE_LENGTH else quote[: MAX_QUOTE_LENGTH - 1] + "…"
