@@ -7,6 +7,7 @@ that the growth of its rounding errors stays far below what is certified.
 import contextlib
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import combinations
 from typing import Any
 
@@ -15,7 +16,7 @@ import numpy as np
 from bodycheck.reference.certificate import BITS, SPARE_BITS, TRUTH_WAY, Certificate, contradiction
 from bodycheck.reference.errors import NotModelled, OutOfReach, within_range
 from bodycheck.reference.integration.rotation import WideArray
-from bodycheck.reference.mechanisms import lagrange, recursion
+from bodycheck.reference.mechanisms import recursion
 from bodycheck.reference.mechanisms.followed import (
     FEWEST_ROUNDINGS,
     RECURSION,
@@ -25,7 +26,6 @@ from bodycheck.reference.mechanisms.followed import (
     followed,
     growth_instants,
     lagrangian,
-    motion_of,
     require_modelled,
     rounding_errors,
     roundings,
@@ -34,7 +34,7 @@ from bodycheck.reference.mechanisms.followed import (
 from bodycheck.reference.mechanisms.growth import Growth
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.truth import joined, printed
-from bodycheck.reference.mechanisms.ways import Motion, Way, apart
+from bodycheck.reference.mechanisms.ways import Motion, Way, disagreement
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.witness import Witness
 from bodycheck.reference.witnesses import DOP853_ROUNDINGS
@@ -50,9 +50,7 @@ def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
         assert truth.joints is not None  # which a mechanism has
         stated = Motion(truth.joints.position, truth.joints.velocity, truth.trajectory)
         ways = [Way(TRUTH_WAY, stated, own.bounds.of_states()), *_other_ways(mechanism, times, found)]
-        differences = {
-            (one.name, other.name): apart(mechanism, one.motion, other.motion) for one, other in combinations(ways, 2)
-        }
+        differences = {(one.name, other.name): disagreement(mechanism, one, other) for one, other in combinations(ways, 2)}
     pairs = combinations((_as_witness(way) for way in ways), 2)
     faults = [fault for one, other in pairs if (fault := contradiction(one, other, differences[one.name, other.name]))]
     best = min(ways[1:], key=lambda way: float(np.max(way.errors["error"], initial=0.0)), default=None)
@@ -85,7 +83,7 @@ def _other_ways(mechanism: Mechanism, times: Array, found: Followed) -> Iterator
         yield by_recursion(mechanism, times).way
     if (way := lagrangian(mechanism, times)) is not None:
         made, eps = _roundings_of_lagrangian(mechanism, times), float(np.finfo(arithmetic()[0]).eps)
-        yield Way(way.name, way.motion, rounding_errors(mechanism, way.motion, grown, made, eps), way.digits)
+        yield replace(way, errors=rounding_errors(mechanism, way.motion, grown, made, eps))
     yield from _wide_way(mechanism, times, grown)
 
 
@@ -95,7 +93,8 @@ def _roundings_of_lagrangian(mechanism: Mechanism, times: Array) -> float:
     if dtype is np.float64:
         return DOP853_ROUNDINGS
     measured = growth_instants(times)
-    wide, base = (motion_of(lagrange.follow(mechanism, measured, each), measured) for each in (dtype, np.float64))
+    ways = [lagrangian(mechanism, measured, each) for each in (dtype, np.float64)]
+    wide, base = (way.motion for way in ways if way is not None)
     return roundings(mechanism, base, wide, _measured_growth(mechanism, times))
 
 

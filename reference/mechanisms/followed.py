@@ -6,6 +6,7 @@ wide motion, in roundings times the growth of an error (`growth`), says how many
 in the wide type, and grow as much.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,15 +16,16 @@ from bodycheck.reference.bounds import EPS, STATES
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms import lagrange, recursion
+from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.ground import carried
 from bodycheck.reference.mechanisms.forms.motion import Form
 from bodycheck.reference.mechanisms.growth import Growth, growth
-from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
+from bodycheck.reference.mechanisms.lagrangian.friction import Phase, Stray
 from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.placed import bodies_of
-from bodycheck.reference.mechanisms.ways import Motion, Way, apart, sizes
+from bodycheck.reference.mechanisms.ways import Motion, Way, apart, reach, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import CLOSED_FORM_BACKEND
 from bodycheck.reference.witness import DOUBLE_DIGITS
@@ -92,20 +94,59 @@ def witness_of(mechanism: Mechanism, times: Array, found: Followed) -> Way | Non
         return None
 
 
-def lagrangian(mechanism: Mechanism, times: Array) -> Way | None:
-    """The motion by the Lagrangian at times (n,), s; None where it cannot follow it."""
-    dtype, name, digits = arithmetic()
+def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | None:
+    """The motion by the Lagrangian at times (n,), s; None where it cannot follow it.
+
+    dtype: the floating-point type where heyoka is installed, by default the widest of NumPy.
+    """
+    widest, name, digits = arithmetic()
+    strays: list[Stray] = []
     try:
-        found = lagrange.follow_in_doubles(mechanism, times) if dtype is np.float64 else lagrange.follow(mechanism, times)
+        if widest is np.float64:
+            found = lagrange.follow_in_doubles(mechanism, times)
+        elif any(joint.friction for joint in mechanism.joints):
+            found, strays = lagrange.follow_slipping(mechanism, times, phases(mechanism, times), dtype or widest)
+        else:
+            found = lagrange.follow(mechanism, times, dtype or widest)
     except (NotModelled, OutOfReach):
         return None
-    return Way(f"{lagrange.NAME}, {name}", motion_of(found, times), {}, digits)
-
-
-def motion_of(found: WideMotion, times: Array) -> Motion:
-    """A motion by the Lagrangian at times (n,), s, as one that is compared."""
     bodies = Trajectory(times, found.position, found.quaternion, found.velocity, found.angular_velocity)
-    return Motion(found.joint_position, found.joint_velocity, bodies)
+    motion = Motion(found.joint_position, found.joint_velocity, bodies)
+    return Way(f"{lagrange.NAME}, {name}", motion, {}, digits, _as_errors(mechanism, times, strays))
+
+
+def phases(mechanism: Mechanism, times: Array) -> list[Phase]:
+    """The phases in which joints with dry friction slip or stick until the last of times (n,), s, by the recursion.
+
+    What a joint does in a phase is what it does in the middle of it: where it sticks, its velocity is zero.
+    """
+    end = times[-1:] if len(times) else np.zeros(1)
+    changes = [change.time for change in recursion.follow(mechanism, end).changes]
+    begins = [Wide(0), *(time for time, before in zip(changes, [None, *changes], strict=False) if time != before)]
+    ends = np.array([*(float(time) for time in begins[1:]), float(end[-1])])
+    rates = recursion.follow(mechanism, (np.array(begins, dtype=float) + ends) / 2).velocity
+    dry = [
+        (number, moving.start)
+        for number, (joint, (_, moving)) in enumerate(zip(mechanism.joints, places(mechanism), strict=True))
+        if joint.friction
+    ]
+    return [
+        Phase(begin, {number: int(np.sign(float(rates[row, at]))) for number, at in dry}) for row, begin in enumerate(begins)
+    ]
+
+
+def _as_errors(mechanism: Mechanism, times: Array, strays: Sequence[Stray]) -> dict[str, Array]:
+    """Errors (n,) at times (n,), s, that wrong velocities of joints cause, by the names of `bounds.STATES`."""
+    errors, length = {name: np.zeros(len(times)) for name in STATES if strays}, reach(mechanism)
+    for stray in strays:
+        later = np.maximum(times - stray.since, 0.0)
+        rate = np.where(times >= stray.since, stray.rate, 0.0)
+        errors["velocity_error"] += rate * (length if stray.turns else 1.0)
+        errors["position_error"] += rate * later * (length if stray.turns else 1.0)
+        if stray.turns:
+            errors["angular_velocity_error"] += rate
+            errors["error"] += rate * later
+    return errors
 
 
 def require_modelled(mechanism: Mechanism) -> None:

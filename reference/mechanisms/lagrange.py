@@ -6,6 +6,7 @@ code of its own, which shares no formula with the recursion that is the truth.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,9 +15,11 @@ import numpy as np
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.independent.arithmetic import Wide, wide
 from bodycheck.reference.independent.border import Number
+from bodycheck.reference.integration.rotation import WideArray
 from bodycheck.reference.mechanisms.lagrangian.border import Border, Element, border
-from bodycheck.reference.mechanisms.lagrangian.equations import Structure, Units, numbers
+from bodycheck.reference.mechanisms.lagrangian.friction import Phase, Slipping, Stray, in_phases
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion, motion
+from bodycheck.reference.mechanisms.lagrangian.structure import Structure, Units, numbers
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
 
@@ -41,12 +44,25 @@ class Prepared:
 def follow(mechanism: Mechanism, times: Array, dtype: Any = Wide) -> WideMotion:
     """The motion of a mechanism at ascending times (n,) >= 0, s, by Taylor's method in a type of NumPy (heyoka).
 
-    Raises `NotModelled` where the mechanism has loops or dry friction, `OutOfReach` where it cannot be followed, and
-    `ImportError` where heyoka is not installed.
+    Raises `NotModelled` where the mechanism has loops or dry friction (see `follow_slipping`), `OutOfReach` where it cannot be
+    followed, and `ImportError` where heyoka is not installed.
     """
     from bodycheck.reference.mechanisms.lagrangian import taylor
 
     return _followed(mechanism, times, dtype, taylor.solve)
+
+
+def follow_slipping(
+    mechanism: Mechanism, times: Array, phases: Sequence[Phase], dtype: Any = Wide
+) -> tuple[WideMotion, list[Stray]]:
+    """As `follow`, with dry friction, whose joints slip and stick in given phases; and what contradicts these."""
+    from bodycheck.reference.mechanisms.lagrangian import taylor
+
+    ready = prepared(mechanism)
+    start, parameters = _rounded(ready, dtype)
+    given = Slipping(ready.border, ready.structure, ready.units)
+    states, strays = in_phases(given, start, parameters, times, phases, taylor.solve)
+    return _motion(ready, mechanism, times, states), strays
 
 
 def follow_in_doubles(mechanism: Mechanism, times: Array) -> WideMotion:
@@ -57,22 +73,30 @@ def follow_in_doubles(mechanism: Mechanism, times: Array) -> WideMotion:
 
 
 def _followed(mechanism: Mechanism, times: Array, dtype: Any, solve: Any) -> WideMotion:
+    if any(joint.friction for joint in mechanism.joints):
+        raise NotModelled("dry friction without its phases")
     ready = prepared(mechanism)
+    start, parameters = _rounded(ready, dtype)
+    if not len(start):
+        return _motion(ready, mechanism, times, np.empty((len(times), 0), dtype))
+    return _motion(ready, mechanism, times, solve(ready.structure, start, parameters, times / ready.units.time))
+
+
+def _rounded(ready: Prepared, dtype: Any) -> tuple[WideArray, WideArray]:
+    """The start and the parameters in a floating-point type."""
     rounded = float if dtype is np.float64 else wide
     start, parameters = (np.array([rounded(value) for value in values], dtype) for values in (ready.start, ready.parameters))
-    if len(start):
-        states = solve(ready.structure, start, parameters, times / ready.units.time)
-    else:
-        states = np.empty((len(times), 0), dtype)
-    return motion(ready.border, ready.structure, ready.units, times.astype(dtype), states, len(mechanism.bodies))
+    return start, parameters
+
+
+def _motion(ready: Prepared, mechanism: Mechanism, times: Array, states: WideArray) -> WideMotion:
+    return motion(ready.border, ready.structure, ready.units, times.astype(states.dtype), states, len(mechanism.bodies))
 
 
 def prepared(mechanism: Mechanism) -> Prepared:
-    """What the equations of a mechanism need. Raises `NotModelled` where it has loops or dry friction."""
+    """What the equations of a mechanism need. Raises `NotModelled` where it has loops."""
     if mechanism.loops:
         raise NotModelled("closed loops in the Lagrangian in joint coordinates")
-    if any(joint.friction for joint in mechanism.joints):
-        raise NotModelled("dry friction in the Lagrangian")
     found = border(mechanism)
     units = _units(found)
     structure, parameters = numbers(found, units)

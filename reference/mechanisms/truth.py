@@ -23,7 +23,7 @@ from bodycheck.reference.mechanisms import kinematics, observables
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.followed import Followed, followed, witness_of
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.mechanisms.ways import Way, apart, bounds_of, sizes
+from bodycheck.reference.mechanisms.ways import Way, bounds_of, disagreement, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Computed, Truth
 
@@ -73,7 +73,7 @@ def joined(mechanism: Mechanism, times: Array, found: Followed, witness: Way | N
     own = printed(mechanism, times, found)
     errors = own.bounds.of_states()
     if witness is not None:
-        for name, difference in apart(mechanism, found.way.motion, witness.motion).items():
+        for name, difference in disagreement(mechanism, found.way, witness).items():
             errors[name] = errors[name] + DISAGREEMENT * np.maximum.accumulate(difference)
     truth = Truth(
         mechanism,

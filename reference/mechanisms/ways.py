@@ -1,7 +1,8 @@
 """Ways to the motion of a mechanism, and how far two of them are apart."""
 
+import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -64,12 +65,15 @@ class Way:
         (n,) bounds of its own errors, by the names of `bounds.STATES`; empty where they are not known.
     digits
         Decimal digits of the arithmetic.
+    strays
+        (n,) by how much the way contradicts what it was given of another one, by the same names; empty where by nothing.
     """
 
     name: str
     motion: Motion
     errors: dict[str, Array]
     digits: int = DOUBLE_DIGITS
+    strays: dict[str, Array] = field(default_factory=dict)
 
 
 #: How a mechanism is followed to times (n,), s.
@@ -106,6 +110,15 @@ def apart(mechanism: Mechanism, one: Motion, other: Motion) -> dict[str, Array]:
             _differences(one.velocity, other.velocity, moving, "a"),
         ),
     }
+
+
+def disagreement(mechanism: Mechanism, one: Way, other: Way) -> dict[str, Array]:
+    """How far two ways are apart, by the names of `bounds.STATES`, with what contradicts either."""
+    found = apart(mechanism, one.motion, other.motion)
+    for name, way in itertools.product(found, (one, other)):
+        if name in way.strays:
+            found[name] = found[name] + way.strays[name]
+    return found
 
 
 def sizes(mechanism: Mechanism, motion: Motion) -> dict[str, Array]:

@@ -10,63 +10,20 @@ where the second term belongs to balls alone. dL/du_i = p_i is linear in u, so t
 
     M du/dt = X L - omega x p - (dp/dq) dq/dt + Q.
 
-M is formed by carrying the second derivatives of T from the leaves of the tree to its root; see `mass_matrix`. Damping is the
-force Q.
+M is formed by carrying the second derivatives of T from the leaves of the tree to its root; see `mass_matrix`. Damping and
+dry friction are the forces Q.
 
-Equations belong to a structure. Numbers are parameters, but for those that are zero, and rotations by right angles, which
-simplify the equations.
+A joint with dry friction slips or sticks: see `friction`. Where it sticks, it is left out of the mass matrix.
 """
 
 import functools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from bodycheck.reference.independent.border import MP, Matrix, Number, Triple
-from bodycheck.reference.mechanisms.lagrangian.border import NONE, SIZES, Border, Carried, Kind
+from bodycheck.reference.mechanisms.lagrangian.border import Kind
 from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape, along, cross, gradient, needed, plus
-from bodycheck.reference.mechanisms.lagrangian.mass_matrix import Frame, Solid, mass_matrix, order, solved
-
-#: What is known of a number when equations are derived: that it is 0, 1 or -1, or None.
-Mark = int | None
-
-
-@dataclass(frozen=True)
-class Structure:
-    """What the equations of a mechanism depend on besides numbers.
-
-    Attributes
-    ----------
-    kinds, parents
-        The kinds of the elements, and the elements that they move on.
-    falls
-        Which elements are seen from a falling frame.
-    marks
-        What is known of the numbers, in the order of `numbers`.
-    """
-
-    kinds: tuple[Kind, ...]
-    parents: tuple[int | None, ...]
-    falls: tuple[bool, ...]
-    marks: tuple[Mark, ...]
-
-    @property
-    def places(self) -> list[tuple[slice, slice]]:
-        """The slices of the coordinates and velocities of each element among all of them."""
-        found, first, second = [], 0, 0
-        for kind in self.kinds:
-            held, moving = SIZES[kind]
-            found.append((slice(first, first + held), slice(second, second + moving)))
-            first, second = first + held, second + moving
-        return found
-
-
-@dataclass(frozen=True)
-class Units:
-    """The units of length (m), mass (kg) and time (s) of the equations, powers of two by which nothing is rounded."""
-
-    length: float
-    mass: float
-    time: float
+from bodycheck.reference.mechanisms.lagrangian.mass_matrix import Frame, Solid, clamped, mass_matrix, order, product, solved
+from bodycheck.reference.mechanisms.lagrangian.structure import Structure
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,62 +40,15 @@ class Derived:
         The derivatives of the coordinates and of the velocities by time.
     used
         The places of those parameters that the equations depend on.
+    strains
+        For each element with dry friction, the force that would hold it as it moves, besides its friction, and its inertia.
     """
 
     tape: Tape
     states: int
     rates: tuple[Node, ...]
     used: tuple[int, ...]
-
-
-def numbers(found: Border, units: Units) -> tuple[Structure, list[Number]]:
-    """The structure of a mechanism, and all its numbers, in some units."""
-    length, mass, time = MP.mpf(units.length), MP.mpf(units.mass), MP.mpf(units.time)
-    values: list[Number] = [MP.mpf(found.gravity) * time**2 / length]
-    turns = set()
-    for element in found.elements:
-        turns |= set(range(len(values), len(values) + 9))
-        values += [entry for row in element.turned for entry in row]
-        values += [entry / length for entry in element.origin]
-        whole, centre, tensor = together(element.carried)
-        values += [whole / mass, *(entry / length for entry in centre)]
-        values += [tensor[i][j] / (mass * length**2) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
-        size = length if element.kind == "slide" else MP.mpf(1)
-        inertia = mass if element.kind == "slide" else mass * length**2
-        values += [
-            element.armature / inertia,
-            element.damping * time / inertia,
-            element.stiffness * time**2 / inertia,
-            element.rest / size,
-            element.effort * time**2 / (inertia * size),
-        ]
-    marks = tuple(_mark(value, place in turns) for place, value in enumerate(values))
-    elements = found.elements
-    structure = Structure(
-        tuple(element.kind for element in elements),
-        tuple(element.parent for element in elements),
-        tuple(element.falls for element in elements),
-        marks,
-    )
-    return structure, [value for value, mark in zip(values, marks, strict=True) if mark is None]
-
-
-def together(carried: Sequence[Carried]) -> tuple[Number, Triple, Matrix]:
-    """The mass, the centre of mass and the inertia tensor about it of bodies that move as one, in their element's frame."""
-    mass = sum((own.mass for own in carried), MP.mpf(0))
-    if not mass:
-        return mass, NONE, [NONE, NONE, NONE]
-    centre = [sum(own.mass * own.centre[axis] for own in carried) / mass for axis in range(3)]
-    tensor = [[sum(own.tensor[i][j] for own in carried) for j in range(3)] for i in range(3)]
-    for own in carried:
-        arm = [a - b for a, b in zip(own.centre, centre, strict=True)]
-        square = sum(value * value for value in arm)
-        tensor = [[tensor[i][j] + own.mass * ((square if i == j else 0) - arm[i] * arm[j]) for j in range(3)] for i in range(3)]
-    return mass, centre, tensor
-
-
-def _mark(value: Number, turn: bool) -> Mark:
-    return int(value) if value == 0 or (turn and abs(value) == 1) else None
+    strains: tuple[tuple[Node, Node], ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,6 +84,8 @@ class Parts:
         The derivatives of L by the coordinates and by the velocities.
     forces
         The forces Q of damping along the velocities.
+    dry
+        For each velocity, the force of dry friction along it, and whether it is not held by that.
     solids
         What the mass matrix is made of.
     """
@@ -183,6 +95,7 @@ class Parts:
     slopes: list[Node]
     momenta: list[Node]
     forces: list[Node]
+    dry: list[tuple[Node, Node]]
     solids: list[Solid]
 
 
@@ -195,9 +108,9 @@ def parts_of(tape: Tape, structure: Structure) -> Parts:
     held, moving = structure.places[-1][0].stop, structure.places[-1][1].stop
     q = [tape.variable(index) for index in range(held)]
     u = [tape.variable(held + index) for index in range(moving)]
-    lagrangian, forces, solids = _lagrangian(tape, structure, _Read(tape, iter(nodes)), q, u)
+    lagrangian, forces, dry, solids = _lagrangian(tape, structure, _Read(tape, iter(nodes)), q, u)
     slopes = gradient(tape, lagrangian, [*q, *u])
-    return Parts(q, u, slopes[:held], slopes[held:], forces, solids)
+    return Parts(q, u, slopes[:held], slopes[held:], forces, dry, solids)
 
 
 @functools.lru_cache(maxsize=32)
@@ -215,21 +128,27 @@ def derived(structure: Structure) -> Derived:
         tape.add(tape.subtract(drive, change), force)
         for drive, change, force in zip(drives, changes, parts.forces, strict=True)
     ]
-    matrix = mass_matrix(tape, structure.parents, places, parts.solids)
-    found = *rates, *solved(tape, matrix, right, order(structure.parents, places))
+    matrix, above = mass_matrix(tape, structure.parents, places, parts.solids), order(structure.parents, places)
+    moves = [own for _, own in parts.dry]
+    driven = [tape.multiply(own, tape.add(force, dry)) for own, force, (dry, _) in zip(moves, right, parts.dry, strict=True)]
+    accelerations = solved(tape, clamped(tape, matrix, moves), driven, above)
+    found = *rates, *accelerations
     used = sorted(tape.operations[place][1] for place in needed(tape, found) if tape.operations[place][0] == "parameter")
-    return Derived(tape, len(q) + len(u), found, tuple(used))
+    inertial = product(tape, matrix, accelerations)
+    slots = [moving.start for own, (_, moving) in zip(structure.dry, places, strict=True) if own]
+    strains = tuple((tape.subtract(inertial[place], right[place]), matrix[place, place]) for place in slots)
+    return Derived(tape, len(q) + len(u), found, tuple(used), strains)
 
 
 def _lagrangian(
     tape: Tape, structure: Structure, read: _Read, q: list[Node], u: list[Node]
-) -> tuple[Node, list[Node], list[Solid]]:
-    """L, the forces Q of damping along the velocities, and what the mass matrix is made of."""
+) -> tuple[Node, list[Node], list[tuple[Node, Node]], list[Solid]]:
+    """L, the forces of damping and of dry friction along the velocities, and what the mass matrix is made of."""
     (gravity,) = read.some(1)
     half = tape.number(0.5)
     moving: list[_Moving] = []
     world = _Moving([tape.zero] * 3, [tape.zero] * 3, [tape.zero, tape.zero, tape.one], tape.zero)
-    terms, forces, solids = [], [], []
+    terms, forces, dry, solids = [], [], [], []
     for kind, parent, falls, (held, moved) in zip(
         structure.kinds, structure.parents, structure.falls, structure.places, strict=True
     ):
@@ -255,7 +174,9 @@ def _lagrangian(
             terms.append(tape.multiply(effort, own_q[0]))
         damped = [tape.zero] * 3 + own_u[3:] if kind == "free" else own_u
         forces += [tape.negate(tape.multiply(damping, velocity)) for velocity in damped]
-    return tape.total(terms), forces, solids
+        friction, moves = read.some(2)
+        dry += [(friction, moves)] * len(own_u)
+    return tape.total(terms), forces, dry, solids
 
 
 def _moved(

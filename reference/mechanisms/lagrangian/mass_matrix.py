@@ -204,3 +204,22 @@ def solved(tape: Tape, matrix: Entries, right: list[Node], above: Sequence[int |
         for i in _path(above, k):
             x[k] = tape.subtract(x[k], tape.multiply(lower[k, i], x[i]))
     return x
+
+
+def clamped(tape: Tape, matrix: Entries, moves: Sequence[Node]) -> Entries:
+    """The mass matrix of a mechanism in which some velocities do not change, apart from the entries on their diagonal."""
+    found = dict(matrix)
+    for (i, j), entry in matrix.items():
+        if i != j:
+            found[i, j] = tape.multiply(tape.multiply(moves[i], moves[j]), entry)
+    return found
+
+
+def product(tape: Tape, matrix: Entries, vector: Sequence[Node]) -> list[Node]:
+    """M times a vector."""
+    found = [tape.zero] * len(vector)
+    for (i, j), entry in matrix.items():
+        found[i] = tape.add(found[i], tape.multiply(entry, vector[j]))
+        if i != j:
+            found[j] = tape.add(found[j], tape.multiply(entry, vector[i]))
+    return found

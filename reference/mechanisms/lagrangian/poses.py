@@ -9,7 +9,7 @@ from bodycheck.reference.independent.arithmetic import wide
 from bodycheck.reference.independent.directions import quaternion_of
 from bodycheck.reference.integration.rotation import WideArray
 from bodycheck.reference.mechanisms.lagrangian.border import Border, Carried, Element
-from bodycheck.reference.mechanisms.lagrangian.equations import Structure, Units
+from bodycheck.reference.mechanisms.lagrangian.structure import Structure, Units
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,8 @@ import numpy as np
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.integration import dop853
 from bodycheck.reference.mechanisms.lagrangian.differentiation import made
-from bodycheck.reference.mechanisms.lagrangian.equations import Structure, derived
+from bodycheck.reference.mechanisms.lagrangian.equations import derived
+from bodycheck.reference.mechanisms.lagrangian.structure import Structure
 from bodycheck.reference.trajectory import Array
 
 #: Operations for each unit of time, an evaluation of which takes some 30 ns, after which an integration is not begun.

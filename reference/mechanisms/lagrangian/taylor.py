@@ -13,8 +13,8 @@ from bodycheck.reference.integration.dop853 import MAX_STEPS
 from bodycheck.reference.integration.heyoka_solver import STEP_TOLERANCES, prepare_heyoka
 from bodycheck.reference.integration.rotation import WideArray
 from bodycheck.reference.mechanisms.lagrangian.differentiation import made
-from bodycheck.reference.mechanisms.lagrangian.equations import Structure, derived
-from bodycheck.reference.trajectory import Array
+from bodycheck.reference.mechanisms.lagrangian.equations import derived
+from bodycheck.reference.mechanisms.lagrangian.structure import Structure
 
 #: Operations, steps times the length of the equations, after which an integration is stopped: some twenty seconds in 80 bits.
 MAX_OPERATIONS = 60_000_000
@@ -47,8 +47,8 @@ def integrator(structure: Structure, dtype: Any) -> tuple[Any, int]:
     return solver, len(solver.decomposition)
 
 
-def solve(structure: Structure, start: WideArray, parameters: WideArray, times: Array) -> WideArray:
-    """The states (n, k) at ascending times (n,) >= 0, in the unit of time of the equations and in the type of the start.
+def solve(structure: Structure, start: WideArray, parameters: WideArray, times: WideArray) -> WideArray:
+    """The states (n, k) at times (n,) >= 0 in any order, in the unit of time of the equations and in the type of the start.
 
     Raises `OutOfReach` where the integration fails or takes too many steps.
     """

@@ -207,10 +207,40 @@ def test_a_truth_is_a_part_of_itself() -> None:
     assert part.trajectory.position.shape == (2, 2, 3)
 
 
-def test_a_chain_with_dry_friction_has_a_truth_that_stops() -> None:
+def rough_chain(size: float) -> Mechanism:
+    """Two rods that fall from the horizontal on hinges with dry friction, which stick and slip some ten times."""
+    plain = chain(2, 1.0)
+    return replace(plain, joints=tuple(replace(joint, friction=size) for joint in plain.joints))
+
+
+def test_the_lagrangian_vouches_for_a_chain_that_sticks_and_slips(monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("heyoka")
-    plain = replace(chain(2, 1.0), gravity=0.0)
-    joints = tuple(replace(joint, friction=0.3, start_velocity=(1.0,)) for joint in plain.joints)
-    found = truth(replace(plain, joints=joints), np.linspace(0.0, 20.0, 21))
-    assert (motion_of(found).velocity[-1] == 0).all()
-    assert found.bounds.error[-1] < 1e-12
+    right = truth(rough_chain(0.8), TIMES)
+    assert [name.partition(",")[0] for name in right.witnesses] == ["Euler-Lagrange"]
+    assert right.bounds.error[-1] < 1e-14
+    assert (motion_of(right).velocity[:, 1] == 0).any()
+    follow = recursion.follow
+
+    def wrong(mechanism: Mechanism, times: Any, *arithmetic: Any) -> JointStates:
+        rougher = (replace(joint, friction=joint.friction * (1 + 1e-7)) for joint in mechanism.joints)
+        return follow(replace(mechanism, joints=tuple(rougher)), times, *arithmetic)
+
+    monkeypatch.setattr(recursion, "follow", wrong)
+    faulty = truth(rough_chain(0.8), TIMES)
+    off = apart(rough_chain(0.8), motion_of(faulty), motion_of(right))
+    for name in STATES:
+        assert max(off[name]) > 1e-9
+        assert (off[name] <= getattr(faulty.bounds, name)).all()
+
+
+def test_a_joint_that_sticks_too_early_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("heyoka")
+    mechanism = rough_chain(0.8)
+    phases = followed.phases(mechanism, TIMES)
+    early = [phases[0], replace(phases[1], begin=phases[1].begin - 1e-4), *phases[2:]]
+    assert phases[1].modes[1] == 0
+    monkeypatch.setattr(followed, "phases", lambda *_: early)
+    way = followed.lagrangian(mechanism, TIMES)
+    assert way is not None
+    # The joint would stop from some 1e-4 s times its deceleration of some 10 rad/s^2.
+    assert 1e-4 < way.strays["angular_velocity_error"][-1] < 1e-2

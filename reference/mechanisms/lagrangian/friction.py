@@ -1,0 +1,139 @@
+"""The Lagrangian of a mechanism with dry friction, in phases in which each joint slips one way or sticks.
+
+When phases begin, and what joints do in them, is given. In a phase, friction is a constant force against a joint that slips,
+and whatever holds a joint that sticks. Whether that is so is checked: a joint that slips keeps its direction, and comes to rest
+where its phase ends; one that sticks is held by no more than its friction, and by all of it where its phase ends. By how much
+velocities contradict that is reported.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.independent.border import MP
+from bodycheck.reference.integration.rotation import WideArray
+from bodycheck.reference.mechanisms.lagrangian.border import Border, Element
+from bodycheck.reference.mechanisms.lagrangian.differentiation import made
+from bodycheck.reference.mechanisms.lagrangian.equations import derived
+from bodycheck.reference.mechanisms.lagrangian.structure import Structure, Units, friction_parameters
+from bodycheck.reference.trajectory import Array
+
+#: Evenly spaced instants of a phase at which joints are checked.
+CHECKS = 9
+
+#: Part of the friction that rounding in double precision may add to the force that holds a joint.
+ROUNDED = 1e-10
+
+#: Solves the equations of a structure from a start with parameters at times.
+Solve = Callable[[Structure, WideArray, WideArray, WideArray], WideArray]
+
+
+@dataclass(frozen=True, eq=False)
+class Phase:
+    """When a phase begins (s), and what each joint with dry friction does in it: 1 or -1 where it slips, 0 where it sticks."""
+
+    begin: Any
+    modes: dict[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Stray:
+    """From when on (s) a joint's velocity may be wrong, by how much (rad/s or m/s), and whether it turns."""
+
+    since: float
+    rate: float
+    turns: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Slipping:
+    """A mechanism with dry friction: its elements, their structure, the units, and the friction of each joint."""
+
+    border: Border
+    structure: Structure
+    units: Units
+
+    @property
+    def dry(self) -> list[tuple[int, Element]]:
+        """The places of the elements with dry friction, and these."""
+        return [(place, element) for place, element in enumerate(self.border.elements) if element.friction]
+
+    def friction(self, element: Element) -> float:
+        """The friction of an element in the units of the equations."""
+        units = self.units
+        inertia = units.mass * (units.length if element.kind == "slide" else units.length**2)
+        return float(MP.mpf(element.friction) * MP.mpf(units.time) ** 2 / MP.mpf(inertia))
+
+
+def in_phases(
+    given: Slipping, start: WideArray, parameters: WideArray, times: Array, phases: Sequence[Phase], solve: Solve
+) -> tuple[WideArray, list[Stray]]:
+    """The states (n, k) at ascending times (n,), s, and what contradicts the phases."""
+    dtype: Any = start.dtype.type
+    rows, strays, state = np.empty((len(times), len(start)), dtype), list[Stray](), start.copy()
+    last = dtype(times[-1]) if len(times) else dtype(0)
+    first = 0
+    for number, phase in enumerate(phases):
+        after = phases[number + 1] if number + 1 < len(phases) else None
+        end = last if after is None else dtype(after.begin)
+        begin = dtype(phase.begin)
+        until = len(times) if after is None else int(np.searchsorted(times, float(end)))
+        state, own = _begun(given, state, parameters, phase)
+        checks = np.linspace(0, 1, CHECKS).astype(dtype) * (end - begin)
+        local = np.concatenate([times[first:until].astype(dtype) - begin, checks]) / dtype(given.units.time)
+        states = solve(given.structure, state, own, np.maximum(local, 0))
+        rows[first:until] = states[: until - first]
+        seen = states[until - first :]
+        strays += _strays(given, seen, own, phase, after, float(end - begin), float(last - begin))
+        first, state = until, seen[-1]
+    return rows, strays
+
+
+def _begun(given: Slipping, state: WideArray, parameters: WideArray, phase: Phase) -> tuple[WideArray, WideArray]:
+    """The state at the beginning of a phase, in which joints that stick are at rest, and the parameters of the phase."""
+    state, own = state.copy(), parameters.copy()
+    coordinates = given.structure.places[-1][0].stop
+    for place, element in given.dry:
+        assert element.joint is not None  # a free body has no friction
+        mode = phase.modes[element.joint]
+        force, moves = friction_parameters(given.structure, place)
+        own[force] = -mode * own.dtype.type(given.friction(element))
+        own[moves] = abs(mode)
+        if not mode:
+            state[coordinates + given.structure.places[place][1].start] = 0
+    return state, own
+
+
+def _strays(
+    given: Slipping, states: WideArray, parameters: WideArray, phase: Phase, after: Phase | None, lasts: float, rest: float
+) -> list[Stray]:
+    """What contradicts a phase, from states at instants of it, its length and the time from its beginning to the end (s)."""
+    found = derived(given.structure)
+    values = states.astype(float).T
+    leaves: dict[str, Callable[[Any], Any]] = {
+        "number": lambda value: np.full(len(states), float(value)),
+        "parameter": lambda place: np.full(len(states), float(parameters[place])),
+        "variable": lambda place: values[place],
+    }
+    nodes = [node for pair in found.strains for node in pair]
+    evaluated = made(found.tape, nodes, lambda kind, value: leaves[kind](value), np.sin, np.cos)
+    coordinates, units, strays = given.structure.places[-1][0].stop, given.units, list[Stray]()
+    for number, (place, element) in enumerate(given.dry):
+        assert element.joint is not None  # a free body has no friction
+        strain, inertia = evaluated[2 * number], evaluated[2 * number + 1]
+        rate = values[coordinates + given.structure.places[place][1].start]
+        mode, friction = phase.modes[element.joint], given.friction(element)
+        changes = after is not None and after.modes[element.joint] != mode
+        if mode:
+            wrong = max(float(np.max(-mode * rate)), 0.0) + (abs(float(rate[-1])) if changes else 0.0)
+        else:
+            over = np.maximum(np.abs(strain) - friction * (1 + ROUNDED), 0.0) / inertia
+            short = abs(abs(strain[-1]) - friction) / inertia[-1]
+            early = short if changes and short * inertia[-1] > ROUNDED * friction else 0.0
+            wrong = float(np.max(over)) * lasts / units.time + early * rest / units.time
+        if wrong:
+            size = units.length if element.kind == "slide" else 1.0
+            strays.append(Stray(float(phase.begin), wrong * size / units.time, element.kind == "turn"))
+    return strays

@@ -1,0 +1,124 @@
+"""The structure of a mechanism and its numbers: equations belong to a structure, and numbers are parameters.
+
+What the equations know of numbers is where they are zero, and which rotations are by right angles.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from bodycheck.reference.independent.border import MP, Matrix, Number, Triple
+from bodycheck.reference.mechanisms.lagrangian.border import NONE, SIZES, Border, Carried, Kind
+
+#: What is known of a number when equations are derived: that it is 0, 1 or -1, or None.
+Mark = int | None
+
+
+@dataclass(frozen=True)
+class Structure:
+    """What the equations of a mechanism depend on besides numbers.
+
+    Attributes
+    ----------
+    kinds, parents
+        The kinds of the elements, and the elements that they move on.
+    falls
+        Which elements are seen from a falling frame.
+    dry
+        Which elements have dry friction.
+    marks
+        What is known of the numbers, in the order of `numbers`.
+    """
+
+    kinds: tuple[Kind, ...]
+    parents: tuple[int | None, ...]
+    falls: tuple[bool, ...]
+    dry: tuple[bool, ...]
+    marks: tuple[Mark, ...]
+
+    @property
+    def places(self) -> list[tuple[slice, slice]]:
+        """The slices of the coordinates and velocities of each element among all of them."""
+        found, first, second = [], 0, 0
+        for kind in self.kinds:
+            held, moving = SIZES[kind]
+            found.append((slice(first, first + held), slice(second, second + moving)))
+            first, second = first + held, second + moving
+        return found
+
+
+@dataclass(frozen=True)
+class Units:
+    """The units of length (m), mass (kg) and time (s) of the equations, powers of two by which nothing is rounded."""
+
+    length: float
+    mass: float
+    time: float
+
+
+def numbers(found: Border, units: Units) -> tuple[Structure, list[Number]]:
+    """The structure of a mechanism, and all its numbers, in some units.
+
+    The last two of an element are the force of its dry friction, and whether it moves (1) or sticks (0): 0 and 1 at first.
+    """
+    length, mass, time = MP.mpf(units.length), MP.mpf(units.mass), MP.mpf(units.time)
+    values: list[Number] = [MP.mpf(found.gravity) * time**2 / length]
+    turns, dry = set(), set()
+    for element in found.elements:
+        turns |= set(range(len(values), len(values) + 9))
+        values += [entry for row in element.turned for entry in row]
+        values += [entry / length for entry in element.origin]
+        whole, centre, tensor = together(element.carried)
+        values += [whole / mass, *(entry / length for entry in centre)]
+        values += [tensor[i][j] / (mass * length**2) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+        size = length if element.kind == "slide" else MP.mpf(1)
+        inertia = mass if element.kind == "slide" else mass * length**2
+        values += [
+            element.armature / inertia,
+            element.damping * time / inertia,
+            element.stiffness * time**2 / inertia,
+            element.rest / size,
+            element.effort * time**2 / (inertia * size),
+        ]
+        if element.friction:
+            dry |= {len(values), len(values) + 1}
+        turns.add(len(values) + 1)
+        values += [MP.mpf(0), MP.mpf(1)]
+    marks = tuple(None if place in dry else _mark(value, place in turns) for place, value in enumerate(values))
+    elements = found.elements
+    structure = Structure(
+        tuple(element.kind for element in elements),
+        tuple(element.parent for element in elements),
+        tuple(element.falls for element in elements),
+        tuple(bool(element.friction) for element in elements),
+        marks,
+    )
+    return structure, [value for value, mark in zip(values, marks, strict=True) if mark is None]
+
+
+def together(carried: Sequence[Carried]) -> tuple[Number, Triple, Matrix]:
+    """The mass, the centre of mass and the inertia tensor about it of bodies that move as one, in their element's frame."""
+    mass = sum((own.mass for own in carried), MP.mpf(0))
+    if not mass:
+        return mass, NONE, [NONE, NONE, NONE]
+    centre = [sum(own.mass * own.centre[axis] for own in carried) / mass for axis in range(3)]
+    tensor = [[sum(own.tensor[i][j] for own in carried) for j in range(3)] for i in range(3)]
+    for own in carried:
+        arm = [a - b for a, b in zip(own.centre, centre, strict=True)]
+        square = sum(value * value for value in arm)
+        tensor = [[tensor[i][j] + own.mass * ((square if i == j else 0) - arm[i] * arm[j]) for j in range(3)] for i in range(3)]
+    return mass, centre, tensor
+
+
+def _mark(value: Number, turn: bool) -> Mark:
+    return int(value) if value == 0 or (turn and abs(value) == 1) else None
+
+
+#: The numbers of an element, and that of the whole mechanism before them: see `numbers`.
+_OF_ELEMENT, _BEFORE = 29, 1
+
+
+def friction_parameters(structure: Structure, place: int) -> tuple[int, int]:
+    """Which parameters are the force of an element's dry friction, and whether the element moves."""
+    last = _BEFORE + _OF_ELEMENT * (place + 1)
+    before = sum(mark is None for mark in structure.marks[: last - 2])
+    return before, before + 1
