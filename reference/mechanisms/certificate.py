@@ -34,10 +34,13 @@ from bodycheck.reference.mechanisms.followed import (
 from bodycheck.reference.mechanisms.growth import Growth
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.truth import joined, printed
-from bodycheck.reference.mechanisms.ways import Motion, Way, disagreement
+from bodycheck.reference.mechanisms.ways import Motion, Way, disagreement, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.witness import Witness
 from bodycheck.reference.witnesses import DOP853_ROUNDINGS
+
+#: Relative error that the witness of a mechanism with loops may have besides that of the way: its tolerance, as it grows.
+LOOPS_TOLERANCE = 1e-12
 
 
 def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
@@ -77,7 +80,9 @@ def _as_witness(way: Way) -> Witness:
 def _other_ways(mechanism: Mechanism, times: Array, found: Followed) -> Iterator[Way]:
     """Every way but that of the truth."""
     grown = found.growth
-    if grown is None:
+    if mechanism.loops and (way := witness_of(mechanism, times, found)) is not None:
+        yield replace(way, errors=_errors_with_loops(mechanism, found, way))
+    if mechanism.loops or grown is None:
         return
     if found.form:
         yield by_recursion(mechanism, times).way
@@ -85,6 +90,12 @@ def _other_ways(mechanism: Mechanism, times: Array, found: Followed) -> Iterator
         made, eps = _roundings_of_lagrangian(mechanism, times), float(np.finfo(arithmetic()[0]).eps)
         yield replace(way, errors=rounding_errors(mechanism, way.motion, grown, made, eps))
     yield from _wide_way(mechanism, times, grown)
+
+
+def _errors_with_loops(mechanism: Mechanism, found: Followed, way: Way) -> dict[str, Array]:
+    """Errors (n,) of the witness of a mechanism with loops: as much as those of its way, and more by its tolerance."""
+    largest = sizes(mechanism, way.motion)
+    return {name: found.way.errors[name] + LOOPS_TOLERANCE * (1 + np.maximum.accumulate(largest[name])) for name in largest}
 
 
 def _roundings_of_lagrangian(mechanism: Mechanism, times: Array) -> float:

@@ -22,6 +22,7 @@ from bodycheck.reference.mechanisms.forms.ground import carried
 from bodycheck.reference.mechanisms.forms.motion import Form
 from bodycheck.reference.mechanisms.growth import Growth, growth
 from bodycheck.reference.mechanisms.lagrangian.friction import Phase, Stray
+from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
 from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.placed import bodies_of
@@ -110,9 +111,7 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
             found = lagrange.follow(mechanism, times, dtype or widest)
     except (NotModelled, OutOfReach):
         return None
-    bodies = Trajectory(times, found.position, found.quaternion, found.velocity, found.angular_velocity)
-    motion = Motion(found.joint_position, found.joint_velocity, bodies)
-    return Way(f"{lagrange.NAME}, {name}", motion, {}, digits, _as_errors(mechanism, times, strays))
+    return Way(f"{lagrange.NAME}, {name}", _motion_of(found, times), {}, digits, _as_errors(mechanism, times, strays))
 
 
 def phases(mechanism: Mechanism, times: Array) -> list[Phase]:
@@ -162,8 +161,9 @@ def by_recursion(mechanism: Mechanism, times: Array) -> Followed:
     measured = growth_instants(times)
     instants = np.union1d(times, measured)
     wide = _recursion(mechanism, instants, dtype)
-    base = wide.part(np.searchsorted(instants, measured)) if dtype is np.float64 else _in_doubles(mechanism, measured)
-    grown = growth(mechanism, _in_doubles, base, measured)
+    follow = _lagrangian_in_doubles if dtype is np.float64 else _in_doubles
+    base = follow(mechanism, measured)
+    grown = growth(mechanism, follow, base, measured)
     made = DOP853_ROUNDINGS
     if dtype is not np.float64:
         made = roundings(mechanism, base, wide.part(np.searchsorted(instants, measured)), grown)
@@ -234,7 +234,8 @@ def _growth_of(mechanism: Mechanism, times: Array) -> Growth | None:
     measured = growth_instants(times)
     try:
         require_modelled(mechanism)
-        return growth(mechanism, _in_doubles, _in_doubles(mechanism, measured), measured).until(times)
+        follow = _lagrangian_in_doubles if arithmetic()[0] is np.float64 else _in_doubles
+        return growth(mechanism, follow, follow(mechanism, measured), measured).until(times)
     except (NotModelled, OutOfReach):
         return None
 
@@ -261,6 +262,16 @@ def arithmetic() -> tuple[Any, str, int]:
 def _recursion(mechanism: Mechanism, times: Array, dtype: Any) -> Motion:
     found = recursion.follow(mechanism, times, dtype)
     return Motion(found.position, found.velocity, found.bodies)
+
+
+def _lagrangian_in_doubles(mechanism: Mechanism, times: Array) -> Motion:
+    """The motion by the Lagrangian and DOP853, whose equations take a small part of the time of the recursion's there."""
+    return _motion_of(lagrange.follow_in_doubles(mechanism, times), times)
+
+
+def _motion_of(found: WideMotion, times: Array) -> Motion:
+    bodies = Trajectory(times, found.position, found.quaternion, found.velocity, found.angular_velocity)
+    return Motion(found.joint_position, found.joint_velocity, bodies)
 
 
 def _in_doubles(mechanism: Mechanism, times: Array) -> Motion:
