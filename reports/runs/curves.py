@@ -1,7 +1,7 @@
 """The curves of one case, with few enough points to be stored in a page: the datasets of `time_charts`."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -9,15 +9,21 @@ import numpy as np
 from bodycheck.figures.columns import truth_bounds
 from bodycheck.judging.discrepancy import compare
 from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.observables import Observables, observe
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.truth import Truth
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, bound, count, listing, number
+from bodycheck.reports.runs import joint_curves
 from bodycheck.reports.runs.time_charts import FRAMES
 from bodycheck.reports.series import corners, ends, envelope, rounded
+from bodycheck.running.outcome import Completed
 
 #: Most instants of the curves of the angular momentum.
 MOST_CORNERS = 800
+
+#: Instants of a curve of a joint: a part of those of the angular momentum, as there are several, and at least so many.
+SHARE, FEWEST_CORNERS = 4, 40
 
 #: About the most points of one chart that the pointer can find: each is an element of the page and takes time to draw.
 MOST_FOUND = 600
@@ -54,12 +60,15 @@ class Curves:
         Quantities that are always zero in every run.
     momentum
         What the charts of the angular momentum show; empty if there are none.
+    joints
+        Descriptions of the charts of the joints of a mechanism, by the kind of coordinate; empty if there are none.
     """
 
     datasets: dict[str, list[dict[str, Any]]]
     drawn: Mapping[str, Drawn]
     blank: tuple[str, ...]
     momentum: str
+    joints: Mapping[str, Drawn] = field(default_factory=dict)
 
 
 def draw(
@@ -109,7 +118,29 @@ def draw(
             momentum = _constancy(seen)
     drawn = {name: _words(name, own, gaps[name]) for name, own in peaks.items() if any(own.values()) or gaps[name]}
     blank = tuple(name for name in peaks if name not in drawn)
-    return Curves(datasets, drawn, blank, momentum)
+    moved = _joints(verdicts, known, truths, instants)
+    if moved:
+        datasets["joints"] = moved
+    joints = {kind: Drawn(*told) for kind, told in joint_curves.described(moved).items()}
+    return Curves(datasets, drawn, blank, momentum, joints)
+
+
+def _joints(
+    verdicts: Mapping[str, Verdict],
+    known: Mapping[tuple[str, float], Truth],
+    truths: Mapping[float, Truth],
+    instants: int,
+) -> list[dict[str, Any]]:
+    """Return the curves of the joints of a mechanism, at the smallest time step; none of any other scene."""
+    first = truths[min(truths)] if truths else None
+    if first is None or not isinstance(first.scene, Mechanism):
+        return []
+    runs = {
+        label: (verdict.run.outcome.trajectory, known[verdict.label, verdict.run.method.timestep].trajectory)
+        for label, verdict in verdicts.items()
+        if isinstance(verdict.run.outcome, Completed)
+    }
+    return joint_curves.rows(first.scene, first.trajectory, runs, max(FEWEST_CORNERS, instants // SHARE))
 
 
 def _floor(truth: Truth, peaks: Mapping[str, Mapping[str, float]], points: int) -> dict[str, Any]:

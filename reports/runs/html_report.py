@@ -7,8 +7,9 @@ from bodycheck.reports.charts import Spec, without_legend
 from bodycheck.reports.html import json_text, page, verbatim
 from bodycheck.reports.index import MADE, Link
 from bodycheck.reports.lines import Line
+from bodycheck.reports.runs import joint_curves
 from bodycheck.reports.runs.contents import Contents, Section
-from bodycheck.reports.runs.time_charts import FRAMES, momentum, over_time
+from bodycheck.reports.runs.time_charts import FRAMES, joints, momentum, over_time
 
 
 def render(contents: Contents) -> str:
@@ -20,6 +21,7 @@ def render(contents: Contents) -> str:
         specifications(contents),
         index(contents),
         contents=contents,
+        joint_titles=joint_curves.TITLES,
         legends={section.name: _legend(section, contents.lines) for section in contents.sections},
         datasets={section.name: json_text(section.curves.datasets) for section in contents.sections},
         played={section.name: json_text(section.playback.data) for section in contents.sections if section.playback},
@@ -64,7 +66,9 @@ def specifications(contents: Contents) -> dict[str, Spec]:
         for section in contents.sections
         for place, chart in enumerate(section.steps, start=1)
     }
-    return errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | origins | steps
+    moved = {kind for section in contents.sections for kind in section.curves.joints}
+    own = {f"joints_{kind}": joints(kind) for kind in sorted(moved)}
+    return errors | {f"momentum_{frame}": momentum(frame) for frame in FRAMES} | own | origins | steps
 
 
 def _legend(section: Section, lines: Sequence[Line]) -> str:

@@ -4,8 +4,9 @@ from collections.abc import Iterator
 
 from bodycheck.reports.charts import Spec
 from bodycheck.reports.plot_files import standing_alone
+from bodycheck.reports.runs import joint_curves
 from bodycheck.reports.runs.contents import Contents
-from bodycheck.reports.runs.time_charts import momentum, over_time
+from bodycheck.reports.runs.time_charts import joints, momentum, over_time
 
 
 def of_runs(contents: Contents) -> Iterator[tuple[str, Spec]]:
@@ -22,10 +23,13 @@ def of_runs(contents: Contents) -> Iterator[tuple[str, Spec]]:
         if section.curves.momentum:
             for frame, where in (("body", "in the body"), ("inertial", "in the inertial frame")):
                 plots[f"momentum_{frame}"] = (f"Angular momentum of the truth, {where}", momentum(frame))
+        for kind, title in joint_curves.TITLES.items():
+            if kind in section.curves.joints:
+                plots[f"joints_{kind}"] = (title, joints(kind))
         for name, (description, chart) in plots.items():
             floor = "; grey: the truth's own error" if name in floors else ""
             complete = chart | {"datasets": section.curves.datasets}
-            rows = 1 if name.startswith("momentum") else len(lines)
+            rows = 1 if name.startswith(("momentum", "joints")) else len(lines)
             yield f"{section.name}-{name}", standing_alone(complete, section.title, description + floor, rows)
         for drawn in section.steps:
             description = f"{drawn.title} over the time step"

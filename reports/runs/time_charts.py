@@ -6,6 +6,7 @@ Each specification is stored once in a page and drawn with the datasets of every
   points that the pointer can find.
 - `times`: one row for each time step, with the array `t`.
 - `floor`: one row with the array `t` and one array for each quantity, empty where its floor is not drawn.
+- `joints`: one row for each curve of a joint, as `joint_curves` says.
 - `momentum`: one row with the arrays `t`, `I`, `J`, `K` (body frame) and `x`, `y`, `z` (inertial frame).
 
 With `datasets` set to these, a specification is complete. Its parameter `hidden` holds the names of the methods that the
@@ -18,6 +19,7 @@ from typing import Any
 from bodycheck.reports.charts import COMPONENT_COLOURS, Spec, log_axis, method_scale, zoomable
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import Quantity
+from bodycheck.reports.runs import joint_curves
 
 #: Axes of each frame.
 FRAMES = {"body": ("I", "J", "K"), "inertial": ("x", "y", "z")}
@@ -108,6 +110,44 @@ def momentum(frame: str) -> Spec:
         "encoding": {"y": {**y, "field": "bound"}},
     }
     return zoomable([bounds, curves], height=220)
+
+
+def joints(kind: str) -> Spec:
+    """Return the chart of the coordinates of joints of one kind: a colour for each, and dashes but for the truth."""
+    title, unit = {"angle": ("Angle", "rad"), "slide": ("Displacement", "m")}[kind]
+    is_truth = f"datum.method === '{joint_curves.TRUTH}'"
+
+    def styled(truth: Any, other: Any) -> Spec:
+        return {"condition": {"test": is_truth, "value": truth}, "value": other}
+
+    curves = {
+        "data": {"name": "joints"},
+        "transform": [
+            {"filter": f"datum.kind === '{kind}'"},
+            {"filter": "indexof(hidden, datum.method) < 0"},
+            {"flatten": ["t", "value"]},
+        ],
+        "encoding": {
+            "x": _time(),
+            "y": {
+                "field": "value",
+                "type": "quantitative",
+                "title": f"{title}, {unit}",
+                "scale": {"zero": False},
+                "axis": {"tickCount": 6, "format": "~g"},
+            },
+            "color": {"field": "joint", "type": "nominal", "sort": None, "scale": {"scheme": "tableau10"}},
+            "detail": {"field": "method", "type": "nominal"},
+        },
+        "layer": [
+            {
+                "mark": {"type": "line", "clip": True, "aria": False},
+                "encoding": {"strokeDash": styled([1, 0], [5, 4]), "strokeWidth": styled(2, 1.4)},
+            },
+            _points(_tooltip("joint", title, unit)),
+        ],
+    }
+    return zoomable([curves], height=260) | {"params": [{"name": "hidden", "value": []}, {"name": "chosen", "value": ""}]}
 
 
 def _points(tooltip: Spec) -> Spec:

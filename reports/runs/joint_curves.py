@@ -1,0 +1,126 @@
+"""The coordinates of joints over time: of the truth, and of the runs that are seen to differ from it, as the dataset `joints`.
+
+A row is one curve: `joint`, `kind` ("angle" in rad or "slide" in m), `method`, and the arrays `t` and `value`. The curve of a
+ball, and that of the attitude of a free joint, is the angle of one rotation. `time_charts.joints` draws them.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, Literal
+
+import numpy as np
+
+from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms.coordinates import places
+from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reports.quantities import listing
+from bodycheck.reports.series import corners, rounded
+
+#: The two kinds of coordinates, and what their charts are called.
+Kind = Literal["angle", "slide"]
+TITLES: dict[Kind, str] = {"angle": "Angles of the joints", "slide": "Displacements of the joints"}
+
+#: The name of the truth among the methods.
+TRUTH = "the truth"
+
+#: Most coordinates of each kind that have curves, and most runs besides the truth.
+MOST_COORDINATES, MOST_RUNS = 8, 4
+
+#: Difference from the truth, relative to the range of a coordinate, from which a curve is seen beside that of the truth.
+SEEN = 0.005
+
+#: Significant digits of instants, and of values that are some thousand times as large as what is seen of them.
+DIGITS = 6
+
+
+def rows(
+    mechanism: Mechanism, truth: Trajectory, runs: Mapping[str, tuple[Trajectory, Trajectory]], most: int
+) -> list[dict[str, Any]]:
+    """Return the rows of the dataset.
+
+    Parameters
+    ----------
+    mechanism, truth
+        The mechanism, and its truth.
+    runs
+        The trajectories of the runs, each with the truth at the same instants, by the labels of their methods.
+    most
+        Most instants of one curve.
+    """
+    exact = _curves(mechanism, truth)
+    found = [_row(name, kind, TRUTH, truth.t, values, most) for (name, kind), values in exact.items()]
+    drawn = 0
+    for label, (motion, at_its_instants) in runs.items():
+        own, beside = _curves(mechanism, motion), _curves(mechanism, at_its_instants)
+        apart = [key for key, values in own.items() if _differs(values, beside[key])]
+        if apart and drawn < MOST_RUNS:
+            drawn += 1
+            found += [_row(*key, label, motion.t, own[key], most) for key in apart]
+    return found
+
+
+def described(data: list[dict[str, Any]]) -> dict[str, tuple[str, tuple[str, ...]]]:
+    """Return by the kind of coordinate a description for readers who do not see its chart, and notes on what it shows."""
+    told: dict[str, tuple[str, tuple[str, ...]]] = {}
+    for kind in TITLES:
+        own = [row for row in data if row["kind"] == kind]
+        if own:
+            names = listing(list(dict.fromkeys(row["joint"] for row in own)))
+            methods = list(dict.fromkeys(row["method"] for row in own if row["method"] != TRUTH))
+            notes = (f"Dashed: {listing(methods)}, where the difference is seen.",) if methods else ()
+            told[kind] = " ".join((f"{TITLES[kind]} over time, of the truth: {names}.", *notes)), notes
+    return told
+
+
+def _differs(values: Array, exact: Array) -> bool:
+    """Return whether a curve is seen beside another; values that are no numbers are not seen."""
+    finite = np.isfinite(values)
+    size = float(np.ptp(exact)) or 1.0
+    return bool((np.abs(values - exact)[finite] > SEEN * size).any())
+
+
+def _row(joint: str, kind: str, method: str, t: Array, values: Array, most: int) -> dict[str, Any]:
+    kept = corners(t, values[:, None], most)
+    return {
+        "joint": joint,
+        "kind": kind,
+        "method": method,
+        "t": rounded(t[kept], DIGITS),
+        "value": rounded(values[kept], DIGITS),
+    }
+
+
+def _curves(mechanism: Mechanism, trajectory: Trajectory) -> dict[tuple[str, str], Array]:
+    """Return the curves (n,) of the first coordinates of each kind, by the name of the coordinate and the kind."""
+    motion = kinematics.joints(mechanism, trajectory).position
+    counts: dict[str, int] = dict.fromkeys(TITLES, 0)
+    found: dict[tuple[str, str], Array] = {}
+    for joint, (held, _) in zip(mechanism.joints, places(mechanism), strict=True):
+        for name, kind, values in _of_joint(joint, motion[:, held]):
+            if counts[kind] < MOST_COORDINATES:
+                counts[kind] += 1
+                found[name, kind] = values
+    return found
+
+
+def _of_joint(joint: Joint, q: Array) -> Iterator[tuple[str, Kind, Array]]:
+    """Yield the names, kinds and curves of a joint's coordinates (n, c)."""
+    match joint.type:
+        case "revolute":
+            yield joint.name, "angle", q[:, 0]
+        case "prismatic":
+            yield joint.name, "slide", q[:, 0]
+        case "universal":
+            yield f"{joint.name} first", "angle", q[:, 0]
+            yield f"{joint.name} second", "angle", q[:, 1]
+        case "planar":
+            yield f"{joint.name} x", "slide", q[:, 0]
+            yield f"{joint.name} y", "slide", q[:, 1]
+            yield joint.name, "angle", q[:, 2]
+        case "spherical" | "free":
+            for place, letter in enumerate("xyz" if joint.type == "free" else ""):
+                yield f"{joint.name} {letter}", "slide", q[:, place]
+            turn = q[:, -4:]
+            yield joint.name, "angle", 2 * np.arctan2(np.linalg.norm(turn[:, 1:], axis=1), np.abs(turn[:, 0]))
+        case "fixed":
+            return
