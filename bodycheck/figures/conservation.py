@@ -17,6 +17,9 @@ from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import distance
 
+#: A kinetic energy that is no larger than this part of the largest is what rounding has left of velocities that are zero.
+REST = 1e-28
+
 
 def total_energy(compared: Comparison) -> Array:
     """Return how far (..., n) the total energy is from its initial value or from that of the truth, relative."""
@@ -42,10 +45,12 @@ def angular_momentum(compared: Comparison) -> Array:
 def energy_size(reference: AnyObservables) -> Array:
     """Return the size (J) that a total energy is relative to, from the truth's values: one number, or (m,) of m scenes.
 
-    It is the initial kinetic energy or, where that is zero, the largest kinetic energy. A potential energy would make it depend
-    on where the origin is.
+    It is the initial kinetic energy or, where that is zero but for rounding, the largest kinetic energy. A potential energy
+    would make it depend on where the origin is.
     """
-    return _first(reference.kinetic_energy[..., 0], lambda: _largest(reference))
+    initial = reference.kinetic_energy[..., 0]
+    moves = initial > REST * reference.kinetic_energy.max(axis=-1)
+    return _first(np.where(moves, initial, 0.0), lambda: _largest(reference))
 
 
 def rotational_energy_size(reference: Observables) -> Array:

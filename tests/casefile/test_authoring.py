@@ -23,7 +23,9 @@ from tests.support.commands import bodycheck, call
 from tests.support.tumbling import TUMBLING
 
 CASES = resources.files("bodycheck.cases")
-DIRECTIVE = f"#:schema ./{SCHEMA_FILE}\n"
+
+#: The files of the shipped cases by name.
+FILES = {path.name.removesuffix(SUFFIX): path for path in Path(str(CASES)).rglob("*" + SUFFIX)}
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +40,7 @@ def test_what_new_writes_runs_as_it_is(calls_here: None, tmp_path: Path) -> None
     assert (done.returncode, done.stdout) == (0, "my-first-case.case.toml\n")
     path = tmp_path / "my-first-case.case.toml"
     assert load(path).name == "my-first-case"
-    assert path.read_text().startswith(DIRECTIVE)
+    assert path.read_text().startswith(f"#:schema ./{SCHEMA_FILE}\n")
     done = bodycheck("run", path.name, "--timestep", "0.01", folder=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "my-first-case" in done.stdout
@@ -111,8 +113,10 @@ def test_the_command_prints_the_schema(capsys: pytest.CaptureFixture[str]) -> No
 
 @pytest.mark.parametrize("name", shipped())
 def test_shipped_cases_fit_the_schema_and_tell_editors_of_it(name: str, validator: Draft202012Validator) -> None:
-    text = (CASES / (name + SUFFIX)).read_text("utf-8")
-    assert text.startswith(DIRECTIVE)
+    text = FILES[name].read_text("utf-8")
+    directive, schema = text.splitlines()[0].split()
+    assert directive == "#:schema"
+    assert (FILES[name].parent / schema).resolve() == Path(str(CASES / SCHEMA_FILE)).resolve()
     validator.validate(tomllib.loads(text))
 
 
@@ -124,7 +128,7 @@ LIMIT = re.compile(
 @pytest.mark.parametrize("name", shipped())
 def test_limits_of_shipped_cases_say_what_they_were_set_from(name: str) -> None:
     """None is looser than three times what was measured."""
-    lines = (CASES / (name + SUFFIX)).read_text("utf-8").partition("[[expect]]")[2].splitlines()
+    lines = FILES[name].read_text("utf-8").partition("[[expect]]")[2].splitlines()
     limited = [line for line in lines if line.startswith(tuple(set(LIMITED) - {"order"})) and "{" not in line]
     assert limited
     for line in limited:
