@@ -10,6 +10,7 @@ from it, and the rest is passed to the parent. Last, from the root to the tips, 
 of an origin is never needed, only the angular velocity.
 """
 
+import operator
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
@@ -366,11 +367,7 @@ def _absent(value: Number) -> bool:
 
 
 def _dot(a: Sequence[Number], b: Sequence[Number]) -> Number:
-    total: Number = 0
-    for one, other in zip(a, b, strict=True):
-        if not (_absent(one) or _absent(other)):
-            total = total + one * other
-    return total
+    return sum(map(operator.mul, a, b))
 
 
 def _cross(a: Vec, b: Vec) -> Vec:

@@ -1,5 +1,7 @@
 """The links of a tree by SciPy's DOP853 in double precision, where heyoka is not installed."""
 
+import math
+
 import numpy as np
 
 from bodycheck.reference.errors import OutOfReach
@@ -23,7 +25,7 @@ def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
     doubles = in_doubles(tree)
 
     def rates(_: float, state: Array) -> Array:
-        return np.array(derivatives(doubles, state.tolist(), np).state, dtype=float)
+        return np.array(derivatives(doubles, state.tolist(), math).state, dtype=float)
 
     begin = np.array([float(value) for value in start(tree)])
     instants, rows = np.unique(times, return_inverse=True)

@@ -26,6 +26,10 @@ _SIZES = {"turn": 9, "offset": 3, "moment": 3, "tensor": 6, "differences": 3}
 _WITH_ONES = ("turn", "moves")
 _CHANGING = ("force", "moves")
 
+#: Velocity (rad/s or m/s) that is added to that of a joint which begins to slip from zero, since heyoka does not find the roots
+#: of a function after one at the very beginning of a step.
+_BEGINNING = 1e-60
+
 
 @dataclass(frozen=True)
 class Shape:
@@ -119,7 +123,7 @@ def written(shape: Shape) -> Written:
         friction, mode = symbols((None, None))
         slips, strain = constants[place].moves, rates.strains[place]
         left = (friction - strain) * (friction + strain)
-        margins.append(slips * mode * state[velocities[place]] + (1 - slips) * left)
+        margins.append(slips * (mode * state[velocities[place]] + _BEGINNING) + (1 - slips) * left)
     # A derivative that is zero is a number here, which heyoka takes only as an expression.
     system = [(x, hy.expression(0.0) + rate) for x, rate in zip(state, rates.state, strict=True)]
     return Written(system, margins)

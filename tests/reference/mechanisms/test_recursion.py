@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bodycheck import load
-from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import MP
 from bodycheck.reference.kinematics import geodesic_angle, rotate
 from bodycheck.reference.mechanisms import dop853_tree, kinematics, observables, recursion
@@ -202,3 +202,19 @@ def test_angles_are_not_reduced() -> None:
     pin = Joint("pin", "revolute", WORLD, 0, start=(0.5,), start_velocity=(40.0,))
     found = follow(Mechanism((body("wheel", 1.0, (1.0, 1.0, 1.0)),), (pin,)), TIMES)
     np.testing.assert_allclose(found.position[:, 0].astype(float), 0.5 + 40 * TIMES, rtol=1e-15)
+
+
+def test_a_long_chain_compiles_and_conserves_its_energy() -> None:
+    taylor_tree = pytest.importorskip("bodycheck.reference.mechanisms.taylor_tree")
+    mechanism = rods(taylor_tree.MOST_OPTIMISED + 1)
+    times = np.array([0.0, 0.05, 0.1])
+    energy = observables.observe(mechanism, doubles(follow(mechanism, times).bodies)).total_energy
+    # Energies of some thousands of joules in double precision.
+    assert np.ptp(energy) < 1e-10
+
+
+def test_a_mechanism_without_a_motion_is_out_of_reach() -> None:
+    ball = Joint("ball", "spherical", WORLD, 0, start=(1.0, 0.0, 0.0, 0.0), start_velocity=(0.0, 1.0, 0.0))
+    bead = Mechanism((body("bead", 1.0, (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)),), (ball,), gravity=9.81)
+    with pytest.raises(OutOfReach, match="stopped"):
+        follow(bead, TIMES)
