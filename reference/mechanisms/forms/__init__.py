@@ -3,6 +3,7 @@
 - `choice`: open this first. `form_of` gives the closed form of a mechanism that has one.
 - `oscillator`: one joint with armature, damping, spring, constant effort and dry friction.
 - `pendulum`: the compound pendulum at any amplitude.
+- `parallelogram`: linkages of parallelograms, which move as one pendulum.
 - `ball`: a body on a ball joint, which feels no torque or is a top. `top`: Lagrange's top and the spherical pendulum.
 - `carlson`: the elliptic integral of the third kind in the wide type.
 - `ground`: what each joint on the world carries, and its inertia.

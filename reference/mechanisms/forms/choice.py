@@ -7,6 +7,7 @@ from bodycheck.reference.mechanisms.forms import oscillator, pendulum
 from bodycheck.reference.mechanisms.forms.ball import form_of_ball
 from bodycheck.reference.mechanisms.forms.ground import Carried, axis_of, carried, cross, dot, moment_about
 from bodycheck.reference.mechanisms.forms.motion import Form, FormMotion, JointForm, gathered
+from bodycheck.reference.mechanisms.forms.parallelogram import form_of_parallelograms
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
 
@@ -20,8 +21,10 @@ _Found = tuple[str, str, _Follow]
 def form_of(mechanism: Mechanism) -> Form | None:
     """The closed form of a mechanism, or None where it has none.
 
-    Each joint that moves must stand on the world, and have a closed form of its own.
+    Each joint that moves must stand on the world, and have a closed form of its own; or loops make all joints move as one.
     """
+    if mechanism.loops:
+        return form_of_parallelograms(mechanism)
     groups = carried(mechanism)
     if not groups:
         return None

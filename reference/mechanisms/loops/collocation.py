@@ -33,9 +33,12 @@ FINEST = 2 * float(np.finfo(Wide).eps)
 #: The last change of a step, in tolerances, and the size of the last terms up to which it is taken.
 _CHANGE, _TAKEN = 5, 30
 
+#: The part of a column that is left, when those before it are taken from it, if it depends on them.
+_DEPENDENT = 1e-13
+
 #: How far the size of a step changes at most, and the sizes that are tried for a step.
 _SMALLER, _LARGER = 0.6, 1.7
-_SIZES = (1.0, 0.62, 1.45, 0.38, 0.8, 0.23, 0.14, 0.07, 0.03, 0.01, 1e-3, 1e-4, 1e-5)
+_SIZES = (1.0, 0.62, 0.38, 1.45, 0.8, 0.23, 0.14, 0.07, 0.03, 0.01, 1e-3, 1e-4, 1e-5)
 
 #: Relative size of what a singular position makes of rounding in a step that is taken.
 _MAGNIFIED = 1e-11
@@ -200,8 +203,8 @@ def _step(
         step = _Step(size, slopes, error)
         if error < _TAKEN * tolerance:
             return step
-        if best is not None and best.error < _MAGNIFIED and error > best.error / 1000:
-            return best if best.error < 30 * error else step
+        if best is not None and size < best.size and best.error < _MAGNIFIED and error > best.error / 30:
+            return best
         best = step if best is None or error < best.error else best
     if best is None or best.error > 1000 * _MAGNIFIED:
         raise OutOfReach("the motion of the closed loops cannot be continued: no step can be solved")
@@ -261,9 +264,30 @@ def _mixed(points: list[WideArray], residuals: list[WideArray], scale: WideArray
     if not (kept and largest):
         return latest
     unit = np.array([Wide(1) / size for size in sizes[sizes > 0]])
-    columns = (steps / scale * unit[:, None]).astype(float).T
-    target = (residuals[-1] / scale / largest).astype(float)
-    weights = np.linalg.lstsq(columns, target, rcond=1e-12)[0].astype(Wide) * largest * unit
+    weights = _fitted(steps / scale * unit[:, None], residuals[-1] / scale / largest) * largest * unit
     moves = np.array([latest - (points[other] + residuals[other]) for other in kept])
     found: WideArray = latest - weights @ moves
     return found
+
+
+def _fitted(columns: WideArray, target: WideArray) -> WideArray:
+    """The weights (k,) of columns (k, n) whose sum is closest to a target (n,), by Gram and Schmidt's method.
+
+    A column that is a sum of those before it has the weight zero.
+    """
+    count = len(columns)
+    # Columns of the triangular factor; the last one is that of the target.
+    factor, rest = np.zeros((count, count + 1), dtype=Wide), np.concatenate([columns, target[None]])
+    for place in range(count):
+        own = rest[place].copy()
+        size = np.sqrt((own * own).sum())
+        if size <= _DEPENDENT * np.sqrt((columns[place] * columns[place]).sum()):
+            continue
+        own = own / size
+        factor[place, place:] = rest[place:] @ own
+        rest[place + 1 :] -= factor[place, place + 1 :, None] * own
+    weights = np.zeros(count, dtype=Wide)
+    for place in reversed(range(count)):
+        if factor[place, place]:
+            weights[place] = (factor[place, count] - factor[place, :count] @ weights) / factor[place, place]
+    return weights

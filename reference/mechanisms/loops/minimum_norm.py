@@ -32,19 +32,38 @@ def solved(
     if m:
         across = (narrow[:, n:, :n] ** 2 / _loosened(narrow[:, :n, :n])[:, None]).sum(axis=(1, 2))
         narrow[:, range(n, n + m), range(n, n + m)] = -_PROXIMAL * (across / m + 1e-300)[:, None]
-    inverse = np.linalg.inv(narrow)
+    inverse = _inverse(narrow, n)
     right = np.concatenate([force, target], axis=1)
     found = np.zeros_like(right)
     smallest = np.inf
     for _ in range(refinements):
         rest = right - (matrix @ found[:, :, None])[:, :, 0]
-        step = (inverse @ rest.astype(float)[:, :, None])[:, :, 0]
+        step = (inverse * rest.astype(float)[:, None]).sum(axis=2)
         found = found + step
         change = float((np.abs(step[:, :n]).max(axis=1) / (np.abs(found[:, :n]).max(axis=1) + Wide(1e-300))).max())
         if change < _ENOUGH or change > 0.5 * smallest:
             break
         smallest = change
     return found[:, :n], found[:, n:]
+
+
+def _inverse(matrix: Array, n: int) -> Array:
+    """The inverses (s, k, k) of matrices whose first n rows are positive and whose rest is negative definite.
+
+    Gauss and Jordan's elimination needs no pivots for them. It is done for all matrices at once, without the threads of a
+    library for linear algebra, which take longer to begin than small matrices need.
+    """
+    found = matrix.copy()
+    found[:, range(n), range(n)] = _loosened(matrix[:, :n, :n])
+    for place in range(matrix.shape[1]):
+        row = found[:, place] / found[:, place, place, None]
+        row[:, place] = 1 / found[:, place, place]
+        column = found[:, :, place].copy()
+        column[:, place] = 0
+        found[:, :, place] = 0
+        found -= column[:, :, None] * row[:, None]
+        found[:, place] = row
+    return found
 
 
 def _loosened(mass: Array) -> Array:
