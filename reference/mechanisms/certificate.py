@@ -48,11 +48,12 @@ def certify_mechanism(mechanism: Mechanism, times: Array) -> Certificate:
     times = np.asarray(times, dtype=float)
     with within_range("the motion"):
         found = followed(mechanism, times)
-        truth = joined(mechanism, times, found, witness_of(mechanism, times, found)).truth
+        witness = witness_of(mechanism, times, found)
+        truth = joined(mechanism, times, found, witness).truth
         own = printed(mechanism, times, found)
         assert truth.joints is not None  # which a mechanism has
         stated = Motion(truth.joints.position, truth.joints.velocity, truth.trajectory)
-        ways = [Way(TRUTH_WAY, stated, own.bounds.of_states()), *_other_ways(mechanism, times, found)]
+        ways = [Way(TRUTH_WAY, stated, own.bounds.of_states()), *_other_ways(mechanism, times, found, witness)]
         differences = {(one.name, other.name): disagreement(mechanism, one, other) for one, other in combinations(ways, 2)}
     pairs = combinations((_as_witness(way) for way in ways), 2)
     faults = [fault for one, other in pairs if (fault := contradiction(one, other, differences[one.name, other.name]))]
@@ -77,16 +78,16 @@ def _as_witness(way: Way) -> Witness:
     return Witness(way.name, **way.errors, digits=way.digits)
 
 
-def _other_ways(mechanism: Mechanism, times: Array, found: Followed) -> Iterator[Way]:
-    """Every way but that of the truth."""
+def _other_ways(mechanism: Mechanism, times: Array, found: Followed, witness: Way | None) -> Iterator[Way]:
+    """Every way but that of the truth, with bounds of its own errors. witness: that of the truth, whose are not known."""
     grown = found.growth
-    if mechanism.loops and (way := witness_of(mechanism, times, found)) is not None:
-        yield replace(way, errors=_errors_with_loops(mechanism, found, way))
+    if mechanism.loops and witness is not None:
+        yield replace(witness, errors=_errors_with_loops(mechanism, found, witness))
     if mechanism.loops or grown is None:
         return
     if found.form:
         yield by_recursion(mechanism, times).way
-    if (way := lagrangian(mechanism, times)) is not None:
+    if (way := lagrangian(mechanism, times) if found.form else witness) is not None:
         made, eps = _roundings_of_lagrangian(mechanism, times), float(np.finfo(arithmetic()[0]).eps)
         yield replace(way, errors=rounding_errors(mechanism, way.motion, grown, made, eps))
     yield from _wide_way(mechanism, times, grown)

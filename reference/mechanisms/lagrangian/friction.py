@@ -26,6 +26,9 @@ CHECKS = 9
 #: Part of the friction that rounding in double precision may add to the force that holds a joint.
 ROUNDED = 1e-10
 
+#: Roundings of the largest velocity, within which one is zero.
+STOPPED = 256.0
+
 #: Solves the equations of a structure from a start with parameters at times.
 Solve = Callable[[Structure, WideArray, WideArray, WideArray], WideArray]
 
@@ -127,7 +130,8 @@ def _strays(
         mode, friction = phase.modes[element.joint], given.friction(element)
         changes = after is not None and after.modes[element.joint] != mode
         if mode:
-            wrong = max(float(np.max(-mode * rate)), 0.0) + (abs(float(rate[-1])) if changes else 0.0)
+            wrong = max(float(np.max(-mode * rate)), abs(float(rate[-1])) if changes else 0.0)
+            wrong = max(wrong - STOPPED * float(np.finfo(states.dtype).eps) * float(np.max(np.abs(values[coordinates:]))), 0.0)
         else:
             over = np.maximum(np.abs(strain) - friction * (1 + ROUNDED), 0.0) / inertia
             short = abs(abs(strain[-1]) - friction) / inertia[-1]
