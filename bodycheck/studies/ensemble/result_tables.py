@@ -42,6 +42,9 @@ from bodycheck.studies.ensemble.truths import VOUCHER, Vouching, vouch
 #: Most failed runs of a method whose trajectories are kept.
 MOST_FAILURES = 100
 
+#: Comparisons with witnesses for which another process is started: its start takes as long as these.
+VOUCHED_EACH = 16
+
 Where = Mapping[int, tuple[ChunkFile, int]]
 
 
@@ -212,6 +215,7 @@ def _vouched(
         (table,) = chunk_files.tables({first: where[first]}, schema, head["block"])
         drawn = {name: table[name][member - first].as_py() for name in head["drawn"]}
         questions.append(Vouching(head["text"], drawn, member, timestep))
+    jobs = min(jobs, -(-len(questions) // VOUCHED_EACH))
     with closing(pool.call_all(vouch, questions, jobs, head["limit"], head["memory"], lambda _: None, VOUCHER.home)) as answers:
         for question, answer in answers:
             if not isinstance(answer, Crashed | TimedOut):
