@@ -38,9 +38,18 @@ def same_algorithm(classes: Classes) -> Finding | None:
     return Finding("Same algorithm", " ".join(f"{text[0].upper()}{text[1:]}." for text in told))
 
 
-def alike(classes: Classes, one: RunKey, other: RunKey) -> bool:
-    """Return whether two methods, over all cases and time steps, are in one class of any kind of scene."""
-    return any({one, other} <= set(own.methods) for members in classes.values() for own in members)
+def memberships(classes: Classes) -> dict[RunKey, set[tuple[Kind, int]]]:
+    """Return the classes that each method is in, by kind of scene and place.
+
+    The keys are those of the methods over all cases and time steps. Two methods are the same algorithm in scenes of some kind
+    if they have a class in common.
+    """
+    found: dict[RunKey, set[tuple[Kind, int]]] = {}
+    for kind, members in classes.items():
+        for place, own in enumerate(members):
+            for method in own.methods:
+                found.setdefault(method, set()).add((kind, place))
+    return found
 
 
 def firsts(classes: Sequence[MethodClass]) -> dict[RunKey, str]:

@@ -1,7 +1,7 @@
 """Write the document of a case file as TOML, so that reading it gives the same document."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 
@@ -16,17 +16,45 @@ def written(document: Mapping[str, Any]) -> str:
     return "\n".join(_table((), document)) + "\n"
 
 
+def short(document: Mapping[str, Any], comments: Sequence[str] = (), lines: int = 0) -> str:
+    """Return the same in few lines: what stands in a table of the document, or in an array of tables, is within a line.
+
+    Parameters
+    ----------
+    document
+        The document. Keys that are no tables come first.
+    comments
+        Sentences that stand at the beginning, each on a line of its own.
+    lines
+        The number of lines up to which tables are set apart by empty lines.
+
+    Raises as `written` does.
+    """
+    tables = {name: value for name, value in document.items() if isinstance(value, dict) or _is_array_of_tables(value)}
+    plain = {name: value for name, value in document.items() if name not in tables}
+    blocks = [[*(f"# {comment}" for comment in comments), *_lines(plain)]]
+    for name, value in tables.items():
+        header, items = (f"[{name}]", [value]) if isinstance(value, dict) else (f"[[{name}]]", value)
+        blocks += [[header, *_lines(item)] for item in items]
+    apart = sum(map(len, blocks)) + len(blocks) - 1 <= lines
+    return ("\n\n" if apart else "\n").join("\n".join(block) for block in blocks) + "\n"
+
+
+def _lines(table: Mapping[str, Any]) -> list[str]:
+    return [f"{name} = {in_line(value)}" for name, value in table.items()]
+
+
 def _table(path: tuple[str, ...], table: Mapping[str, Any]) -> Iterator[str]:
     """Yield the lines of a table and of the tables in it, without its own header."""
     inner = {name: value for name, value in table.items() if isinstance(value, dict) or _is_array_of_tables(value)}
-    yield from (f"{name} = {in_line(value)}" for name, value in table.items() if name not in inner)
+    yield from _lines({name: value for name, value in table.items() if name not in inner})
     for name, value in inner.items():
         header = ".".join((*path, name))
         if isinstance(value, dict):
             yield from ("", f"[{header}]", *_table((*path, name), value))
         else:
             for item in value:
-                yield from ("", f"[[{header}]]", *(f"{key} = {in_line(part)}" for key, part in item.items()))
+                yield from ("", f"[[{header}]]", *_lines(item))
 
 
 def _is_array_of_tables(value: Any) -> bool:

@@ -1,6 +1,7 @@
 """Print results to stdout."""
 
 import json
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
@@ -56,8 +57,16 @@ DIFFERENCES: tuple[Column[Any], ...] = (
 
 
 def print_json(value: Any) -> None:
-    """Print a value as JSON, on one line."""
-    print(json.dumps(value, ensure_ascii=False))
+    """Print a value as JSON, on one line. Infinities and what is not a number, which JSON lacks, are null."""
+    print(json.dumps(_finite(value), ensure_ascii=False, allow_nan=False))
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _finite(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(part) for part in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def print_errors(columns: Sequence[Column[Row]], rows: Sequence[Row], view: View = AS_USUAL) -> None:

@@ -11,7 +11,7 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.reports.finding import COMPARABLE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, bound, count, listing, number
-from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, alike, same_algorithm
+from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, memberships, same_algorithm
 from bodycheck.running.key import RunKey
 
 #: Attitude errors (rad) below this may be the rounding of thousands of steps and are not compared between engines.
@@ -236,11 +236,12 @@ def _alike(runs: Sequence[Measured], classes: Classes) -> Finding | None:
 
     Methods that are the same algorithm are not among them, because another finding says more of these.
     """
-    by_line = _by_line(runs)
+    by_line, known = _by_line(runs), memberships(classes)
+    within = {line: known.get(line.key.over_steps, set()) for line in by_line}
     pairs = [
         (one, other, found)
         for one, other in combinations(by_line, 2)
-        if not alike(classes, one.key.over_steps, other.key.over_steps) and (found := _scheme_difference(by_line, one, other))
+        if not within[one] & within[other] and (found := _scheme_difference(by_line, one, other))
     ]
     if not pairs:
         return None

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from bodycheck import load
 from bodycheck.casefile.case import shipped
-from bodycheck.casefile.toml_text import written
+from bodycheck.casefile.toml_text import short, written
 from tests.support.mutants import RICH
 
 
@@ -17,6 +17,10 @@ from tests.support.mutants import RICH
 def test_documents_of_cases_are_read_again(name: str) -> None:
     document = tomllib.loads(RICH if name == "rich" else load(name).text)
     assert tomllib.loads(written(document)) == document
+    few, apart = short(document, ["One."]), short(document, ["One."], 10**6)
+    assert tomllib.loads(few) == tomllib.loads(apart) == document
+    assert few.startswith("# One.\nformat = ")
+    assert few == "".join(line for line in apart.splitlines(keepends=True) if line.strip())
 
 
 numbers = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(2**63), 2**63 - 1) | st.booleans()

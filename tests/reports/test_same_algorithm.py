@@ -1,7 +1,7 @@
 """A report says which methods are the same algorithm, kind by kind, and does not repeat itself."""
 
 from bodycheck.judging.classes import MethodClass
-from bodycheck.reports.same_algorithm import MOST_CLASSES, alike, same_algorithm
+from bodycheck.reports.same_algorithm import MOST_CLASSES, memberships, same_algorithm
 from bodycheck.running.key import RunKey
 
 
@@ -34,10 +34,12 @@ def test_kinds_with_the_same_classes_are_told_together() -> None:
 def test_methods_that_stand_alone_are_no_finding() -> None:
     alone = members("mujoco a"), members("dart b")
     assert text(flight=alone) == text() == ""
-    assert not alike({"flight": alone}, alone[0].methods[0], alone[1].methods[0])
+    apart = memberships({"flight": alone})
+    assert not apart[alone[0].methods[0]] & apart[alone[1].methods[0]]
 
 
 def test_a_sentence_names_few_classes() -> None:
     many = tuple(members(f"mujoco a{place}", f"dart b{place}") for place in range(MOST_CLASSES + 2))
     assert text(flight=many).endswith("; and so are those of 2 more classes.")
-    assert alike({"flight": many}, *many[-1].methods)
+    one, other = (memberships({"flight": many})[method] for method in many[-1].methods)
+    assert one & other

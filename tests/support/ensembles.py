@@ -9,24 +9,26 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from bodycheck.reference.trajectory import Array
-from bodycheck.studies.ensemble.stored import Ensemble, Flown, read
+from bodycheck.studies.ensemble.stored import EngineMethod, Ensemble, read
 
 #: The name of the case.
 CASE = "spin"
 
-EULER = Flown("mujoco", "3.3.0", "Euler", 0.002)
-RK4 = Flown("mujoco", "3.3.0", "RK4", 0.002)
+EULER = EngineMethod("mujoco", "3.3.0", "Euler", 0.002)
+RK4 = EngineMethod("mujoco", "3.3.0", "RK4", 0.002)
 
 
-def many_methods(count: int) -> list[Flown]:
+def many_methods(count: int) -> list[EngineMethod]:
     """As many methods of two engines."""
-    return [Flown("mujoco" if place % 2 else "pinocchio", "4", f"scheme:option={place}", 0.002) for place in range(count)]
+    return [
+        EngineMethod("mujoco" if place % 2 else "pinocchio", "4", f"scheme:option={place}", 0.002) for place in range(count)
+    ]
 
 
 def write(
     folder: Path,
     drawn: Mapping[str, Array],
-    runs: Mapping[Flown, Mapping[str, Any]],
+    runs: Mapping[EngineMethod, Mapping[str, Any]],
     rows_of_file: int = 1 << 18,
 ) -> Path:
     """Write an ensemble and return its folder.
@@ -46,9 +48,9 @@ def write(
     place = folder / "members" / CASE
     place.mkdir(parents=True)
     pq.write_table(pa.table({"case": [CASE] * len(members), "member": members, **drawn}), place / "part-00000.parquet")
-    for engine in dict.fromkeys(flown.engine for flown in runs):
-        own = {flown: columns for flown, columns in runs.items() if flown.engine == engine}
-        table = _interleaved([_table(flown, members, columns) for flown, columns in own.items()])
+    for engine in dict.fromkeys(by.engine for by in runs):
+        own = {by: columns for by, columns in runs.items() if by.engine == engine}
+        table = _interleaved([_table(by, members, columns) for by, columns in own.items()])
         where = folder / "runs" / engine / CASE
         where.mkdir(parents=True)
         for number, first in enumerate(range(0, len(table), rows_of_file)):
@@ -56,14 +58,14 @@ def write(
     return folder
 
 
-def made(folder: Path, drawn: Mapping[str, Array], runs: Mapping[Flown, Mapping[str, Any]]) -> Ensemble:
+def made(folder: Path, drawn: Mapping[str, Array], runs: Mapping[EngineMethod, Mapping[str, Any]]) -> Ensemble:
     """Write an ensemble and read it."""
-    return read(write(folder, drawn, runs), CASE, list(dict.fromkeys(flown.engine for flown in runs)))
+    return read(write(folder, drawn, runs), CASE, list(dict.fromkeys(by.engine for by in runs)))
 
 
-def _table(flown: Flown, members: Any, columns: Mapping[str, Any]) -> pa.Table:
+def _table(by: EngineMethod, members: Any, columns: Mapping[str, Any]) -> pa.Table:
     count = len(members)
-    named = {"engine": flown.engine, "version": flown.version, "integrator": flown.integrator, "timestep": flown.timestep}
+    named = {"engine": by.engine, "version": by.version, "integrator": by.integrator, "timestep": by.timestep}
     defaults = {"status": ["ok"] * count, "passed": pa.nulls(count, pa.bool_()), "reason": [""] * count}
     figures = {name: pa.array(values, from_pandas=True) for name, values in columns.items() if name not in defaults}
     told = {name: columns.get(name, values) for name, values in defaults.items()}

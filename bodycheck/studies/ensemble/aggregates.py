@@ -14,7 +14,7 @@ from bodycheck.figures.columns import FIGURES
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.ensemble.intervals import Share, quantile_interval, quantiles, share
 from bodycheck.studies.ensemble.rows import QUANTILES, Row
-from bodycheck.studies.ensemble.stored import OK, UNSUPPORTED, Ensemble, Flags, Flown
+from bodycheck.studies.ensemble.stored import OK, UNSUPPORTED, EngineMethod, Ensemble, Flags
 
 #: The figures that methods are ranked by: the first of them in which any run has more than the truth's own error.
 RANKING = ("attitude_error", "position_error", "stop_position_error", "energy_drift", "energy_error")
@@ -57,7 +57,7 @@ class Method:
 
     Attributes
     ----------
-    flown
+    engine_method
         The method.
     members
         The number of members that were run, without those that the engine does not support.
@@ -71,7 +71,7 @@ class Method:
         The sum of the measured times of all runs (s).
     """
 
-    flown: Flown
+    engine_method: EngineMethod
     members: int
     unsupported: str
     failed: Share | None
@@ -193,7 +193,7 @@ class Aggregates:
         method, figure = self.methods[place], self.figures.get(name)
         assert method.failed is not None  # it has members
         shares = (method.failed.value, method.failed.low, method.failed.high)
-        alone = Row(self.case, *_names(method.flown), method.members, *shares)
+        alone = Row(self.case, *_names(method.engine_method), method.members, *shares)
         own = figure.distributions.get(place) if figure is not None else None
         if own is None:
             return alone
@@ -217,8 +217,8 @@ def _is_measured(figure: Figure) -> bool:
     return max(own.largest for own in figure.distributions.values()) > (figure.truth[1] if figure.truth is not None else 0.0)
 
 
-def _names(flown: Flown) -> tuple[str, str, str, float]:
-    return flown.engine, flown.version, flown.integrator, flown.timestep
+def _names(by: EngineMethod) -> tuple[str, str, str, float]:
+    return by.engine, by.version, by.integrator, by.timestep
 
 
 def _wall_times(ensemble: Ensemble) -> list[float]:
@@ -234,7 +234,7 @@ def _method(ensemble: Ensemble, place: int, wall_time: float) -> Method:
     told = {way: reasons.get(int(own[0]), "") for way, own in places.items()}
     ways = [Way(way, len(own), int(ensemble.members[own[0]]), told[way]) for way, own in places.items() if way != UNSUPPORTED]
     return Method(
-        flown=ensemble.methods[place],
+        engine_method=ensemble.methods[place],
         members=int(np.count_nonzero(supported)),
         unsupported=told.get(UNSUPPORTED, ""),
         failed=share(ensemble.failed[place][supported], ensemble.sequence[supported]) if supported.any() else None,

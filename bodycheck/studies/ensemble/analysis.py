@@ -35,7 +35,7 @@ class Analysis:
 
     def dependence_rows(self) -> list[DependenceRow]:
         """Return the rows of sensitivity.csv: method by method, and figure by figure."""
-        methods = [method.flown for method in self.aggregates.methods]
+        methods = [method.engine_method for method in self.aggregates.methods]
         return [
             DependenceRow(
                 case=self.aggregates.case,

@@ -38,6 +38,9 @@ QUICK = {
 #: Members whose numbers are checked at once.
 PORTION = 100_000
 
+#: Members that are checked before any is run, which takes some seconds. Others are checked when they are made.
+CHECKED = 1_000_000
+
 
 @dataclass(frozen=True)
 class Source:
@@ -83,6 +86,12 @@ def _grouped(read: Mapping[str, Array], vectors: Sequence[str]) -> dict[str, Arr
             size = sum(other.rpartition(".")[0] == whole for other in read)
             made[whole] = np.stack([read[f"{whole}.{place}"] for place in range(size)], axis=1)
     return made
+
+
+def of_columns(case: Case, columns: Mapping[str, Array]) -> dict[str, Array]:
+    """Return numbers as `Source.values` does, from columns (m,) of single numbers by their names."""
+    known = keys(tomllib.loads(case.text))
+    return _grouped(columns, [text for text, key in known.items() if key.components and set(key.names) <= set(columns)])
 
 
 def drawn(case: Case, members: int | None = None) -> Source:
@@ -138,11 +147,12 @@ def tabled(case: Case, path: Path, members: int | None = None) -> Source:
 def check(case: Case, source: Source) -> None:
     """Raise `BadInput` if a member is no valid case, naming it and the key, as far as single numbers and moments can tell.
 
-    What only the whole body tells, such as particles that lie on a line, is found when a member is made.
+    What only the whole body tells, such as particles that lie on a line, is found when a member is made, and so is what is
+    wrong with members after the first `CHECKED`.
     """
-    document = tomllib.loads(case.text)
-    for first in range(0, source.size, PORTION):
-        values = source.values(first, min(PORTION, source.size - first))
+    document, size = tomllib.loads(case.text), min(source.size, CHECKED)
+    for first in range(0, size, PORTION):
+        values = source.values(first, min(PORTION, size - first))
         _check_outside(case, document, _wholes(case, document, values), first)
 
 

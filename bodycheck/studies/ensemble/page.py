@@ -131,7 +131,8 @@ def _headline(ensemble: Aggregates, made: Sequence[Method]) -> str:
 
 def _asked(found: Material) -> list[Asked]:
     return [
-        Asked(found.kind, method.flown.engine, method.flown.version, method.unsupported) for method in found.aggregates.methods
+        Asked(found.kind, method.engine_method.engine, method.engine_method.version, method.unsupported)
+        for method in found.aggregates.methods
     ]
 
 

@@ -28,7 +28,7 @@ def share_text(method: Method) -> str:
 
 def method_lines(ensemble: Aggregates) -> list[Line]:
     """Return the line of each method, in the order of the methods."""
-    keys = [method.flown.key("") for method in ensemble.methods]
+    keys = [method.engine_method.key("") for method in ensemble.methods]
     assigned = assign(keys)
     return [assigned[key] for key in keys]
 
@@ -164,7 +164,7 @@ def file_table(files: Sequence[tuple[int, str, str]]) -> Table:
 
 
 def _key(line: Line, method: Method) -> tuple[Entry, Entry, Entry]:
-    engine = f"{line.engine} {method.flown.version}".rstrip()
+    engine = f"{line.engine} {method.engine_method.version}".rstrip()
     return Entry(engine), Entry(line.integrator), Entry(milliseconds(line.timestep))
 
 

@@ -36,8 +36,10 @@ def chosen(ensemble: Aggregates) -> dict[int, list[int]]:
         own = figure.distributions.get(place)
         if own is None or own.worst in found or len(found) == MOST_MEMBERS:
             continue
-        step = ensemble.methods[place].flown.timestep
-        others = [other for other in ensemble.ranked if other != place and ensemble.methods[other].flown.timestep == step]
+        step = ensemble.methods[place].engine_method.timestep
+        others = [
+            other for other in ensemble.ranked if other != place and ensemble.methods[other].engine_method.timestep == step
+        ]
         found[own.worst] = [place, *others[: MOST_METHODS - 1]]
     return found
 
@@ -66,7 +68,7 @@ def animations(
     """
     members, lines = chosen(ensemble), method_lines(ensemble)
     cases = {member: parse(text_of(member), f"member {member}") for member in members}
-    keys = {place: ensemble.methods[place].flown.key("") for places in members.values() for place in places}
+    keys = {place: ensemble.methods[place].engine_method.key("") for places in members.values() for place in places}
     tasks = [
         Task(cases[member], keys[place].engine, keys[place].method) for member, places in members.items() for place in places
     ]

@@ -81,15 +81,15 @@ def broken(ensemble: Ensemble, case: Case) -> tuple[str, ...]:
     Where no expectation concerns a method, its failures are results.
     """
     told = []
-    for place, flown in enumerate(ensemble.methods):
-        method = Method.parse(flown.integrator, flown.timestep)
-        concerned = any(expectation.concerns(flown.engine, method) for expectation in case.expectations)
+    for place, by in enumerate(ensemble.methods):
+        method = Method.parse(by.integrator, by.timestep)
+        concerned = any(expectation.concerns(by.engine, method) for expectation in case.expectations)
         members = np.flatnonzero(ensemble.broken[place] & ensemble.supported[place])
         if concerned and members.size:
             first = int(members[0])
             reason = ensemble.reasons(place, [first]).get(first, "")
             of = f"{members.size} of {count(int(np.count_nonzero(ensemble.supported[place])), 'member')}"
-            named = f"{case.name}, {flown.engine} {flown.integrator} at {flown.timestep:g} s"
+            named = f"{case.name}, {by.engine} {by.integrator} at {by.timestep:g} s"
             told.append(f"{named}: {of}, the first is member {ensemble.members[first]}: {reason}")
     return tuple(told)
 

@@ -43,7 +43,7 @@ Flags = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
-class Flown:
+class EngineMethod:
     """A method of an ensemble: an engine with its version, an integrator with its options, and a time step (s)."""
 
     engine: str
@@ -83,7 +83,7 @@ class Ensemble:
     """
 
     case: str
-    methods: tuple[Flown, ...]
+    methods: tuple[EngineMethod, ...]
     members: NDArray[np.int64]
     statuses: tuple[str, ...]
     status: NDArray[np.int8]
@@ -172,7 +172,7 @@ def read(folder: Path, case: str, engines: Sequence[str] = ()) -> Ensemble:
     members = np.sort(
         np.concatenate([_ints(batch.column(0)) for path in member_files for batch in _batches(path, ("member",))])
     )
-    known: dict[Flown, int] = {}
+    known: dict[EngineMethod, int] = {}
     parts = [(path, *_table(path, members, known)) for path in files]
     order = _order(known, engines)
     runs = sum(len(codes) for _, codes, _ in parts)
@@ -196,13 +196,13 @@ def read(folder: Path, case: str, engines: Sequence[str] = ()) -> Ensemble:
     )
 
 
-def _order(known: Mapping[Flown, int], engines: Sequence[str]) -> tuple[Flown, ...]:
+def _order(known: Mapping[EngineMethod, int], engines: Sequence[str]) -> tuple[EngineMethod, ...]:
     """Return methods in the order of engines; those of one engine stay in the order in which they were met."""
     ranks = {name: place for place, name in enumerate(engines)}
     return tuple(sorted(known, key=lambda method: (ranks.get(method.engine, len(ranks)), method.engine, known[method])))
 
 
-def _table(path: Path, members: NDArray[np.int64], known: dict[Flown, int]) -> tuple[Codes, Places]:
+def _table(path: Path, members: NDArray[np.int64], known: dict[EngineMethod, int]) -> tuple[Codes, Places]:
     """Return the method and the place of the member of each row of a file of runs; methods that are new become known."""
     codes, places = [], []
     for batch in _batches(path, ("member", *METHOD)):
@@ -211,7 +211,7 @@ def _table(path: Path, members: NDArray[np.int64], known: dict[Flown, int]) -> t
     return np.concatenate([np.empty(0, np.int16), *codes]), np.concatenate([np.empty(0, np.int32), *places])
 
 
-def _codes(path: Path, batch: Any, known: dict[Flown, int]) -> Codes:
+def _codes(path: Path, batch: Any, known: dict[EngineMethod, int]) -> Codes:
     """Return the place of the method of each row among those that are known. Raises `BadFolder` for too many."""
     columns = [_encoded(batch.column(1 + place)) for place in range(len(METHOD))]
     rows = np.zeros(len(batch), np.int64)
@@ -221,7 +221,7 @@ def _codes(path: Path, batch: Any, known: dict[Flown, int]) -> Codes:
     own = np.empty(len(different), np.int16)
     for place in np.argsort(first):  # in the order of the rows
         engine, version, integrator, timestep = (values[indices[first[place]]] for indices, values in columns)
-        method = Flown(str(engine), str(version), str(integrator), float(timestep))
+        method = EngineMethod(str(engine), str(version), str(integrator), float(timestep))
         if method not in known and len(known) == MOST_METHODS:
             raise BadFolder(f"{path}: has more than {MOST_METHODS} methods")
         own[place] = known.setdefault(method, len(known))

@@ -31,9 +31,6 @@ VOUCHED = 1000
 #: A body that tumbles for a moment, with which everything is imported.
 TUMBLING = Scene(Body(1.0, (1.0, 2.0, 2.5)), State(angular_velocity=(0.1, 1.0, 0.1)))
 
-#: The least number of components of a vector.
-COMPONENTS = 3
-
 
 @dataclass(frozen=True)
 class Vouching:
@@ -129,7 +126,8 @@ def _vouched(case: Case, drawn: Mapping[str, float], member: int, timestep: floa
     The motion that is compared is the one that runs of the ensemble are compared with. The witnesses start from the member as
     the file of its own has it.
     """
-    made = members.scenes(case, _values(drawn), member)
+    columns = {name: np.array([value]) for name, value in drawn.items()}
+    made = members.scenes(case, members.of_columns(case, columns), member)
     scene = made.like if isinstance(made, Scenes) else made[0].scene
     instants = times(case if isinstance(made, Scenes) else made[0], timestep)
     try:
@@ -155,19 +153,6 @@ def _vouched_mechanism(mechanism: Mechanism, instants: Array) -> dict[str, Any]:
     bounds = truth(mechanism, instants).bounds
     largest = {column: float(getattr(bounds, name).max()) for name, column in zip(NAMES, BOUND_COLUMNS, strict=True)}
     return {**largest, "witnessed": True}
-
-
-def _values(drawn: Mapping[str, float]) -> dict[str, Array]:
-    """Return the drawn numbers of one member as arrays (1,), and as (1, k) where there are all components of a vector."""
-    made: dict[str, Array] = {}
-    for name, value in drawn.items():
-        whole, _, place = name.rpartition(".")
-        parts = [part for part in drawn if part.rpartition(".")[0] == whole]
-        if place.isdecimal() and not whole[-1:].isdecimal() and len(parts) >= COMPONENTS:
-            made[whole] = np.array([[drawn[f"{whole}.{one}"] for one in range(len(parts))]])
-        else:
-            made[name] = np.array([value])
-    return made
 
 
 def _first(found: Flights) -> tuple[Trajectory, Bounds]:

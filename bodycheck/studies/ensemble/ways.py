@@ -16,7 +16,7 @@ from bodycheck.figures.columns import FIGURES
 from bodycheck.reference.trajectory import Array
 from bodycheck.running.outcome import Unsupported
 from bodycheck.studies.ensemble.intervals import quantile
-from bodycheck.studies.ensemble.stored import Ensemble, Flown
+from bodycheck.studies.ensemble.stored import EngineMethod, Ensemble
 
 #: A value that is so many times the quantile stands out; what stands out must stay above half of its value.
 OUTSTANDING = 10.0
@@ -56,7 +56,7 @@ class Way:
     """
 
     member: int
-    method: Flown
+    method: EngineMethod
     status: str
     limit: Limit | None = None
     expected: str = OK
@@ -98,35 +98,35 @@ def chosen(case: Case, ensemble: Ensemble) -> list[tuple[Way, tuple[Way, ...]]]:
 
 def ways(case: Case, ensemble: Ensemble) -> Iterator[Way]:
     """Yield all ways in which members fail, each with its worst member."""
-    expectations = [_concerning(case, flown) for flown in ensemble.methods]
-    for place, flown in enumerate(ensemble.methods):
-        yield from _statuses(ensemble, place, flown, expectations[place])
+    expectations = [_concerning(case, by) for by in ensemble.methods]
+    for place, by in enumerate(ensemble.methods):
+        yield from _statuses(ensemble, place, by, expectations[place])
     for name, figure in FIGURES.items():
         if name not in ensemble.figures or not figure.limited or figure.ideal:
             continue
         values = ensemble.column(name)
-        for place, flown in enumerate(ensemble.methods):
+        for place, by in enumerate(ensemble.methods):
             for limit in (limit for one in expectations[place] for limit in one.limits if limit.name == name):
-                yield from _breach(ensemble, flown, values[place], limit)
-            yield from _largest(ensemble, flown, values[place], name)
+                yield from _breach(ensemble, by, values[place], limit)
+            yield from _largest(ensemble, by, values[place], name)
 
 
-def _concerning(case: Case, flown: Flown) -> list[Expectation]:
+def _concerning(case: Case, by: EngineMethod) -> list[Expectation]:
     """Return what a case expects of a method, without what is known to fail."""
-    method = Method.parse(flown.integrator, flown.timestep)
-    return [one for one in case.expectations if one.concerns(flown.engine, method) and not one.known]
+    method = Method.parse(by.integrator, by.timestep)
+    return [one for one in case.expectations if one.concerns(by.engine, method) and not one.known]
 
 
-def _statuses(ensemble: Ensemble, place: int, flown: Flown, expectations: Sequence[Expectation]) -> Iterator[Way]:
+def _statuses(ensemble: Ensemble, place: int, by: EngineMethod, expectations: Sequence[Expectation]) -> Iterator[Way]:
     """Yield a way for each status that was not expected, with the first member that has it."""
     expected = next((one.status for one in expectations if one.status != OK), OK)
     for code, status in enumerate(ensemble.statuses):
         having: Any = ensemble.status[place] == code
         if having.any() and status not in (expected, Unsupported.status):
-            yield Way(int(ensemble.members[np.argmax(having)]), flown, status, expected=expected)
+            yield Way(int(ensemble.members[np.argmax(having)]), by, status, expected=expected)
 
 
-def _breach(ensemble: Ensemble, flown: Flown, values: Array, limit: Limit) -> Iterator[Way]:
+def _breach(ensemble: Ensemble, by: EngineMethod, values: Array, limit: Limit) -> Iterator[Way]:
     """Yield the way of the member that breaks a limit the most, if any does; values (n,): NaN where a member has none."""
     at_most = inf if limit.at_most is None else limit.at_most
     at_least = -inf if limit.at_least is None else limit.at_least
@@ -138,10 +138,10 @@ def _breach(ensemble: Ensemble, flown: Flown, values: Array, limit: Limit) -> It
     worst = int(np.nanargmax(excess))
     told = f"The case expects {limit.text}."
     value = float(values[worst])
-    yield Way(int(ensemble.members[worst]), flown, OK, limit, OK, value, told, (1, -float(excess[worst])))
+    yield Way(int(ensemble.members[worst]), by, OK, limit, OK, value, told, (1, -float(excess[worst])))
 
 
-def _largest(ensemble: Ensemble, flown: Flown, values: Array, name: str) -> Iterator[Way]:
+def _largest(ensemble: Ensemble, by: EngineMethod, values: Array, name: str) -> Iterator[Way]:
     """Yield the way of the member with the largest value of a figure; values (n,): NaN where a member has none."""
     known = values[~np.isnan(values)]
     if not known.size:
@@ -154,7 +154,7 @@ def _largest(ensemble: Ensemble, flown: Flown, values: Array, name: str) -> Iter
         return
     told = f"{HIGH:.0%} of {len(known)} members have at most {high:.3g}{unit(name)}."
     severity = (2, -value / high if high else -inf)
-    yield Way(int(ensemble.members[worst]), flown, OK, Limit(name, None, limit), OK, value, told, severity)
+    yield Way(int(ensemble.members[worst]), by, OK, Limit(name, None, limit), OK, value, told, severity)
 
 
 def _below(bound: float, value: float) -> float | None:

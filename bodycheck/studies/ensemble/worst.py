@@ -12,6 +12,7 @@ from bodycheck.casefile.case import Case, parse
 from bodycheck.casefile.expectation import unit
 from bodycheck.casefile.finding import SUFFIX
 from bodycheck.casefile.grammar import FORMAT
+from bodycheck.casefile.toml_text import short
 from bodycheck.casefile.values import MAX_NAME_LENGTH
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES
@@ -19,7 +20,6 @@ from bodycheck.files import writing
 from bodycheck.running.campaign import Advance
 from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.running.plan import check_timestep
-from bodycheck.studies.ensemble.case_text import MOST_LINES, case_text
 from bodycheck.studies.ensemble.shrinking import BLOCK, Document, shrink
 from bodycheck.studies.ensemble.stored import Ensemble
 from bodycheck.studies.ensemble.trials import Trials, Tried, trials
@@ -27,6 +27,9 @@ from bodycheck.studies.ensemble.ways import Way, chosen
 
 #: The folder for the case files, below that of the results.
 FOLDER = "worst"
+
+#: Lines that a case file has at most, unless its numbers take more.
+MOST_LINES = 30
 
 #: Characters in a line of a comment, and of the reason for a status.
 COMMENT_WIDTH, REASON_LENGTH = 110, 200
@@ -100,9 +103,9 @@ def _write_one(folder: Path, case: str, way: Way, others: Sequence[Way], text: s
     simplified = simple != drawn
     simple["title"] = title = _title(way, last)
     path = folder / FOLDER / f"{case}-{way.member}{SUFFIX}"
-    content = case_text(simple, _comments(case, way, others, origin, simplified))
+    content = short(simple, _comments(case, way, others, origin, simplified), MOST_LINES)
     if len(content.splitlines()) > MOST_LINES:
-        content = case_text(simple, _comments(case, way, (), origin, simplified))
+        content = short(simple, _comments(case, way, (), origin, simplified), MOST_LINES)
     writing.write(path, content.encode("utf-8"), inside=folder)
     return Worst(way, path, title)
 
@@ -164,7 +167,7 @@ def _tried(documents: Sequence[Document], way: Way, tried: Trials) -> list[Tried
     cases: dict[int, Case] = {}
     for place, document in enumerate(documents):
         try:
-            cases[place] = parse(case_text(document, ()), "")
+            cases[place] = parse(short(document), "")
             check_timestep(cases[place], method.timestep)
         except BadInput:
             cases.pop(place, None)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bodycheck.studies.ensemble.aggregates import BROKEN, aggregate
-from tests.support.ensembles import EULER, RK4, Flown, made
+from tests.support.ensembles import EULER, RK4, EngineMethod, made
 
 MEMBERS = 1000
 
@@ -69,7 +69,7 @@ def test_tails_count_the_members_without_a_value(tmp_path: Path, errors: tuple[n
 
 def test_members_that_an_engine_does_not_support_are_no_failures(tmp_path: Path) -> None:
     refused = {"status": ["unsupported"] * 40, "reason": ["other 1 does not model drag"] * 40}
-    runs = {EULER: {"attitude_error": np.ones(40)}, Flown("other", "1", "step", 0.002): refused}
+    runs = {EULER: {"attitude_error": np.ones(40)}, EngineMethod("other", "1", "step", 0.002): refused}
     found = aggregate(made(tmp_path, {"body.mass": np.ones(40)}, runs))
     assert [row.engine for row in found.rows()] == ["mujoco"]
     assert found.methods[1].unsupported == "other 1 does not model drag"

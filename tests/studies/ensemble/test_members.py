@@ -1,6 +1,7 @@
 """The members of an ensemble as scenes, as cases and as files, which are the same to the last bit."""
 
 import pickle
+import re
 import tomllib
 from dataclasses import replace
 
@@ -225,6 +226,33 @@ def test_a_member_that_is_no_case_is_told_with_its_key(name: str) -> None:
 def test_members_that_are_valid_pass_the_check() -> None:
     for text in (*QUICK.values(), *(text for text, _ in ONE_BY_ONE.values())):
         members.check(*source_of(text))
+
+
+def test_the_check_looks_at_the_first_members_and_the_others_are_told_when_they_are_made(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    case, source = source_of(INVALID["tensor"][0])
+    with pytest.raises(BadInput) as told:
+        members.check(case, source)
+    first = int(re.findall(r"member (\d+)", str(told.value))[0])
+    monkeypatch.setattr(members, "CHECKED", first)
+    members.check(case, source)
+    with pytest.raises(BadInput, match=f"member {first}: body.inertia"):
+        members.scenes(case, source.values(first, 1), first)
+
+
+def test_columns_of_single_numbers_are_put_together() -> None:
+    vary = (choice("initial.quaternion", [[1, 0, 0, 0], [0, 0, 0, 1]]), uniform("body.mass", 1, 2))
+    case, source = source_of(ensemble_of(BRICK, *vary, uniform("initial.velocity.1", 1, 2), uniform("body.semi_axes", 1, 2)))
+    values = source.values(0, 5)
+    columns = {
+        name: array if array.ndim == 1 else array[:, place]
+        for key, array in values.items()
+        for place, name in enumerate([key] if array.ndim == 1 else [f"{key}.{one}" for one in range(array.shape[1])])
+    }
+    found = members.of_columns(case, columns)
+    assert found.keys() == values.keys()
+    assert all(np.array_equal(found[key], values[key]) for key in values)
 
 
 def test_a_case_without_an_ensemble_has_no_members() -> None:

@@ -12,7 +12,7 @@ from bodycheck.reports import html, markdown
 from bodycheck.reports.study import Animation, StudyReport
 from bodycheck.studies.ensemble import page, printing
 from bodycheck.studies.ensemble.analysis import Analysis, analyse
-from bodycheck.studies.ensemble.stored import Flown
+from bodycheck.studies.ensemble.stored import EngineMethod
 from tests.support import pages
 from tests.support.ensembles import EULER, RK4, made, many_methods
 from tests.support.pages import HOSTILE, Page
@@ -25,7 +25,7 @@ LARGEST = 6_000_000
 FIGURES = ("attitude_error", "position_error", "energy_drift", "angular_momentum_drift", "velocity_error", "truth_error")
 
 
-def ensemble_of(folder: Path, members: int, methods: list[Flown], failing: float = 0.01) -> Analysis:
+def ensemble_of(folder: Path, members: int, methods: list[EngineMethod], failing: float = 0.01) -> Analysis:
     random = np.random.default_rng(members)
     given = {f"initial.angular_velocity.{i}": random.normal(0, 3, members) for i in range(3)}
     given["body.mass"] = random.uniform(1, 2, members)
@@ -99,7 +99,7 @@ def test_few_members_and_nothing_measured(tmp_path: Path, members: int, failing:
 
 
 def test_tables_fit_a_terminal_of_80_columns(tmp_path: Path) -> None:
-    analysis = ensemble_of(tmp_path, 1000, [EULER, Flown("pinocchio", "3.7.0", "rkmk4:settings=engine", 0.0005)])
+    analysis = ensemble_of(tmp_path, 1000, [EULER, EngineMethod("pinocchio", "3.7.0", "rkmk4:settings=engine", 0.0005)])
     findings = page.findings(page.Material(HEADER, "turning", analysis))
     with terminal(80) as stream:
         sentences = [f"{finding.subject}: {finding.text}" for finding in findings]

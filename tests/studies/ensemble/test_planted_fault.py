@@ -7,7 +7,7 @@ import pytest
 
 from bodycheck.casefile.case import Case
 from bodycheck.studies.ensemble import members, queries, stored, worst
-from bodycheck.studies.ensemble.case_text import MOST_LINES
+from bodycheck.studies.ensemble.worst import MOST_LINES
 from tests.support import thrown
 from tests.support.commands import bodycheck
 from tests.support.narrow_engines import FAULTY

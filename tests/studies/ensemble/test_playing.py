@@ -8,7 +8,7 @@ from bodycheck.adapters import registry
 from bodycheck.running import campaign, engines
 from bodycheck.studies.ensemble import playing
 from bodycheck.studies.ensemble.aggregates import aggregate
-from bodycheck.studies.ensemble.stored import Flown
+from bodycheck.studies.ensemble.stored import EngineMethod
 from tests.support.cases import a_case
 from tests.support.ensembles import made
 
@@ -22,7 +22,7 @@ def text_of(member: int) -> str:
 
 def test_the_worst_member_of_each_method_is_shown_with_the_best_others(tmp_path: Path) -> None:
     version = str(registry.installed("mujoco"))
-    methods = [Flown("mujoco", version, name, 0.01) for name in ("Euler", "RK4")]
+    methods = [EngineMethod("mujoco", version, name, 0.01) for name in ("Euler", "RK4")]
     errors = [np.array([1e-2, 5e-2, 2e-2]), np.array([1e-7, 2e-7, 3e-7])]
     runs = {flown: {"attitude_error": own} for flown, own in zip(methods, errors, strict=True)}
     ensemble = aggregate(made(tmp_path / "ensemble", {"initial.angular_velocity.1": np.arange(3.0)}, runs))

@@ -6,8 +6,9 @@ from typing import Any
 import pytest
 
 from bodycheck.casefile.case import parse
-from bodycheck.studies.ensemble.case_text import MOST_LINES, case_text
+from bodycheck.casefile.toml_text import short
 from bodycheck.studies.ensemble.shrinking import Document, shrink
+from bodycheck.studies.ensemble.worst import MOST_LINES
 
 DRAWN = """
 format = 1
@@ -83,7 +84,7 @@ def test_an_attitude_becomes_round_angles() -> None:
     found, _ = shrunk(DRAWN, needs_an_attitude)
     assert list(found["initial"]) == ["euler_zxz"]
     assert set(found["initial"]["euler_zxz"]) <= {0.0, 2.0}  # the angles are near 0 and 1.57, with one digit
-    parse(case_text(found, ()), "it")  # and it is a valid case
+    parse(short(found), "it")  # and it is a valid case
 
 
 def test_parts_of_a_body_are_left_out() -> None:
@@ -120,7 +121,7 @@ def test_the_text_of_a_case_is_what_it_was_made_of(drawn: str) -> None:
     document: dict[str, Any] = tomllib.loads(drawn)
     expect = {"engine": "mujoco", "integrator": 'Euler:a="b"', "timestep": 1e-05, "energy_drift": {"at_least": 1e-300}}
     document["expect"] = [expect]
-    text = case_text(document, ["One.", "Two."])
+    text = short(document, ["One.", "Two."], MOST_LINES)
     assert tomllib.loads(text) == document
     assert text.startswith("# One.\n# Two.\nformat = 1\n")
     assert len(text.splitlines()) <= MOST_LINES

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from bodycheck.errors import BadFolder
-from bodycheck.studies.ensemble.stored import Flown, read
+from bodycheck.studies.ensemble.stored import EngineMethod, read
 from tests.support.ensembles import CASE, EULER, RK4, write
 
 
 @pytest.mark.parametrize("rows_of_file", [1 << 18, 7, 1])
 def test_every_number_comes_to_its_place(tmp_path: Path, rows_of_file: int) -> None:
     members = np.arange(20)
-    errors = {EULER: members * 1e-3, RK4: members * 1e-6, Flown("drake", "1", "rk", 0.002): members * 1e-9}
+    errors = {EULER: members * 1e-3, RK4: members * 1e-6, EngineMethod("drake", "1", "rk", 0.002): members * 1e-9}
     runs = {flown: {"attitude_error": values} for flown, values in errors.items()}
     write(tmp_path, {"initial.velocity.0": members * 2.0}, runs, rows_of_file)
     found = read(tmp_path, CASE, ["mujoco", "drake"])
@@ -42,7 +42,7 @@ def test_what_failed(tmp_path: Path) -> None:
 
 
 def test_engines_whose_runs_lack_a_figure(tmp_path: Path) -> None:
-    runs = {EULER: {"attitude_error": [1.0, 2.0]}, Flown("drake", "1", "rk", 0.002): {"penetration": [3.0, 4.0]}}
+    runs = {EULER: {"attitude_error": [1.0, 2.0]}, EngineMethod("drake", "1", "rk", 0.002): {"penetration": [3.0, 4.0]}}
     found = read(write(tmp_path, {"body.mass": np.arange(2.0)}, runs), CASE, ["mujoco"])
     assert np.array_equal(found.column("attitude_error"), [[1, 2], [np.nan, np.nan]], equal_nan=True)
     assert np.array_equal(found.column("penetration"), [[np.nan, np.nan], [3, 4]], equal_nan=True)

@@ -12,10 +12,10 @@ import pytest
 
 from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import Case, load, parse, parse_stored
+from bodycheck.casefile.toml_text import short
 from bodycheck.studies.ensemble import stored, worst
-from bodycheck.studies.ensemble.case_text import MOST_LINES, case_text
 from bodycheck.studies.ensemble.trials import Tried
-from bodycheck.studies.ensemble.worst import Worst
+from bodycheck.studies.ensemble.worst import MOST_LINES, Worst
 from tests.support.cases import a_case
 from tests.support.commands import bodycheck
 from tests.support.narrow_engines import NARROW
@@ -91,7 +91,7 @@ def written(folder: Path, crashed: int = RAISED, **more: Any) -> dict[int, Worst
     """The worst members of the ensemble, which are written into a folder."""
     case = parse(a_case("ball", body={"shape": "sphere", "radius": 0.1, "mass": 1.0}, **more), "ball")
     known = ensemble(folder, case, crashed)
-    made = worst.write(folder, case, known, lambda member: case_text(document(member), ()), "seed 1", lambda *done: None)
+    made = worst.write(folder, case, known, lambda member: short(document(member)), "seed 1", lambda *done: None)
     return {one.way.member: one for one in made}
 
 
