@@ -12,9 +12,9 @@ from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.case import MAX_FILE_BYTES, shipped
 from bodycheck.casefile.values import MAX_NUMBER, MAX_SAMPLES
 from bodycheck.figures.columns import LIMITED
-from tests.adversary import ensemble_tables
+from tests.adversary import ensemble_tables, mechanism_tables
 from tests.support.cases import a_case
-from tests.support.mutants import NASTY, RICH, mutant
+from tests.support.mutants import MECHANISMS, NASTY, RICH, mutant
 
 Chance = random.Random
 Table = dict[str, Any]
@@ -23,7 +23,7 @@ Table = dict[str, Any]
 EDGES = (MAX_NUMBER, 1 / MAX_NUMBER, 0.9e100, 1e-99, 1e50, 1e-50, 1e75, 1e-75, 1e16, 1e-16, 1e9, 1e-9, 1 + 2**-52)
 
 #: How often each kind of file is drawn.
-KINDS = {"mutant": 0.45, "noise": 0.05, "extreme": 0.5}
+KINDS = {"mutant": 0.4, "noise": 0.05, "extreme": 0.4, "mechanism": 0.15}
 
 
 def drawn(seed: int) -> bytes:
@@ -32,12 +32,14 @@ def drawn(seed: int) -> bytes:
     (kind,) = chance.choices(list(KINDS), list(KINDS.values()))
     if kind == "mutant":
         return mutant(chance, _good())[1]
-    return noise(chance) if kind == "noise" else extreme(chance).encode()
+    if kind == "noise":
+        return noise(chance)
+    return (extreme(chance) if kind == "extreme" else mechanism(chance)).encode()
 
 
 @cache
 def _good() -> tuple[str, ...]:
-    return RICH, *(load(name).text for name in shipped())
+    return RICH, *MECHANISMS, *(load(name).text for name in shipped())
 
 
 def noise(chance: Chance) -> bytes:
@@ -61,14 +63,7 @@ def noise(chance: Chance) -> bytes:
 
 def extreme(chance: Chance) -> str:
     """The text of a file of good grammar, some numbers of which are as large or as small as they may be."""
-    wild = chance.choice([0.0, 0.05, 0.2, 1.0])
-
-    def number(positive: bool = False) -> float:
-        value = 10 ** chance.uniform(-2, 2)
-        if chance.random() < wild:
-            value = chance.choice(EDGES) if chance.random() < 0.5 else 10 ** chance.uniform(-100, 100)
-        return value if positive else value * chance.choice([-1, 0, 1, 1])
-
+    number = _numbers(chance)
     body, initial = _body(chance, number), _initial(chance, number)
     scene: Table = {"gravity": chance.choice([0.0, 9.81, abs(number())])}
     if chance.random() < 0.25:
@@ -77,10 +72,7 @@ def extreme(chance: Chance) -> str:
             initial = {"velocity": [number(), number(), 0.0], "angular_velocity": [0.0, 0.0, number()]}
     if chance.random() < 0.2:
         scene["drag"] = {"quadratic": number(positive=True)}
-    run = {
-        "duration": number(positive=True),
-        "samples": MAX_SAMPLES if chance.random() < 0.03 else chance.choice([2, 3, 11, 101]),
-    }
+    run = _run(chance, number)
     expect = [_expectation(chance, number, run["duration"]) for _ in range(chance.choice([0, 0, 1, 3, 40]))]
     axes = chance.sample(list(AXES), chance.choice([0, 0, 0, 1, 3]))
     extremes = {axis: sorted({min(number(positive=True), 1.0) for _ in range(chance.randint(1, 4))}) for axis in axes}
@@ -90,7 +82,32 @@ def extreme(chance: Chance) -> str:
     return text if chance.random() < 0.9 else text.replace(json.dumps(run["duration"]), chance.choice(NASTY), 1)
 
 
+def mechanism(chance: Chance) -> str:
+    """The same of a mechanism."""
+    number = _numbers(chance)
+    text = mechanism_tables.drawn(chance, number, lambda: _body(chance, number), _run(chance, number))
+    return text + ensemble_tables.drawn(chance, text, number) if chance.random() < 0.3 else text
+
+
 Number = Callable[..., float]
+
+
+def _numbers(chance: Chance) -> Number:
+    """What draws numbers, more or less of which are extreme."""
+    wild = chance.choice([0.0, 0.05, 0.2, 1.0])
+
+    def number(positive: bool = False) -> float:
+        value = 10 ** chance.uniform(-2, 2)
+        if chance.random() < wild:
+            value = chance.choice(EDGES) if chance.random() < 0.5 else 10 ** chance.uniform(-100, 100)
+        return value if positive else value * chance.choice([-1, 0, 1, 1])
+
+    return number
+
+
+def _run(chance: Chance, number: Number) -> Table:
+    samples = MAX_SAMPLES if chance.random() < 0.03 else chance.choice([2, 3, 11, 101])
+    return {"duration": number(positive=True), "samples": samples}
 
 
 def _vector(number: Number, **options: bool) -> list[float]:
