@@ -40,14 +40,13 @@ def drawn(chance: Chance, number: Number, solid: Callable[[], Table], run: Table
         else:
             joints.append(_joint(chance, number, place, ["world", *names[:place]]))
         bodies.append(body)
-    document: Table = {"format": 2, "name": "extreme", "title": "A mechanism", "bodies": bodies, "joints": joints}
+    document: Table = {"format": 2, "name": "extreme", "title": "A mechanism", "bodies": bodies}
+    document |= {"joints": joints} if joints else {}
     if chance.random() < 0.1 and len(names) > 1:
         ends = chance.sample(["world", *names], 2)
         document["loops"] = [{"bodies": ends, "points": [_vector(number), _vector(number)]}]
     document |= {"scene": {"gravity": chance.choice([0.0, 9.81, abs(number())])}, "run": run}
-    return (
-        written(document) if document["joints"] else written({key: value for key, value in document.items() if key != "joints"})
-    )
+    return written(document)
 
 
 def _joint(chance: Chance, number: Number, place: int, parents: list[str]) -> Table:
