@@ -13,7 +13,7 @@ by code of its own. The bound has three parts.
 Where energy is conserved, it must not drift by more than the bound allows; else all bounds grow by the ratio.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -86,10 +86,6 @@ def joined(mechanism: Mechanism, times: Array, found: Followed, witness: Way | N
         joints=own.joints,
         growth=None if found.growth is None else found.growth.of_start,
     )
-    until = known_until(truth)
-    if len(times) and until != times[-1]:
-        known = "at no instant" if until is None else f"until {until:g} s"
-        truth = replace(truth, reason=f"{truth.reason}; known to {KNOWN:g} rad {known}")
     return Computed(truth, own.bounds, ())
 
 
