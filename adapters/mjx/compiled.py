@@ -67,7 +67,7 @@ def strider(step: Callable[[Any, Any], Any], seen: Callable[[Any], Any]) -> Stri
 
 @dataclass
 class Compiled:
-    """A simulation of one or several scenes with one body, whose steps are compiled when it is built.
+    """A simulation of one or several scenes with one body, or of a mechanism, whose steps are compiled when it is built.
 
     Parameters
     ----------
@@ -76,13 +76,16 @@ class Compiled:
     system, state
         The system and its current state or states, in the forms that the engine uses.
     rows
-        Converts the numbers (..., k) of states to rows (..., 13) in the columns of `Simulation.advance`.
+        Converts the numbers (..., k) of states to rows (..., 13) in the columns of `Simulation.advance`, or (..., bodies, 13).
+    bodies
+        The number of bodies.
     """
 
     take: Any
     system: Any
     state: Any
     rows: Callable[[Array], Array]
+    bodies: int = 1
 
     def __post_init__(self) -> None:
         # A state that differs in type or place from the one that a call returns would make JAX compile the steps twice.
@@ -91,8 +94,8 @@ class Compiled:
         self.seen(np.zeros(1, dtype=np.int64))
 
     def advance(self, strides: Strides) -> Array:
-        """Return the states (scenes, n, 1, 13) after each of n strides, as `Simulation.advance` does."""
-        return self.rows(self.seen(strides)).reshape(-1, len(strides), 1, 13)
+        """Return the states (scenes, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
+        return self.rows(self.seen(strides)).reshape(-1, len(strides), self.bodies, 13)
 
     def seen(self, strides: Strides) -> Array:
         """Take n >= 1 strides, and return the numbers that describe the states after each: (n, k), or (scenes, n, k)."""

@@ -16,6 +16,7 @@ from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, s
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as mujoco
 from bodycheck.adapters.mujoco.compiling import compiled_model
+from bodycheck.adapters.mujoco.mechanisms import MODELS
 from bodycheck.adapters.mujoco.models import Joints
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
@@ -43,7 +44,7 @@ def record(name: str, distribution: str, precision: Literal["float64", "float32"
             Integrator("RK4", order=4, evaluations=4, options={**CONTACT_OPTIONS, **fluid}),
             Integrator("implicitfast", order=1, evaluations=1, options=CONTACT_OPTIONS),
         ),
-        models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+        models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | MODELS,
         variants={"drag": ("Euler:drag=fluid", "RK4:drag=fluid"), "plane": ("Euler:cone=elliptic",)},
         precision=precision,
         device=device(),
@@ -83,16 +84,20 @@ def started(engine: Engine, xml: str, joints: Sequence[Joints], drag: float | No
     drag: the coefficient of drag (kg/m); None for no force of drag.
     """
     check_precision(engine)
-    compiled = compiled_model(xml)
-    try:
-        model, data = mjx.put_model(compiled), mjx.make_data(compiled)
-    except NotImplementedError as error:
-        raise SceneUnsupported(f"MJX refuses the model: {error}") from error
+    model, data = handed_over(compiled_model(xml))
     qpos, qvel = jnp.array([own.qpos for own in joints]), jnp.array([own.qvel for own in joints])
     if len(joints) == 1:
         return Compiled(TAKE.one, (model, drag), data.replace(qpos=qpos[0], qvel=qvel[0]), lambda seen: seen[:, :13])
     several = jax.vmap(lambda qpos, qvel: data.replace(qpos=qpos, qvel=qvel))(qpos, qvel)
     return Compiled(TAKE.several, (model, drag), several, lambda seen: seen[..., :13])
+
+
+def handed_over(compiled: Any) -> tuple[Any, Any]:
+    """Return MJX's model of a model of MuJoCo, and its data. Raises `SceneUnsupported`."""
+    try:
+        return mjx.put_model(compiled), mjx.make_data(compiled)
+    except NotImplementedError as error:
+        raise SceneUnsupported(f"MJX refuses the model: {error}") from error
 
 
 def step(system: tuple[Any, Any], data: Any) -> Any:

@@ -12,13 +12,15 @@ import warp as wp
 from bodycheck.adapters.contract import Engine, Integrator, Link, Method, states
 from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.in_turn import InTurn
-from bodycheck.adapters.links import links_of, state_in, tensor, velocity_of, velocity_to_origin
+from bodycheck.adapters.links import links_of, state_in, tensor, velocity_to_origin
 from bodycheck.adapters.mujoco_warp import graphs
-from bodycheck.adapters.newton import INSTALLATION
+from bodycheck.adapters.newton import INSTALLATION, mechanisms
+from bodycheck.adapters.newton.frames import transform, twist
 from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, VARIANTS, Solver, keeps_damping
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
-from bodycheck.reference.scene import Brick, Plane, Quaternion, Scene, State, Vector
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.scene import Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Array
 
 # Newton's kernels can be differentiated, which bodycheck does not need and which doubles the time of compiling them.
@@ -29,7 +31,7 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(newton.__version__),
     integrators=tuple(Integrator(name, own.order, own.evaluations, own.kinds, own.options) for name, own in SOLVERS.items()),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
     variants=VARIANTS,
     precision="float32",
     device=graphs.DEVICE,
@@ -66,6 +68,11 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Normalised | InTurn:
     if len(scenes) > 1 and method.option("dynamics_solver") in NOT_TOGETHER:
         return InTurn([((place,), started(links, [scene], method)) for place, scene in enumerate(scenes)])
     return started(links, scenes, method)
+
+
+def prepare_mechanism(mechanism: Mechanism, method: Method) -> Normalised:
+    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
+    return mechanisms.prepare(mechanism, method)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
@@ -180,18 +187,6 @@ def add_link(builder: Any, link: Link, initial: State, method: Method) -> int:
     )
     builder.body_qd[body] = twist(link, own)
     return body
-
-
-def twist(link: Link, own: State) -> tuple[float, ...]:
-    """Return Newton's twist of a link whose frame is in a state: the velocity of its centre of mass and its spin (world)."""
-    spin = rotate(np.array(own.quaternion), np.array(own.angular_velocity))
-    return (*velocity_of(link.center_of_mass, own), *spin.tolist())
-
-
-def transform(position: Vector, quaternion: Quaternion) -> Any:
-    """Return Warp's transform of a position (m) and a quaternion (w, x, y, z)."""
-    w, x, y, z = quaternion
-    return wp.transform(position, wp.quat(x, y, z, w))
 
 
 def add_plane(builder: Any, plane: Plane) -> None:

@@ -13,6 +13,9 @@ OF_MUJOCO = ("euler", "rk4", "implicit", "implicitfast", "discrete")
 
 ON_PLANE: frozenset[Kind] = frozenset({"plane"})
 
+#: The kinds of scene of the solvers that are not offered for mechanisms; the package says why.
+ONE_BODY: frozenset[Kind] = KINDS - {"mechanism"}
+
 #: The name of the attribute of a body that sets its damping for `SolverSteel`.
 STEEL_DAMPING = "steel:rigid_body_angular_damping"
 
@@ -33,6 +36,8 @@ class Solver:
         The options of a method.
     collides
         Whether Newton's collision detection runs before each step; otherwise the solver has its own.
+    lacks
+        What the solver does not model of mechanisms, or ignores; see `Engine.models`.
     """
 
     make: Callable[[Any, Method], Any]
@@ -41,6 +46,7 @@ class Solver:
     kinds: frozenset[Kind] = KINDS
     options: Mapping[str, Option] = field(default_factory=dict)
     collides: bool = True
+    lacks: frozenset[str] = frozenset()
 
 
 def keeps_damping(method: Method) -> bool:
@@ -72,13 +78,18 @@ def kamino(scheme: str, kinds: frozenset[Kind], **chosen: Any) -> Solver:
 SOLVERS: dict[str, Solver] = {
     "SemiImplicit": Solver(
         lambda model, method: solvers.SolverSemiImplicit(model, **({} if keeps_damping(method) else {"angular_damping": 0.0})),
+        kinds=ONE_BODY,
         options={"settings": choice("engine")},
     ),
-    "Featherstone": Solver(lambda model, method: solvers.SolverFeatherstone(model)),
-    "XPBD": Solver(lambda model, method: solvers.SolverXPBD(model, angular_damping=0.0)),
-    "VBD": Solver(lambda model, method: solvers.SolverVBD(model)),
-    "Steel": Solver(lambda model, method: solvers.SolverSteel(model), options={"settings": choice("engine")}),
-    "Kamino-euler": kamino("euler", KINDS),
+    "Featherstone": Solver(lambda model, method: solvers.SolverFeatherstone(model), lacks=frozenset({"joint friction"})),
+    "XPBD": Solver(lambda model, method: solvers.SolverXPBD(model, angular_damping=0.0), kinds=ONE_BODY),
+    "VBD": Solver(lambda model, method: solvers.SolverVBD(model), kinds=ONE_BODY),
+    "Steel": Solver(
+        lambda model, method: solvers.SolverSteel(model),
+        options={"settings": choice("engine")},
+        lacks=frozenset({"joint springs", "joint friction"}),
+    ),
+    "Kamino-euler": kamino("euler", ONE_BODY),
     "Kamino-moreau": kamino("moreau", ON_PLANE, use_collision_detector=True),
     **{f"MuJoCo-{scheme}": mujoco(scheme) for scheme in OF_MUJOCO},
 }

@@ -1,0 +1,164 @@
+"""Mechanisms in Newton: the bodies, joints and articulations of a model.
+
+Joints are Newton's revolute, prismatic, ball and fixed ones, and its joint of six degrees of freedom for universal and planar
+ones. Damping, springs, armature and dry friction are properties of a joint, which not every solver has; a constant effort is a
+force of the control.
+"""
+
+from typing import Any
+
+import newton
+import numpy as np
+import warp as wp
+
+from bodycheck.adapters.contract import Method, SceneUnsupported, states
+from bodycheck.adapters.links import tensor
+from bodycheck.adapters.mechanisms import frames, link_of, starts
+from bodycheck.adapters.mujoco_warp import graphs
+from bodycheck.adapters.newton.frames import transform, twist
+from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, keeps_damping
+from bodycheck.adapters.stepping import Loop, Normalised
+from bodycheck.reference.kinematics import conjugate, normalise, rotate
+from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
+from bodycheck.reference.mechanisms.order import depth_first
+from bodycheck.reference.mechanisms.requirements import of_mechanism
+from bodycheck.reference.trajectory import Array
+
+#: What at least one of Newton's solvers models of mechanisms; see `Engine.models`.
+MODELS = frozenset(
+    {
+        "mechanisms",
+        "revolute joints",
+        "prismatic joints",
+        "ball joints",
+        "fixed joints",
+        "planar joints",
+        "universal joints",
+        "armature",
+        "joint damping",
+        "joint springs",
+        "joint friction",
+        "joint efforts",
+    }
+)
+
+
+def prepare(mechanism: Mechanism, method: Method) -> Normalised:
+    """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
+    own = SOLVERS[method.integrator]
+    lacking = [name for name in of_mechanism(mechanism).names() if name in own.lacks]
+    if lacking:
+        raise SceneUnsupported(f"Newton's solver {method.integrator} has no {', '.join(lacking)}")
+    model = built(mechanism, method)
+    state, following, control = model.state(), model.state(), model.control()
+    forces = control.joint_f.numpy()
+    for place, joint in enumerate(in_order(mechanism)):
+        if joint is not None and joint.effort:
+            forces[model.joint_qd_start.numpy()[place]] = joint.effort
+    control.joint_f.assign(forces)
+    try:
+        solver = own.make(model, method)
+    except ValueError as error:  # such as moments of which one is the sum of the others, rounded to single precision
+        raise SceneUnsupported(
+            f"Newton's solver {method.integrator} refuses the model: {' '.join(str(error).split())}"
+        ) from error
+
+    def step() -> None:
+        state.clear_forces()
+        solver.step(state, following, control, None, method.timestep)
+        state.assign(following)
+
+    graph = graphs.record(step)
+    poses, twists = state.body_q.numpy(), state.body_qd.numpy()  # views of the arrays that are stepped
+    return Normalised(
+        Loop(graph, graphs.replay, lambda _: np.hstack([poses, twists]).ravel(), lambda seen: rows(mechanism, seen))
+    )
+
+
+def in_order(mechanism: Mechanism) -> list[Joint | None]:
+    """Return the joints in the order in which Newton gets them: tree by tree, each after its parent; None for a free body."""
+    return [mechanism.joint_of[place] for place in depth_first(mechanism)]
+
+
+def built(mechanism: Mechanism, method: Method) -> Any:
+    """Return Newton's model of a mechanism, whose default state is the initial one."""
+    builder = newton.ModelBuilder(gravity=(0.0, 0.0, -mechanism.gravity))
+    newton.solvers.SolverSteel.register_custom_attributes(builder)
+    first = frames(mechanism)
+    for body, frame in zip(mechanism.bodies, first, strict=True):
+        link = link_of(body)
+        number = builder.add_link(
+            xform=transform(frame.position, frame.quaternion),
+            com=wp.vec3(*link.center_of_mass),
+            mass=link.mass,
+            inertia=wp.mat33(*tensor(link).ravel().tolist()),
+            lock_inertia=True,
+            custom_attributes={} if keeps_damping(method) else {STEEL_DAMPING: 0.0},
+        )
+        builder.body_qd[number] = twist(link, frame)
+    values = dict(zip((joint.child for joint in mechanism.joints), starts(mechanism), strict=True))
+    tree: list[int] = []
+    for place in depth_first(mechanism):
+        joint = mechanism.joint_of[place]
+        if tree and (joint is None or joint.parent == WORLD):
+            builder.add_articulation(tree)
+            tree = []
+        if joint is None:
+            number = builder.add_joint_free(place)
+            held, moving = [*transform(first[place].position, first[place].quaternion)], [*builder.body_qd[place]]
+        else:
+            number = add_joint(builder, joint)
+            held, moving = in_newton(joint, *values[place])
+        tree.append(number)
+        at, by = builder.joint_q_start[number], builder.joint_qd_start[number]
+        builder.joint_q[at : at + len(held)] = held
+        builder.joint_qd[by : by + len(moving)] = moving
+    builder.add_articulation(tree)
+    builder.color()
+    # The check of inertia would replace moments of which one is nearly the sum of the others.
+    return builder.finalize(skip_validation_inertia=True)
+
+
+def add_joint(builder: Any, joint: Joint) -> int:
+    """Add a joint to a builder, and return its number."""
+    ends: dict[str, Any] = {"parent_xform": transform(joint.position, exact.nearest_turn(joint.attitude))}
+    between = (-1 if joint.parent == WORLD else joint.parent), joint.child
+    acting = {
+        "armature": joint.armature,
+        "damping": joint.damping,
+        "stiffness": joint.stiffness,
+        "rest_q": joint.rest,
+        "friction": joint.friction,
+    }
+    if joint.type in ("revolute", "prismatic"):
+        add = builder.add_joint_revolute if joint.type == "revolute" else builder.add_joint_prismatic
+        return int(add(*between, **ends, axis=exact.nearest_axis(joint), **acting))
+    if joint.type == "spherical":
+        return int(builder.add_joint_ball(*between, **ends, armature=0.0, friction=0.0, damping=joint.damping, stiffness=0.0))
+    if joint.type == "fixed":
+        return int(builder.add_joint_fixed(*between, **ends))
+    axes = [newton.ModelBuilder.JointDofConfig(axis=axis) for axis in np.eye(3).tolist()]
+    linear, angular = ([], axes[:2]) if joint.type == "universal" else (axes[:2], axes[2:])
+    return int(builder.add_joint_d6(*between, **ends, linear_axes=linear, angular_axes=angular))
+
+
+def in_newton(joint: Joint, position: Array, velocity: Array) -> tuple[list[float], list[float]]:
+    """Return Newton's coordinates and velocities of a joint."""
+    if joint.type == "spherical":
+        w, x, y, z = position.tolist()
+        return [x, y, z, w], rotate(position, velocity).tolist()
+    return position.tolist(), velocity.tolist()
+
+
+def rows(mechanism: Mechanism, seen: Array) -> Array:
+    """Return the states (n, bodies, 13) of the contract from poses and twists (n, 13 bodies); see `engine.rows`."""
+    found = seen.reshape(len(seen), -1, 13)
+    made = []
+    for place, body in enumerate(mechanism.bodies):
+        own = found[:, place]
+        turn = own[:, [6, 3, 4, 5]]
+        unit = normalise(turn)
+        centre = own[:, :3] + rotate(unit, np.broadcast_to(exact.nearest_inertia(body).centre, (len(own), 3)))
+        made.append(states(centre, turn, own[:, 7:10], rotate(conjugate(unit), own[:, 10:])))
+    return np.stack(made, axis=1)
