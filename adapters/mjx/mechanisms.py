@@ -9,14 +9,14 @@ from jax import numpy as jnp
 
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, strider
-from bodycheck.adapters.mjx.simulation import handed_over, mjx
+from bodycheck.adapters.mjx.simulation import handed_over, stepped
 from bodycheck.adapters.mujoco.compiling import compiled_model
 from bodycheck.adapters.mujoco.mechanism_xml import document
 from bodycheck.adapters.mujoco.mechanisms import begin, states_of
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 
 #: Takes strides of a mechanism; compiled once for each structure of a model.
-TAKE = strider(mjx.step, lambda data: jnp.concatenate([data.qpos, data.qvel]))
+TAKE = strider(stepped, lambda data: jnp.concatenate([data.qpos, data.qvel]))
 
 
 def prepare_mechanism(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled:

@@ -110,6 +110,11 @@ def step(system: tuple[Any, Any], data: Any) -> Any:
     return mjx.step(model, data)
 
 
+def stepped(model: Any, data: Any) -> Any:
+    """Return MJX's data after one step of a model."""
+    return mjx.step(model, data)
+
+
 def seen(data: Any) -> Any:
     """Return the coordinates and velocities of a free joint, and the vertical force of all contacts in the last step (14,).
 
