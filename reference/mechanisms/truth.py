@@ -10,7 +10,8 @@ by code of its own. The bound has three parts.
   both are equally good, with independent errors, the error is 0.7 of the disagreement on the average; that it happens to be
   small at one instant does not matter for the largest so far. The witness is noisier than the way, so that twice is cautious.
 
-Where energy is conserved, it must not drift by more than the bound allows; else all bounds grow by the ratio.
+Where energy is conserved, it must not drift by more than the bound allows, and the centre of mass of a chain that floats freely
+must stay on its parabola; else all bounds grow by the ratio.
 """
 
 from dataclasses import dataclass
@@ -22,6 +23,7 @@ from bodycheck.reference.errors import within_range
 from bodycheck.reference.mechanisms import kinematics, observables
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.followed import Followed, followed, witness_of
+from bodycheck.reference.mechanisms.forms.momentum import floating
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.ways import Way, bounds_of, disagreement, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -111,17 +113,43 @@ def printed(mechanism: Mechanism, times: Array, found: Followed) -> Printed:
 
 
 def _explained(mechanism: Mechanism, own: Printed, errors: dict[str, Array]) -> Bounds:
-    """The bounds of all figures, larger where energy drifts by more than they allow."""
+    """The bounds of all figures, larger where energy or a centre of mass drifts by more than they allow."""
     trajectory, joints = own.trajectory, own.joints.position
     found = bounds_of(mechanism, trajectory, joints, errors)
-    if not mechanism.conserves or not len(trajectory):
+    if not len(trajectory):
         return found
+    short = np.maximum(_drifted(mechanism, trajectory, found), _fallen(mechanism, trajectory, found))
+    if not (short > 1).any():
+        return found
+    return bounds_of(mechanism, trajectory, joints, {name: values * np.maximum(short, 1.0) for name, values in errors.items()})
+
+
+def _drifted(mechanism: Mechanism, trajectory: Trajectory, found: Bounds) -> Array:
+    """How far (n,) the energy has drifted at most, in units of what its bound allows; zero where it is not conserved."""
+    if not mechanism.conserves:
+        return np.zeros(len(trajectory))
     seen = observables.observe(mechanism, trajectory)
     start = observables.observe(mechanism, kinematics.initial(mechanism)).total_energy[0]
     weights = observables.masses(mechanism)[:, None] * mechanism.gravity * np.abs(trajectory.position[..., 2])
     terms = seen.kinetic_energy + np.abs(seen.potential_energy) + weights.sum(axis=0)
     allowed = found.energy_error + OBSERVED_ROUNDINGS * EPS * np.maximum.accumulate(terms)
-    short = np.maximum.accumulate(np.abs(seen.total_energy - start) / np.where(allowed > 0, allowed, np.inf))
-    if not (short > 1).any():
-        return found
-    return bounds_of(mechanism, trajectory, joints, {name: values * np.maximum(short, 1.0) for name, values in errors.items()})
+    return _largest_ratio(np.abs(seen.total_energy - start), allowed)
+
+
+def _fallen(mechanism: Mechanism, trajectory: Trajectory, found: Bounds) -> Array:
+    """How far (n,) a tree that floats freely is off its parabola at most, in units of what the bound of positions allows."""
+    largest = np.zeros(len(trajectory))
+    masses = observables.masses(mechanism)
+    for tree in floating(mechanism, trajectory.t):
+        bodies = list(tree.bodies)
+        places = trajectory.position[bodies]
+        mean = (masses[bodies, None, None] * places).sum(axis=0) / masses[bodies].sum()
+        off = np.linalg.norm((mean - tree.centre).astype(float), axis=1)
+        rounding = OBSERVED_ROUNDINGS * EPS * np.maximum.accumulate(np.linalg.norm(places, axis=2).max(axis=0))
+        largest = np.maximum(largest, _largest_ratio(off, found.position_error + rounding))
+    return largest
+
+
+def _largest_ratio(values: Array, allowed: Array) -> Array:
+    """The largest quotients (n,) so far of values and what is allowed of them."""
+    return np.asarray(np.maximum.accumulate(values / np.where(allowed > 0, allowed, np.inf)))

@@ -1,0 +1,82 @@
+"""What is exact of a chain that floats freely: the motion of its centre of mass, and its momenta.
+
+Forces in joints act on both bodies, so that they do not change the momenta of a tree that nothing holds. Its centre of mass
+falls on a parabola, and its angular momentum about the centre of mass is constant, whatever its joints do.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.exact.numbers import Wide
+from bodycheck.reference.exact.pairs import WideArray
+from bodycheck.reference.mechanisms import start
+from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism
+from bodycheck.reference.trajectory import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Floating:
+    """A tree that floats freely.
+
+    Attributes
+    ----------
+    bodies
+        The places of its bodies.
+    mass
+        Its mass (kg).
+    centre, velocity
+        (n, 3) place (m) and velocity (m/s) of its centre of mass in the world at the instants that were asked.
+    angular_momentum
+        (3,) its angular momentum about the centre of mass in the world (kg m^2/s).
+    """
+
+    bodies: tuple[int, ...]
+    mass: np.longdouble
+    centre: WideArray
+    velocity: WideArray
+    angular_momentum: WideArray
+
+
+def floating(mechanism: Mechanism, times: Array) -> tuple[Floating, ...]:
+    """The trees of a mechanism that nothing holds, at times (n,), s: those of free bodies, and of free joints on the world.
+
+    Loops connect trees; a tree with a loop to the world is held.
+    """
+    trees = _trees(mechanism)
+    frames = start.frames(mechanism)
+    found = []
+    for tree in sorted(set(trees.values()) - {WORLD}):
+        bodies = tuple(body for body in range(len(mechanism.bodies)) if trees[body] == tree)
+        found.append(_tree(mechanism, frames, bodies, times))
+    return tuple(found)
+
+
+def _trees(mechanism: Mechanism) -> dict[int, int]:
+    """The first body of the tree of each body, or the world where the world holds it."""
+    found = {body: body for body in range(len(mechanism.bodies))} | {WORLD: WORLD}
+    ties = [(joint.parent, joint.child) for joint in mechanism.joints if joint.type != "free" or joint.parent != WORLD]
+    for one, other in (*ties, *(loop.bodies for loop in mechanism.loops)):
+        first, second = sorted((found[one], found[other]))
+        found = {body: first if tree == second else tree for body, tree in found.items()}
+    return found
+
+
+def _tree(mechanism: Mechanism, frames: dict[int, start.Frame], bodies: tuple[int, ...], times: Array) -> Floating:
+    """The momenta of some bodies at the start, and what follows from them."""
+    masses = [start.mass(mechanism.bodies[body]) for body in bodies]
+    centres = [start.centre(mechanism.bodies[body]) for body in bodies]
+    places = [frames[body].point(centre) for body, centre in zip(bodies, centres, strict=True)]
+    speeds = [frames[body].speed(centre) for body, centre in zip(bodies, centres, strict=True)]
+    total = np.sum(masses)
+    centre, velocity = (
+        np.sum([mass * part for mass, part in zip(masses, parts, strict=True)], axis=0) / total for parts in (places, speeds)
+    )
+    momentum = np.zeros(3, dtype=Wide)
+    for body, mass, place, speed in zip(bodies, masses, places, speeds, strict=True):
+        frame = frames[body]
+        spin = frame.turn @ start.tensor(mechanism.bodies[body]) @ frame.turn.T @ frame.spin
+        momentum = momentum + mass * np.cross(place - centre, speed - velocity) + spin
+    t = times.astype(Wide)[:, None]
+    down = np.array([0, 0, -1], dtype=Wide) * Wide(mechanism.gravity)
+    return Floating(bodies, total, centre + t * (velocity + t * down / 2), velocity + t * down, momentum)
