@@ -153,6 +153,7 @@ OF_MECHANISMS = {
     "cylinder": (['shape = "cylinder"', "radius = 0.02", "half_length"], ["inertia = [0.016"]),
     "free body": (["[[bodies]]", 'name = "ball"', 'shape = "sphere"', "radius = 0.05", "mass = 0.2", "initial"], []),
     "joint": (["euler_zxz", "armature", "damping", "stiffness", "rest", "friction", "effort"], []),
+    "loop": (["[[loops]]", "bodies = [", "points"], ["initial = {position = 0.0, velocity = 0.5}"]),
     "extremes": (["[extremes]", "speed", "timestep = [0"], []),
     "ensemble": (["[ensemble]", "members", "[[ensemble.vary]]", "key", "distribution", "low", "high"], []),
     "limits": (["[[expect]]", "engine", "integrator", "timestep = 0", "attitude_error"], []),

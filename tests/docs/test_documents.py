@@ -65,6 +65,26 @@ def test_the_case_of_the_readme_is_valid(tmp_path: Path) -> None:
     assert load(tmp_path / "my-case.case.toml").name == "my-case"
 
 
+def test_the_mechanisms_of_the_guide_to_cases_are_valid(tmp_path: Path) -> None:
+    """The example of a cart and a pole, at rest also with the loop, and the example with a model."""
+    examples = [text for text in blocks(ROOT / "docs" / "cases.md", "toml") if text.startswith("format = 2\n")]
+    (loop,) = (text for text in blocks(ROOT / "docs" / "cases.md", "toml") if text.startswith("[[loops]]\n"))
+    inertia = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    ends = '<parent link="base"/><child link="upper"/>'
+    (tmp_path / "arm.urdf").write_text(
+        f'<robot name="arm"><link name="base"/><link name="upper">{inertia}</link>'
+        f'<joint name="shoulder" type="continuous">{ends}</joint></robot>'
+    )
+    for place, text in enumerate(examples):
+        path = tmp_path / f"{place}.case.toml"
+        path.write_text(text, encoding="utf-8")
+        assert load(path).name in ("cart-pole", "arm")
+    still = examples[0].replace("velocity = 0.5", "velocity = 0.0")
+    assert still != examples[0]
+    path.write_text(still + loop, encoding="utf-8")
+    assert load(path).name == "cart-pole"
+
+
 def test_the_python_of_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
     (code,) = blocks(ROOT / "README.md", "python")
     exec(code, {})

@@ -139,6 +139,8 @@ def _tables(text: str, file: str) -> Tables:
     if root.tag not in READERS:
         elements.refuse(root, None, "is no robot model; allowed: <robot> (URDF) or <mujoco> (MJCF)")
     made = READERS[root.tag](root, WORLD)
+    if not made["bodies"]:
+        raise BadInput(f"{root.file}: has no body with a mass besides the root, which is the world")
     if len(made["bodies"]) > MAX_BODIES:
         raise BadInput(f"{root.file}: has {len(made['bodies'])} bodies; allowed: at most {MAX_BODIES}")
     return made

@@ -46,9 +46,14 @@ def inertial_of(found: Element) -> MassProperties | None:
     """Return the mass properties of a link in its frame; None if it has no mass. Raises `BadInput`."""
     inertial = found.only("inertial")
     mass = None if inertial is None else inertial.only("mass")
-    if inertial is None or (mass is not None and number(mass, "value") == 0):
+    if inertial is None:
         return None
-    return _stated(inertial)
+    if mass is None or number(mass, "value") != 0:
+        return _stated(inertial)
+    inertia = inertial.only("inertia")
+    if inertia is not None and any(number(inertia, key, 0.0) for key in COMPONENTS):
+        refuse(inertia, None, "a moment of inertia without mass, which no body has")
+    return None
 
 
 def _stated(inertial: Element) -> MassProperties:

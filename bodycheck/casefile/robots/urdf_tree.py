@@ -36,6 +36,8 @@ def tree(root: Element, world: str) -> Tables:
         if child in holder:
             refuse(joint, None, f"the link {quoted(child)} is the child of two joints; allowed: one")
         holder[child] = joint
+    if not links:
+        refuse(root, None, "has no <link>")
     roots = [name for name in links if name not in holder]
     if len(roots) != 1:
         told = ", ".join(map(quoted, roots[:10])) or "none"
@@ -110,7 +112,7 @@ def _properties(joint: Element, kind: str) -> dict[str, Any]:
     damping, friction = (0.0, 0.0) if dynamics is None else (number(dynamics, key, 0.0) for key in ("damping", "friction"))
     if kind in ("revolute", "prismatic"):
         return {"axis": along, "damping": damping, "friction": friction}
-    if dynamics is not None and (damping or friction):
+    if dynamics is not None and kind != "fixed" and (damping or friction):
         refuse(dynamics, None, f"a joint of the type {joint.attributes['type']} has no damping or friction in a case")
     if kind == "planar" and along != [0.0, 0.0, 1.0]:
         refuse(

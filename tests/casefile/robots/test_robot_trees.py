@@ -79,6 +79,8 @@ MJCF = """\
 </mujoco>
 """
 
+WITHOUT_MASS = '<inertial><mass value="0"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+
 HEAD = 'format = 2\nname = "robot"\ntitle = "A robot"\nscene = {gravity = 9.81}\nrun = {duration = 1.0, samples = 3}\n[model]\n'
 
 
@@ -198,6 +200,9 @@ def test_a_member_needs_no_model(tmp_path: Path) -> None:
         ('izz="0.03"', 'izz="0.3"', "body 'tool': inertia: no body has these moments"),
         ('<link name="tool">', '<link name="t ool">', "there is no link 'tool'"),
         ('name="wrist"', 'name="reach"', "stands twice"),
+        ('<link name="frame"/>', f'<link name="frame">{WITHOUT_MASS}</link>', "a moment of inertia without mass"),
+        (URDF[URDF.index("<link") : URDF.index("</robot>")], "", "has no <link>"),
+        (URDF[URDF.index("<link") : URDF.index("</robot>")], '<link name="base"/>', "has no body with a mass besides the root"),
         ("<robot", "<robo", "is not XML"),
         ('<robot name="arm">', '<!DOCTYPE a [<!ENTITY b "c">]><robot name="arm">', "read a document type definition"),
     ],
