@@ -9,7 +9,7 @@ from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.exact import nearest_inertia
-from bodycheck.reference.mechanisms.mechanism import JointedBody, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, JointedBody, Mechanism
 from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.scene import State
 from bodycheck.reference.trajectory import Array
@@ -62,3 +62,15 @@ def from_z(axis: Array) -> Array:
 def from_x(axis: Array) -> Array:
     """Return a quaternion (4,) of a turn from x to a unit vector (3,)."""
     return multiply(from_z(axis), np.array([np.sqrt(0.5), 0.0, -np.sqrt(0.5), 0.0]))
+
+
+def trees(mechanism: Mechanism) -> list[tuple[int, ...]]:
+    """Return the places of the bodies of each tree: the root, which is the world or a free body, then what hangs on it."""
+    free = [place for place, joint in enumerate(mechanism.joint_of) if joint is None]
+    found = []
+    for root in (WORLD, *free):
+        places = [root]
+        for parent in places:
+            places += [joint.child for joint in mechanism.joints if joint.parent == parent]
+        found.append(tuple(places))
+    return [tree for tree in found if tree != (WORLD,)]

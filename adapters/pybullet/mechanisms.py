@@ -16,10 +16,10 @@ import numpy as np
 import pybullet
 
 from bodycheck.adapters.contract import Method
-from bodycheck.adapters.mechanisms import starts
+from bodycheck.adapters.mechanisms import starts, trees
 from bodycheck.adapters.pybullet.links import BASE
 from bodycheck.adapters.pybullet.settings import switched_off
-from bodycheck.adapters.pybullet.trees import document, trees
+from bodycheck.adapters.pybullet.trees import document
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.exact import nearest_inertia

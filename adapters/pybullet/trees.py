@@ -16,18 +16,6 @@ FIXED_BASE = (
 )
 
 
-def trees(mechanism: Mechanism) -> list[tuple[int, ...]]:
-    """Return the places of the bodies of each tree: the root, which is the world or a free body, then what hangs on it."""
-    free = [place for place, joint in enumerate(mechanism.joint_of) if joint is None]
-    found = []
-    for root in (WORLD, *free):
-        places = [root]
-        for parent in places:
-            places += [joint.child for joint in mechanism.joints if joint.parent == parent]
-        found.append(tuple(places))
-    return [tree for tree in found if tree != (WORLD,)]
-
-
 def document(mechanism: Mechanism, tree: Sequence[int]) -> str:
     """Return the URDF file of a tree. Bodies and joints have the names body_k and joint_k by the place k of the body."""
     root, *others = tree

@@ -27,6 +27,11 @@ PhysX's reduced coordinates, which is another scheme of first order, and to whic
 0.05 per second, and limits of 10 m/s and 50 rad/s. All are switched off except with `settings=engine`.
 
 PhysX stops a body whose speed it cannot square in single precision, without a word.
+
+Mechanisms are articulations of PhysX; the module `mechanisms` says with what. PhysX's articulations have revolute, prismatic
+and fixed joints of these cases. The order is one. Damping and springs are PhysX's drives, which PGS takes at the end of a step
+and TGS at the ends of ten parts of it. PhysX's joint friction is a coefficient of the force in the joint and no constant force,
+so that dry friction is not modelled; neither are ball joints, of which SAPIEN's articulations have none, and loops.
 """
 
 from bodycheck.adapters.installation import Installation

@@ -19,6 +19,7 @@ from bodycheck.adapters.principal_axes import in_body_frame
 from bodycheck.adapters.sapien import INSTALLATION
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.principal_frame import along_principal_axes
 from bodycheck.reference.scene import Brick, Scene
 from bodycheck.reference.trajectory import Array
@@ -29,6 +30,7 @@ with warnings.catch_warnings():
     import sapien
     from sapien import physx
 
+    from bodycheck.adapters.sapien import mechanisms
     from bodycheck.adapters.sapien.links import first_link, load, place, switch_off
 
 #: The rotation that turns the x axis, which is the normal of PhysX's planes and the axis of its cylinders, to the z axis.
@@ -49,7 +51,7 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=version(INSTALLATION.distribution),
     integrators=tuple(Integrator(name, order=1, evaluations=1, options=OPTIONS) for name in SOLVERS),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
     variants=dict.fromkeys(sorted(KINDS), tuple(f"{name}:settings=engine" for name in SOLVERS)),
     precision="float32",
     defaults=defaults(),
@@ -77,9 +79,22 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
     return Normalised(Loop(built(scene, method), stepped, seen, lambda seen: in_body_frame(scene, rows(seen))))
 
 
+def prepare_mechanism(mechanism: Mechanism, method: Method) -> Normalised:
+    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
+    system = new_system(mechanism.gravity, method)
+    whole = sapien.Scene([system])
+    links = mechanisms.built(whole, mechanism, method)
+
+    def step(whole: "sapien.Scene") -> "sapien.Scene":
+        system.step()
+        return whole  # which keeps the links
+
+    return Normalised(Loop(whole, step, lambda _: mechanisms.seen(links), lambda seen: mechanisms.rows(mechanism, seen)))
+
+
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
     """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
-    system = new_system(scene, method)
+    system = new_system(scene.gravity, method)
     whole = sapien.Scene([system])
     loaded = load(whole, links)
     if method.option("settings") != "engine":
@@ -125,7 +140,7 @@ def resisted_step(drag: float) -> Callable[[World], World]:
 def built(scene: Scene, method: Method) -> World:
     """Return a world with the body of a scene in its initial state. Raises `SceneUnsupported`."""
     shape = collision_shape(scene) if scene.plane is not None else None
-    system = new_system(scene, method)
+    system = new_system(scene.gravity, method)
     whole = sapien.Scene([system])
     if scene.plane is not None:
         add_plane(whole, scene.plane.friction)
@@ -146,11 +161,11 @@ def built(scene: Scene, method: Method) -> World:
     return World(whole, system, entity, body)
 
 
-def new_system(scene: Scene, method: Method) -> Any:
-    """Return a PhysX scene. Its settings are global in SAPIEN while it is made, and are put back."""
+def new_system(gravity: float, method: Method) -> Any:
+    """Return a PhysX scene with gravity (m/s^2). Its settings are global in SAPIEN while it is made, and are put back."""
     former = physx.get_scene_config()
     config = physx.PhysxSceneConfig()
-    config.gravity = np.array([0, 0, -scene.gravity])
+    config.gravity = np.array([0, 0, -gravity])
     config.enable_tgs = method.integrator == "TGS"
     physx.set_scene_config(config)
     try:

@@ -1,0 +1,143 @@
+"""Mechanisms in SAPIEN: articulations of PhysX, in the coordinates of their joints.
+
+Each tree is an articulation: what hangs on the world has a fixed root, and every free body is the root of an articulation of
+its own. Joints turn about, or slide along, x of the joint's frame, so that frames are turned there. Damping and springs are
+those of PhysX's drive with the target `rest`, armature is that of the joint, and a constant effort is set as the force of the
+coordinate. PhysX's joint friction is a coefficient of the force in the joint, not a constant force, so that dry friction is not
+modelled.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from sapien import Pose
+
+from bodycheck.adapters.contract import Link, Method
+from bodycheck.adapters.links import tensor
+from bodycheck.adapters.mechanisms import frames, from_x, link_of, starts, trees
+from bodycheck.adapters.sapien.links import NO_LIMIT, place, switch_off
+from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.mechanisms import exact, kinematics
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
+from bodycheck.reference.trajectory import Array
+
+#: What SAPIEN models of mechanisms; see `Engine.models`.
+MODELS = frozenset(
+    {
+        "mechanisms",
+        "revolute joints",
+        "prismatic joints",
+        "fixed joints",
+        "armature",
+        "joint damping",
+        "joint springs",
+        "joint efforts",
+    }
+)
+
+#: SAPIEN's types of joints. One that is wrapped keeps its angle within a turn.
+TYPES = {"revolute": "revolute_unwrapped", "prismatic": "prismatic", "fixed": "fixed"}
+
+
+def built(whole: Any, mechanism: Mechanism, method: Method) -> list[Any]:
+    """Add a mechanism in its initial state to a scene of SAPIEN, and return the links of its bodies in their order."""
+    found: dict[int, Any] = {}
+    first = kinematics.initial(mechanism)
+    for tree in trees(mechanism):
+        articulation, links = articulated(whole, mechanism, tree)
+        if method.option("settings") != "engine":
+            switch_off(articulation)
+        if tree[0] != WORLD:
+            frame = frames(mechanism)[tree[0]]
+            spin = rotate(first.quaternion[tree[0], 0], first.angular_velocity[tree[0], 0])
+            velocity = first.velocity[tree[0], 0]
+            place(articulation, Pose(frame.position, frame.quaternion), velocity, spin)
+        set_joints(articulation, links, mechanism, method)
+        found |= links
+    return [found[number] for number in range(len(mechanism.bodies))]
+
+
+def articulated(whole: Any, mechanism: Mechanism, tree: Sequence[int]) -> tuple[Any, dict[int, Any]]:
+    """Return an articulation of a tree, and the links of its bodies by their places."""
+    builder = whole.create_articulation_builder()
+    root, *others = tree
+    builders = {root: builder.create_link_builder()}
+    if root == WORLD:
+        builders[root].set_joint_properties("fixed", [], Pose(), Pose())
+        set_inertia(builders[root], Link(1.0, (1.0, 1.0, 1.0, 0.0, 0.0, 0.0)))
+    else:
+        set_inertia(builders[root], link_of(mechanism.bodies[root]))
+    for number in others:
+        joint = mechanism.joint_of[number]
+        assert joint is not None  # only roots have none
+        builders[number] = builder.create_link_builder(builders[joint.parent])
+        set_inertia(builders[number], link_of(mechanism.bodies[number]))
+        add_joint(builders[number], joint)
+    for number, made in builders.items():
+        made.set_name(f"body_{number}")
+    articulation = builder.build(fix_root_link=root == WORLD)
+    return articulation, {number: articulation.find_link_by_name(f"body_{number}") for number in tree if number != WORLD}
+
+
+def set_inertia(builder: Any, link: Link) -> None:
+    """Set the mass, the centre of mass and the inertia of a link, along its principal axes."""
+    moments, axes = np.linalg.eigh(tensor(link))
+    if np.linalg.det(axes) < 0:
+        axes[:, 2] *= -1
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = axes, link.center_of_mass
+    builder.set_mass_and_inertia(link.mass, Pose(pose), moments)
+
+
+def add_joint(builder: Any, joint: Joint) -> None:
+    """Set the joint of a link to its parent."""
+    frame, turn = np.array(exact.nearest_turn(joint.attitude)), np.array([1.0, 0.0, 0.0, 0.0])
+    if joint.type != "fixed":
+        turn = from_x(np.array(exact.nearest_axis(joint)))
+    limits = [] if joint.type == "fixed" else [[-np.inf, np.inf]]
+    builder.set_joint_properties(
+        TYPES[joint.type], limits, Pose(joint.position, multiply(frame, turn)), Pose((0.0, 0.0, 0.0), turn)
+    )
+
+
+def set_joints(articulation: Any, links: dict[int, Any], mechanism: Mechanism, method: Method) -> None:
+    """Set the initial coordinates and velocities of an articulation, and what acts in its joints."""
+    of_link = {made.name: number for number, made in links.items()}
+    values = dict(zip((joint.child for joint in mechanism.joints), starts(mechanism), strict=True))
+    held, moving, efforts = [], [], []
+    for made in articulation.active_joints:
+        number = of_link[made.child_link.name]
+        joint = mechanism.joint_of[number]
+        assert joint is not None
+        made.set_armature([joint.armature])
+        made.set_friction(0.0)
+        made.set_drive_properties(joint.stiffness, joint.damping)
+        made.set_drive_target(joint.rest)
+        if method.option("settings") != "engine":
+            made.set_max_velocity(NO_LIMIT)
+        held += values[number][0].tolist()
+        moving += values[number][1].tolist()
+        efforts.append(joint.effort)
+    if held:
+        articulation.set_qpos(held)
+        articulation.set_qvel(moving)
+        articulation.set_qf(efforts)
+
+
+def seen(links: Sequence[Any]) -> Array:
+    """Return poses of frames, velocities of centres of mass and spins (13 k,) of k links, along the axes of the world."""
+    parts = []
+    for link in links:
+        parts += [link.entity_pose.p, link.entity_pose.q, link.linear_velocity, link.angular_velocity]
+    return np.concatenate(parts, dtype=np.float64)
+
+
+def rows(mechanism: Mechanism, seen: Array) -> Array:
+    """Return the states (n, bodies, 13) of the contract, with quaternions of any norm, from what is seen (n, 13 bodies)."""
+    found = seen.reshape(len(seen), -1, 13)
+    for number, body in enumerate(mechanism.bodies):
+        unit = normalise(found[:, number, 3:7])
+        found[:, number, :3] += rotate(unit, np.broadcast_to(exact.nearest_inertia(body).centre, (len(seen), 3)))
+        found[:, number, 10:] = rotate(conjugate(unit), found[:, number, 10:])
+    return found
