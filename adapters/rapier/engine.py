@@ -25,10 +25,11 @@ from bodycheck.adapters.contract import (
 from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.links import state_in, velocity_of, velocity_to_origin
 from bodycheck.adapters.principal_axes import in_body_frame
-from bodycheck.adapters.rapier import INSTALLATION
+from bodycheck.adapters.rapier import INSTALLATION, mechanisms
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.adapters.urdf import urdf
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.principal_frame import along_principal_axes
 from bodycheck.reference.scene import Brick, Scene
 from bodycheck.reference.trajectory import Array
@@ -45,7 +46,7 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=version(INSTALLATION.distribution),
     integrators=(Integrator("symplectic-euler", order=1, evaluations=1, options=OPTIONS),),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
     variants={**dict.fromkeys(sorted(KINDS), (ENGINE_SETTINGS,)), "plane": (COULOMB, ENGINE_SETTINGS)},
     precision="float32",
     defaults={"timestep": f"{rapier3d.IntegrationParameters().dt:.6g} s"},
@@ -75,9 +76,21 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
     return Normalised(Loop(built(scene, method), stepped, seen, lambda seen: in_body_frame(scene, rows(seen))))
 
 
+def prepare_mechanism(mechanism: Mechanism, method: Method) -> Normalised:
+    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
+    world = new_world(mechanism.gravity, method)
+    bodies = mechanisms.built(world, mechanism, lambda builder: unlimited(builder, method))
+
+    def step(_: None) -> None:
+        world.step()
+        mechanisms.check(bodies)
+
+    return Normalised(Loop(None, step, lambda _: mechanisms.seen(bodies), lambda seen: mechanisms.rows(mechanism, seen)))
+
+
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
     """Return the simulation of a free body that is made of links, as `Links.prepare_links` does."""
-    world, initial = new_world(scene, method), scene.initial
+    world, initial = new_world(scene.gravity, method), scene.initial
     blueprint = loader.UrdfLoaderOptions(rigid_body_blueprint=unlimited(rapier3d.RigidBody.dynamic(), method))
     robot, _ = loader.UrdfRobot.from_str(urdf(links), blueprint)
     robot.append_transform(rapier3d.Isometry3(initial.position, rapier3d.Rotation3(*initial.quaternion)))
@@ -132,7 +145,7 @@ def resisted_step(drag: float) -> Callable[[World], World]:
 def built(scene: Scene, method: Method) -> World:
     """Return a world with the body of a scene in its initial state. Raises `SceneUnsupported`."""
     shape = collider(scene) if scene.plane is not None else None
-    world = new_world(scene, method)
+    world = new_world(scene.gravity, method)
     if scene.plane is not None:
         world.add_collider(rapier3d.Collider.halfspace((0, 0, 1)).friction(scene.plane.friction))
     initial = along_principal_axes(scene).initial
@@ -149,9 +162,9 @@ def built(scene: Scene, method: Method) -> World:
     return World(world, world.rigid_bodies[handle])
 
 
-def new_world(scene: Scene, method: Method) -> "rapier3d.PhysicsWorld":
-    """Return an empty world with the gravity of a scene and the settings of a method."""
-    world = rapier3d.PhysicsWorld(gravity=(0, 0, -scene.gravity))
+def new_world(gravity: float, method: Method) -> "rapier3d.PhysicsWorld":
+    """Return an empty world with gravity (m/s^2) and the settings of a method."""
+    world = rapier3d.PhysicsWorld(gravity=(0, 0, -gravity))
     world.integration_parameters.dt = method.timestep
     if method.option("settings") != "engine":
         switch_off(world.integration_parameters)

@@ -1,0 +1,123 @@
+"""Mechanisms in Rapier: bodies that impulse joints hold together.
+
+Rapier has bodies in reduced coordinates too, but sets no velocities of them. Joints turn about, or slide along, x of the
+joint's frame, so that frames are turned there. Damping and springs are motors of Rapier's model of forces. A loop is a
+spherical joint. Rapier has no armature, no constant force and no dry friction in a joint.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import rapier3d
+from scipy.spatial.transform import Rotation
+
+from bodycheck.adapters.contract import EngineReset, Link, SceneUnsupported
+from bodycheck.adapters.links import tensor
+from bodycheck.adapters.mechanisms import frames, from_x, link_of
+from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.mechanisms import exact, kinematics
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
+from bodycheck.reference.trajectory import Array
+
+#: What Rapier models of mechanisms; see `Engine.models`.
+MODELS = frozenset(
+    {
+        "mechanisms",
+        "revolute joints",
+        "prismatic joints",
+        "ball joints",
+        "fixed joints",
+        "joint damping",
+        "joint springs",
+        "loops",
+    }
+)
+
+#: The quaternion (w, x, y, z) of no turn.
+NO_TURN = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def built(world: Any, mechanism: Mechanism, unlimited: Callable[[Any], Any]) -> list[Any]:
+    """Add a mechanism in its initial state to a world, and return the views of its bodies in their order.
+
+    unlimited: returns the builder of a body without what a method switches off. Raises `SceneUnsupported`.
+    """
+    first = kinematics.initial(mechanism)
+    handles = {WORLD: world.add_body(rapier3d.RigidBody.fixed())}
+    for place, (body, frame) in enumerate(zip(mechanism.bodies, frames(mechanism), strict=True)):
+        spin = rotate(first.quaternion[place, 0], first.angular_velocity[place, 0]).tolist()
+        made = (
+            rapier3d.RigidBody.dynamic()
+            .position(rapier3d.Isometry3(frame.position, rapier3d.Rotation3(*frame.quaternion)))
+            .linvel(first.velocity[place, 0].tolist())
+            .angvel(spin)
+            .additional_mass_properties(properties(link_of(body)))
+        )
+        handles[place] = world.add_body(unlimited(made))
+    for joint in mechanism.joints:
+        world.impulse_joints.insert(handles[joint.parent], handles[joint.child], joint_of(joint), True)
+    for loop in mechanism.loops:
+        one, other = loop.points
+        ball = rapier3d.SphericalJoint.builder().local_anchor1(one).local_anchor2(other)
+        world.impulse_joints.insert(handles[loop.bodies[0]], handles[loop.bodies[1]], ball, True)
+    return [world.rigid_bodies[handles[place]] for place in range(len(mechanism.bodies))]
+
+
+def properties(link: Link) -> Any:
+    """Return the mass, the centre of mass and the principal moments and axes of a link."""
+    moments, axes = np.linalg.eigh(tensor(link))
+    if np.linalg.det(axes) < 0:
+        axes[:, 2] *= -1
+    turn = Rotation.from_matrix(axes).as_quat(scalar_first=True)
+    return rapier3d.MassProperties(link.center_of_mass, link.mass, moments.tolist(), rapier3d.Rotation3(*turn.tolist()))
+
+
+def joint_of(joint: Joint) -> Any:
+    """Return Rapier's joint. Raises `SceneUnsupported` for a ball joint with damping."""
+    if joint.type == "spherical" and joint.damping:
+        raise SceneUnsupported("Rapier's motors damp a ball joint about single axes, not its angular velocity")
+    mask = rapier3d.JointAxesMask
+    locked = {
+        "revolute": mask.LOCKED_REVOLUTE_AXES,
+        "prismatic": mask.LOCKED_PRISMATIC_AXES,
+        "spherical": mask.LOCKED_SPHERICAL_AXES,
+        "fixed": mask.LOCKED_FIXED_AXES,
+    }
+    turn = from_x(np.array(exact.nearest_axis(joint))) if joint.type in ("revolute", "prismatic") else NO_TURN
+    there = multiply(np.array(exact.nearest_turn(joint.attitude)), turn)
+    made = (
+        rapier3d.GenericJoint.builder(locked[joint.type])
+        .local_frame1(rapier3d.Isometry3(joint.position, rapier3d.Rotation3(*there.tolist())))
+        .local_frame2(rapier3d.Isometry3((0.0, 0.0, 0.0), rapier3d.Rotation3(*turn.tolist())))
+    )
+    if joint.stiffness or joint.damping:
+        axis = rapier3d.JointAxis.ANG_X if joint.type == "revolute" else rapier3d.JointAxis.LIN_X
+        made = made.motor_model(axis, rapier3d.MotorModel.FORCE_BASED)
+        made = made.motor_position(axis, joint.rest, joint.stiffness, joint.damping)
+    return made
+
+
+def check(bodies: Sequence[Any]) -> None:
+    """Raise `EngineReset` if Rapier has taken a body out of the simulation."""
+    if not all(body.is_enabled for body in bodies):
+        raise EngineReset("Rapier quarantined a body, because its state is no longer finite, and put it back")
+
+
+def seen(bodies: Sequence[Any]) -> Array:
+    """Return positions of frames, quaternions w x y z, velocities of centres of mass and spins (13 k,), all in the world."""
+    parts = []
+    for body in bodies:
+        x, y, z, w = body.rotation.quaternion
+        parts += [*body.translation.to_tuple(), w, x, y, z, *body.linvel.to_tuple(), *body.angvel.to_tuple()]
+    return np.array(parts)
+
+
+def rows(mechanism: Mechanism, seen: Array) -> Array:
+    """Return the states (n, bodies, 13) of the contract, with quaternions of any norm, from what is seen (n, 13 bodies)."""
+    found = seen.reshape(len(seen), -1, 13)
+    for number, body in enumerate(mechanism.bodies):
+        unit = normalise(found[:, number, 3:7])
+        found[:, number, :3] += rotate(unit, np.broadcast_to(exact.nearest_inertia(body).centre, (len(seen), 3)))
+        found[:, number, 10:] = rotate(conjugate(unit), found[:, number, 10:])
+    return found
