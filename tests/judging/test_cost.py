@@ -46,9 +46,9 @@ def reads(monkeypatch: pytest.MonkeyPatch) -> Counter[Path]:
     found: Counter[Path] = Counter()
     read = trajectory_files._columns
 
-    def counted(file: Path, more: tuple[str, ...]) -> Any:
+    def counted(file: Path, *more: Any) -> Any:
         found[file] += 1
-        return read(file, more)
+        return read(file, *more)
 
     monkeypatch.setattr(trajectory_files, "_columns", counted)
     return found
@@ -60,8 +60,8 @@ def alive(monkeypatch: pytest.MonkeyPatch) -> "weakref.WeakSet[Trajectory]":
     found: weakref.WeakSet[Trajectory] = weakref.WeakSet()
     made = trajectory_files._trajectory
 
-    def watched(table: Any) -> Trajectory:
-        trajectory = made(table)
+    def watched(*columns: Any) -> Trajectory:
+        trajectory = made(*columns)
         found.add(trajectory)
         return trajectory
 

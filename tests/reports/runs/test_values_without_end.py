@@ -59,7 +59,7 @@ def test_what_takes_too_long_is_left_out_and_the_page_says_so(
     """The drawing of one case would go on for ever; the other case of the same results is drawn."""
     folder = tmp_path / "run"
     shutil.copytree(saved / "run", folder)
-    plain, hung = contents.playback, []
+    plain, hung = contents.animated, []
 
     def playing(scene: Any, *arguments: Any) -> Any:
         hung.append(scene)
@@ -67,7 +67,7 @@ def test_what_takes_too_long_is_left_out_and_the_page_says_so(
             pass
         return plain(scene, *arguments)
 
-    monkeypatch.setattr(contents, "playback", playing)
+    monkeypatch.setattr(contents, "animated", playing)
     monkeypatch.setattr(contents, "DRAWING_LIMIT_S", 0.5)
     assert call("report", folder) in (0, 1)
     assert (folder / "report.md").read_text().count("because drawing them took more than 0.5 s") == 1
