@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from bodycheck.casefile.case import is_shipped, shipped
+from bodycheck.casefile.case import is_shipped
 from tests.support import ROOT
 from tests.support.cases import a_case, expecting
 from tests.support.commands import Done, bodycheck
