@@ -141,7 +141,8 @@ def pytest_terminal_summary(terminalreporter: Any) -> None:
         told = [
             f"{report.nodeid}: {text}"
             for report in terminalreporter.getreports(outcome)
-            for property, text in report.user_properties
+            # A module that is skipped as a whole has the report of its collection, which has no properties.
+            for property, text in getattr(report, "user_properties", ())
             if property == name and is_case_file(report.nodeid.partition("::")[0])
         ]
         _tell(terminalreporter, title, told)

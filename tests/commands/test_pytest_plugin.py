@@ -284,3 +284,11 @@ def children() -> set[str]:
 
 if sys.platform != "linux":
     pytest.skip("signals and processes are asked for as on Linux", allow_module_level=True)
+
+
+def test_a_module_that_is_skipped_as_a_whole_leaves_the_summary_alone(repository: pytest.Pytester) -> None:
+    repository.makepyfile('import pytest\npytest.importorskip("no_such_module_anywhere")')
+    result = repository.runpytest()
+    result.assert_outcomes(skipped=1)
+    result.stdout.no_fnmatch_line("*INTERNALERROR*")
+    assert result.ret == pytest.ExitCode.NO_TESTS_COLLECTED
