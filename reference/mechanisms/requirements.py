@@ -64,6 +64,11 @@ def of_mechanism(mechanism: Mechanism) -> MechanismRequirements:
     return MechanismRequirements(tuple(name for name, needed in effects.items() if needed), velocities)
 
 
+def turns(mechanism: Mechanism) -> bool:
+    """Whether the joints of a mechanism let any body turn."""
+    return None in mechanism.joint_of or any(joint.type not in ("prismatic", "fixed") for joint in mechanism.joints)
+
+
 def _has_zero_moment(body: JointedBody) -> bool:
     """Whether a principal moment of a body is zero, so that the determinant of its inertia tensor is."""
     tensor: Components = inertia(body).tensor

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 from bodycheck.adapters.contract import kind_of as scene_kind
 from bodycheck.casefile.case import Case
 from bodycheck.judging.judgement import Verdict
-from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.mechanisms.requirements import turns
 from bodycheck.reference.requirements import needs
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound, milliseconds, number
@@ -42,6 +43,9 @@ class Kind:
     why: str
 
 
+#: The name of the kind of mechanisms in which nothing turns.
+SLIDING = "sliding"
+
 KINDS = (
     Kind(
         "turning",
@@ -60,8 +64,14 @@ KINDS = (
     Kind(
         "mechanism",
         "Bodies on joints",
+        "attitude_error",
+        "The attitude error is that of the body that is turned most against where it should be.",
+    ),
+    Kind(
+        SLIDING,
+        "Bodies on slides",
         "position_error",
-        "The position error is that of the body whose centre of mass is farthest from where it should be.",
+        "Nothing turns. The position error is that of the body that is farthest from where it should be.",
     ),
 )
 
@@ -242,8 +252,8 @@ def best(methods: Sequence[tuple[Column, Sequence[Cell | None]]]) -> str:
 
 
 def kind_of(scene: AnyScene) -> Kind:
-    """Return the kind of a scene, which follows from its requirements."""
-    name = needs(scene).kind
+    """Return the kind of a scene, which follows from its requirements, and of a mechanism from its joints."""
+    name = SLIDING if isinstance(scene, Mechanism) and not turns(scene) else needs(scene).kind
     return next(kind for kind in KINDS if kind.name == name)
 
 
