@@ -14,6 +14,9 @@ Links are those of the adapter of MuJoCo, which compiles the model.
 
 Coordinates and frames are MuJoCo's: position (world), quaternion w x y z, velocity (world), angular velocity (body). MuJoCo
 Warp normalises the quaternion in every step, to the rounding of single precision.
+
+Mechanisms, with loops, are those of the adapter of MuJoCo too. MuJoCo computes the poses of bodies from the coordinates after a
+step.
 """
 
 from bodycheck.adapters.installation import Installation

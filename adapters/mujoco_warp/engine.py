@@ -13,8 +13,9 @@ from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as mujoco
+from bodycheck.adapters.mujoco.mechanisms import MODELS
 from bodycheck.adapters.mujoco.models import Joints
-from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs
+from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, mechanisms
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
@@ -47,7 +48,7 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(mjw.__version__),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | MODELS,
     variants={"plane": ("Euler:cone=elliptic",)},
     precision="float32",
     device=graphs.DEVICE,
@@ -56,6 +57,8 @@ engine = Engine(
 )
 
 calls = graphs.CALLS
+
+prepare_mechanism = mechanisms.prepare_mechanism
 
 
 def add_drag(drag: float, velocities: wp.array2d[float], forces: wp.array2d[float]) -> None:
