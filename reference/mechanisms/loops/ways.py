@@ -33,10 +33,10 @@ CAUTION = 8.0
 STAGES = 28
 
 #: Some seconds that a way may take. What an evaluation of its equations costs was measured on one core.
-MOST_SECONDS = 20.0
+MOST_SECONDS = 10.0
 
-#: The tolerance of the witness: it is asked for disagreements above some 1e-13.
-WITNESS_TOLERANCE = 1e-15
+#: The tolerances of the way and of the witness, which is asked for disagreements above some 1e-13.
+TOLERANCE, WITNESS_TOLERANCE = 1e-17, 1e-15
 
 
 def way(mechanism: Mechanism, times: Array) -> Way:
@@ -52,7 +52,8 @@ def way(mechanism: Mechanism, times: Array) -> Way:
         start,
         times,
         stages=STAGES,
-        most=int(MOST_SECONDS / (0.003 + 0.0012 * len(tree.elements))),
+        tolerance=TOLERANCE,
+        most=int(MOST_SECONDS / (0.0006 * len(tree.elements))),
         first=_first(joint_space.derivatives(tree, start[None])[0, tree.coordinates :], start[tree.coordinates :]),
         corrected=lambda state: joint_space.closed(tree, state),
     )
@@ -80,7 +81,7 @@ def witness(mechanism: Mechanism, times: Array) -> Way:
         start,
         times,
         stages=STAGES,
-        most=int(MOST_SECONDS / (0.006 * bodies + 2e-5 * bodies**3)),
+        most=int(MOST_SECONDS / (0.0007 * bodies**2)),
         tolerance=WITNESS_TOLERANCE,
         first=_first(rates, start[moving]),
     )
