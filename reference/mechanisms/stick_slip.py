@@ -84,10 +84,10 @@ class _Phase:
 def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
     """The links of a tree at times (n,) >= 0, s, in any order. Raises `OutOfReach`."""
     shape = shape_of(tree)
-    instants, order = np.unique(times, return_inverse=True)
+    instants, order = np.unique(np.append(0.0, times), return_inverse=True)
     with integrator_lock:
         rows, changes = _rows(tree, kind.array(instants), kind, _solver(shape, kind))
-    return Course(split(tree, rows[order], times, kind), changes)
+    return Course(split(tree, rows[order[1:]], times, kind), changes)
 
 
 @functools.cache
@@ -108,12 +108,12 @@ def _noting(crossings: list[tuple[int, Any]], place: int) -> Callable[[Any, Any,
 
 
 def _rows(tree: Tree, instants: WideArray, kind: FloatType, solver: _Solver) -> tuple[WideArray, tuple[Change, ...]]:
-    """The states (n, k) at ascending times (n,), and the changes."""
+    """The states (n, k) at ascending times (n,), the first of which is 0, and the changes."""
     state, changes = kind.array(start(tree)), list[Change]()
     moving = {place: int(np.sign(float(state[at]))) for place, at in _velocities(tree).items()}
     modes = settled(tree, state, moving)
-    phase = _Phase(instants[0] * 0, state, modes, _slipping(modes, moving))
-    rows = [state for instant in instants if instant <= phase.time]
+    phase = _Phase(instants[0], state, modes, _slipping(modes, moving))
+    rows = [state]
     while len(rows) < len(instants):
         crossing = _advanced(tree, kind, solver, phase, instants, rows)
         if crossing is None:

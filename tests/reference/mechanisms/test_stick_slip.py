@@ -46,6 +46,13 @@ def test_a_slider_stops_when_and_where_the_closed_form_says() -> None:
     assert stop.slope == pytest.approx(1.5, rel=1e-9)  # from a difference of states
 
 
+def test_instants_may_be_in_any_order_repeated_or_none() -> None:
+    mechanism, times = slider(start_velocity=(-3.0,)), np.array([3.0, 0.0, 0.5, 0.5])
+    found = follow(mechanism, times).position[:, 0].astype(float)
+    np.testing.assert_allclose(found, [-3.0, 0.0, -1.3125, -1.3125], atol=1e-18)
+    assert follow(mechanism, times[:0]).bodies.position.shape == (1, 0, 3)
+
+
 @pytest.mark.parametrize(("effort", "moved"), [(2.9, 0.0), (3.0, 0.0), (-3.5, -0.5)])
 def test_a_constant_effort_moves_a_slider_where_it_exceeds_the_friction(effort: float, moved: float) -> None:
     found = follow(slider(effort=effort), np.array([2.0]))
