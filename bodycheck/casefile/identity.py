@@ -14,8 +14,11 @@ NOT_PHYSICS = {"format", "name", "title", "source", "tags", "extremes", "ensembl
 
 
 def physics(case: Case) -> dict[str, Any]:
-    """Return the tables of a case file that affect the motion."""
-    return {name: value for name, value in tomllib.loads(case.text).items() if name not in NOT_PHYSICS}
+    """Return the tables of a case file that affect the motion; of the text of a model its SHA-256 digest."""
+    tables = {name: value for name, value in tomllib.loads(case.file_text).items() if name not in NOT_PHYSICS}
+    if stored := case.text.removeprefix(case.file_text):
+        tables["model"] = {**mapping(tables.get("model")), "sha256": sha256(stored.encode()).hexdigest()}
+    return tables
 
 
 def identity(case: Case) -> str:
@@ -24,11 +27,8 @@ def identity(case: Case) -> str:
 
 
 def keys(case: Case) -> dict[str, str]:
-    """Return the dotted keys of a case that affect the motion, with their values as JSON; of a model's text its digest."""
-    tables = physics(case)
-    if (stored := mapping(mapping(tables.get("model")).get("stored"))).get("text") is not None:
-        tables["model"]["stored"] = {"sha256": sha256(str(stored["text"]).encode()).hexdigest()}
-    return dict(_leaves(tables))
+    """Return the dotted keys of a case that affect the motion, with their values as JSON."""
+    return dict(_leaves(physics(case)))
 
 
 def changed_keys(base: Mapping[str, str], now: Mapping[str, str]) -> list[tuple[str, str | None, str | None]]:

@@ -3,6 +3,7 @@
 It says whether a mechanism has a motion at all. The truth of the motion is computed elsewhere.
 """
 
+import functools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -74,8 +75,9 @@ class Coordinate:
 WORLD_FRAME = Frame(np.eye(3, dtype=Wide), np.zeros(3, Wide), np.zeros(3, Wide), np.zeros(3, Wide))
 
 
+@functools.lru_cache(maxsize=4)
 def frames(mechanism: Mechanism) -> dict[int, Frame]:
-    """The frames of all bodies at the start by their places, with that of the world at `WORLD`."""
+    """The frames of all bodies at the start by their places, with that of the world at `WORLD`. They are not to be changed."""
     found = {WORLD: WORLD_FRAME}
     joint_of = mechanism.joint_of
     for place in _from_the_world(mechanism):

@@ -1,6 +1,6 @@
 """Check what only the start of a mechanism can tell: its mass matrix, loops, and numbers that would overflow."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -53,7 +53,7 @@ def _undetermined(mechanism: Mechanism, coordinates: tuple[start.Coordinate, ...
             )
 
 
-def _open_loops(mechanism: Mechanism, frames: dict[int, start.Frame]) -> Iterator[tuple[Path, str]]:
+def _open_loops(mechanism: Mechanism, frames: Mapping[int, start.Frame]) -> Iterator[tuple[Path, str]]:
     reach = max(np.abs(frame.origin).max() for frame in frames.values())
     fastest = max(np.abs(frame.velocity).max() for frame in frames.values())
     turning = max(np.abs(frame.spin).max() for frame in frames.values())
@@ -78,7 +78,7 @@ def _open_loops(mechanism: Mechanism, frames: dict[int, start.Frame]) -> Iterato
 
 
 def _too_large(
-    mechanism: Mechanism, frames: dict[int, start.Frame], coordinates: tuple[start.Coordinate, ...], duration: float
+    mechanism: Mechanism, frames: Mapping[int, start.Frame], coordinates: tuple[start.Coordinate, ...], duration: float
 ) -> Iterator[tuple[Path, str]]:
     """Yield quantities of the motion that are so large within a duration (s) that squares and products could overflow."""
     time, gravity, energy, mass, speed, way = (Wide(duration), Wide(mechanism.gravity), *[Wide(0)] * 4)

@@ -1,7 +1,9 @@
 """Whole robot models as mechanisms of case files, against the engine that reads them itself."""
 
 import math
+import random
 import tomllib
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,7 @@ from bodycheck.casefile.toml_text import written
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.start import centre, coordinates, frames
+from tests.support.mutants import mutant, wrong
 
 URDF = """\
 <robot name="arm">
@@ -171,7 +174,7 @@ def test_the_model_is_part_of_the_case(tmp_path: Path) -> None:
     other = load(case_file(tmp_path, URDF.replace("0.11", "0.111"), start("shoulder", position=0.4), "robot.urdf"))
     assert identity(other) != identity(case)
     changed = {key for key, value in keys(case).items() if keys(other)[key] != value}
-    assert changed == {"model.stored.sha256"}
+    assert changed == {"model.sha256"}
 
 
 def test_a_member_needs_no_model(tmp_path: Path) -> None:
@@ -274,3 +277,20 @@ def test_faults_of_starts_stand_in_the_case_file(tmp_path: Path) -> None:
     }
     with pytest.raises(CaseFaults, match=r"bodies: \[model\] is given too"):
         load(case_file(tmp_path, URDF, '[[bodies]]\nname = "a"\n', "robot.urdf"))
+
+
+@pytest.mark.parametrize("model", [URDF, MJCF], ids=["urdf", "mjcf"])
+def test_a_mutant_of_a_model_is_a_mechanism_or_has_faults_with_places(tmp_path: Path, model: str) -> None:
+    """Each fault is one printable line of the case file, whatever a stranger writes into the model."""
+    chance, path, ends = random.Random(5), case_file(tmp_path, model, ""), Counter[str]()
+    for _ in range(150):
+        name, content = mutant(chance, [model])
+        (tmp_path / "robot.xml").write_bytes(content)
+        problem, end = "", "case"
+        try:
+            load(path)
+        except CaseFaults as error:
+            problem, end = wrong(path, path.read_bytes(), error), "faults"
+        assert not problem, f"{name}: {problem}"
+        ends[end] += 1
+    assert min(ends["case"], ends["faults"]) > 20, ends
