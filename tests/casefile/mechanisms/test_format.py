@@ -1,8 +1,5 @@
 """Case files of format 2: what they make, and that every fault is told where it stands."""
 
-import math
-
-import numpy as np
 import pytest
 
 from bodycheck import CaseFaults
@@ -10,7 +7,7 @@ from bodycheck.casefile.case import parse
 from bodycheck.reference.definition import EulerAngles, EulerRates, Particle, Solid, Tensor
 from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism
-from bodycheck.reference.mechanisms.start import coordinates, frames
+from bodycheck.reference.mechanisms.start import coordinates
 from bodycheck.reference.scene import Brick, Sphere
 from tests.support.mechanism_texts import ALL_JOINTS, CART_POLE, FOUR_BAR
 
@@ -172,8 +169,7 @@ def test_point_masses_are_allowed_where_joints_hold_them() -> None:
     rod = CART_POLE.replace("inertia = [0.016, 0.017, 0.001]", "inertia = [0, 0, 0]")
     pin = coordinates(mechanism(rod))[-1]
     assert float(pin.locked) == pytest.approx(0.4 * 0.35**2, rel=1e-15)
-    # The cart is free to move along the rail: m l^2 - (m l cos 0.3)^2 / (M + m), with the cart's share taken last.
-    assert float(pin.loose) == float(pin.locked)
+    assert pin.loose == pin.locked, "no joint is behind it"
     ball = rod.replace('type = "revolute"', 'type = "spherical"').replace("axis = [0.0, 1.0, 0.0]\narmature", "armature")
     for key in ("armature", "stiffness", "rest", "friction", "effort"):
         ball = ball.replace(f"{key} = 0.0\n", "")
@@ -183,25 +179,9 @@ def test_point_masses_are_allowed_where_joints_hold_them() -> None:
     assert "has no moment of inertia" in faults(text)["10 bodies[2]"]
 
 
-def test_the_mass_matrix_by_its_pivots() -> None:
-    """The product of the pivots is the determinant of the mass matrix of cart and pole, as a textbook has it."""
-    rail, pin = coordinates(mechanism(CART_POLE))
-    m, length, about = 0.4, 0.35, 0.017 + 0.4 * 0.35**2
-    determinant = (2.3 + m) * about - (m * length * math.cos(0.3)) ** 2
-    assert float(rail.loose * pin.loose) == pytest.approx(determinant, rel=1e-14)  # a few roundings of doubles here
-
-
 def test_a_loop_must_close_and_stay_closed() -> None:
     assert mechanism(FOUR_BAR).loops[0].bodies == (1, 2)
     (told,) = faults(FOUR_BAR.replace("[0, 0, 1]]}]", "[0, 0, 1.1]]}]")).values()
     assert told.startswith("does not close at the start: its points are 0.1 m apart, at [1.29552, 0, 0.955336] and [1.32507, ")
     (told,) = faults(FOUR_BAR.replace("{position = -0.3, velocity = -1.0}", "{position = -0.3}")).values()
     assert told.startswith("does not stay closed: its points part with 1 m/s at the start")
-
-
-def test_frames_at_the_start() -> None:
-    """A slide and a hinge by hand: the pole leans by 0.3 about y on a cart that moves with 0.5 m/s."""
-    pole = frames(mechanism(CART_POLE))[1]
-    end = np.array([0.0, 0.0, 1.0], dtype=np.longdouble)
-    np.testing.assert_allclose(pole.point(end).astype(float), [math.sin(0.3), 0.0, 0.1 + math.cos(0.3)], rtol=1e-15)
-    np.testing.assert_allclose(pole.speed(end).astype(float), [0.5, 0.0, 0.0], rtol=1e-15)
