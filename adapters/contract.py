@@ -1,10 +1,10 @@
 """The contract between bodycheck and the adapter of an engine: a module, or any object, with the attributes of `Adapter`.
 
-An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Seven protocols are optional:
-`Mechanisms` for an adapter that can build bodies on joints, `Models` for one that can model a scene in several ways, `Contact`
-for one that knows the friction law and the load of its contacts, `Scripts` and `MechanismScripts` for one that can write a run
-as a script for the engine alone, `Calls` for one that names the functions of its engine which its steps call, and `Links` for
-one that can give its engine a body as links welded together.
+An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Eight protocols are optional:
+`Mechanisms` for an adapter that can build bodies on joints, `Models` and `MechanismModels` for one that can model a scene or a
+mechanism in several ways, `Contact` for one that knows the friction law and the load of its contacts, `Scripts` and
+`MechanismScripts` for one that can write a run as a script for the engine alone, `Calls` for one that names the functions of
+its engine which its steps call, and `Links` for one that can give its engine a body as links welded together.
 `bodycheck.adapters.offers` handles for all adapters misspelled methods, scenes that an engine cannot model, and several scenes
 for an engine that steps one scene at a time.
 
@@ -222,6 +222,15 @@ class Models(Protocol):
 
         The smallest model is exact except for the error of the time steps. The mapping is empty if there is no choice.
         """
+        ...
+
+
+@runtime_checkable
+class MechanismModels(Protocol):
+    """An adapter that can model a mechanism in several ways."""
+
+    def mechanism_models(self, mechanism: Mechanism, integrator: str) -> Mapping[str, Model]:
+        """Return the models of a mechanism on which an integrator can be run, as `Models.models` does those of a scene."""
         ...
 
 

@@ -21,12 +21,14 @@ import mujoco
 import numpy as np
 
 from bodycheck.adapters import flat_contact
+from bodycheck.adapters import mechanism_models as larger_mechanisms
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, Model, SceneUnsupported, Strides, choice
 from bodycheck.adapters.mujoco import INSTALLATION, bodies, contact, exporting, links, mechanism_xml, mechanisms
 from bodycheck.adapters.mujoco import models as scene_models
 from bodycheck.adapters.mujoco.compiling import compiled_model
 from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
 from bodycheck.adapters.mujoco.worlds import BATCH, Worlds
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
@@ -66,7 +68,7 @@ def available() -> tuple[str, ...]:
 def integrators() -> tuple[Integrator, ...]:
     """Return all known integrators; those that the installed release lacks are offered for no scene."""
     options = {
-        "model": choice(*dict.fromkeys((*scene_models.IN_FLIGHT, *scene_models.ON_PLANE)), kinds=KINDS - mechanism_xml.JOINTED),
+        "model": choice(*dict.fromkeys((*scene_models.IN_FLIGHT, *scene_models.ON_PLANE, *larger_mechanisms.ADDS))),
         "drag": choice("fluid", kinds=frozenset({"drag"})),
         **contact.OPTIONS,
         **mechanism_xml.OPTIONS,
@@ -115,6 +117,11 @@ engine = Engine(
 calls = CALLS
 
 prepare_mechanism, mechanism_script = mechanisms.prepare_mechanism, mechanisms.mechanism_script
+
+
+def mechanism_models(mechanism: Mechanism, integrator: str) -> dict[str, Model]:
+    """Return the models of a mechanism by name; a method with `model=` has no choice of models."""
+    return {} if Method.parse(integrator, 0.0).option("model") else larger_mechanisms.models(mechanism, integrator)
 
 
 def models(scene: Scene, integrator: str) -> dict[str, Model]:

@@ -22,7 +22,7 @@ An option that is not given is not written into the XML, and keeps the default o
 - eulerdamp: `disable` takes the damping of joints from the velocity before the step; else `Euler` takes it from the one after.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from xml.etree import ElementTree
 
@@ -57,6 +57,9 @@ PARTS: dict[str, tuple[tuple[str, str | None], ...]] = {
     "planar": (("slide", "1 0 0"), ("slide", "0 1 0"), ("hinge", "0 0 1")),
 }
 
+#: A ball as three hinges.
+THREE_HINGES = (("hinge", "1 0 0"), ("hinge", "0 1 0"), ("hinge", "0 0 1"))
+
 
 def document(mechanism: Mechanism, timestep: float, integrator: str, chosen: Mapping[str, str]) -> str:
     """Return the XML of a mechanism.
@@ -75,6 +78,7 @@ def document(mechanism: Mechanism, timestep: float, integrator: str, chosen: Map
     SceneUnsupported
         If an option does not fit the mechanism, or if MuJoCo would silently change it.
     """
+    hinges = chosen.get("model") == "three-hinges"
     check_options(mechanism, timestep, integrator, chosen)
     root = ElementTree.Element("mujoco")
     ElementTree.SubElement(root, "compiler", angle="radian", balanceinertia="false", inertiafromgeom="false")
@@ -90,7 +94,7 @@ def document(mechanism: Mechanism, timestep: float, integrator: str, chosen: Map
     for place in depth_first(mechanism):
         joint = mechanism.joint_of[place]
         parent = elements[WORLD if joint is None else joint.parent]
-        elements[place] = add_body(parent, mechanism.bodies[place], joint, friction)
+        elements[place] = add_body(parent, mechanism.bodies[place], joint, friction, hinges)
     add_loops(root, elements, mechanism, {key: chosen[key] for key in ("solref", "solimp") if key in chosen})
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding="unicode")
@@ -121,9 +125,12 @@ def check_options(mechanism: Mechanism, timestep: float, integrator: str, chosen
 
 
 def add_body(
-    parent: ElementTree.Element, body: JointedBody, joint: Joint | None, friction: Mapping[str, str]
+    parent: ElementTree.Element, body: JointedBody, joint: Joint | None, friction: Mapping[str, str], hinges: bool
 ) -> ElementTree.Element:
-    """Add a body, with its joints and its inertia, to the element of its parent, and return its element."""
+    """Add a body, with its joints and its inertia, to the element of its parent, and return its element.
+
+    hinges: whether a ball is three hinges.
+    """
     place = {"name": body.name}
     if joint is not None:
         place |= {"pos": numbers_written(*joint.position), "quat": numbers_written(*exact.nearest_turn(joint.attitude))}
@@ -131,7 +138,7 @@ def add_body(
     if joint is None or (joint.type == "free" and joint.parent == WORLD):
         ElementTree.SubElement(element, "freejoint", {} if joint is None else {"name": joint.name})
     else:
-        add_joints(element, joint, friction)
+        add_joints(element, joint, THREE_HINGES if hinges and joint.type == "spherical" else PARTS[joint.type], friction)
     inertia = exact.nearest_inertia(body)
     own = {"pos": numbers_written(*inertia.centre), "mass": numbers_written(inertia.mass)}
     if any(inertia.tensor[3:]):
@@ -142,9 +149,10 @@ def add_body(
     return element
 
 
-def add_joints(element: ElementTree.Element, joint: Joint, friction: Mapping[str, str]) -> None:
-    """Add MuJoCo's joints of a joint to the element of its child."""
-    parts = PARTS[joint.type]
+def add_joints(
+    element: ElementTree.Element, joint: Joint, parts: Sequence[tuple[str, str | None]], friction: Mapping[str, str]
+) -> None:
+    """Add MuJoCo's joints of a joint, given as in `PARTS`, to the element of its child."""
     given = {
         "armature": joint.armature,
         "damping": joint.damping,

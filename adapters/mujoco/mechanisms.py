@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 import mujoco
 import numpy as np
 
-from bodycheck.adapters import scripts
+from bodycheck.adapters import mechanism_models, scripts
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.mechanisms import frames, starts
 from bodycheck.adapters.mujoco.compiling import compiled_model
@@ -59,15 +59,25 @@ states = states_of(model, BODIES)
 
 def prepare_mechanism(mechanism: Mechanism, method: Method) -> Stepper:
     """Return the simulation of a mechanism at t = 0, as `Mechanisms.prepare_mechanism` does. Raises `SceneUnsupported`."""
-    model = compiled_model(document(mechanism, method.timestep, method.integrator, dict(method.options)))
+    mechanism, xml = described(mechanism, method)
+    model = compiled_model(xml)
     data = mujoco.MjData(model)
     begin(model, data, mechanism)
     return Stepper(model, data, states_of(model, [body.name for body in mechanism.bodies]))
 
 
+def described(mechanism: Mechanism, method: Method) -> tuple[Mechanism, str]:
+    """Return a mechanism as the model of a method has it, and its XML. Raises `SceneUnsupported`."""
+    chosen = dict(method.options)
+    mechanism_models.check(mechanism, chosen.get("model"))
+    if chosen.get("model") == "free-bodies":
+        mechanism = mechanism_models.free_bodies(mechanism)
+    return mechanism, document(mechanism, method.timestep, method.integrator, chosen)
+
+
 def mechanism_script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
     """Return a script for MuJoCo alone, as `MechanismScripts.mechanism_script` does. Raises `SceneUnsupported`."""
-    xml = document(mechanism, method.timestep, method.integrator, dict(method.options))
+    mechanism, xml = described(mechanism, method)
     model = compiled_model(xml)
     data = mujoco.MjData(model)
     begin(model, data, mechanism)
@@ -95,12 +105,15 @@ def begin(model: mujoco.MjModel, data: mujoco.MjData, mechanism: Mechanism) -> N
             continue
         first = model.body_jntadr[model.body(mechanism.bodies[place].name).id]
         at, by = model.jnt_qposadr[first], model.jnt_dofadr[first]
-        if model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE:
+        if joint is None or model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE:
             # Its coordinates are along the world's axes, not those of the joint's frame.
             start = origins[place]
             position, velocity = [*start.position, *start.quaternion], [*start.velocity, *start.angular_velocity]
         else:
-            position, velocity = (part.tolist() for part in held[mechanism.joints.index(joint)])
+            parts = held[mechanism.joints.index(joint)]
+            if joint.type == "spherical" and model.jnt_type[first] == mujoco.mjtJoint.mjJNT_HINGE:
+                parts = mechanism_models.hinge_motion(*parts)
+            position, velocity = (part.tolist() for part in parts)
         data.qpos[at : at + len(position)], data.qvel[by : by + len(velocity)] = position, velocity
         if joint is not None and joint.effort:
             data.qfrc_applied[by] = joint.effort

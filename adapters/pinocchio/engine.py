@@ -17,6 +17,7 @@ import numpy as np
 import pinocchio as pin
 
 from bodycheck.adapters import flat_contact
+from bodycheck.adapters import mechanism_models as larger_mechanisms
 from bodycheck.adapters.contract import Engine, Integrator, Link, Method, Model, SceneUnsupported, Simulation, choice
 from bodycheck.adapters.in_turn import InTurn
 from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting, flights, mechanisms
@@ -26,6 +27,7 @@ from bodycheck.adapters.pinocchio.joints import Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.errors import NotFlat
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.sliding.friction import friction
 from bodycheck.reference.sliding.motion import smallest_friction
@@ -59,7 +61,7 @@ def integrators() -> tuple[Integrator, ...]:
             stages,
             stages,
             frozenset({"flight", "drag", "mechanism"}),
-            {"model": choice(*scene_models.IN_FLIGHT, kinds=frozenset({"flight", "drag"})), **mechanisms.OPTIONS},
+            {"model": choice(*scene_models.IN_FLIGHT, *larger_mechanisms.ADDS), **mechanisms.OPTIONS},
             DEMONSTRATES.get(name, ""),
         )
         for name in SCHEMES
@@ -104,6 +106,11 @@ calls = tuple(
 )
 
 prepare_mechanism, mechanism_script = mechanisms.prepare_mechanism, mechanism_scripts.mechanism_script
+
+
+def mechanism_models(mechanism: Mechanism, integrator: str) -> dict[str, Model]:
+    """Return the models of a mechanism by name; a method with `model=` has no choice of models."""
+    return {} if Method.parse(integrator, 0.0).option("model") else larger_mechanisms.models(mechanism, integrator)
 
 
 def check_supported(scene: Scene, method: Method) -> None:

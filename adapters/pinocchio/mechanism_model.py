@@ -23,6 +23,7 @@ import numpy as np
 import pinocchio as pin
 
 from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.adapters.mechanism_models import hinge_motion
 from bodycheck.adapters.mechanisms import frames, starts
 from bodycheck.adapters.pinocchio.joints import UNIVERSE, to_pinocchio, world
 from bodycheck.reference.kinematics import conjugate, rotate
@@ -34,6 +35,9 @@ from bodycheck.reference.trajectory import Array
 
 #: A joint of Pinocchio: the name of its class after `JointModel`, and the numbers that it is made from.
 Kind = tuple[str, tuple[float, ...]]
+
+#: A ball as three hinges.
+THREE_HINGES: list[Kind] = [("RX", ()), ("RY", ()), ("RZ", ())]
 
 #: Whether the installed release has a universal joint.
 HAS_UNIVERSAL = hasattr(pin, "JointModelUniversal")
@@ -81,8 +85,11 @@ class Built:
     kinds: tuple[Kind, ...]
 
 
-def built(mechanism: Mechanism, body_twist: bool) -> Built:
-    """Return a mechanism on the joints of a scheme. Raises `SceneUnsupported` for armature in a release without it."""
+def built(mechanism: Mechanism, body_twist: bool, hinges: bool = False) -> Built:
+    """Return a mechanism on the joints of a scheme. Raises `SceneUnsupported` for armature in a release without it.
+
+    hinges: whether a ball is three hinges.
+    """
     model = world(mechanism.gravity)
     places = {WORLD: (UNIVERSE, pin.SE3.Identity())}
     q, v, kinds = list[float](), list[float](), list[Kind]()
@@ -93,14 +100,18 @@ def built(mechanism: Mechanism, body_twist: bool) -> Built:
         if joint is not None:
             frame = frame * placement(joint.position, exact.nearest_turn(joint.attitude))
             first[joint] = len(q), len(v)
-        for kind in joints_of(joint, body_twist):
+        for kind in THREE_HINGES if hinges and is_ball(joint) else joints_of(joint, body_twist):
             made = getattr(pin, f"JointModel{kind[0]}")(*kind[1])
             parent, frame = model.addJoint(parent, made, frame, f"{body.name} {model.njoints}"), pin.SE3.Identity()
             kinds.append(kind)
         if joint is None:
             position, velocity = free_start(origins[place], body_twist)
         else:
-            position, velocity = joint_start(joint, *held[mechanism.joints.index(joint)], body_twist)
+            parts = held[mechanism.joints.index(joint)]
+            if hinges and is_ball(joint):
+                position, velocity = (part.tolist() for part in hinge_motion(*parts))
+            else:
+                position, velocity = joint_start(joint, *parts, body_twist)
         q += position
         v += velocity
         model.appendBodyToJoint(parent, inertia_of(body), frame)
@@ -120,6 +131,11 @@ def add_armature(model: pin.Model, given: Sequence[tuple[int, float]]) -> None:
     for place, value in given:
         armature[place] = value
     model.armature = armature
+
+
+def is_ball(joint: Joint | None) -> bool:
+    """Return whether a joint is a ball."""
+    return joint is not None and joint.type == "spherical"
 
 
 def joints_of(joint: Joint | None, body_twist: bool) -> list[Kind]:

@@ -56,9 +56,9 @@ model.inertias[{place}] = pin.Inertia({mass!r}, np.array({lever}), np.array({ten
 
 def mechanism_script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
     """Return a script for Pinocchio alone, as `MechanismScripts.mechanism_script` does. Raises `SceneUnsupported`."""
-    mechanisms.check(mechanism, method)
+    mechanism = mechanisms.modelled(mechanism, method)
     scheme, body_twist = SCHEMES[method.integrator]
-    made = built(mechanism, body_twist)
+    made = built(mechanism, body_twist, method.option("model") == "three-hinges")
     dynamics = mechanisms.constrained if mechanism.loops else mechanisms.unconstrained
     needed = [transport, scheme] if scheme is rk4 else [scheme]
     return SCRIPT.format(

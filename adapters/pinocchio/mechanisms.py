@@ -16,6 +16,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from bodycheck.adapters import mechanism_models
 from bodycheck.adapters.contract import Method, Option, Range, SceneUnsupported
 from bodycheck.adapters.pinocchio.joints import UNIVERSE
 from bodycheck.adapters.pinocchio.mechanism_model import Built, built
@@ -45,9 +46,10 @@ OPTIONS = {
     )
 }
 
-#: Accuracy, regularisation and most iterations of `constraintDynamics`, as in Pinocchio's examples of closed chains. The
-#: regularisation allows for constraints that say the same twice, and the iterations remove its effect.
-ACCURACY = (1e-14, 1e-10, 20)
+#: Accuracy, regularisation and most iterations of `constraintDynamics`. The regularisation allows for constraints that say the
+#: same twice, and the iterations remove its effect. Much smaller, it leaves the rounding of redundant constraints, divided by it,
+#: in the accelerations; much larger, the iterations do not remove its effect near singular positions.
+ACCURACY = (1e-14, 1e-6, 20)
 
 #: Places of numbers in an array.
 Indices = NDArray[np.int64]
@@ -59,8 +61,8 @@ Ends = tuple[int, Array, int, Array]
 def prepare_mechanism(mechanism: Mechanism, method: Method) -> Loop[tuple[Array, Array]]:
     """Return the simulation of a mechanism at t = 0, as `Mechanisms.prepare_mechanism` does. Raises `SceneUnsupported`."""
     scheme, body_twist = SCHEMES[method.integrator]
-    check(mechanism, method)
-    made = built(mechanism, body_twist)
+    mechanism = modelled(mechanism, method)
+    made = built(mechanism, body_twist, method.option("model") == "three-hinges")
     model, nq = made.model, made.model.nq
     forces = forces_of(*joint_numbers(mechanism, made))
     if mechanism.loops:
@@ -76,12 +78,20 @@ def prepare_mechanism(mechanism: Mechanism, method: Method) -> Loop[tuple[Array,
     )
 
 
-def check(mechanism: Mechanism, method: Method) -> None:
-    """Raise `SceneUnsupported` for gains without loops, and for loops in a release without constraints between two bodies."""
+def modelled(mechanism: Mechanism, method: Method) -> Mechanism:
+    """Return a mechanism as the model of a method has it.
+
+    Raises `SceneUnsupported` for a model that is not there, for gains without loops, and for loops in a release without
+    constraints between two bodies.
+    """
+    mechanism_models.check(mechanism, method.option("model"))
+    if method.option("model") == "free-bodies":
+        mechanism = mechanism_models.free_bodies(mechanism)
     if method.option("baumgarte") and not mechanism.loops:
         raise SceneUnsupported(f"the option baumgarte={method.option('baumgarte')} for a mechanism without loops")
     if mechanism.loops and not hasattr(pin, "RigidConstraintModel"):
         raise SceneUnsupported(f"loops: Pinocchio {pin.__version__} has no constraints between two bodies")
+    return mechanism
 
 
 def joint_numbers(mechanism: Mechanism, made: Built) -> tuple[Array, Array, Array, Array, Array, Indices]:

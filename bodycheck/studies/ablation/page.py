@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from itertools import groupby
 
 from bodycheck.casefile.case import Case
-from bodycheck.reference.mechanisms.mechanism import alone
-from bodycheck.reference.requirements import Requirements, requirements
+from bodycheck.reference.mechanisms.requirements import MechanismRequirements
+from bodycheck.reference.requirements import Requirements, needs
 from bodycheck.reports.charts import INK, Spec, framed
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import assign
@@ -132,16 +132,18 @@ def part(case: Case, compared: Sequence[Sequence[ModelRow]]) -> Part:
     return Part(
         name=case.name,
         title=case.name,
-        texts=(f"{case.title}. {required(requirements(alone(case.scene)))}",),
+        texts=(f"{case.title}. {required(needs(case.scene))}",),
         charts=tuple(chart(rows) for rows in compared if any(row.relative_cost is not None for row in rows)),
         tables=tuple(tables),
     )
 
 
-def required(needs: Requirements) -> str:
+def required(found: Requirements | MechanismRequirements) -> str:
     """Return what a scene requires, as a sentence."""
-    names = [f"{needs.rotation} rotation" if name == "rotation" else name for name in needs.names()]
-    coordinates = count(needs.degrees_of_freedom, "degree") + " of freedom"
+    names = list(found.names())
+    if isinstance(found, Requirements):
+        names = [f"{found.rotation} rotation" if name == "rotation" else name for name in names]
+    coordinates = count(found.degrees_of_freedom, "degree") + " of freedom"
     if not names:
         return "The scene requires nothing, as the body is at rest."
     return f"The scene requires {listing(names)}: {coordinates}."

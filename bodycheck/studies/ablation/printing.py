@@ -37,6 +37,10 @@ def _microseconds(row: ModelRow) -> float | None:
     return scaled(1e6, row.time_per_step)
 
 
+def _apart(row: ModelRow) -> float | None:
+    return row.errors.get("constraint_error")
+
+
 #: The columns of the table.
 MODELS: tuple[Column[ModelRow], ...] = (
     attribute("case"),
@@ -48,5 +52,6 @@ MODELS: tuple[Column[ModelRow], ...] = (
     Column("relative_cost", "cost", _cost, lambda row: row.relative_cost),
     _change("position", "m", goes=3),
     _change("attitude", "rad", goes=1),
+    Column("constraint_error", "apart m", lambda row: figure_text(_apart(row)), _apart, goes=8),
     attribute("reason", goes=7, wraps=True),
 )

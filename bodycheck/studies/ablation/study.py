@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Engine, Method, Model, Models
+from bodycheck.adapters.contract import Engine, MechanismModels, Method, Model, Models
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import offered
 from bodycheck.casefile.case import Case
@@ -17,7 +17,8 @@ from bodycheck.judging import judgement
 from bodycheck.judging.convergence import common
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.kinematics import geodesic_angle, normalise
-from bodycheck.reference.mechanisms.mechanism import Mechanism, alone
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import distance
 from bodycheck.running import campaign, csv_tables, pool
@@ -66,8 +67,6 @@ def plan(
     BadInput
         As `bodycheck.running.plan.plan`, and if there are no models to compare.
     """
-    if mechanisms := [case.name for case in cases if isinstance(case.scene, Mechanism)]:
-        raise BadInput(f"{', '.join(mechanisms)}: models of a mechanism cannot be compared yet; allowed: cases of one body")
     steps = [part for timestep in timesteps or (DEFAULT_TIMESTEP,) for part in (timestep, timestep / 2)]
     check(cases, engines, integrators, steps)
     offered_models = models_of(cases, engines, integrators)
@@ -107,11 +106,15 @@ def with_models(asked: tuple[Case, str, tuple[str, ...]]) -> ModelsByMethod:
     """Return the models of a case's scene in an engine for the selected methods, by the spelling of the method."""
     case, engine, integrators = asked
     adapter = registry.load(engine)
-    if not isinstance(adapter, Models):
-        return {}
-    names = offered(registry.load(engine).engine, case.scene)
+    names = offered(adapter.engine, case.scene)
     wanted = {Method.parse(spelling, 0.0).name for spelling in integrators}
-    found = {name: dict(adapter.models(alone(case.scene), name)) for name in names}
+    match case.scene:
+        case Mechanism() as mechanism if isinstance(adapter, MechanismModels):
+            found = {name: dict(adapter.mechanism_models(mechanism, name)) for name in names}
+        case Scene() as scene if isinstance(adapter, Models):
+            found = {name: dict(adapter.models(scene, name)) for name in names}
+        case _:
+            return {}
     growing = {name: models for name, models in found.items() if models and (not wanted or name in wanted)}
     return growing if wanted else dict(list(growing.items())[:1])
 

@@ -63,7 +63,7 @@ def test_a_loop_moves_the_same_in_any_order_of_bodies(spelling: str) -> None:
     order = (0, 2, 1)
     given = after(four_bar(), spelling, 200)
     other = after(reordered(four_bar(), order), spelling, 200)
-    # Two hundred steps of an ill-conditioned redundant constraint, which is regularised with 1e-10.
+    # Two hundred steps with redundant constraints, whose rounding is divided by a regularisation of 1e-6.
     np.testing.assert_allclose(other, given[:, :, order], rtol=0, atol=1e-9)
 
 

@@ -1,0 +1,102 @@
+"""Larger models of a mechanism: the same motion with more coordinates than it needs.
+
+- `three-hinges`: each ball as three hinges, about x, then y, then z of the turned frame. They lock where the second angle is a
+  right angle.
+- `free-bodies`: every body free, held together by points that stay on points of other bodies: one for a ball, two for a hinge,
+  1 m apart on its axis, and three for a fixed joint.
+
+Both are for joints on which nothing acts: an engine has no damping of a ball's angular velocity by hinges, and no forces of
+joints between free bodies.
+"""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from bodycheck.adapters.contract import Model, SceneUnsupported
+from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.mechanisms import exact, kinematics
+from bodycheck.reference.mechanisms.mechanism import BodyStart, Joint, Loop, Mechanism
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.schemes.coordinates import angles
+from bodycheck.reference.trajectory import Array
+
+#: The models, from the smallest to the largest, with what each adds to the one before it.
+ADDS = {
+    "joints": "one joint of the engine for each joint, in its coordinates",
+    "three-hinges": "three hinges in place of each ball",
+    "free-bodies": "free bodies, held together by constraints at points",
+}
+
+_AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+
+
+def models(mechanism: Mechanism, integrator: str) -> dict[str, Model]:
+    """Return the models of a mechanism by name, as `MechanismModels.mechanism_models` does; none where there is no choice."""
+    there = [name for name in ADDS if lacking(mechanism, name) is None]
+    mark = "," if ":" in integrator else ":"
+    return {name: Model(f"{integrator}{mark}model={name}", ADDS[name]) for name in there} if len(there) > 1 else {}
+
+
+def lacking(mechanism: Mechanism, model: str) -> str | None:
+    """Return why there is no such model of a mechanism; None if there is."""
+    joints = mechanism.joints
+    if model == "three-hinges":
+        balls = [joint for joint in joints if joint.type == "spherical"]
+        if not balls:
+            return "there is no ball"
+        return "a ball has damping" if any(joint.damping for joint in balls) else None
+    if model == "free-bodies":
+        if other := sorted({joint.type for joint in joints} - {"revolute", "spherical", "fixed", "free"}):
+            return f"points do not make {' and '.join(other)} joints"
+        acting = any(joint.armature or joint.damping or joint.stiffness or joint.friction or joint.effort for joint in joints)
+        return "something acts on its joints" if acting else None
+    return None
+
+
+def check(mechanism: Mechanism, model: str | None) -> None:
+    """Raise `SceneUnsupported` if there is no such model of a mechanism."""
+    if model is None:
+        return
+    reason = lacking(mechanism, model) if model in ADDS else f"there are: {', '.join(ADDS)}"
+    if reason is not None:
+        raise SceneUnsupported(f"no model {model!r} of this mechanism: {reason}")
+
+
+def free_bodies(mechanism: Mechanism) -> Mechanism:
+    """Return a mechanism whose bodies are free and held together by loops in place of the joints."""
+    start = kinematics.initial(mechanism)
+    bodies = []
+    for place, body in enumerate(mechanism.bodies):
+        position, attitude, velocity, spin = (
+            tuple(part[place, 0].tolist())
+            for part in (start.position, start.quaternion, start.velocity, start.angular_velocity)
+        )
+        bodies.append(replace(body, start=BodyStart(position, attitude, velocity, spin)))
+    held = [loop for joint in mechanism.joints for loop in _held(joint)]
+    return replace(mechanism, bodies=tuple(bodies), joints=(), loops=(*held, *mechanism.loops))
+
+
+def _held(joint: Joint) -> list[Loop]:
+    """Return the points of a joint's child that stay on points of its parent."""
+    points: dict[str, tuple[Vector, ...]] = {
+        "spherical": ((0.0, 0.0, 0.0),),
+        "revolute": ((0.0, 0.0, 0.0), exact.nearest_axis(joint)),
+        "fixed": ((0.0, 0.0, 0.0), *_AXES),
+    }
+    turn, found = np.array(exact.nearest_turn(joint.attitude)), []
+    for point in points.get(joint.type, ()):
+        x, y, z = (np.array(joint.position) + rotate(turn, np.array(point))).tolist()
+        found.append(Loop((joint.parent, joint.child), ((x, y, z), point)))
+    return found
+
+
+def hinge_motion(position: Array, velocity: Array) -> tuple[Array, Array]:
+    """Return the angles and rates (3,) of three hinges from the quaternion (4,) and the angular velocity (3,) of a ball."""
+    w, x, y, z = position.tolist()
+    turned = angles((w, x, y, z))
+    _, b, c = turned
+    p, q, r = velocity.tolist()
+    first = (p * math.cos(c) - q * math.sin(c)) / math.cos(b)
+    return np.array(turned), np.array([first, p * math.sin(c) + q * math.cos(c), r - first * math.sin(b)])
