@@ -46,9 +46,9 @@ OPTIONS = {
     )
 }
 
-#: Accuracy, regularisation and most iterations of `constraintDynamics`. The regularisation allows for constraints that say the
-#: same twice, and the iterations remove its effect. Much smaller, it leaves the rounding of redundant constraints, divided by it,
-#: in the accelerations; much larger, the iterations do not remove its effect near singular positions.
+#: Accuracy, regularisation and most iterations of `constraintDynamics`. The regularisation allows for constraints that say
+#: the same twice, and the iterations remove its effect. Much smaller, it leaves the rounding of redundant constraints, divided
+#: by it, in the accelerations; much larger, the iterations do not remove its effect near singular positions.
 ACCURACY = (1e-14, 1e-6, 20)
 
 #: Places of numbers in an array.
