@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from bodycheck.reference.kinematics import geodesic_angle
+from bodycheck.reference.kinematics import geodesic_angle, multiply
 from bodycheck.reference.trajectory import Array
 from bodycheck.reports.series import corners
 
@@ -175,11 +175,13 @@ def played(track: Turning, t: Array) -> tuple[Array, Array]:
     h = (track.t[span + 1] - track.t[span])[:, None]
     s = (t - track.t[span])[:, None] / h
     knots = Rotation.from_rotvec(track.turn)
-    whole = (knots[span].inv() * knots[span + 1]).as_rotvec()
-    start, stop = h * track.rate[span], h * _derivative(whole, track.rate[span + 1])
+    turns = (knots[:-1].inv() * knots[1:]).as_rotvec()
+    whole = turns[span]
+    start, stop = h * track.rate[span], h * _derivative(turns, track.rate[1:])[span]
     vector = (s - 2 * s**2 + s**3) * start + (3 * s**2 - 2 * s**3) * whole + (s**3 - s**2) * stop
     change = (1 - 4 * s + 3 * s**2) * start + (6 * s - 6 * s**2) * whole + (3 * s**2 - 2 * s) * stop
-    return (knots[span] * Rotation.from_rotvec(vector)).as_quat(scalar_first=True), _rate(vector, change / h)
+    within = Rotation.from_rotvec(vector).as_quat(scalar_first=True)
+    return multiply(knots.as_quat(scalar_first=True)[span], within), _rate(vector, change / h)
 
 
 def checked(samples: int) -> NDArray[np.intp]:
