@@ -2,6 +2,7 @@
 
 import json
 import re
+import tomllib
 from typing import Any
 
 import pytest
@@ -21,6 +22,7 @@ from bodycheck.casefile.ensemble import (
     Uniform,
 )
 from bodycheck.casefile.identity import identity
+from bodycheck.casefile.toml_text import written
 from bodycheck.casefile.values import MAX_CHOICES, MAX_MEMBERS, MAX_VARIATIONS
 from tests.support.ensemble_texts import (
     BRICK,
@@ -334,10 +336,9 @@ def test_an_ensemble_is_not_part_of_the_physics() -> None:
     assert identity(parse(ensemble_of(BRICK, attitude()), "f")) == identity(parse(BRICK, "f"))
 
 
-def test_shipped_cases_of_one_body_have_none_and_can_have_one(case_of_one_body: Case) -> None:
-    text = ensemble_of(
-        load(case_of_one_body.name).text, normal("initial.angular_velocity", 0, 1), uniform("run.duration", 1, 2)
-    )
+def test_shipped_cases_of_one_body_can_have_one(case_of_one_body: Case) -> None:
+    alone = {key: value for key, value in tomllib.loads(load(case_of_one_body.name).text).items() if key != "ensemble"}
+    text = ensemble_of(written(alone), normal("initial.angular_velocity", 0, 1), uniform("run.duration", 1, 2))
     ensemble = parse(text, "f").ensemble
     assert ensemble is not None
     assert len(ensemble.vary) == 2

@@ -11,6 +11,7 @@ import pytest
 from bodycheck import load
 from bodycheck.casefile.case import Case, parse, shipped
 from bodycheck.casefile.expectation import Limit
+from bodycheck.casefile.toml_text import written
 from bodycheck.errors import BadInput
 from bodycheck.reference.exact.numbers import Real, Wide, real
 from bodycheck.reference.exact.start import start
@@ -255,6 +256,15 @@ def test_columns_of_single_numbers_are_put_together() -> None:
     assert all(np.array_equal(found[key], values[key]) for key in values)
 
 
+def test_the_shipped_ensemble_has_valid_members() -> None:
+    """Its case itself is cheap to run: the table `[ensemble]` adds nothing to it."""
+    case = load("ensemble-of-bricks")
+    source = members.drawn(case)
+    members.check(case, source)
+    assert isinstance(members.scenes(case, source.values(0, source.size)), Scenes)
+    assert case.duration * case.samples < load("free-brick").duration * load("free-brick").samples
+
+
 def test_a_case_without_an_ensemble_has_no_members() -> None:
     with pytest.raises(BadInput, match=r"spin: has no table \[ensemble\]"):
         members.drawn(parse(a_case(), "f"))
@@ -275,7 +285,7 @@ def limits_of(case: Case) -> set[tuple[str, str, Limit]]:
 @pytest.mark.parametrize("name", shipped())
 def test_members_of_shipped_cases_are_cases(name: str) -> None:
     """With all else that is not about many members: longer ones have all limits, shorter ones those that can fail."""
-    text = load(name).text
+    text = written({key: value for key, value in tomllib.loads(load(name).text).items() if key != "ensemble"})
     long = load(name).duration
     for low, high in ((long, 2 * long), (0.001 * long, 0.002 * long)):
         case = parse(ensemble_of(text, uniform("run.duration", low, high)), "f")
