@@ -8,6 +8,7 @@ import numpy as np
 
 from bodycheck.adapters.contract import Link
 from bodycheck.adapters.links import tensor
+from bodycheck.adapters.quiet import no_stderr
 from bodycheck.reference.kinematics import normalise
 
 #: The kinetic energy (J) above which the next acceleration may overflow.
@@ -16,7 +17,8 @@ LARGEST_ENERGY_J = 1e200
 
 def inertia(link: Link) -> "dart.dynamics.Inertia":
     """Return the mass, the centre of mass and the inertia of a link."""
-    return dart.dynamics.Inertia(link.mass, link.center_of_mass, tensor(link))
+    with no_stderr():  # DART warns of moments of zero, and takes them
+        return dart.dynamics.Inertia(link.mass, link.center_of_mass, tensor(link))
 
 
 def pose(position: Sequence[float], quaternion: Sequence[float]) -> Any:

@@ -34,10 +34,10 @@ coordinates are the position of its origin. An integrator's error of a centre of
 Mechanisms have Drake's own joint for each type, in both plants; the module `mechanisms` says which, and with what elements.
 With all integrators the observed order on joints of every type is the one claimed, with damping, armature, springs and efforts
 too. The discrete plant takes damping at the end of a step, springs and efforts at its beginning. A spherical joint has roll,
-pitch and yaw as coordinates: at a pitch of a right angle it fails. Drake has no dry friction of joints, and loops only in the
-discrete plant with the solver SAP. Two faults of 1.51 are avoided: a ball constraint on the body of the world itself ends the
-process, and `cenic` leaves the poses before its last step in the cache of the context, so that states are read from a context
-of their own.
+pitch and yaw as coordinates: at a pitch of a right angle it fails, and near it errors are a hundred times those of quaternions.
+Drake has no dry friction of joints, and loops only in the discrete plant with the solver SAP. Two faults of 1.51 are avoided: a
+ball constraint on the body of the world itself ends the process, and `cenic` leaves the poses before its last step in the cache
+of the context, so that states are read from a context of their own.
 
 Drake's integrators treat a quaternion as four numbers and never normalise it, except cenic, which does so in every step. Drake
 divides by the norm where it uses a quaternion, and the velocities do not depend on it. The adapter hands over unit quaternions,

@@ -26,8 +26,9 @@ bodies in maximal coordinates, because Rapier takes no initial velocity of bodie
 
 Mechanisms are bodies that Rapier's impulse joints hold together (module `mechanisms`): revolute, prismatic, spherical and fixed
 ones. Its joints of bodies in reduced coordinates are not used, because these take no initial velocities. The order is one.
-Joints and loops come apart by some hundredths of a millimetre with steps of 1 ms. Damping and springs are motors, which act at
-the end of a step. Rapier has no armature, no constant force and no dry friction in a joint.
+Joints and loops of bodies of one size come apart by some hundredths of a millimetre with steps of 1 ms, but those of a fast top
+on light rings, as in the case `lagrange-top-hinges`, by metres. Damping and springs are motors, which act at the end of a step.
+Rapier has no armature, no constant force and no dry friction in a joint.
 
 Rapier quarantines a body whose state is no longer finite, which the adapter reports as a reset. Rapier's bodies in reduced
 coordinates need a joint between two bodies, which a free body does not have.
