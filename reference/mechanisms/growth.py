@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bodycheck.reference.bounds import STATES
+from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.mechanism import BodyStart, Mechanism
 from bodycheck.reference.mechanisms.ways import Follow, Motion, apart, letters, reach, sizes
@@ -67,7 +68,8 @@ def growth(mechanism: Mechanism, follow: Follow, base: Motion, t: Array) -> Grow
     mechanism
         The mechanism.
     follow
-        How a mechanism is followed in double precision, from t = 0 on. It may raise `OutOfReach`.
+        How a mechanism is followed in double precision, from t = 0 on. A nudged motion for which it raises `OutOfReach` does
+        not count.
     base
         The motion at the instants in double precision.
     t
@@ -117,7 +119,10 @@ def _deviations(
     for _ in range(MOST_PIECES):
         if first + 1 >= len(t) or grown >= LARGEST:
             return
-        nudged = follow(start, t[first:] - t[first])
+        try:
+            nudged = follow(start, t[first:] - t[first])
+        except OutOfReach:  # such as a nudge that leaves undecided whether a joint sticks
+            return
         found = apart(mechanism, nudged, base.part(slice(first, None)))
         relative = np.max([found[name] / units[name] for name in STATES], axis=0)
         large = np.flatnonzero(relative[1:] > SMALL)
