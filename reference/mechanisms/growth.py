@@ -23,7 +23,7 @@ from bodycheck.reference.trajectory import Array, Trajectory
 NUDGE = 2.0**-30
 
 #: Deviation, relative to the sizes, up to which it is proportional to the nudge.
-SMALL = 1e-4
+SMALL = 1e-2
 
 #: When motions are nudged, as parts of the duration, twice at the start in different directions.
 STARTS = (0.0, 0.0, 1 / 3, 2 / 3)

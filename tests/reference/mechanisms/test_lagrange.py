@@ -1,18 +1,24 @@
 """The witness of a mechanism by its Lagrangian."""
 
+import ast
+
 import numpy as np
 import pytest
 import sympy
 
+from bodycheck.reference.definition import EulerAngles, Given, Particle, Solid
 from bodycheck.reference.errors import NotModelled
-from bodycheck.reference.mechanisms import kinematics, lagrange, observables
+from bodycheck.reference.mechanisms import exact, kinematics, lagrange, observables
 from bodycheck.reference.mechanisms.coordinates import JointMotion
+from bodycheck.reference.mechanisms.lagrangian.border import border
 from bodycheck.reference.mechanisms.lagrangian.differentiation import Tape, along, made
 from bodycheck.reference.mechanisms.lagrangian.equations import derived, parts_of
 from bodycheck.reference.mechanisms.lagrangian.mass_matrix import mass_matrix
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Loop, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Loop, Mechanism
+from bodycheck.reference.scene import Brick, Sphere
 from bodycheck.reference.trajectory import Array, Trajectory
+from tests.support import ROOT
 from tests.support.jointed import body, cart_pole, tree
 
 #: A random state for the comparison with SymPy.
@@ -185,3 +191,40 @@ def test_the_mass_matrix_is_the_derivative_of_the_momenta() -> None:
     # Some tens of roundings of entries of the order of one.
     np.testing.assert_allclose(found[::2], found[1::2], atol=1e-13)
     assert len(entries) > 100
+
+
+def test_the_witness_shares_no_code_with_the_recursion() -> None:
+    room = ROOT / "reference" / "mechanisms"
+    allowed = ("mechanism", "lagrangian.", "lagrangian")
+    for path in [room / "lagrange.py", *(room / "lagrangian").glob("*.py")]:
+        for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+            module = (node.module or "") if isinstance(node, ast.ImportFrom) else ""
+            own = module.removeprefix("bodycheck.reference.")
+            assert not own.startswith("exact"), f"{path.name} imports {module}"
+            if own.startswith("mechanisms."):
+                assert own.removeprefix("mechanisms.").startswith(allowed), f"{path.name} imports {module}"
+
+
+@pytest.mark.parametrize(
+    "made_of",
+    [
+        (Particle(0.3, (0.1, 0.2, -0.3)), Particle(0.7, (0.4, -0.5, 0.6))),
+        (
+            Solid(Brick((0.1, 0.2, 0.3)), 0.7, (0.1, 0.0, -0.1), EulerAngles(0.3, 0.4, 0.5)),
+            Solid(Sphere(0.2), 0.3, (-0.2, 0.1, 0.4)),
+        ),
+        Solid(Brick((0.1, 0.2, 0.3)), 0.7, (0.1, 0.2, -0.1), (0.9, 0.1, -0.3, 0.2)),
+    ],
+    ids=["particles", "solids", "solid"],
+)
+def test_the_witness_reads_a_body_as_the_recursion_does(made_of: Given) -> None:
+    one = JointedBody("one", made_of)
+    expected = exact.inertia(one)
+    hinge = Joint("hinge", "revolute", WORLD, 0, axis=(0.0, 0.0, 1.0), start=(0.0,), start_velocity=(0.0,))
+    (carried,) = border(Mechanism((one,), (hinge,))).elements[0].carried
+    xx, yy, zz, xy, xz, yz = expected.tensor
+    rows = [xx, xy, xz, xy, yy, yz, xz, yz, zz]
+    # Both have a hundred digits.
+    assert max(abs(a - b) for a, b in zip([v for row in carried.tensor for v in row], rows, strict=True)) < 1e-90
+    assert max(abs(a - b) for a, b in zip(carried.centre, expected.centre, strict=True)) < 1e-90
+    assert abs(carried.mass - expected.mass) < 1e-90
