@@ -97,7 +97,7 @@ def _solver(shape: Shape, kind: FloatType) -> _Solver:
         hy.nt_event(margin, _noting(crossings, place), direction=hy.event_direction.negative, fp_type=kind.dtype)
         for place, margin in zip(shape.dry, equations.margins, strict=True)
     ]
-    return _Solver(compiled(equations.system, kind.dtype, kind.bits, events=events), crossings)
+    return _Solver(compiled(equations.system, kind.dtype, kind.bits, large=shape.large, events=events), crossings)
 
 
 def _noting(crossings: list[tuple[int, Any]], place: int) -> Callable[[Any, Any, int], None]:

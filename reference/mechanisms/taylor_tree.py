@@ -12,17 +12,13 @@ from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
 from bodycheck.reference.mechanisms.tree import Tree
 from bodycheck.reference.mechanisms.tree_equations import Shape, parameters, shape_of, written
 
-#: Up to this many links the code is optimised: that of forty in space would take half a minute to compile, that of two hundred
-#: several minutes, instead of fifteen seconds.
-MOST_OPTIMISED = 24
-
 
 def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
     """The links of a tree at times (n,) >= 0, s, in any order. Raises `OutOfReach`."""
     if any(link.friction for link in tree.links):
         return stick_slip.followed(tree, times, kind)
-    large = len(tree.links) > MOST_OPTIMISED
-    solver = integrator(_equations(shape_of(tree)), kind.dtype, kind.bits, large=large)
+    shape = shape_of(tree)
+    solver = integrator(_equations(shape), kind.dtype, kind.bits, large=shape.large)
     rows = solve(solver, kind.array(start(tree)), kind.array(parameters(tree)), times)
     return Course(split(tree, rows, times, kind), ())
 

@@ -12,7 +12,7 @@ import heyoka as hy
 
 from bodycheck.reference.exact.numbers import MP, Real
 from bodycheck.reference.integration.heyoka_solver import Equations
-from bodycheck.reference.mechanisms.articulated import Constants, Kind
+from bodycheck.reference.mechanisms.articulated import FREEDOMS, Constants, Kind
 from bodycheck.reference.mechanisms.link_states import SIZES, Form, derivatives, places_of_rates
 from bodycheck.reference.mechanisms.tree import Link, Tree
 
@@ -25,6 +25,10 @@ _SIZES = {"turn": 9, "offset": 3, "moment": 3, "tensor": 6, "differences": 3}
 #: The fields whose ones are known when the equations are written, and those that change with what a dry joint does.
 _WITH_ONES = ("turn", "moves")
 _CHANGING = ("force", "moves")
+
+#: Up to this many coordinates the code is optimised, which takes up to ten seconds. That of forty hinges in space would take
+#: half a minute, and that of two hundred several minutes; without it, these are compiled in fifteen seconds.
+MOST_OPTIMISED = 24
 
 #: Velocity (rad/s or m/s) that is added to that of a joint which begins to slip from zero, since heyoka does not find the roots
 #: of a function after one at the very beginning of a step.
@@ -43,6 +47,11 @@ class Shape:
     marks: tuple[tuple[Mark, ...], ...]
     gravity: tuple[Mark, ...]
     dry: tuple[int, ...]
+
+    @property
+    def large(self) -> bool:
+        """Whether the equations are too many for optimised code."""
+        return sum(len(FREEDOMS[kind]) for kind, _ in self.links) > MOST_OPTIMISED
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from tests.support.jointed import body, cart_pole, four_bar, free_chain, tree
 
 hy = pytest.importorskip("heyoka")
 
-from bodycheck.reference.mechanisms.taylor_tree import MOST_OPTIMISED  # noqa: E402
+from bodycheck.reference.mechanisms.tree_equations import MOST_OPTIMISED  # noqa: E402
 
 TIMES = np.linspace(0.0, 2.0, 21)
 
