@@ -43,9 +43,10 @@ FORCES = [
 
 {source}
 
+data = model.createData()
 forces = forces_of(*FORCES)
 {acceleration}
-states = states_of(model, PLACES, CENTRES)
+states = states_of(model, data, PLACES, CENTRES)
 step_length = np.full(model.nv, TIMESTEP)
 {loop}"""
 
@@ -113,13 +114,13 @@ def armature_line(mechanism: Mechanism, made: Built) -> str:
 def acceleration_line(mechanism: Mechanism, made: Built, method: Method) -> str:
     """Return the line that defines the accelerations."""
     if not mechanism.loops:
-        return "acceleration = unconstrained(model, forces)"
+        return "acceleration = unconstrained(model, data, forces)"
     ends = ", ".join(
         f"({one}, {array(point)}, {other}, {array(second)})"
         for one, point, other, second in mechanisms.ends_of(mechanism, made)
     )
     gains, accuracy = mechanisms.gains_of(method), mechanisms.ACCURACY
-    return f"acceleration = constrained(model, forces, [{ends}], {gains}, {accuracy})"
+    return f"acceleration = constrained(model, data, forces, [{ends}], {gains}, {accuracy})"
 
 
 def placed(frame: pin.SE3) -> str:

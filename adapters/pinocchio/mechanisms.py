@@ -51,6 +51,9 @@ OPTIONS = {
 #: by it, in the accelerations; much larger, the iterations do not remove its effect near singular positions.
 ACCURACY = (1e-14, 1e-6, 20)
 
+#: Pinocchio's data have some eight arrays of numbers with the third power of the number of velocities. Most bytes for them.
+TENSORS, MOST_MEMORY = 8, 2 * 2**30
+
 #: Places of numbers in an array.
 Indices = NDArray[np.int64]
 
@@ -64,18 +67,28 @@ def prepare_mechanism(mechanism: Mechanism, method: Method) -> Loop[tuple[Array,
     mechanism = modelled(mechanism, method)
     made = built(mechanism, body_twist, method.option("model") == "three-hinges")
     model, nq = made.model, made.model.nq
-    forces = forces_of(*joint_numbers(mechanism, made))
+    check_memory(model)
+    data, forces = model.createData(), forces_of(*joint_numbers(mechanism, made))
     if mechanism.loops:
-        acceleration = constrained(model, forces, ends_of(mechanism, made), gains_of(method), ACCURACY)
+        acceleration = constrained(model, data, forces, ends_of(mechanism, made), gains_of(method), ACCURACY)
     else:
-        acceleration = unconstrained(model, forces)
-    step, rows = np.full(model.nv, method.timestep), states_of(model, made.places, centres_of(mechanism))
+        acceleration = unconstrained(model, data, forces)
+    step, rows = np.full(model.nv, method.timestep), states_of(model, data, made.places, centres_of(mechanism))
     return Loop(
         (made.q, made.v),
         lambda state: scheme(model, acceleration, *state, step),
         lambda state: np.concatenate(state),
         lambda seen: rows(seen[:, :nq], seen[:, nq:]),
     )
+
+
+def check_memory(model: pin.Model) -> None:
+    """Raise `SceneUnsupported` for a model whose data take more than `MOST_MEMORY`, for which a process might be ended."""
+    if (needed := TENSORS * 8 * model.nv**3) > MOST_MEMORY:
+        size = f"{needed / 2**30:.1f} GiB"
+        raise SceneUnsupported(
+            f"{model.nv} velocities of joints: Pinocchio's data of such a mechanism take some {size} of memory"
+        )
 
 
 def modelled(mechanism: Mechanism, method: Method) -> Mechanism:
@@ -120,9 +133,8 @@ def forces_of(
     return forces
 
 
-def unconstrained(model: pin.Model, forces: Callable[[Array, Array], Array]) -> Acceleration:
+def unconstrained(model: pin.Model, data: pin.Data, forces: Callable[[Array, Array], Array]) -> Acceleration:
     """Return the accelerations of a mechanism without loops by the articulated-body algorithm."""
-    data = model.createData()
     return lambda q, v: pin.aba(model, data, q, v, forces(q, v))
 
 
@@ -147,13 +159,14 @@ def gains_of(method: Method) -> tuple[float, float] | None:
 
 def constrained(
     model: pin.Model,
+    data: pin.Data,
     forces: Callable[[Array, Array], Array],
     ends: Sequence[Ends],
     gains: tuple[float, float] | None,
     accuracy: tuple[float, float, int],
 ) -> Acceleration:
     """Return the accelerations of a mechanism with loops, whose ends are given."""
-    data, constraints, datas = model.createData(), pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+    constraints, datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
     for one, point, other, second in ends:
         pair = one, pin.SE3(np.eye(3), point), other, pin.SE3(np.eye(3), second)
         constraint = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, *pair, pin.ReferenceFrame.LOCAL)
@@ -176,12 +189,13 @@ def centres_of(mechanism: Mechanism) -> Array:
     return np.array([exact.nearest_inertia(body).centre for body in mechanism.bodies])
 
 
-def states_of(model: pin.Model, places: Sequence[tuple[int, pin.SE3]], centres: Array) -> Callable[[Array, Array], Array]:
+def states_of(
+    model: pin.Model, data: pin.Data, places: Sequence[tuple[int, pin.SE3]], centres: Array
+) -> Callable[[Array, Array], Array]:
     """Return the function from q (n, nq) and v (n, nv) at n instants to the states (n, bodies, 13) of bodies.
 
     places: the joint of each body, and the body's frame in that of the joint. centres: (bodies, 3) in the bodies' frames (m).
     """
-    data = model.createData()
 
     def rows(q: Array, v: Array) -> Array:
         poses, twists = np.empty((len(q), len(centres), 7)), np.empty((len(q), len(centres), 6))

@@ -93,3 +93,22 @@ def uneven_four_bar() -> Mechanism:
 def test_a_correction_without_loops_is_refused() -> None:
     with pytest.raises(SceneUnsupported, match="baumgarte=100 20 for a mechanism without loops"):
         after(cart_pole(), "rk4:baumgarte=100 20", 1)
+
+
+def test_a_mechanism_that_would_fill_the_memory_is_refused() -> None:
+    """Two hundred balls have six hundred velocities, and Pinocchio's data grow with the third power of their number."""
+    bodies = tuple(body(f"rod {number}", 1.0, (0.01, 0.1, 0.1), (0.5, 0.0, 0.0)) for number in range(200))
+    joints = tuple(
+        Joint(
+            f"ball {child}",
+            "spherical",
+            child - 1,
+            child,
+            (1.0, 0.0, 0.0),
+            start=(1.0, 0.0, 0.0, 0.0),
+            start_velocity=(0.0,) * 3,
+        )
+        for child in range(200)
+    )
+    with pytest.raises(SceneUnsupported, match="600 velocities of joints"):
+        after(Mechanism(bodies, joints), "rk4", 1)
