@@ -13,6 +13,13 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 #: Smallest pivot of the mass matrix relative to the element of its diagonal; a smaller one is rounding of the file's numbers.
 MIN_PIVOT = 1e-15
 
+#: Largest ratio of all masses times the square of the largest distance to an inertia that is turned against: sums of both are
+#: formed with a hundred digits.
+MAX_RATIO = 1e60
+
+#: The types of joints of which only angles count.
+TURNING = ("revolute", "universal", "spherical")
+
 #: How far apart the points of a loop may be, relative to the lengths around it, and how fast they may part, relative to the
 #: speeds: what the decimals of a file leave.
 LOOP_TOLERANCE = 1e-12
@@ -22,11 +29,12 @@ def check_start(mechanism: Mechanism, duration: float) -> None:
     """Refuse a mechanism without a motion, or with one that is too large. duration: of the run (s).
 
     Raises `Inconsistent` for a mass matrix in joint coordinates that is not positive definite at the start, loops that do not
-    close or do not stay closed, and quantities above `MAX_SIZE`.
+    close or do not stay closed, inertias that are too small beside the others, and quantities above `MAX_SIZE`.
     """
     frames, coordinates = start.frames(mechanism), start.coordinates(mechanism)
     faults = [*_undetermined(mechanism, coordinates), *_open_loops(mechanism, frames)]
     if not faults:
+        faults += _out_of_scale(mechanism, frames, coordinates)
         faults += _too_large(mechanism, frames, coordinates, duration)
     if faults:
         raise Inconsistent(*faults)
@@ -74,6 +82,26 @@ def _open_loops(mechanism: Mechanism, frames: Mapping[int, start.Frame]) -> Iter
             yield (
                 ("loops", index),
                 f"does not stay closed: its points part with {speed:.6g} m/s at the start; the initial velocities must fit",
+            )
+
+
+def _out_of_scale(
+    mechanism: Mechanism, frames: Mapping[int, start.Frame], coordinates: tuple[start.Coordinate, ...]
+) -> Iterator[tuple[Path, str]]:
+    """Yield joints about which the inertia is so small that sums with those of the whole mechanism lose it."""
+    mass = sum(start.mass(body) for body in mechanism.bodies)
+    reach = max(max(_length(frames[place].origin), _length(start.centre(body))) for place, body in enumerate(mechanism.bodies))
+    told: set[int] = set()
+    for coordinate in coordinates:
+        joint = coordinate.joint
+        if joint is None or joint in told or mechanism.joints[joint].type not in TURNING:
+            continue
+        if mass * reach**2 > MAX_RATIO * coordinate.locked:
+            told.add(joint)
+            yield (
+                ("joints", joint),
+                f"the inertia about it is {coordinate.locked:.3g} kg m^2, and all masses times the square of the largest "
+                f"distance are {mass * reach**2:.3g} kg m^2; their ratio may be at most {MAX_RATIO:g}",
             )
 
 

@@ -155,6 +155,7 @@ duration = 4.0
         ("inertia = [0.016, 0.017, 0.001]", "inertia = [0, 0, 0.001]", "14 bodies[2].inertia", "no body has these moments"),
         (f"{CENTRE}\ninertia = [0.016, 0.017, 0.001]", "inertia = [0, 0, 0]", "22 joints[2]", "mass matrix"),
         ('type = "revolute"', 'type = "spherical"', "29 joints[2].axis", "unknown key; allowed: name, parent"),
+        ("position = [0.0, 0.0, 0.1]", "position = [0.0, 0.0, 1e40]", "23 joints[2]", "their ratio may be at most 1e+60"),
         ("velocity = 0.5", "velocity = 1e99", "5 bodies", "its kinetic energy at the start is 1.35e+198 J"),
     ],
 )  # fmt: skip
