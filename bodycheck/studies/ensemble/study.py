@@ -111,21 +111,27 @@ def run(
     folder = folder.resolve()
     with _held(folder, executor):
         head = headers.begin(folder, head, case)
-        work = work_of(head, case, source)
-        everything = cut(work, case, shares, blocks, executor.chunks)
-        done = _done(folder, head)
-        pieces = [piece for chunk in everything for piece in chunks.left(chunk, done.get(chunk.share.engine, ()))]
-        if there := sum(chunk.rows for chunk in everything) - sum(piece.rows for piece in pieces):
-            progress("", there)
-        with contextlib.closing(executor(partial(carry_out, folder=folder), pieces)) as receipts:
-            for place, receipt in enumerate(receipts):
-                if place == 0:
-                    _await(folder, head, [receipt])
-                progress(receipt.name, receipt.rows)
-        if executor.whole:
-            _await(folder, head, pieces)
-            result_tables.compact(folder, head, [folder], executor_jobs(executor))
+        everything = cut(work_of(head, case, source), case, shares, blocks, executor.chunks)
+        _carry_out_what_is_left(folder, head, everything, executor, progress)
     return folder
+
+
+def _carry_out_what_is_left(
+    folder: Path, head: EnsembleHeader, everything: Sequence[Chunk], executor: Executor, progress: Advance
+) -> None:
+    """Carry out what is not done of the chunks of an ensemble, and compact all files if the executor has done all of them."""
+    done = _done(folder, head)
+    pieces = [piece for chunk in everything for piece in chunks.left(chunk, done.get(chunk.share.engine, ()))]
+    if there := sum(chunk.rows for chunk in everything) - sum(piece.rows for piece in pieces):
+        progress("", there)
+    with contextlib.closing(executor(partial(carry_out, folder=folder), pieces)) as receipts:
+        for place, receipt in enumerate(receipts):
+            if place == 0:
+                _await(folder, head, [receipt])
+            progress(receipt.name, receipt.rows)
+    if executor.whole:
+        _await(folder, head, pieces)
+        result_tables.compact(folder, head, [folder], executor_jobs(executor))
 
 
 def size(
