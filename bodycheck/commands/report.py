@@ -39,7 +39,6 @@ def report(
         The folder for the report and its tables. It may be omitted if there is only one folder of results; the report is then
         written into that folder.
     """
-    from bodycheck import reports
     from bodycheck.commands import saved
     from bodycheck.console import unchecked
     from bodycheck.judging import result_set
@@ -58,12 +57,7 @@ def report(
         found = _of_cases(found, folders, case)
     arguments.make_folder("--out", into)
     if isinstance(found[0], StudyReport) and len(found) == 1:
-        if junit is not None:
-            raise BadInput(f"--junit {junit}: {folders[0]} contains a study, and studies have no expectations")
-        with saved.undamaged(folders[0]):
-            reports.write_study(found[0], into, figures)
-        print(f"report: {into / 'report.html'}", file=sys.stderr)
-        return OK
+        return _report_study(folders[0], found[0], into, figures, junit)
     sets = []
     for folder, label, one in zip(folders, result_set.labels(folders), found, strict=True):
         if isinstance(one, StudyReport):
@@ -108,6 +102,19 @@ def _of_cases(
                 f"--case {name}: there is no such case in these results of {len(known)} cases{did_you_mean(name, known)}"
             )
     return [one.only(cases) for one in results]
+
+
+def _report_study(folder: Path, found: "StudyReport", into: Path, figures: Figures, junit: JUnit) -> int:
+    """Write the report of a study."""
+    from bodycheck import reports
+    from bodycheck.commands import saved
+
+    if junit is not None:
+        raise BadInput(f"--junit {junit}: {folder} contains a study, and studies have no expectations")
+    with saved.undamaged(folder):
+        reports.write_study(found, into, figures)
+    print(f"report: {into / 'report.html'}", file=sys.stderr)
+    return OK
 
 
 def _report_releases(folders: tuple[Path, ...], into: Path, figures: Figures, junit: Path | None) -> int:

@@ -134,6 +134,7 @@ def test_no_engine_is_needed_and_nothing_is_simulated(saved: Path, tmp_path: Pat
         "bodycheck.adapters.contract",
         "bodycheck.adapters.engine_name",
         "bodycheck.adapters.method",
+        "bodycheck.adapters.options",
         *(n for n in banned if "adapters" in n),
     }
     for kind in KINDS:
