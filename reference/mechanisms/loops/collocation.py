@@ -5,6 +5,7 @@ A step is solved for the derivatives at its nodes by Picard's iteration, acceler
 singular. The derivatives are a series of Legendre polynomials in a step; how fast they fall off gives the size of the next.
 """
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -36,8 +37,11 @@ _CHANGE, _TAKEN = 5, 30
 #: The part of a column that is left, when those before it are taken from it, if it depends on them.
 _DEPENDENT = 1e-13
 
+#: Relative size of terms of a series up to which rounding hides them.
+_HIDDEN = 1e-15
+
 #: How far the size of a step changes at most, and the sizes that are tried for a step.
-_SMALLER, _LARGER = 0.6, 1.7
+_SMALLER, _LARGER = 0.4, 2.5
 _SIZES = (1.0, 0.62, 0.38, 1.45, 0.8, 0.23, 0.14, 0.07, 0.03, 0.01, 1e-3, 1e-4, 1e-5)
 
 #: Relative size of what a singular position makes of rounding in a step that is taken.
@@ -171,7 +175,7 @@ def integrate(
             row = inside
         state, t = state + step.size * (used.across @ step.slopes), t + step.size
         state = corrected(state) if corrected else state
-        grown = Wide(_factor(step.error / tolerance, stages))
+        grown = Wide(_factor(used, step.slopes, tolerance))
         guess, h = _continued(used, step.slopes, grown), step.size * grown
     raise OutOfReach(f"the motion of the closed loops needs more than {most} evaluations of its equations")
 
@@ -211,9 +215,18 @@ def _step(
     return best
 
 
-def _factor(error: float, stages: int) -> float:
-    """By how much the next step is larger; error: in tolerances."""
-    return float(max(0.95 * error ** (-1 / stages), _SMALLER)) if error > 0.3 else _LARGER
+def _factor(used: Rule, slopes: WideArray, tolerance: float) -> float:
+    """By how much the next step is larger, from how fast those terms of the series fall off that rounding does not hide."""
+    scale = np.abs(slopes).max(axis=0) + np.abs(slopes).max() / 20 + Wide(1e-300)
+    terms = (np.abs(used.series @ slopes) / scale).max(axis=1).astype(float)
+    # Terms of even and odd degree may differ.
+    logarithms = np.log(np.maximum(terms[:-1], terms[1:]) + 1e-30)
+    seen = int(np.max(np.flatnonzero(logarithms > math.log(_HIDDEN)), initial=4))
+    half = seen // 2
+    slope = (logarithms[seen] - logarithms[half]) / (seen - half)
+    last = logarithms[seen] + slope * (len(logarithms) - seen) - math.log(2 * len(terms) * tolerance)
+    # A step that is g times as large has terms of degree k that are g^k times as large.
+    return float(np.clip(0.9 * math.exp(-last / len(terms)), _SMALLER, _LARGER))
 
 
 def _continued(used: Rule, slopes: WideArray, grown: np.longdouble) -> WideArray:
