@@ -12,9 +12,9 @@ from bodycheck.casefile.case import load
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from tests.support.commands import bodycheck
-from tests.support.jointed import CART_POLE
+from tests.support.mechanism_texts import CART_POLE
 
-TEXT = CART_POLE.replace("duration = 2.0", "duration = 0.5").replace("samples = 41", "samples = 6")
+TEXT = CART_POLE.replace("duration = 4.0", "duration = 0.5").replace("samples = 81", "samples = 6")
 TEXT += "[extremes]\ngravity = [0.0, 1.0]\n"
 
 MUJOCO = ("--engine", "mujoco", "--integrator", "RK4")

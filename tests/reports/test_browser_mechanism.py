@@ -13,11 +13,11 @@ from bodycheck.reports.runs.playback import PLACE_TOLERANCE
 from bodycheck.running import plan
 from tests.support import campaigns
 from tests.support.browser import visiting
-from tests.support.jointed import CART_POLE
+from tests.support.mechanism_texts import CART_POLE
 
 
 def test_bodies_are_drawn_where_they_are(browser: Any, tmp_path: Path) -> None:
-    case = parse(CART_POLE, "cart-pole")
+    case = parse(CART_POLE.replace("duration = 4.0", "duration = 2.0").replace("samples = 81", "samples = 41"), "cart-pole")
     results = campaigns.results(plan.plan([case], campaigns.records("mujoco"), ("Euler",), (0.01,)), tmp_path / "results")
     (tmp_path / "report").mkdir()
     page = reports.write([judged(results)], tmp_path / "report")[0]

@@ -12,41 +12,6 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, Jo
 from bodycheck.reference.scene import Brick, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: The case of a cart and a pole, as in the guide to mechanisms, for two seconds.
-CART_POLE = """
-format = 2
-name = "cart-pole"
-title = "Cart and pole"
-[[bodies]]
-name = "cart"
-mass = 2.3
-inertia = [0.1, 0.1, 0.1]
-[[bodies]]
-name = "pole"
-mass = 0.4
-center_of_mass = [0.0, 0.0, 0.35]
-inertia = [0.016, 0.017, 0.001]
-[[joints]]
-name = "rail"
-type = "prismatic"
-child = "cart"
-axis = [1.0, 0.0, 0.0]
-initial = {position = 0.0, velocity = 0.5}
-[[joints]]
-name = "pin"
-type = "revolute"
-parent = "cart"
-child = "pole"
-position = [0.0, 0.0, 0.1]
-axis = [0.0, 1.0, 0.0]
-initial = {position = 0.3, velocity = 0.0}
-[scene]
-gravity = 9.81
-[run]
-duration = 2.0
-samples = 41
-"""
-
 DIAGONAL = tuple[float, float, float]
 
 
