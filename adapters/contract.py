@@ -1,10 +1,11 @@
 """The contract between bodycheck and the adapter of an engine: a module, or any object, with the attributes of `Adapter`.
 
-An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Eight protocols are optional:
+An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Nine protocols are optional:
 `Mechanisms` for an adapter that can build bodies on joints, `Models` and `MechanismModels` for one that can model a scene or a
 mechanism in several ways, `Contact` for one that knows the friction law and the load of its contacts, `Scripts` and
 `MechanismScripts` for one that can write a run as a script for the engine alone, `Calls` for one that names the functions of
-its engine which its steps call, and `Links` for one that can give its engine a body as links welded together.
+its engine which its steps call, `Links` for one that can give its engine a body as links welded together, and `RobotModels`
+for one whose engine reads files of robots.
 `bodycheck.adapters.offers` handles for all adapters misspelled methods, scenes that an engine cannot model, and several scenes
 for an engine that steps one scene at a time.
 
@@ -25,7 +26,9 @@ from bodycheck.adapters.options import Kind as Kind
 from bodycheck.adapters.options import Option as Option
 from bodycheck.adapters.options import Range as Range
 from bodycheck.adapters.options import choice as choice
+from bodycheck.adapters.robot_reading import RobotFile, RobotReading
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.scene import Plane, Quaternion, Scene, Vector
 from bodycheck.reference.trajectory import Array
 
@@ -357,6 +360,36 @@ class Links(Protocol):
         ------
         SceneUnsupported
             If the engine cannot take a body in this form.
+        """
+        ...
+
+
+@runtime_checkable
+class RobotModels(Protocol):
+    """An adapter whose engine reads robot models from files."""
+
+    def read_robot(self, file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
+        """Return what the engine's own reader makes of a file, and what the engine computes with it at some states.
+
+        The root of the robot is welded to the world where the engine leaves the choice to the user. Everything else is as the
+        engine's reader has it without options, unless without an option the reader ignores what the file says of inertia.
+
+        Parameters
+        ----------
+        file
+            The file.
+        states
+            The states. Joints that the engine does not have are left out, and joints of the engine that a state does not have
+            stay where they are without velocity.
+        gravity
+            The gravitational acceleration at these states, world frame (m/s^2).
+
+        Raises
+        ------
+        ModelRefused
+            If the engine refuses the file.
+        FormatUnknown
+            If the engine has no reader of the format.
         """
         ...
 

@@ -1,12 +1,15 @@
 """Keep what is written in C from the terminal."""
 
+import ctypes
 import os
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
-#: The file descriptor of standard error.
-STDERR = 2
+#: The file descriptors of standard output and standard error.
+STDOUT, STDERR = 1, 2
 
 
 @contextmanager
@@ -21,3 +24,35 @@ def no_stderr() -> Iterator[None]:
         os.dup2(kept, STDERR)
         os.close(kept)
         os.close(nowhere)
+
+
+@contextmanager
+def overheard() -> Iterator[list[str]]:
+    """Keep what is written to standard output and standard error while this context lasts; its lines are there afterwards."""
+    lines: list[str] = []
+    flush()
+    kept = {own: os.dup(own) for own in (STDOUT, STDERR)}
+    with tempfile.TemporaryFile() as written:
+        try:
+            for own in kept:
+                os.dup2(written.fileno(), own)
+            yield lines
+        finally:
+            flush()
+            for own, other in kept.items():
+                os.dup2(other, own)
+                os.close(other)
+            written.seek(0)
+            lines += written.read().decode(errors="replace").splitlines()
+
+
+def flush() -> None:
+    """Write out what Python and the C library hold back of the two streams."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    ctypes.CDLL(None).fflush(None)
+
+
+def refusal(path: str, text: str) -> str:
+    """Return the text of an engine that refuses a file, in one line, with the name of the file in place of its path."""
+    return " ".join(text.replace(path, Path(path).name).split())

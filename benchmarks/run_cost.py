@@ -21,9 +21,8 @@ from pathlib import Path
 from bodycheck import load
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import Case
-from bodycheck.running import campaign
-from bodycheck.running.campaign import TruthTask
 from bodycheck.running.plan import Task
+from bodycheck.running.tasks import TruthTask, perform
 
 #: Cases of the command if no number is given, and cases whose truth and run are also made alone.
 CASES, ALONE = 200, 25
@@ -71,7 +70,7 @@ def alone(cases: list[Case]) -> tuple[float, float]:
     for place, case in enumerate(cases):
         for kind, task in enumerate((TruthTask(case, (TIMESTEP,)), Task(case, ENGINE, method))):
             start = time.process_time()
-            campaign.perform(task)
+            perform(task)
             times[kind] += (time.process_time() - start) if place else 0.0
     return times[0] / (len(cases) - 1), times[1] / (len(cases) - 1)
 

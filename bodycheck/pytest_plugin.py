@@ -26,14 +26,16 @@ if TYPE_CHECKING:
     from bodycheck.adapters.contract import Method
     from bodycheck.casefile.case import Case
     from bodycheck.judging.judgement import Judged, Verdict
-    from bodycheck.running.campaign import TruthTask
     from bodycheck.running.plan import Task
+    from bodycheck.running.tasks import TruthTask
 
     Perform = Callable[[Task | TruthTask], Any]
 
 OPTION = "--bodycheck-engine"
 ALLOW_OPTION = "--bodycheck-allow-missing"
 MARKER = "bodycheck"
+#: The setting that names files of robots; see `bodycheck.studies.parity.collecting`.
+MODELS = "bodycheck_models"
 #: Names of the user properties of a test that describe a known discrepancy, and why nothing was checked.
 KNOWN_PROPERTY = "known"
 UNCHECKED_PROPERTY = "not checked"
@@ -68,6 +70,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="ENGINE",
         help="Run only tests of this engine in case files. May be given several times.",
     )
+    parser.addini(MODELS, "Patterns of files of robots, relative to the root folder, that are compared with engines.", "args")
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -89,12 +92,17 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Collector | None:
-    if not is_case_file(file_path):
+    kind: type[pytest.File] = CaseFile
+    if patterns := parent.config.getini(MODELS):
+        from bodycheck.studies.parity import collecting
+
+        kind = collecting.ModelFile if collecting.is_named(file_path, parent.config.rootpath, patterns) else CaseFile
+    if kind is CaseFile and not is_case_file(file_path):
         return None
-    file = CaseFile.from_parent(parent, path=file_path)
+    file = kind.from_parent(parent, path=file_path)
     # pytest prints the path of a file, in which the runner of a CI system must not find a command.
     told = harmless(file.nodeid)
-    return file if told == file.nodeid else CaseFile.from_parent(parent, path=file_path, nodeid=told)
+    return file if told == file.nodeid else kind.from_parent(parent, path=file_path, nodeid=told)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -308,12 +316,11 @@ def _perform(config: pytest.Config) -> "Perform":
     """Return the function that makes runs and truths in the processes of the session."""
     if PERFORM_KEY not in config.stash:
         from bodycheck.running import campaign, engines, pool
+        from bodycheck.running.tasks import group, perform
 
         stack = ExitStack()
         config.add_cleanup(stack.close)
-        call = stack.enter_context(
-            pool.caller(campaign.perform, campaign.TIME_LIMIT_S, group=campaign.group, home=engines.home)
-        )
+        call = stack.enter_context(pool.caller(perform, campaign.TIME_LIMIT_S, group=group, home=engines.home))
         kept: Perform = lru_cache(MAX_CACHED_RESULTS)(call)
         config.stash[PERFORM_KEY] = kept
     return config.stash[PERFORM_KEY]

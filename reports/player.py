@@ -7,7 +7,7 @@ from typing import Any
 #: The files of `templates/player` without `.js`, each after those that it uses.
 PLAYER = (
     "vectors", "tracks", "solids", "view", "elements", "motion", "body", "polhode",
-    "ground", "controls", "legend", "readings", "panels", "mechanism", "player", "start",
+    "ground", "controls", "legend", "readings", "panels", "stage", "mechanism", "player", "start",
 )  # fmt: skip
 
 #: The file that only pages with mechanisms have.

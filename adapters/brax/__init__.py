@@ -17,9 +17,10 @@ torque, so that a body tumbles like a sphere, and their attitude does not conver
 speed, so that it grows with the mass of the body, and is that of Coulomb's law for one mass alone. Both pipelines compute the
 impulse of each contact as if it were the only one, and apply their mean.
 
-Brax reads MuJoCo's XML. It has no damping, no sleeping and no substeps unless a model asks for them, and none is asked for, so
-that there is no method with other settings. Double precision (JAX_ENABLE_X64) shows the error of the schemes; Brax is used in
-the single precision of JAX otherwise.
+Brax reads MuJoCo's XML, robot models too (the module `robots`), which it edits before MuJoCo compiles it. It has no damping,
+no sleeping and no substeps unless a model asks for them, and none is asked for, so that there is no method with other
+settings. Double precision (JAX_ENABLE_X64) shows the error of the schemes; Brax is used in the single precision of JAX
+otherwise.
 
 A pipeline takes no force from outside except those of actuators of joints. Gravity is an argument of a step, and for one body a
 force at the centre of mass is a change of gravity, so drag is given to a step in that way.
@@ -32,6 +33,9 @@ One link may have its centre of mass and its principal axes anywhere. Several ar
 without a joint into its parent as text, where two elements of inertia are one too many for MuJoCo, and it moves none of
 them. The acceleration of `generalized` then contains the error of its inverse of the mass matrix, which with a centre of
 mass off the origin is above rounding at time steps of a few milliseconds, and below it with smaller ones.
+
+Mechanisms are for `generalized`: trees of revolute, prismatic, universal and planar joints, of first order, with damping and
+springs at the start of a step; the module `mechanisms` says with what. The other pipelines hold joints by iterations.
 
 Several scenes are stepped together (`jax.vmap`), and differ from each alone by roundings.
 

@@ -14,7 +14,7 @@ import jax
 from jax import numpy as jnp
 
 from bodycheck.adapters.brax import INSTALLATION
-from bodycheck.adapters.contract import Engine, Integrator, Link, Method, SceneUnsupported
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, SceneUnsupported
 from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco.contact import body_geoms, numbers_written
@@ -30,6 +30,8 @@ with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
     from brax.io import mjcf
     from brax.positional import pipeline as positional
     from brax.spring import pipeline as spring
+
+    from bodycheck.adapters.brax import mechanisms, robots
 
 XML = """
 <mujoco>
@@ -71,18 +73,27 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=metadata.version(INSTALLATION.distribution),
     # The pipelines themselves call their schemes semi-implicit Euler.
-    integrators=tuple(Integrator(name, order=1, evaluations=1) for name in PIPELINES),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}),
+    integrators=tuple(
+        Integrator(name, order=1, evaluations=1, kinds=KINDS if name == "generalized" else KINDS - {"mechanism"})
+        for name in PIPELINES
+    ),
+    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag"}) | mechanisms.MODELS,
     device=device(),
     batch=2,
     defaults=defaults(),
 )
 
 
+read_robot = robots.read_robot
+
+
 def prepare(scenes: Sequence[Scene], method: Method) -> Compiled:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
     (xml,) = {description(scene, method.timestep) for scene in scenes}
     return started(xml, scenes, method)
+
+
+prepare_mechanism = partial(mechanisms.prepare_mechanism, engine)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Compiled:

@@ -9,6 +9,7 @@ import numpy as np
 from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Link, Method, Simulation, states
 from bodycheck.adapters.dart import INSTALLATION, contact, mechanisms
 from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, inertia, pose
+from bodycheck.adapters.dart.robots import read_robot as read_robot
 from bodycheck.adapters.links import links_of
 from bodycheck.adapters.rotation_vectors import quaternions, rotation_vector
 from bodycheck.adapters.stepping import Loop

@@ -13,6 +13,7 @@ from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method,
 from bodycheck.adapters.drake import INSTALLATION, mechanisms
 from bodycheck.adapters.drake.contact import ON_PLANE, OPTIONS, contact_of
 from bodycheck.adapters.drake.models import Model, build
+from bodycheck.adapters.drake.robots import read_robot as read_robot
 from bodycheck.adapters.drake.steps import stepper
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.reference.kinematics import conjugate, normalise, rotate

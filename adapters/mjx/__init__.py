@@ -31,6 +31,8 @@ order on hinges and slides, and of second order on ball joints. Damping is that 
 `implicitfast`. A loop is as soft as MuJoCo's default constraint: its gap does not vanish with the time step. Compiling the
 steps of a mechanism takes a minute or more.
 
+Robot models are read by MuJoCo's compiler. The module `robots` tells what MJX keeps of them and refuses.
+
 Several scenes are stepped together (`jax.vmap`), and differ from each alone by roundings. For each number of scenes the steps
 are compiled anew.
 

@@ -23,7 +23,7 @@ import numpy as np
 from bodycheck.adapters import flat_contact
 from bodycheck.adapters import mechanism_models as larger_mechanisms
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, Model, SceneUnsupported, Strides, choice
-from bodycheck.adapters.mujoco import INSTALLATION, bodies, contact, exporting, links, mechanism_xml, mechanisms
+from bodycheck.adapters.mujoco import INSTALLATION, bodies, contact, exporting, links, mechanism_xml, mechanisms, robots
 from bodycheck.adapters.mujoco import models as scene_models
 from bodycheck.adapters.mujoco.compiling import compiled_model
 from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
@@ -117,6 +117,7 @@ engine = Engine(
 calls = CALLS
 
 prepare_mechanism, mechanism_script = mechanisms.prepare_mechanism, mechanisms.mechanism_script
+read_robot, compiled = robots.read_robot, robots.compiled
 
 
 def mechanism_models(mechanism: Mechanism, integrator: str) -> dict[str, Model]:

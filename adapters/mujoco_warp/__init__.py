@@ -15,6 +15,8 @@ Links are those of the adapter of MuJoCo, which compiles the model.
 Coordinates and frames are MuJoCo's: position (world), quaternion w x y z, velocity (world), angular velocity (body). MuJoCo
 Warp normalises the quaternion in every step, to the rounding of single precision.
 
+Robot models are read by MuJoCo's compiler, and what MuJoCo Warp keeps of them is told and computed by the module `robots`.
+
 Mechanisms, with loops, are those of the adapter of MuJoCo too. MuJoCo computes the poses of bodies from the coordinates after a
 step.
 """

@@ -15,7 +15,7 @@ from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as mujoco
 from bodycheck.adapters.mujoco.mechanisms import MODELS
 from bodycheck.adapters.mujoco.models import Joints
-from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, mechanisms
+from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, mechanisms, robots
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
@@ -58,7 +58,7 @@ engine = Engine(
 
 calls = graphs.CALLS
 
-prepare_mechanism = mechanisms.prepare_mechanism
+prepare_mechanism, read_robot = mechanisms.prepare_mechanism, robots.read_robot
 
 
 def add_drag(drag: float, velocities: wp.array2d[float], forces: wp.array2d[float]) -> None:

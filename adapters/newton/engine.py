@@ -16,6 +16,7 @@ from bodycheck.adapters.links import links_of, state_in, tensor, velocity_to_ori
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.newton import INSTALLATION, mechanisms
 from bodycheck.adapters.newton.frames import transform, twist
+from bodycheck.adapters.newton.robots import read_robot as read_robot
 from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, VARIANTS, Solver, keeps_damping
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.reference.kinematics import conjugate, normalise, rotate

@@ -20,7 +20,7 @@ from bodycheck.adapters import flat_contact
 from bodycheck.adapters import mechanism_models as larger_mechanisms
 from bodycheck.adapters.contract import Engine, Integrator, Link, Method, Model, SceneUnsupported, Simulation, choice
 from bodycheck.adapters.in_turn import InTurn
-from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting, flights, mechanisms
+from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting, flights, mechanisms, robots
 from bodycheck.adapters.pinocchio import mechanism_script as mechanism_scripts
 from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
@@ -106,6 +106,7 @@ calls = tuple(
 )
 
 prepare_mechanism, mechanism_script = mechanisms.prepare_mechanism, mechanism_scripts.mechanism_script
+read_robot = robots.read_robot
 
 
 def mechanism_models(mechanism: Mechanism, integrator: str) -> dict[str, Model]:

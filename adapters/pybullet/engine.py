@@ -30,6 +30,7 @@ with no_stderr():
 
     from bodycheck.adapters.pybullet import mechanisms
     from bodycheck.adapters.pybullet.links import BASE, load, weld
+    from bodycheck.adapters.pybullet.robots import read_robot as read_robot
     from bodycheck.adapters.pybullet.settings import switched_off
 
 #: Half the length of the ground, in m, which is far beyond the end of any slide, and half its height.

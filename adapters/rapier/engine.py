@@ -26,6 +26,7 @@ from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.links import state_in, velocity_of, velocity_to_origin
 from bodycheck.adapters.principal_axes import in_body_frame
 from bodycheck.adapters.rapier import INSTALLATION, mechanisms
+from bodycheck.adapters.rapier.robots import read_robot as read_robot
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.adapters.urdf import urdf
 from bodycheck.reference.kinematics import conjugate, normalise, rotate

@@ -1,6 +1,7 @@
 """Case files: reading, checking and writing them.
 
 - `case` loads a case file and returns a `Case`, or all faults of the file with their lines. This is the entry point.
+- `content` defines `Case`, for those who read no files.
 - `finding` finds the case files that a user names: by a name, a path, a folder or a pattern.
 - `grammar` defines the keys and the allowed values; `contradictions` checks rules that connect several keys.
 - `checkable` checks that expectations can be checked: their engines exist, and their limits can fail.

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
+from bodycheck.casefile.content import MAX_STEPS
 from bodycheck.casefile.mechanisms.axes import VARIATIONS, grown
-from bodycheck.casefile.values import MAX_STEPS, Factors, NonNegativeValues, Ratios, Values
+from bodycheck.casefile.values import Factors, NonNegativeValues, Ratios, Values
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, alone
 from bodycheck.reference.scene import Body, Scene, State, Vector

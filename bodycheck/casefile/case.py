@@ -12,14 +12,15 @@ from itertools import accumulate
 from pathlib import Path as FilePath
 from typing import Any
 
-import numpy as np
 from pydantic import ValidationError
 
 from bodycheck.adapters.method import Method, current
 from bodycheck.casefile import grammar
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.checkable import uncheckable
-from bodycheck.casefile.ensemble import Ensemble, build_ensemble
+from bodycheck.casefile.content import Case as Case
+from bodycheck.casefile.content import check_case as check_case
+from bodycheck.casefile.ensemble import build_ensemble
 from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
 from bodycheck.casefile.finding import SUFFIX
 from bodycheck.casefile.formats import AnyCaseTable, format_of
@@ -31,7 +32,6 @@ from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
 from bodycheck.files import reading
 from bodycheck.reference.mechanisms.mechanism import AnyScene
-from bodycheck.reference.trajectory import Array
 from bodycheck.suggestion import did_you_mean
 
 #: Limits of a case file's size, of the parts of a dotted key and of the digits of a number.
@@ -70,53 +70,6 @@ class CaseFaults(BadInput):
         self.faults = faults
 
 
-@dataclass(frozen=True)
-class Case:
-    """A validated case.
-
-    Parameters
-    ----------
-    name, title, source, tags
-        As in the file.
-    scene
-        The body, its initial state and its surroundings, or the bodies and joints of a mechanism.
-    duration
-        The duration of a run (s).
-    samples
-        The number of sampling times, with both ends included.
-    expectations
-        What must hold of methods.
-    extremes
-        The names of axes, each with the values at which a study of extremes tries the case.
-    text
-        The text of the file, with that of the robot model that it names.
-    ensemble
-        What many members are drawn from the case with; None where the file does not say it.
-    """
-
-    name: str
-    title: str
-    source: str
-    tags: tuple[str, ...]
-    scene: AnyScene
-    duration: float
-    samples: int
-    expectations: tuple[Expectation, ...]
-    extremes: tuple[tuple[str, tuple[float, ...]], ...]
-    text: str
-    ensemble: Ensemble | None = None
-
-    @property
-    def file_text(self) -> str:
-        """Return the text of the file alone, without that of its model."""
-        return split(self.text)[0]
-
-    @property
-    def instants(self) -> Array:
-        """Return the sampling times (samples,) of the case, in s."""
-        return np.linspace(0.0, self.duration, self.samples)
-
-
 @cache
 def _shipped_files() -> dict[str, Traversable]:
     """Return the files of the cases that come with the package, which lie in its folder and in folders there, by name."""
@@ -153,18 +106,13 @@ def load(case: str | FilePath) -> Case:
     return _loaded(_read(FilePath(case)), str(case))
 
 
-def check_case(case: object) -> None:
-    """Raise `TypeError` for anything that is not a case, for example the name of one."""
-    if not isinstance(case, Case):
-        meant = f"; did you mean bodycheck.load({case!r})?" if isinstance(case, str | FilePath) else ""
-        raise TypeError(f"read {quote(case)} as the case; allowed: what bodycheck.load returns{meant}")
-
-
 def _loaded(text: str, file: str) -> Case:
     """Return the case in the text of a case file that was read from a path, beside which its model may lie."""
-    text, refused = with_model(text, _document(text, file), FilePath(file).parent)
     document = _document(text, file)
-    return _parsed(document, text, file, uncheckable(document), refused)
+    whole, refused = with_model(text, document, FilePath(file).parent)
+    if whole != text:
+        document = _document(whole, file)
+    return _parsed(document, whole, file, uncheckable(document), refused)
 
 
 def parse(text: str, file: str) -> Case:

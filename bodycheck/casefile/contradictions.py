@@ -6,12 +6,13 @@ from typing import Any, get_args
 
 from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.body_faults import body_faults
+from bodycheck.casefile.content import MAX_STEPS
 from bodycheck.casefile.ensemble_faults import ensemble_faults
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS
 from bodycheck.casefile.grammar import Status, with_shape
 from bodycheck.casefile.raw_values import mapping, number, numbers
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import MAX_INSTANTS, MAX_POINTS, MAX_SAMPLES, MAX_STEPS
+from bodycheck.casefile.values import MAX_INSTANTS, MAX_POINTS, MAX_SAMPLES
 from bodycheck.figures.columns import LIMITED
 
 

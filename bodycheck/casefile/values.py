@@ -10,7 +10,6 @@ from bodycheck.errors import BadInput
 
 #: Limits of the numbers, texts and arrays of a case file.
 MAX_SAMPLES = 100_001
-MAX_STEPS = 1e9
 MAX_PARTS = 1000
 MAX_NAME_LENGTH = 100
 MAX_TEXT_LENGTH = 1000

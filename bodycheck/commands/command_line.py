@@ -20,6 +20,7 @@ from bodycheck.studies.ablation.command import ablate
 from bodycheck.studies.audit.command import audit
 from bodycheck.studies.ensemble.command import ensemble
 from bodycheck.studies.extremes.command import extremes
+from bodycheck.studies.parity.command import parity
 from bodycheck.studies.recommend.command import recommend
 from bodycheck.studies.releases.command import bisect, releases
 from bodycheck.studies.tradeoff.command import tradeoff
@@ -35,7 +36,7 @@ app = App(
 
 #: All commands, in the order of their registration.
 COMMANDS = (
-    *(run, tradeoff, recommend, extremes, ensemble, ablate, audit, gather, query, releases, bisect, report, diff),
+    *(run, tradeoff, recommend, extremes, ensemble, ablate, audit, parity, gather, query, releases, bisect, report, diff),
     *(truth, export, cases, engines, validate, new, schema, expect),
 )
 

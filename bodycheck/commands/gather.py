@@ -40,8 +40,10 @@ def gather(
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import processes
     from bodycheck.console.output import say_where
-    from bodycheck.studies.ensemble import gathering, header, printing, publishing, reporting
-    from bodycheck.studies.ensemble.result_tables import case_of
+    from bodycheck.studies.ensemble import header, printing
+    from bodycheck.studies.ensemble.execution import gathering
+    from bodycheck.studies.ensemble.execution.result_tables import case_of
+    from bodycheck.studies.ensemble.report import publishing, reporting
 
     tables.check(view, printing.ROWS, printing.DEPENDENCES)
     folder = gathering.gather(folders, out, processes(jobs))
@@ -60,7 +62,7 @@ def _text_of(case: "Case", head: "EnsembleHeader") -> Callable[[int], str] | Non
     from functools import partial
 
     from bodycheck.running import engines
-    from bodycheck.studies.ensemble import members
+    from bodycheck.studies.ensemble.drawing import members
     from bodycheck.studies.ensemble.header import in_words
 
     if case.ensemble is None or engines.describe(list(head["engines"]))[1]:

@@ -13,7 +13,7 @@ from bodycheck.console.options import Json
 from bodycheck.errors import OK, BadInput
 
 if TYPE_CHECKING:
-    from bodycheck.studies.ensemble.queries import Answer
+    from bodycheck.studies.ensemble.findings.queries import Answer
 
 #: Most rows of the table on a terminal, and elsewhere. All are kept until the widths of the columns are known.
 TERMINAL_ROWS, TABLE_ROWS = 100, 100_000
@@ -43,7 +43,7 @@ def query(
     show
         Print the question in SQL with the definitions of its tables, for other programs, and do not answer it.
     """
-    from bodycheck.studies.ensemble import queries
+    from bodycheck.studies.ensemble.findings import queries
 
     if json and csv:
         raise BadInput("--json and --csv: give one of them")

@@ -79,8 +79,10 @@ def run(
     arguments.check_has_folder(figures, out)
     tables.check(view, results.RUNS)
     names = arguments.case_names(cases)
-    with ran(Selection(names, engine, integrator, timestep, jobs, allow_missing), plan, out, quiet) as made:
-        found = result_set.judged(made.results)
+    compared = judgement.Compared()
+    selection = Selection(names, engine, integrator, timestep, jobs, allow_missing)
+    with ran(selection, plan, out, quiet, compared.meet) as made:
+        found = result_set.judged(made.results, compared=compared)
         verdicts = found.verdicts
         write([found], out, figures, junit)
         reports.annotate_github(found, arguments.files_of(made.cases, names), os.environ)

@@ -26,8 +26,8 @@ from bodycheck.studies.ablation.rows import Change, ModelRow
 from bodycheck.studies.audit import page as audit
 from bodycheck.studies.audit.rows import Facts, Fault, read_classes
 from bodycheck.studies.audit.rows import Row as AuditRow
-from bodycheck.studies.ensemble import reporting as ensemble
 from bodycheck.studies.ensemble.header import FILE as ENSEMBLE
+from bodycheck.studies.ensemble.report import reporting as ensemble
 from bodycheck.studies.extremes import page as extremes
 from bodycheck.studies.extremes.rows import Limit, Row
 from bodycheck.studies.orders import Order

@@ -28,6 +28,9 @@ UNITS: dict[JointType, tuple[str, str]] = {
 #: Most joints and free bodies that have columns; all of them are in the JSON.
 MOST_TOLD = 12
 
+#: An error (rad) as double precision makes it in an angle.
+ROUNDING = 1e-16
+
 #: How early the columns of velocities go where the terminal is narrow, and those of coordinates after the first.
 VELOCITIES_GO, COORDINATES_GO = 100, 10
 
@@ -88,10 +91,14 @@ def print_states(mechanism: Mechanism, truth: Truth, chosen: Sequence[int], view
 
 
 def print_growth(truth: Truth) -> None:
-    """Print by how much an error grows, and until when the motion is known."""
+    """Print by how much an error grows, when one of a rounding is no small one any more, and until when the motion is known."""
+    t = truth.trajectory.t
     if truth.growth is not None:
-        tell(f"an error at the start has grown up to {truth.growth.max():.2g}-fold by t = {truth.trajectory.t[-1]:g} s")
-    until, end = known_until(truth), float(truth.trajectory.t[-1])
+        tell(f"an error of the initial angles has grown up to {truth.growth.max():.2g}-fold by t = {t[-1]:g} s")
+        lost = np.flatnonzero(truth.growth * ROUNDING >= KNOWN)
+        if len(lost):
+            tell(f"one of {ROUNDING:.0e} rad reaches {KNOWN:.0e} rad at t = {t[lost[0]]:g} s")
+    until, end = known_until(truth), float(t[-1])
     if until == end:
         tell(f"all angles and attitudes are known within {KNOWN:.0e} rad")
     else:

@@ -13,6 +13,7 @@ from bodycheck.console.arguments import case_names, files_of, load_cases, load_e
 from bodycheck.console.progress import progress as shown
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.running import campaign
+from bodycheck.running.arrivals import Meet, unmet
 from bodycheck.running.plan import Plan
 from bodycheck.running.store import Results
 from bodycheck.running.unchecked import ALLOWED, SHIPPED, unchecked
@@ -93,7 +94,7 @@ class Ran:
 
 
 @contextmanager
-def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False) -> Iterator[Ran]:
+def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False, meet: Meet = unmet) -> Iterator[Ran]:
     """Run the tasks that a plan makes of a selection, and provide the results.
 
     Parameters
@@ -106,6 +107,8 @@ def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False)
         The folder for the results. If it is None, they are in a temporary folder that the end of the context deletes.
     quiet
         Whether no progress is shown.
+    meet
+        See `campaign.results`.
 
     Raises
     ------
@@ -115,13 +118,19 @@ def ran(selection: Selection, plan: Plan, out: Path | None, quiet: bool = False)
         If all engines that the user named fail when they are loaded.
     """
     names = case_names(selection.cases)
-    with ran_of(Given.of(load_cases(names), names), selection, plan, out, sys.argv, quiet) as made:
+    with ran_of(Given.of(load_cases(names), names), selection, plan, out, sys.argv, quiet, meet) as made:
         yield made
 
 
 @contextmanager
 def ran_of(
-    given: Given, selection: Selection, plan: Plan, out: Path | None, command: Sequence[str], quiet: bool = False
+    given: Given,
+    selection: Selection,
+    plan: Plan,
+    out: Path | None,
+    command: Sequence[str],
+    quiet: bool = False,
+    meet: Meet = unmet,
 ) -> Iterator[Ran]:
     """Run the tasks that a plan makes of loaded cases, and provide the results.
 
@@ -129,7 +138,7 @@ def ran_of(
     ----------
     given
         The cases, in place of those that are named in the selection.
-    selection, plan, out, quiet
+    selection, plan, out, quiet, meet
         As those of `ran`, which raises the same.
     command
         The words of the command, for the header of the results.
@@ -143,8 +152,8 @@ def ran_of(
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())
         with shown("running", campaign.size(tasks), quiet) as progress:
-            jobs = processes(selection.jobs)
-            done = campaign.results(tasks, folder, header, jobs, progress=progress, unchecked=lost, files=given.files)
+            jobs, files = processes(selection.jobs), given.files
+            done = campaign.results(tasks, folder, header, jobs, progress=progress, unchecked=lost, files=files, meet=meet)
             results = stack.enter_context(done)
         yield Ran(results, cases, engines.records, engines.failed(cases))
 

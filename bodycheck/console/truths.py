@@ -127,7 +127,7 @@ def print_certificate(certificate: Certificate) -> None:
     show([Column("ways", "ways", itemgetter(0), wraps=True), *columns], rows)
     if certificate.certified:
         tell(f"certified: {certificate.bound[-1]:.1e} rad, measured against arithmetic of {certificate.digits} digits")
-    if certificate.growth is not None:
+    if certificate.growth is not None and not isinstance(truth.scene, Mechanism):
         tell(f"an error at one instant grows up to {certificate.growth.max():.2g}-fold until a later one")
     compared = Comparison(truth, truth.trajectory)
     if isinstance(truth.scene, Mechanism):

@@ -10,6 +10,7 @@ Three files are renewed by commands:
 """
 
 import math
+from collections.abc import Mapping
 from typing import TypeVar
 
 import numpy as np
@@ -147,6 +148,11 @@ def truth_bounds(truth: Truth) -> dict[str, Array]:
     """
     known = bounds_of(truth)
     return {figure.name: known[figure.bounded_by] for figure in FIGURES.values() if figure.bounded_by in known}
+
+
+def largest_bounds(values: Mapping[str, float]) -> dict[str, float]:
+    """Return the largest of `truth_bounds` from the values of a run by column, which include them."""
+    return {figure.name: values[figure.bounded_by] for figure in FIGURES.values() if figure.bounded_by in values}
 
 
 def bounds_of(truth: Truth) -> dict[str, Array]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from bodycheck.reference.bounds import Bounds
 from bodycheck.reference.contact_observables import measured_stop
+from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms import observables as mechanism_observables
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.mechanisms.observables import MechanismObservables
@@ -178,6 +179,13 @@ class Comparison:
     def expected(self) -> AnyObservables:
         """Energies and momenta of the truth."""
         return observe(self.scene, self.truth.trajectory)
+
+    @cached_property
+    def joints(self) -> tuple[Array, Array]:
+        """The coordinates (n, c) of the joints of a mechanism, of the run and of the truth, by the same formula."""
+        assert isinstance(self.scene, Mechanism)
+        seen, exact = (kinematics.joints(self.scene, motion).position for motion in (self.trajectory, self.truth.trajectory))
+        return seen, exact
 
     def of_bodies(self, values: Array) -> Array:
         """The largest values (n,) over the bodies of a mechanism, of values (b, n); those of any other scene as they are."""

@@ -22,24 +22,24 @@ QUATERNIONS: dict[JointType, slice] = {"spherical": slice(0, 4), "free": slice(3
 ROUNDED = 1e-12
 
 
-def joint_position_error(mechanism: Mechanism, seen: Trajectory, exact: Trajectory) -> Array | None:
+def joint_position_error(mechanism: Mechanism, compared: Comparison) -> Array | None:
     """Return the largest difference (n,), rad, of the angles of joints from those of the truth; None if there are none.
 
     That of a ball, or of a free joint, is the angle of one rotation.
     """
-    angles = [np.abs(one - other) for one, other in _pairs(mechanism, seen, exact, ANGLES)]
-    turns = [geodesic_angle(one, other)[:, None] for one, other in _pairs(mechanism, seen, exact, QUATERNIONS)]
+    angles = [np.abs(one - other) for one, other in _pairs(mechanism, compared, ANGLES)]
+    turns = [geodesic_angle(one, other)[:, None] for one, other in _pairs(mechanism, compared, QUATERNIONS)]
     return _largest([*angles, *turns])
 
 
-def joint_slide_error(mechanism: Mechanism, seen: Trajectory, exact: Trajectory) -> Array | None:
+def joint_slide_error(mechanism: Mechanism, compared: Comparison) -> Array | None:
     """Return the largest distance (n,), m, of the displacements of joints from those of the truth; None if there are none."""
-    return _largest([distance(one, other)[:, None] for one, other in _pairs(mechanism, seen, exact, LENGTHS)])
+    return _largest([distance(one, other)[:, None] for one, other in _pairs(mechanism, compared, LENGTHS)])
 
 
-def constraint_error(mechanism: Mechanism, seen: Trajectory, _: Trajectory) -> Array | None:
+def constraint_error(mechanism: Mechanism, compared: Comparison) -> Array | None:
     """Return how far (n,), m, joints and loops have come apart; None if there are neither."""
-    return kinematics.gaps(mechanism, seen) if mechanism.joints or mechanism.loops else None
+    return kinematics.gaps(mechanism, compared.trajectory) if mechanism.joints or mechanism.loops else None
 
 
 def momentum_drift(compared: Comparison) -> Array | None:
@@ -77,13 +77,11 @@ def angular_momentum_size(mechanism: Mechanism, exact: Trajectory, expected: Any
     return (initial if initial > ROUNDED * most else most) or 1.0
 
 
-def _pairs(
-    mechanism: Mechanism, seen: Trajectory, exact: Trajectory, wanted: dict[JointType, slice]
-) -> Iterator[tuple[Array, Array]]:
+def _pairs(mechanism: Mechanism, compared: Comparison, wanted: dict[JointType, slice]) -> Iterator[tuple[Array, Array]]:
     """Yield the coordinates (n, k) of a run and of the truth, as far as they are wanted, joint by joint."""
     if not any(joint.type in wanted for joint in mechanism.joints):
         return
-    one, other = (kinematics.joints(mechanism, motion).position for motion in (seen, exact))
+    one, other = compared.joints
     for joint, (held, _) in zip(mechanism.joints, places(mechanism), strict=True):
         if (part := wanted.get(joint.type)) is not None:
             yield one[:, held][:, part], other[:, held][:, part]
@@ -93,7 +91,7 @@ def _largest(columns: list[Array]) -> Array | None:
     return np.asarray(np.hstack(columns).max(axis=1)) if columns else None
 
 
-Compute = Callable[[Mechanism, Trajectory, Trajectory], Array | None]
+Compute = Callable[[Mechanism, Comparison], Array | None]
 
 
 def _of_mechanisms(compute: Compute) -> Callable[[Comparison], Array | None]:
@@ -101,7 +99,7 @@ def _of_mechanisms(compute: Compute) -> Callable[[Comparison], Array | None]:
 
     def computed(compared: Comparison) -> Array | None:
         mechanism = compared.mechanism
-        return None if mechanism is None else compute(mechanism, compared.trajectory, compared.truth.trajectory)
+        return None if mechanism is None else compute(mechanism, compared)
 
     return computed
 

@@ -176,10 +176,10 @@ def run(
     command = arguments.command(
         "run", each, engine=engines, integrator=integrators, timestep=timesteps, allow_missing=allow_missing
     )
-    folder = arguments.path("--out", out)
+    folder, compared = arguments.path("--out", out), judgement.Compared()
     with kept(folder) as place:
-        with ran_of(given, selection, plan, place.folder, command, quiet=True) as made:
-            found = result_set.judged(made.results)
+        with ran_of(given, selection, plan, place.folder, command, quiet=True, meet=compared.meet) as made:
+            found = result_set.judged(made.results, compared=compared)
             if folder is not None:
                 result_set.write([found], folder)
                 reports.write([found], folder)

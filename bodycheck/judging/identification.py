@@ -10,7 +10,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.judging.discrepancy import compare
 from bodycheck.judging.identified import (
     EARLY_S,
@@ -70,10 +70,12 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
         raise ValueError(f"the run has no trajectory to identify, its status is {run.outcome.status}: {run.outcome.reason}")
     if isinstance(case.scene, Mechanism):
         return identify_jointed(case.scene, run, truth, roundoff)
-    if case.scene.plane is not None:
-        return None
-    scene, timestep, trajectory = case.scene, run.method.timestep, run.outcome.trajectory
-    truth = truth.at(trajectory.t)
+    return None if case.scene.plane is not None else _identify_flight(case.scene, run, run.outcome.trajectory, truth, roundoff)
+
+
+def _identify_flight(scene: Scene, run: Run, trajectory: Trajectory, truth: Truth, roundoff: float) -> Identification:
+    """Identify the scheme of a free body, from the trajectory of a run. The other parameters are those of `identify`."""
+    timestep, truth = run.method.timestep, truth.at(trajectory.t)
     error = compare(truth, run).series
     early = trajectory.t <= EARLY_S
     turned, allowed = _turned(scene, timestep, trajectory, roundoff, error["attitude_error"])

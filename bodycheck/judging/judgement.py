@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import pyarrow as pa
 
 from bodycheck.adapters.engine_name import in_words
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS, Expectation, Limit, unit
 from bodycheck.errors import BadInput
-from bodycheck.figures.columns import ALWAYS_TABLED, CASE_COLUMNS, FURTHER, LIMIT_COLUMNS, truth_bounds
+from bodycheck.figures.columns import ALWAYS_TABLED, CASE_COLUMNS, FURTHER, LIMIT_COLUMNS, largest_bounds
 from bodycheck.figures.columns import COLUMNS as ALL_COLUMNS
+from bodycheck.files import columns
 from bodycheck.judging.convergence import attitude_order
 from bodycheck.judging.discrepancy import Summary, compare
 from bodycheck.judging.margins import Margin, margins
@@ -159,21 +160,38 @@ class Verdict:
         return row
 
 
-def judge(results: Results, today: date | None = None) -> list[Verdict]:
+class Compared:
+    """The figures of runs that were compared with their truths while they were made, by the key of the run."""
+
+    def __init__(self) -> None:
+        self.summaries: dict[RunKey, Summary] = {}
+
+    def meet(self, truth: Truth, run: Run) -> None:
+        """Compare a run with its truth; see `bodycheck.running.arrivals`."""
+        self.summaries[run.key] = compare(truth, run).summary()
+
+
+def judge(results: Results, today: date | None = None, compared: Compared | None = None) -> list[Verdict]:
     """Return the verdicts on all runs of a results folder, in the order of the plan, as of a day.
 
     The cost grows with the number of runs: each truth is read once, each trajectory once, and again where the order of a
-    coarser run is expected. One truth and the trajectories of one run are in memory at a time.
+    coarser run is expected. One truth and the trajectories of one run are in memory at a time. Nothing is read for a run that
+    was compared already, unless its order is expected.
     """
+    known = compared.summaries if compared is not None else {}
     groups: dict[tuple[str, float], list[tuple[int, Run]]] = defaultdict(list)
     for place, run in enumerate(results.runs()):
         groups[run.case, run.method.timestep].append((place, run))
     found: dict[int, Verdict] = {}
     for (name, timestep), runs in groups.items():
-        case, truth = results.cases[name], results.truth(name, timestep)
+        case, truth = results.cases[name], None
         for place, run in runs:
-            finer = _finer(run, results) if any(e.needs_order for e in _concerning(case, run)) else ()
-            found[place] = verdict(case, truth, run, finer, today)
+            ordered = any(e.needs_order for e in _concerning(case, run))
+            if not ordered and (summary := known.get(run.key)) is not None:
+                found[place] = _verdict(case, run, run.outcome, summary, None, today)
+                continue
+            truth = truth or results.truth(name, timestep)
+            found[place] = verdict(case, truth, run, _finer(run, results) if ordered else (), today)
     return [found[place] for place in range(len(found))]
 
 
@@ -206,12 +224,19 @@ def verdict(case: Case, truth: Truth | NoTruth, run: Run, finer: Sequence[Run] =
         outcome = _without_truth(truth)
     elif isinstance(outcome, Completed) and isinstance(truth, Truth):
         discrepancy = compare(truth, run).summary()
+    ordered = any(expectation.needs_order for expectation in _concerning(case, run))
+    return _verdict(case, run, outcome, discrepancy, _order(truth, (run, *finer)) if ordered else None, today)
+
+
+def _verdict(
+    case: Case, run: Run, outcome: Outcome, discrepancy: Summary | None, order: float | None, today: date | None
+) -> Verdict:
+    """Return the verdict on a run with its outcome, figures and observed order."""
     expectations = _concerning(case, run)
     told: dict[str, Any] = {"kind": needs(case.scene).kind, "tags": case.tags}
     if not expectations:
         return Verdict(run, outcome, discrepancy, False if outcome.failed else None, outcome.reason, **told)
-    order = _order(truth, (run, *finer)) if any(expectation.needs_order for expectation in expectations) else None
-    bounds = {} if isinstance(truth, NoTruth) else {name: float(b.max()) for name, b in truth_bounds(truth).items()}
+    bounds = {} if discrepancy is None else largest_bounds(discrepancy.largest)
     judged, reason = settled(expectations, outcome, discrepancy, order, bounds, today or this_day(), run)
     known = any(expectation.known for expectation in expectations)
     return Verdict(run, outcome, discrepancy, all(one.held for one in judged), reason, known, judged, **told)
@@ -273,10 +298,10 @@ def table(verdicts: Iterable[Verdict]) -> "pd.DataFrame":
 def arrow(verdicts: Iterable[Verdict]) -> pa.Table:
     """Return the rows of `records` as a table of PyArrow, whose columns have the same types whatever values they have."""
     rows = records(verdicts)
-    columns = list(rows[0]) if rows else list(COLUMNS)
+    names = list(rows[0]) if rows else list(COLUMNS)
     types = {"boolean": pa.bool_(), "integer": pa.int64(), "number": pa.float64()}
-    schema = pa.schema([(name, types.get(ALL_COLUMNS[name].kind, pa.string())) for name in columns])
-    return pa.Table.from_pylist([{name: _value(row.get(name)) for name in columns} for row in rows], schema)
+    kinds = {name: types.get(ALL_COLUMNS[name].kind, pa.string()) for name in names}
+    return pa.table({name: columns.of_values([_value(row.get(name)) for row in rows], kind) for name, kind in kinds.items()})
 
 
 def _value(value: Any) -> Any:

@@ -74,8 +74,9 @@ def margins(expectations: Iterable[Expectation], discrepancy: Summary | None) ->
     if discrepancy is None:
         return ()
     limits = [limit for expectation in expectations for limit in expectation.limits]
+    limited = {limit.name for limit in limits}
     found = []
-    for name in (name for name in FIGURES if name in discrepancy.largest):
+    for name in (name for name in FIGURES if name in limited and name in discrepancy.largest):
         least = [limit.at_least for limit in limits if limit.name == name and limit.at_least is not None]
         most = [limit.at_most for limit in limits if limit.name == name and limit.at_most is not None]
         if least or most:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.engine_name import in_words
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.casefile.expectation import OK, Expectation, Limit
 from bodycheck.figures.columns import FIGURES
 from bodycheck.figures.definition import Comparison

@@ -15,6 +15,7 @@ from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Run
 from bodycheck.running.plan import Task
 from bodycheck.running.store import Results
+from bodycheck.running.tasks import group, perform_run
 
 #: Suffix of the column with the allowed difference of a figure if nothing has changed; see `rounding.allowances`.
 ALLOWANCE = "_allowance"
@@ -33,9 +34,7 @@ def measured(
     ]
     answers: dict[RunKey, list[Run]] = defaultdict(list)
     found = {}
-    with closing(
-        pool.call_all(campaign.perform_run, tasks, jobs, campaign.TIME_LIMIT_S, group=campaign.group, home=home)
-    ) as calls:
+    with closing(pool.call_all(perform_run, tasks, jobs, campaign.TIME_LIMIT_S, group=group, home=home)) as calls:
         for task, answer in calls:
             progress(f"{task.case.name} · {task.engine} {task.method}, nudged")
             key = task.key

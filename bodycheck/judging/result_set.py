@@ -13,7 +13,7 @@ from bodycheck.errors import BadInput
 from bodycheck.judging import attribution, judgement, result_files
 from bodycheck.judging.attribution import Attribution
 from bodycheck.judging.classes import MethodClass
-from bodycheck.judging.judgement import Verdict
+from bodycheck.judging.judgement import Compared, Verdict
 from bodycheck.judging.run_classes import classes_of
 from bodycheck.running import origin
 from bodycheck.running.store import Results
@@ -68,10 +68,10 @@ class ResultSet:
         return found
 
 
-def judged(results: Results, label: str = "") -> ResultSet:
-    """Judge results, and return them with a label."""
+def judged(results: Results, label: str = "", compared: Compared | None = None) -> ResultSet:
+    """Judge results, and return them with a label. compared: the runs that were compared while they were made."""
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # errors too large for a number are infinite
-        verdicts = [replace(verdict, label=label) for verdict in judgement.judge(results)]
+        verdicts = [replace(verdict, label=label) for verdict in judgement.judge(results, compared=compared)]
         parts = attribution.attribute(results, verdicts)
     return ResultSet(results, verdicts, parts, label)
 

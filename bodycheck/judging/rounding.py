@@ -15,7 +15,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.figures.columns import FIGURES, truth_bounds
 from bodycheck.figures.scales import in_run, largest
 from bodycheck.judging.discrepancy import compare

@@ -1,15 +1,14 @@
 """A bound of the difference that rounding causes between two programs of the same scheme."""
 
-from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from bodycheck.judging.scheme_runs import or_infinite, sampled, steps
 from bodycheck.reference.kinematics import conjugate, multiply
-from bodycheck.reference.scene import Scene, State
-from bodycheck.reference.schemes.formulations import Equations, world_velocity
-from bodycheck.reference.schemes.one_step import Scheme, step_through
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.schemes.formulations import Equations, Formulation, world_velocity
+from bodycheck.reference.schemes.one_step import Scheme, step_from
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: Unit roundoff of double and single precision, by the name of the precision.
@@ -76,13 +75,9 @@ def allowance(
 
     each = STEP_ROUNDINGS * roundoff
     bound = np.full(len(ends), each)
-    turn, rates = np.zeros((len(ends), 3, 3)), np.tile(np.eye(3), (len(ends), 1, 1))
     with np.errstate(all="ignore"):  # a scheme that fails has no bound
-        for k, (turned, changed) in enumerate(_linearised(scheme, formulation, scene, timestep, tuple(ends.tolist()))):
-            turn[: k + 1] += turned @ rates[: k + 1]
-            rates[: k + 1] = changed @ rates[: k + 1]
-            grown = 1 + np.linalg.norm(turn[: k + 1], axis=(1, 2)) * rounded[: k + 1]
-            bound[k + 1] += each * (grown @ strides[: k + 1])
+        grown = (1 + _growth(scheme, formulation, scene, timestep, tuple(ends.tolist())) * rounded[:-1]) * strides
+        bound[1:] += each * np.where(np.tri(len(strides), dtype=bool), grown, 0.0).sum(axis=1)
     bound = np.minimum(or_infinite(bound), np.pi)  # no angle is larger
     return np.asarray(np.maximum.accumulate(bound)[np.searchsorted(ends, samples)])
 
@@ -100,30 +95,36 @@ def in_position(allowed: Array, trajectory: Trajectory, timestep: float, roundof
 
 
 @lru_cache(maxsize=16)
-def _linearised(
-    scheme: Scheme, formulation: Equations, scene: Scene, timestep: float, ends: tuple[int, ...]
-) -> tuple[tuple[Array, Array], ...]:
-    """Return the derivatives of every segment of a scheme's run, as `_derivatives` does; segments end at the steps `ends`."""
-    states = sampled(scheme, formulation, scene, timestep, ends)
-    return tuple(
-        _derivatives(scheme, formulation, scene, timestep, states[k], ends[k + 1] - ends[k]) for k in range(len(ends) - 1)
-    )
+def _growth(scheme: Scheme, formulation: Equations, scene: Scene, timestep: float, ends: tuple[int, ...]) -> Array:
+    """Return |J| (k, k), s, at the end of each segment of a scheme's run, for errors at the start of each segment up to it.
+
+    The segments end at the steps `ends` (k + 1,), the first of which is 0. Beyond the diagonal are zeros.
+    """
+    states, equations = sampled(scheme, formulation, scene, timestep, ends), formulation(scene)
+    segments = len(ends) - 1
+    sizes = np.zeros((segments, segments))
+    turn, rates = np.zeros((segments, 3, 3)), np.tile(np.eye(3), (segments, 1, 1))
+    for k in range(segments):
+        turned, changed = _derivatives(scheme, equations, timestep, states[k], ends[k + 1] - ends[k])
+        turn[: k + 1] += turned @ rates[: k + 1]
+        rates[: k + 1] = changed @ rates[: k + 1]
+        sizes[k, : k + 1] = np.linalg.norm(turn[: k + 1], axis=(1, 2))
+    return sizes
 
 
-def _derivatives(
-    scheme: Scheme, formulation: Equations, scene: Scene, timestep: float, start: Array, stride: int
-) -> tuple[Array, Array]:
+def _derivatives(scheme: Scheme, equations: Formulation, timestep: float, start: Array, stride: int) -> tuple[Array, Array]:
     """Return the derivatives (3, 3) of the rotation in the world (s), and of the body rates, by the body rates before a stride.
 
-    `start` is the state (13,) before the stride, and `stride` its number of steps.
+    `start` is the state (13,) before the stride, and `stride` its number of steps. Where the body is and how fast it travels
+    plays no part.
     """
     w, x, y, z = start[3:7].tolist()
     nudge = RELATIVE_RATE_CHANGE * float(np.linalg.norm(start[10:]) or 1.0)
+    pose, rest, strides = ((0.0, 0.0, 0.0), (w, x, y, z)), (0.0, 0.0, 0.0), np.array([stride])
     ends = []
     for axis in (np.zeros(3), *np.eye(3)):
         p, q, r = (start[10:] + nudge * axis).tolist()
-        nudged = replace(scene, initial=State(quaternion=(w, x, y, z), angular_velocity=(p, q, r)))
-        ends.append(step_through(scheme, formulation, nudged, timestep, np.array([stride]))[0])
+        ends.append(step_from(scheme, equations, (pose, (rest, (p, q, r))), timestep, strides)[0])
     end, there = ends[0], np.array(ends[1:])
     turned = 2 * multiply(there[:, 3:7], conjugate(end[3:7]))
     return (turned[:, 1:] * np.sign(turned[:, :1])).T / nudge, (there[:, 10:] - end[10:]).T / nudge

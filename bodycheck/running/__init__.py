@@ -1,6 +1,7 @@
 """Making runs and storing them.
 
-- `plan` decides which cases are run in which engines with which methods. `campaign` makes the runs and their truths.
+- `plan` decides which cases are run in which engines with which methods. `campaign` makes the runs and their truths, for which
+  worker processes are asked what is in `tasks`; `preparing` imports an engine there.
 - `simulation` makes one run; `outcome` defines how it may end. `truths` computes the truth of a case.
 - `engines` asks engines in a worker process whether they can be used.
 - `pool` calls functions in worker processes, whose memory and lifetime `limits` restricts and whose `guard` ends what they

@@ -3,7 +3,7 @@
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from hashlib import sha256
 from importlib.metadata import version
@@ -12,20 +12,18 @@ from typing import Protocol
 
 from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.offers import demonstrations
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
-from bodycheck.reference.errors import NotModelled, OutOfReach
-from bodycheck.reference.planar import Stop
-from bodycheck.reference.scene import Plane, Scene
-from bodycheck.reference.truth import NoTruth, Truth
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.truth import NoTruth
 from bodycheck.running import engines, pool, store, truths, versions
+from bodycheck.running.arrivals import Arrivals, Meet, unmet
 from bodycheck.running.engines import locks
 from bodycheck.running.header import Header
 from bodycheck.running.machine import fingerprint
 from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
-from bodycheck.running.plan import Task
-from bodycheck.running.simulation import run
 from bodycheck.running.store import Results, Writer
+from bodycheck.running.tasks import StopTask, Task, Truths, TruthTask, group, perform, perform_stop
 from bodycheck.running.unchecked import Unchecked
 
 #: Time limit of one run or one truth.
@@ -40,26 +38,6 @@ class Advance(Protocol):
 
 def _no_progress(done: str, count: int = 1, /) -> None:
     pass
-
-
-@dataclass(frozen=True)
-class TruthTask:
-    """The task of computing the truths for the runs of a case with some time steps (s), all at once."""
-
-    case: Case
-    timesteps: tuple[float, ...]
-
-
-#: The answer to a truth task: the truths by time step (s), or why there are none.
-Truths = dict[float, Truth] | NoTruth
-
-
-@dataclass(frozen=True)
-class StopTask:
-    """The task of computing where the body of a case stops if a law of friction acts on its plane."""
-
-    case: Case
-    law: Plane
 
 
 def header(command: Sequence[str], records: Mapping[str, Engine], missing: Mapping[str, str]) -> Header:
@@ -97,6 +75,7 @@ def results(
     progress: Advance = _no_progress,
     unchecked: Sequence[Unchecked] = (),
     files: Mapping[str, Path] = store.NO_FILES,
+    meet: Meet = unmet,
 ) -> Iterator[Results]:
     """Make all runs and the truths they need, write each as it finishes, and provide the results.
 
@@ -121,6 +100,9 @@ def results(
         The expectations of the cases that no run can check.
     files
         The files of the cases that are not shipped, by the name of the case.
+    meet
+        A function that is called with the truth and a completed run, for the runs that are made here while the truth of their
+        case is in memory.
 
     Raises
     ------
@@ -139,23 +121,26 @@ def results(
         if there := units - sum(_missing(writer, argument) for argument in left):
             print(f"bodycheck: resuming the interrupted run in {folder}: {there} of {units} are done", file=sys.stderr)
             progress("", there)
+        arrivals = _arrivals(meet, writer, left)
         with closing(pool.call_all(perform, left, jobs, limit, memory, group, engines.home)) as answers:
             for argument, result in answers:
-                for done in _add(writer, argument, result, places, head["engines"]):
+                for done in _add(writer, arrivals, argument, result, places, head["engines"]):
                     progress(done)
-        runs = store.read(folder).runs() if any(_has_plane(case) for case in cases.values()) else ()
-        needed = _stop_tasks(cases, runs)
-        stops = [task for task in needed if not writer.has_stop(task.case.name, task.law)]
-        with closing(pool.call_all(perform_stop, stops, jobs, limit, memory)) as found:
-            for task, stop in found:
-                stopped, reason = (None, stop.reason) if isinstance(stop, Crashed | TimedOut) else (stop, "")
-                writer.add_stop(task.case.name, task.law, stopped, reason)
-                progress(_name(task), 0)
+        if any(_has_plane(case) for case in cases.values()):
+            _add_stops(writer, store.read(folder), cases, jobs, limit, memory, progress)
         yield replace(store.read(folder), complete=True, known=cases)
+
+
+def _arrivals(meet: Meet, writer: Writer, tasks: Sequence[TruthTask | Task]) -> Arrivals:
+    """Return what brings the runs and the truths of tasks together, of which the folder lacks something."""
+    runs = [(task.case.name, task.method.timestep) for task in tasks if isinstance(task, Task)]
+    needed = [task for task in tasks if isinstance(task, TruthTask)]
+    return Arrivals(meet, runs, [(task.case.name, timestep) for task in needed for timestep in _left(writer, task)])
 
 
 def _add(
     writer: Writer,
+    arrivals: Arrivals,
     argument: TruthTask | Task,
     result: Run | Truths | Crashed | TimedOut,
     places: Mapping[Task, int],
@@ -166,11 +151,10 @@ def _add(
     Truths that the folder already had are left as they are. versions: of the engines, by name.
     """
     match argument, result:
-        case Task(), Run():
-            writer.add_run(result, places[argument])
-            yield _name(argument)
-        case Task(case, engine, method), Crashed() | TimedOut():
-            writer.add_run(Run(case.name, engine, versions[engine], method, result), places[argument])
+        case Task(case, engine, method), Run() | Crashed() | TimedOut():
+            made = result if isinstance(result, Run) else Run(case.name, engine, versions[engine], method, result)
+            writer.add_run(made, places[argument])
+            arrivals.add_run(made)
             yield _name(argument)
         case TruthTask(case), dict() | NoTruth() | Crashed() | TimedOut():
             for timestep in _left(writer, argument):
@@ -178,7 +162,28 @@ def _add(
                     writer.add_truth(case, timestep, result[timestep])
                 else:
                     writer.add_missing_truth(case, timestep, no_truth(result))
+                arrivals.add_truth((case.name, timestep), result[timestep] if isinstance(result, dict) else None)
                 yield f"{case.name} · truth {timestep:g} s"
+
+
+def _add_stops(
+    writer: Writer, made: Results, cases: Mapping[str, Case], jobs: int, limit: float, memory: int, progress: Advance
+) -> None:
+    """Write the stops that attribution needs, as far as they are not written yet, computing those that no truth knows."""
+    stops = [task for task in _stop_tasks(cases, made.runs()) if not writer.has_stop(task.case.name, task.law)]
+    left = []
+    for task in stops:
+        scene = task.case.scene
+        known = made.stop_of(task.case.name) if isinstance(scene, Scene) and scene.plane == task.law else None
+        if known is None:
+            left.append(task)
+        else:
+            writer.add_stop(task.case.name, task.law, known)
+    with closing(pool.call_all(perform_stop, left, jobs, limit, memory)) as found:
+        for task, stop in found:
+            stopped, reason = (None, stop.reason) if isinstance(stop, Crashed | TimedOut) else (stop, "")
+            writer.add_stop(task.case.name, task.law, stopped, reason)
+            progress(_name(task), 0)
 
 
 def no_truth(result: NoTruth | Crashed | TimedOut) -> NoTruth:
@@ -211,11 +216,12 @@ def truth_tasks(case: Case, timesteps: Iterable[float]) -> Iterator[TruthTask]:
 
 
 def _truth_tasks(tasks: Sequence[Task]) -> tuple[TruthTask, ...]:
-    """Return the tasks that compute the truths that runs need."""
+    """Return the tasks that compute the truths that runs need, those that take long first, so that none is left at the end."""
     timesteps: dict[Case, list[float]] = {}
     for task in tasks:
         timesteps.setdefault(task.case, []).append(task.method.timestep)
-    return tuple(needed for case, steps in timesteps.items() for needed in truth_tasks(case, steps))
+    ordered = sorted(timesteps, key=truths.effort, reverse=True)
+    return tuple(needed for case in ordered for needed in truth_tasks(case, timesteps[case]))
 
 
 def _stop_tasks(cases: Mapping[str, Case], runs: Sequence[Run]) -> tuple[StopTask, ...]:
@@ -234,31 +240,6 @@ def _stop_tasks(cases: Mapping[str, Case], runs: Sequence[Run]) -> tuple[StopTas
 
 def _has_plane(case: Case) -> bool:
     return isinstance(case.scene, Scene) and case.scene.plane is not None
-
-
-def group(argument: TruthTask | Task) -> str | None:
-    """Return what a task shares its processes with: the tasks of its engine, or the truths (None)."""
-    return argument.engine if isinstance(argument, Task) else None
-
-
-def perform_run(task: Task) -> Run:
-    """Make the run of a task."""
-    return run(task.case, task.engine, task.method)
-
-
-def perform_stop(task: StopTask) -> Stop | None:
-    """Compute the stop of a task; None if the reference knows none."""
-    return truths.stop_under(task.case, task.law)
-
-
-def perform(argument: TruthTask | Task) -> Run | Truths:
-    """Make the run or compute the truths of a task; `NoTruth` if the reference has none."""
-    if isinstance(argument, Task):
-        return perform_run(argument)
-    try:
-        return truths.of_runs(argument.case, argument.timesteps)
-    except (NotModelled, OutOfReach) as error:
-        return NoTruth(str(error))
 
 
 def _name(argument: StopTask | Task) -> str:

@@ -10,7 +10,7 @@ from datetime import date
 from typing import Any, Protocol
 
 from bodycheck.adapters.method import Method
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.reference.trajectory import Array
 
 #: The number of members in a block of a case of usual length, and the sizes of blocks of longer ones. All divide the first.

@@ -30,6 +30,7 @@ from bodycheck.files import writing
 from bodycheck.running import pool
 from bodycheck.running.interpreter import HERE, Interpreter
 from bodycheck.running.outcome import Crashed, TimedOut
+from bodycheck.running.preparing import import_engine
 
 #: Time limit for the import and the record of one engine. Some compile code when they are imported.
 TIME_LIMIT_S = 120.0
@@ -108,16 +109,16 @@ def home(name: str | None) -> pool.Home:
     The calls of an engine that is nowhere installed, because its environment was removed meanwhile, fail in a process here.
     """
     if name is None:
-        return pool.Home()
+        return pool.Home(watched=False)
     try:
         environment = _place(name)
     except (registry.EngineMissing, Unobtainable):
-        return pool.Home(HERE, _import, TIME_LIMIT_S)
+        return pool.Home(HERE, import_engine, TIME_LIMIT_S)
     source = registry.known_installation(EngineName.parse(name).adapter)
     if environment is None:
         variables = source.variables_in(None) if source is not None else ()
-        return pool.Home(Interpreter(HERE.python, variables, apart=False), _import, TIME_LIMIT_S)
-    return pool.Home(Interpreter(environment.python, environments.variables(environment)), _import, TIME_LIMIT_S)
+        return pool.Home(Interpreter(HERE.python, variables, apart=False), import_engine, TIME_LIMIT_S)
+    return pool.Home(Interpreter(environment.python, environments.variables(environment)), import_engine, TIME_LIMIT_S)
 
 
 def place(name: str) -> str:
@@ -162,12 +163,6 @@ def _place(name: str) -> Environment | None:
         f"{asked} is not installed: there is no package {source.distribution}{f' {asked.version}' if asked.version else ''}; "
         f"install it by: bodycheck engines add {asked.adapter}{wanted}"
     )
-
-
-def _import(name: str) -> None:
-    """Import an engine. If that raises an exception, each call raises it again."""
-    with contextlib.suppress(registry.EngineMissing):
-        registry.load(name)
 
 
 def _ask(name: str) -> str | Fault:

@@ -8,13 +8,13 @@ from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import MechanismScripts, Method, SceneUnsupported, Scripts
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.errors import Failed
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Scene
 from bodycheck.running import engines, pool
 from bodycheck.running.outcome import Crashed, TimedOut
-from bodycheck.running.plan import check_timestep
+from bodycheck.running.tasks import check_timestep
 
 #: Time limit (s) for a script, which takes as long as building the model.
 TIME_LIMIT_S = 120.0

@@ -10,7 +10,7 @@ import numpy as np
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Strides
 from bodycheck.adapters.method import Method
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.reference.scenes import Scenes
 from bodycheck.running import members
 from bodycheck.running.crews import Role

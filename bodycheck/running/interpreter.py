@@ -40,7 +40,7 @@ class Interpreter:
     variables: tuple[tuple[str, str], ...] = ()
     apart: bool = True
 
-    def start(self, theirs: socket.socket, mark: bytes, memory: int) -> "subprocess.Popen[bytes]":
+    def start(self, theirs: socket.socket, mark: bytes, memory: int, watched: bool) -> "subprocess.Popen[bytes]":
         """Start `bodycheck.running.worker.main` in a new process, and return the process.
 
         The process leads a session of its own, so that an interruption from the terminal does not reach it. It has no
@@ -52,6 +52,8 @@ class Interpreter:
             The worker's end of its channel, and the mark of messages.
         memory
             The memory that each of its calls may use (bytes).
+        watched
+            Whether a thread that a call leaves counts as a change of the process.
 
         Raises
         ------
@@ -73,6 +75,7 @@ class Interpreter:
             "descriptor": _shared(theirs, process.pid),
             "mark": mark.hex(),
             "memory": memory,
+            "watched": watched,
         }
         assert process.stdin is not None
         with contextlib.suppress(OSError), process.stdin as stdin:  # a process that has ended already is seen by its channel

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from bodycheck.adapters import norm_errors, offers, registry
 from bodycheck.adapters.contract import Adapter, Method, Signals, Strides
 from bodycheck.adapters.engine_name import in_words
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.scenes import Scenes

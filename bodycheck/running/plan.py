@@ -1,33 +1,17 @@
 """Plan runs: which cases are run in which engines with which methods."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import product
 
 from bodycheck.adapters import offers
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.casefile.expectation import REFINEMENTS
-from bodycheck.casefile.values import MAX_STEPS
 from bodycheck.errors import BadInput
-from bodycheck.running.key import RunKey
+from bodycheck.running.tasks import Task as Task
+from bodycheck.running.tasks import check_timestep
 from bodycheck.suggestion import did_you_mean
-
-
-@dataclass(frozen=True)
-class Task:
-    """One run to be made."""
-
-    case: Case
-    engine: str
-    method: Method
-
-    @property
-    def key(self) -> RunKey:
-        """The key of the run."""
-        return RunKey(self.case.name, self.engine, self.method)
-
 
 #: A function that returns the tasks for cases, engines by name, spellings of methods, and time steps (s).
 Plan = Callable[[Sequence[Case], Mapping[str, Engine], Sequence[str], Sequence[float]], tuple[Task, ...]]
@@ -84,16 +68,6 @@ def check(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Seq
         check_method(spelling, list(engines.values()))
     for case, timestep in product(cases, timesteps):
         check_timestep(case, timestep)
-
-
-def check_timestep(case: Case, timestep: float) -> None:
-    """Raise `BadInput` for a time step (s) that is not possible in a case."""
-    if not 0 < timestep <= case.duration <= timestep * MAX_STEPS:
-        least = case.duration / MAX_STEPS
-        raise BadInput(
-            f"{case.name}: time step {timestep:g} s: must be positive, at most its duration, {case.duration:g} s, and at "
-            f"least {least:g} s, which results in {MAX_STEPS:.0e} steps"
-        )
 
 
 def check_method(spelling: str, engines: Sequence[Engine]) -> None:

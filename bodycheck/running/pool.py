@@ -48,11 +48,15 @@ class Home:
         it changes in the process stays. If it fails, all calls of the group have its failure as their result.
     limit
         The time limit of the preparation (s).
+    watched
+        Whether a process in which a call leaves a thread makes no other call. The libraries that compute truths start threads
+        when they are first needed, which later calls do not notice.
     """
 
     interpreter: Interpreter = HERE
     prepare: Callable[[Any], object] | None = None
     limit: float = 300.0
+    watched: bool = True
 
 
 def _one_group(argument: object) -> None:
@@ -322,7 +326,7 @@ def _start(group: Hashable, home: Home, memory: int) -> _Worker:
     ours, theirs, mark = channel.pair()
     try:
         with theirs:
-            process = home.interpreter.start(theirs, mark, memory)
+            process = home.interpreter.start(theirs, mark, memory, home.watched)
     except OSError:
         ours.close()
         raise

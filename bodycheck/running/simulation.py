@@ -21,7 +21,7 @@ from bodycheck.adapters.contract import (
 )
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
-from bodycheck.casefile.case import Case, check_case
+from bodycheck.casefile.content import Case, check_case
 from bodycheck.figures.definition import Load
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
@@ -31,8 +31,8 @@ from bodycheck.reference.truth import missing_model
 from bodycheck.running import body_checks, mechanism_checks
 from bodycheck.running.outcome import AdapterFault as AdapterFault
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Outcome, Run, Unsupported, crash
-from bodycheck.running.plan import check_timestep
 from bodycheck.running.process_state import TO_NEAREST, rounding
+from bodycheck.running.tasks import check_timestep
 
 #: Largest number of steps for which the load of a contact is measured, which takes about ten times as long as stepping.
 MAX_LOAD_STEPS = 20_000

@@ -237,6 +237,11 @@ class Results:
         record = self._truths.get((case, timestep), {"reason": ""})
         return None if "reason" in record else _ways(record)
 
+    def stop_of(self, case: str) -> Stop | None:
+        """Return where and when the body of a case stops, by its truths; None if it still moves at their last instants."""
+        own = [record for (name, _), record in self._truths.items() if name == case]
+        return next((_stop(record["stop"]) for record in own if record.get("stop") is not None), None)
+
     @cached_property
     def stops(self) -> dict[tuple[str, Plane], Stop | None]:
         """Where and when the body of a case stops under a law of friction, by the case's name and the plane with the law.

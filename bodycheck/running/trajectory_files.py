@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 
 from bodycheck.casefile.values import MAX_SAMPLES
 from bodycheck.errors import BadFolder
-from bodycheck.files import reading, writing
+from bodycheck.files import columns, reading, writing
 from bodycheck.reference.bounds import NAMES, Bounds
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -96,9 +96,11 @@ def write(folder: Path, path: Path, trajectory: Trajectory, more: Mapping[str, A
     """
     parts = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
     states = np.moveaxis(np.concatenate(parts, axis=-1), -1, -2).reshape(-1, len(trajectory))
-    columns = {"t": trajectory.t, **dict(zip(_columns_of(bodies), states, strict=True)), **more}
+    named = {"t": trajectory.t, **dict(zip(_columns_of(bodies), states, strict=True)), **more}
+    table = pa.table({name: columns.of_numbers(values) for name, values in named.items()})
     content = pa.BufferOutputStream()
-    pq.write_table(pa.table(columns), content, compression="zstd", use_dictionary=False, use_byte_stream_split=True)
+    # LZ4 takes half the time of zstd, and leaves a few per cent more.
+    pq.write_table(table, content, compression="lz4", use_dictionary=False, use_byte_stream_split=True)
     writing.write(folder / path, content.getvalue().to_pybytes(), folder)
 
 
@@ -152,7 +154,7 @@ def _columns(file: Path, bodies: Sequence[str], wanted: tuple[str, ...]) -> dict
         for field in table.schema:
             if field.type != pa.float64() or table[field.name].null_count:
                 raise ValueError(f"its column {field.name} does not hold numbers alone")
-        found = {name: table[name].to_numpy() for name in table.column_names}
+        found = {name: columns.numbers_of(table[name]) for name in table.column_names}
     except (OSError, pa.ArrowException, ValueError, KeyError, OverflowError, MemoryError) as error:
         raise BadFolder(f"{file}: a trajectory that the results tell of cannot be read: {error}") from error
     return found

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bodycheck.casefile.case import Case, check_case
+from bodycheck.casefile.content import Case, check_case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import bounds_of
 from bodycheck.reference import certificate
@@ -47,6 +47,12 @@ def batches(case: Case, timesteps: Iterable[float]) -> tuple[tuple[float, ...], 
     """
     different, most = tuple(dict.fromkeys(timesteps)), max(1, MAX_INSTANTS // case.samples)
     return tuple(different[first : first + most] for first in range(0, len(different), most))
+
+
+def effort(case: Case) -> tuple[bool, int]:
+    """Return what orders cases by how long their truths take: longest those of closed loops, and then those of many bodies."""
+    scene = case.scene
+    return (bool(scene.loops), len(scene.bodies)) if isinstance(scene, Mechanism) else (False, 0)
 
 
 def of_runs(case: Case, timesteps: Iterable[float]) -> dict[float, Truth]:

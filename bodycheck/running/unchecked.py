@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from bodycheck.adapters.method import Method
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 
 #: Why an expectation that was not checked does not count as failed.
 ALLOWED, SHIPPED = "--allow-missing", "in a shipped case"

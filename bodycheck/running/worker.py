@@ -11,7 +11,7 @@ from bodycheck.running.outcome import crash
 from bodycheck.running.process_state import state, threads
 
 
-def main(descriptor: int | str, mark: str, memory: int) -> None:
+def main(descriptor: int | str, mark: str, memory: int, watched: bool) -> None:
     """Answer the calls of the process that started this one until it closes the channel.
 
     A call is a function, its argument, and whether it prepares the process for the calls that follow, as the import of an
@@ -26,6 +26,8 @@ def main(descriptor: int | str, mark: str, memory: int) -> None:
         The mark of messages, in hexadecimal digits.
     memory
         The memory that each call may use (bytes).
+    watched
+        Whether a thread that a call leaves counts as a change of the process.
     """
     with open(os.devnull, "rb") as nothing:
         os.dup2(nothing.fileno(), 0)
@@ -46,7 +48,7 @@ def main(descriptor: int | str, mark: str, memory: int) -> None:
                 limits.allow_memory(memory)
                 before = state()
             changed = state() != before or threads() > allowed
-            allowed = math.inf if preparing else threads()
+            allowed = threads() if watched and not preparing else math.inf
             served.send(number, _pickled(result, reusable=not changed and not limits.keeps_much()))
     except (EOFError, ConnectionError):
         return  # the parent is gone

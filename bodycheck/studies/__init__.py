@@ -5,6 +5,9 @@
 - `extremes`: at which extreme values do methods fail, and how?
 - `ablation`: what do model parts cost that a case does not require?
 - `releases`: what changed from one release of an engine to the next?
+- `audit`: what does an engine do besides mechanics, and which methods are the same?
+- `ensemble`: how often does a method fail over many members of a case, and which are the worst?
+- `parity`: what do engines make of the file of a robot?
 
 Several studies use `cost`, which measures the time per step, and `orders`, the rows on orders of convergence.
 """

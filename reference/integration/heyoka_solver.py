@@ -95,7 +95,14 @@ def compiled(system: Equations, dtype: Any, bits: int | None, *, large: bool = F
     )
 
 
-def solve(solver: Any, start: WideArray, parameters: WideArray, times: Array, angles: tuple[str, ...] = ()) -> WideArray:
+def solve(
+    solver: Any,
+    start: WideArray,
+    parameters: WideArray,
+    times: Array,
+    angles: tuple[str, ...] = (),
+    most: int | None = None,
+) -> WideArray:
     """Solve the equations of an integrator.
 
     Parameters
@@ -110,6 +117,8 @@ def solve(solver: Any, start: WideArray, parameters: WideArray, times: Array, an
         (n,) times >= 0 in any order, in the unit of time of the equations.
     angles
         Names of variables that are reduced to [0, 2 pi), since they would lose digits as they grow.
+    most
+        The number of steps after which the integration is given up; None for `MAX_STEPS`.
 
     Returns
     -------
@@ -128,7 +137,7 @@ def solve(solver: Any, start: WideArray, parameters: WideArray, times: Array, an
         solver.state[:] = start
         solver.pars[:] = parameters[: len(solver.pars)]
         grid = instants.astype(start.dtype)
-        outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=MAX_STEPS, callback=reducer)
+        outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=most or MAX_STEPS, callback=reducer)
     if outcome != hy.taylor_outcome.time_limit:
         raise OutOfReach(f"Taylor's method stopped after {steps} steps: {outcome.name}")
     return np.asarray(solution[rows[1:]])

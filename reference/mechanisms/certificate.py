@@ -16,7 +16,7 @@ import numpy as np
 from bodycheck.reference.certificate import BITS, SPARE_BITS, TRUTH_WAY, Certificate, contradiction
 from bodycheck.reference.errors import NotModelled, OutOfReach, within_range
 from bodycheck.reference.integration.rotation import WideArray
-from bodycheck.reference.mechanisms import recursion
+from bodycheck.reference.mechanisms import lagrange, recursion
 from bodycheck.reference.mechanisms.followed import (
     FEWEST_ROUNDINGS,
     RECURSION,
@@ -25,6 +25,7 @@ from bodycheck.reference.mechanisms.followed import (
     by_recursion,
     followed,
     growth_instants,
+    growth_with_loops,
     lagrangian,
     require_modelled,
     rounding_errors,
@@ -32,6 +33,7 @@ from bodycheck.reference.mechanisms.followed import (
     witness_of,
 )
 from bodycheck.reference.mechanisms.growth import Growth
+from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.truth import joined, printed
 from bodycheck.reference.mechanisms.ways import Motion, Way, disagreement, sizes
@@ -82,32 +84,47 @@ def _other_ways(mechanism: Mechanism, times: Array, found: Followed, witness: Wa
     """Every way but that of the truth, with bounds of its own errors. witness: that of the truth, whose are not known."""
     grown = found.growth
     if mechanism.loops and witness is not None:
-        yield replace(witness, errors=_errors_with_loops(mechanism, found, witness))
+        yield from _ways_with_loops(mechanism, times, found, witness)
     if mechanism.loops or grown is None:
         return
     if found.form:
         yield by_recursion(mechanism, times).way
     if (way := lagrangian(mechanism, times) if found.form else witness) is not None:
-        made, eps = _roundings_of_lagrangian(mechanism, times), float(np.finfo(arithmetic()[0]).eps)
+        made = _roundings_of_lagrangian(mechanism, times, _measured_growth(mechanism, times))
+        eps = float(np.finfo(arithmetic()[0]).eps)
         yield replace(way, errors=rounding_errors(mechanism, way.motion, grown, made, eps))
     yield from _wide_way(mechanism, times, grown)
 
 
+def _ways_with_loops(mechanism: Mechanism, times: Array, found: Followed, witness: Way) -> Iterator[Way]:
+    """The witness of a mechanism with loops and, besides the Lagrangian, the equations of every body, if they can follow it."""
+    grown = growth_with_loops(mechanism, growth_instants(times))
+    if grown is None or found.growth is None or not witness.name.startswith(lagrange.NAME):
+        yield replace(witness, errors=_errors_with_loops(mechanism, found, witness))
+        return
+    made = _roundings_of_lagrangian(mechanism, times, grown)
+    rounding = rounding_errors(mechanism, witness.motion, found.growth, made, float(np.finfo(arithmetic()[0]).eps))
+    yield replace(witness, errors={name: found.way.errors[name] + rounding[name] for name in rounding})
+    with contextlib.suppress(OutOfReach, NotModelled):
+        bodies = loops.witness(mechanism, times)
+        yield replace(bodies, errors=_errors_with_loops(mechanism, found, bodies))
+
+
 def _errors_with_loops(mechanism: Mechanism, found: Followed, way: Way) -> dict[str, Array]:
-    """Errors (n,) of the witness of a mechanism with loops: as much as those of its way, and more by its tolerance."""
+    """Errors (n,) of a collocation with loops that is a witness: as much as those of its way, and more by its tolerance."""
     largest = sizes(mechanism, way.motion)
     return {name: found.way.errors[name] + LOOPS_TOLERANCE * (1 + np.maximum.accumulate(largest[name])) for name in largest}
 
 
-def _roundings_of_lagrangian(mechanism: Mechanism, times: Array) -> float:
-    """How many roundings the Lagrangian makes, measured as those of the recursion are."""
+def _roundings_of_lagrangian(mechanism: Mechanism, times: Array, grown: Growth) -> float:
+    """How many roundings the Lagrangian makes, measured as those of the recursion are. grown: at the `growth_instants`."""
     dtype, _, _ = arithmetic()
     if dtype is np.float64:
         return DOP853_ROUNDINGS
     measured = growth_instants(times)
     ways = [lagrangian(mechanism, measured, each) for each in (dtype, np.float64)]
     wide, base = (way.motion for way in ways if way is not None)
-    return roundings(mechanism, base, wide, _measured_growth(mechanism, times))
+    return roundings(mechanism, base, wide, grown)
 
 
 def _measured_growth(mechanism: Mechanism, times: Array) -> Growth:
@@ -118,7 +135,7 @@ def _measured_growth(mechanism: Mechanism, times: Array) -> Growth:
 
 def _wide_way(mechanism: Mechanism, times: Array, grown: Growth) -> Iterator[Way]:
     """The recursion in multiprecision that leaves digits for the growth of rounding, where it can follow the motion."""
-    needed = SPARE_BITS + math.log2(float(np.max(grown.of_start, initial=1.0)))
+    needed = SPARE_BITS + math.log2(float(np.max(grown.of_any, initial=1.0)))
     bits = next((bits for bits in BITS if bits >= needed), None)
     with contextlib.suppress(OutOfReach, NotModelled, ImportError):
         import heyoka as hy

@@ -7,7 +7,7 @@ in the wide type, and grow as much.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,7 @@ from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.ground import carried
 from bodycheck.reference.mechanisms.forms.motion import Form
 from bodycheck.reference.mechanisms.growth import Growth, growth
+from bodycheck.reference.mechanisms.kinematics import gaps
 from bodycheck.reference.mechanisms.lagrangian.friction import Phase, Stray
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
 from bodycheck.reference.mechanisms.loops import ways as loops
@@ -44,6 +45,9 @@ CAUTION = 8.0
 
 #: Roundings of a number that grows with time, such as the angle of a wheel, and of what follows from it.
 STORED_ROUNDINGS = 16.0
+
+#: Part of the length of a mechanism by which loops that the Lagrangian holds together may come apart.
+OPEN = 1e-9
 
 #: Name of the equations of the recursion in results.
 RECURSION = "articulated-body recursion"
@@ -174,17 +178,45 @@ def by_recursion(mechanism: Mechanism, times: Array) -> Followed:
 
 
 def by_loops(mechanism: Mechanism, times: Array) -> Followed:
-    """The motion of a mechanism with loops by multipliers. How an error grows is not measured; the witness shows it."""
+    """The motion of a mechanism with loops by multipliers. The growth of errors is told, but the witness shows their size."""
     found = loops.way(mechanism, times)
-    return Followed(found, loops.NAME, "closed loops", loops.SOLVER, None)
+    return Followed(found, loops.NAME, "closed loops", loops.SOLVER, growth_with_loops(mechanism, times))
+
+
+def growth_with_loops(mechanism: Mechanism, times: Array) -> Growth | None:
+    """The growth of an error of a mechanism with loops; None where the Lagrangian cannot follow it, or without heyoka."""
+    if arithmetic()[0] is np.float64 or any(joint is None for joint in mechanism.joint_of):
+        return None
+    measured = growth_instants(times)
+
+    def follow(nudged: Mechanism, instants: Array) -> Motion:
+        return _motion_of(lagrange.follow(loops.closed_start(nudged), instants, np.float64), instants)
+
+    try:
+        return growth(mechanism, follow, follow(mechanism, measured), measured).until(times)
+    except (NotModelled, OutOfReach):
+        return None
 
 
 def _loops_witness(mechanism: Mechanism, times: Array, found: Followed) -> Way | None:
-    """The witness of a mechanism with loops: the multipliers of a closed form, else the equations of every body."""
+    """The witness of a mechanism with loops: the multipliers of a closed form, else the Lagrangian or the equations of bodies.
+
+    The Lagrangian cannot pass positions in which a mechanism could also move in another way, and has no free bodies in loops.
+    """
+    if not found.form and (own := _closed_lagrangian(mechanism, times)) is not None:
+        return own
     try:
         return loops.way(mechanism, times) if found.form else loops.witness(mechanism, times)
     except (NotModelled, OutOfReach):
         return None
+
+
+def _closed_lagrangian(mechanism: Mechanism, times: Array) -> Way | None:
+    """The motion by the Lagrangian with multipliers; None where it cannot follow it, or where loops come apart."""
+    found = None if arithmetic()[0] is np.float64 else lagrangian(mechanism, times)
+    if found is None or float(np.max(gaps(mechanism, found.motion.bodies), initial=0.0)) > OPEN * reach(mechanism):
+        return None
+    return replace(found, name=found.name.replace(lagrange.NAME, f"{lagrange.NAME} with multipliers"))
 
 
 def roundings(mechanism: Mechanism, base: Motion, wide: Motion, grown: Growth) -> float:

@@ -4,7 +4,8 @@ A motion is followed again from a state that is nudged by a small part of the si
 gets from the motion that is not nudged, per nudge, is the growth of an error. Where it has got so far that growth would not be
 proportional any more, its distance is scaled back to the size of a nudge, and the motion goes on from there (Benettin et al.,
 Meccanica 15, 1980), so that growth has no limit. Errors are made at all times, and one that is made later can grow more than
-one at the start; so motions are nudged at later instants too.
+one at the start; so motions are nudged at later instants too. One motion is nudged in its angles alone: what is said of an
+error at the start is how an error of the initial angles grows in the angles.
 """
 
 from collections.abc import Iterator
@@ -25,7 +26,7 @@ NUDGE = 2.0**-30
 #: Deviation, relative to the sizes, up to which it is proportional to the nudge.
 SMALL = 1e-2
 
-#: When motions are nudged, as parts of the duration, twice at the start in different directions.
+#: When motions are nudged, as parts of the duration; the first one in its angles alone, the others in everything.
 STARTS = (0.0, 0.0, 1 / 3, 2 / 3)
 
 #: Growth from where on nothing is known any more, in any arithmetic.
@@ -46,18 +47,22 @@ class Growth:
     figures
         (m,) errors per unit of relative error made at any earlier time, by the names of `bounds.STATES`, in their units, never
         decreasing. An error of one is one radian, one length of the mechanism, and the largest speeds and rates of the motion.
+    of_any
+        (m,) the largest of these in those units.
     of_start
-        (m,) growth of an error at t = 0, the largest of all figures in those units, never decreasing.
+        (m,) by how much an error of the angles at t = 0 has grown in the angles, never decreasing.
     """
 
     t: Array
     figures: dict[str, Array]
+    of_any: Array
     of_start: Array
 
     def until(self, times: Array) -> "Growth":
         """The growth at other times (n,), s: that at the next instant that is not before."""
         places = np.minimum(np.searchsorted(self.t, times), len(self.t) - 1)
-        return Growth(times, {name: values[places] for name, values in self.figures.items()}, self.of_start[places])
+        figures = {name: values[places] for name, values in self.figures.items()}
+        return Growth(times, figures, self.of_any[places], self.of_start[places])
 
 
 def growth(mechanism: Mechanism, follow: Follow, base: Motion, t: Array) -> Growth:
@@ -79,16 +84,17 @@ def growth(mechanism: Mechanism, follow: Follow, base: Motion, t: Array) -> Grow
     figures = {name: np.full(len(t), units[name]) for name in STATES}
     of_start = np.ones(len(t))
     random = np.random.default_rng(0)
-    for begin in STARTS:
+    for number, begin in enumerate(STARTS):
         first = int(np.searchsorted(t, begin * t[-1]))
-        for rows, each in _deviations(mechanism, follow, base, t, first, units, random):
+        nudged = _nudged(mechanism, base.part([first]), units, random, turned_only=number == 0)
+        for rows, each in _deviations(mechanism, follow, base, t, first, units, nudged):
             for name in STATES:
                 figures[name][rows] = np.maximum(figures[name][rows], each[name])
-            if begin == 0:
-                largest = np.max([each[name] / units[name] for name in STATES], axis=0)
-                of_start[rows] = np.maximum(of_start[rows], largest)
+            if number == 0:
+                of_start[rows] = np.maximum(of_start[rows], each["error"])
     capped = {name: np.minimum(np.maximum.accumulate(values), LARGEST * units[name]) for name, values in figures.items()}
-    return Growth(t, capped, np.minimum(np.maximum.accumulate(of_start), LARGEST))
+    of_any = np.max([capped[name] / units[name] for name in STATES], axis=0)
+    return Growth(t, capped, of_any, np.minimum(np.maximum.accumulate(of_start), LARGEST))
 
 
 def scales(mechanism: Mechanism, motion: Motion, duration: float) -> dict[str, float]:
@@ -111,11 +117,13 @@ def _deviations(
     t: Array,
     first: int,
     units: dict[str, float],
-    random: np.random.Generator,
+    start: Mechanism,
 ) -> Iterator[tuple[slice, dict[str, Array]]]:
-    """Deviations per nudge of a motion that is nudged at an instant, piece by piece: at which instants, and by figure."""
+    """Deviations per nudge of a motion that is nudged at an instant, piece by piece: at which instants, and by figure.
+
+    start: the mechanism that starts from the nudged state at that instant.
+    """
     grown = 1.0
-    start = _nudged(mechanism, base.part([first]), units, random)
     for _ in range(MOST_PIECES):
         if first + 1 >= len(t) or grown >= LARGEST:
             return
@@ -125,25 +133,35 @@ def _deviations(
             return
         found = apart(mechanism, nudged, base.part(slice(first, None)))
         relative = np.max([found[name] / units[name] for name in STATES], axis=0)
+        # A nudge of a mechanism with loops is closed before it is followed, and has another size then.
+        nudge = float(relative[0]) if mechanism.loops else NUDGE
+        if not nudge:
+            return
         large = np.flatnonzero(relative[1:] > SMALL)
         at = int(large[0]) + 1 if len(large) else len(relative) - 1
-        yield slice(first, first + at + 1), {name: values[: at + 1] * (grown / NUDGE) for name, values in found.items()}
+        yield slice(first, first + at + 1), {name: values[: at + 1] * (grown / nudge) for name, values in found.items()}
         if first + at + 1 >= len(t):
             return
-        grown *= float(relative[at]) / NUDGE
+        grown *= float(relative[at]) / nudge
         start = _between(mechanism, base.part([first + at]), nudged.part([at]), NUDGE / float(relative[at]))
         first += at
 
 
-def _nudged(mechanism: Mechanism, state: Motion, units: dict[str, float], random: np.random.Generator) -> Mechanism:
-    """A mechanism that starts from a state at one instant, with a random nudge of each coordinate and velocity."""
+def _nudged(
+    mechanism: Mechanism, state: Motion, units: dict[str, float], random: np.random.Generator, *, turned_only: bool
+) -> Mechanism:
+    """A mechanism that starts from a state at one instant, with a random nudge of each coordinate and velocity.
+
+    turned_only: whether angles and attitudes alone are nudged.
+    """
     held, moving = letters(mechanism)
-    of_coordinate = {"a": 1.0, "q": 1.0, "l": units["position_error"]}
-    of_velocity = {"a": units["angular_velocity_error"], "l": units["velocity_error"]}
+    also = 0.0 if turned_only else 1.0
+    of_coordinate = {"a": 1.0, "q": 1.0, "l": also * units["position_error"]}
+    of_velocity = {"a": also * units["angular_velocity_error"], "l": also * units["velocity_error"]}
     q = NUDGE * np.array([of_coordinate[each] for each in held]) * random.choice([-1.0, 1.0], len(held))
     u = NUDGE * np.array([of_velocity[each] for each in moving]) * random.choice([-1.0, 1.0], len(moving))
     turn = NUDGE * random.choice([-1.0, 1.0], (len(mechanism.bodies), 4))
-    spin = NUDGE * units["angular_velocity_error"] * random.choice([-1.0, 1.0], (len(mechanism.bodies), 3))
+    spin = also * NUDGE * units["angular_velocity_error"] * random.choice([-1.0, 1.0], (len(mechanism.bodies), 3))
     bodies = state.bodies
     return _started(
         mechanism,

@@ -5,9 +5,10 @@ widest type of NumPy (heyoka), or by DOP853 in double precision where heyoka is 
 code of its own, which shares no formula with the recursion that is the truth.
 """
 
+import functools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,9 @@ from bodycheck.reference.independent.arithmetic import Wide, wide
 from bodycheck.reference.independent.border import Number
 from bodycheck.reference.integration.rotation import WideArray
 from bodycheck.reference.mechanisms.lagrangian.border import Border, Element, border
+from bodycheck.reference.mechanisms.lagrangian.closing import independent
+from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape
+from bodycheck.reference.mechanisms.lagrangian.equations import parts_of, rows_of
 from bodycheck.reference.mechanisms.lagrangian.friction import Phase, Slipping, Stray, in_phases
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion, motion
 from bodycheck.reference.mechanisms.lagrangian.structure import Structure, Units, numbers
@@ -44,8 +48,8 @@ class Prepared:
 def follow(mechanism: Mechanism, times: Array, dtype: Any = Wide) -> WideMotion:
     """The motion of a mechanism at ascending times (n,) >= 0, s, by Taylor's method in a type of NumPy (heyoka).
 
-    Raises `NotModelled` where the mechanism has loops or dry friction (see `follow_slipping`), `OutOfReach` where it cannot be
-    followed, and `ImportError` where heyoka is not installed.
+    Raises `NotModelled` where the mechanism has dry friction (see `follow_slipping`) or free bodies in loops, `OutOfReach`
+    where it cannot be followed, and `ImportError` where heyoka is not installed.
     """
     from bodycheck.reference.mechanisms.lagrangian import taylor
 
@@ -94,15 +98,25 @@ def _motion(ready: Prepared, mechanism: Mechanism, times: Array, states: WideArr
 
 
 def prepared(mechanism: Mechanism) -> Prepared:
-    """What the equations of a mechanism need. Raises `NotModelled` where it has loops."""
-    if mechanism.loops:
-        raise NotModelled("closed loops in the Lagrangian in joint coordinates")
+    """What the equations of a mechanism need. Raises `NotModelled` where free bodies, each of which falls, are in loops."""
     found = border(mechanism)
+    if any(place is not None and found.elements[place].falls for ends in found.loops for place, _ in ends):
+        raise NotModelled("free bodies in loops, in the Lagrangian in joint coordinates")
     units = _units(found)
     structure, parameters = numbers(found, units)
     start = [value for element in found.elements for value in _scaled_start(element, units)]
-    velocity = [value for element in found.elements for value in _scaled_velocity(element, units)]
-    return Prepared(found, structure, units, parameters, start + velocity)
+    start += [value for element in found.elements for value in _scaled_velocity(element, units)]
+    if structure.loops:
+        chosen = independent(*_all_rows(structure), [float(value) for value in start], [float(value) for value in parameters])
+        structure = replace(structure, rows=chosen)
+    return Prepared(found, structure, units, parameters, start)
+
+
+@functools.lru_cache(maxsize=8)
+def _all_rows(structure: Structure) -> tuple[Tape, list[list[Node]]]:
+    """By which velocities all components of the gaps of loops change, on a tape."""
+    tape = Tape()
+    return tape, rows_of(tape, structure, parts_of(tape, structure))
 
 
 def _scaled_start(element: Element, units: Units) -> list[Number]:

@@ -21,7 +21,6 @@ import heyoka as hy
 import numpy as np
 
 from bodycheck.reference.errors import OutOfReach
-from bodycheck.reference.integration.dop853 import MAX_STEPS
 from bodycheck.reference.integration.heyoka_solver import compiled, integrator_lock
 from bodycheck.reference.mechanisms.link_states import (
     Change,
@@ -35,7 +34,7 @@ from bodycheck.reference.mechanisms.link_states import (
 )
 from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
 from bodycheck.reference.mechanisms.tree import Tree
-from bodycheck.reference.mechanisms.tree_equations import Shape, parameters, shape_of, written
+from bodycheck.reference.mechanisms.tree_equations import Shape, most_steps, parameters, shape_of, written
 from bodycheck.reference.trajectory import Array
 
 #: Most joints at rest of which every case is tried, 3 to this power, where rounding has spoilt the iteration.
@@ -113,9 +112,9 @@ def _rows(tree: Tree, instants: WideArray, kind: FloatType, solver: _Solver) -> 
     moving = {place: int(np.sign(float(state[at]))) for place, at in _velocities(tree).items()}
     modes = settled(tree, state, moving)
     phase = _Phase(instants[0], state, modes, _slipping(modes, moving))
-    rows = [state]
+    rows, left = [state], most_steps(solver.solver)
     while len(rows) < len(instants):
-        crossing = _advanced(tree, kind, solver, phase, instants, rows)
+        crossing, left = _advanced(tree, kind, solver, phase, instants, rows, left)
         if crossing is None:
             break
         place, time = crossing
@@ -141,14 +140,17 @@ def _velocities(tree: Tree) -> dict[int, int]:
 
 
 def _advanced(
-    tree: Tree, kind: FloatType, solver: _Solver, phase: _Phase, instants: WideArray, rows: list[WideArray]
-) -> tuple[int, Any] | None:
-    """Follow a phase to its end, and add the states at the instants in it: the change that ends it, None after the last."""
+    tree: Tree, kind: FloatType, solver: _Solver, phase: _Phase, instants: WideArray, rows: list[WideArray], most: int
+) -> tuple[tuple[int, Any] | None, int]:
+    """Follow a phase to its end, and add the states at the instants in it.
+
+    Returns the change that ends it, None after the last, and how many of `most` steps are left.
+    """
     inner, first = solver.solver, True
     inner.time, inner.state[:] = phase.time, phase.state
     inner.pars[:] = kind.array(parameters(tree, phase.modes))[: len(inner.pars)]
     watched = _nearly_slipping(tree, phase.state, phase.modes)
-    for _ in range(MAX_STEPS):
+    for left in reversed(range(most)):
         solver.crossings.clear()
         begin = inner.time
         outcome, step = inner.step(max_delta_t=instants[-1] - begin, write_tc=True)
@@ -163,10 +165,10 @@ def _advanced(
         while len(rows) < len(instants) and instants[len(rows)] <= until:
             rows.append(solver.output(instants[len(rows)]))
         if crossing is not None or len(rows) == len(instants):
-            return crossing
+            return crossing, left
         _check_directions(tree, inner.state, phase.modes, float(begin))
         first = False
-    raise OutOfReach(f"more than {MAX_STEPS} integration steps before t = {float(instants[-1]):.6g} s")
+    raise OutOfReach(f"Taylor's method stopped at t = {float(inner.time):.6g} s, since the motion needs too many steps")
 
 
 def _changed(tree: Tree, state: WideArray, modes: Modes, place: int) -> tuple[WideArray, Modes]:

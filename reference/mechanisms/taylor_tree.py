@@ -10,7 +10,7 @@ from bodycheck.reference.mechanisms import stick_slip
 from bodycheck.reference.mechanisms.link_states import Course, split, start
 from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
 from bodycheck.reference.mechanisms.tree import Tree
-from bodycheck.reference.mechanisms.tree_equations import Shape, parameters, shape_of, written
+from bodycheck.reference.mechanisms.tree_equations import Shape, most_steps, parameters, shape_of, written
 
 
 def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
@@ -19,7 +19,7 @@ def followed(tree: Tree, times: WideArray, kind: FloatType) -> Course:
         return stick_slip.followed(tree, times, kind)
     shape = shape_of(tree)
     solver = integrator(_equations(shape), kind.dtype, kind.bits, large=shape.large)
-    rows = solve(solver, kind.array(start(tree)), kind.array(parameters(tree)), times)
+    rows = solve(solver, kind.array(start(tree)), kind.array(parameters(tree)), times, most=most_steps(solver))
     return Course(split(tree, rows, times, kind), ())
 
 

@@ -4,6 +4,7 @@ One compilation serves all mechanisms whose trees have the same kinds of links o
 joints, and zeros in the same places: all other numbers are parameters. heyoka keeps compiled code on disk.
 """
 
+import functools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import heyoka as hy
 
 from bodycheck.reference.exact.numbers import MP, Real
+from bodycheck.reference.integration.dop853 import MAX_STEPS
 from bodycheck.reference.integration.heyoka_solver import Equations
 from bodycheck.reference.mechanisms.articulated import FREEDOMS, Constants, Kind
 from bodycheck.reference.mechanisms.link_states import SIZES, Form, derivatives, places_of_rates
@@ -29,6 +31,10 @@ _CHANGING = ("force", "moves")
 #: Up to this many coordinates the code is optimised, which takes up to ten seconds. That of forty hinges in space would take
 #: half a minute, and that of two hundred several minutes; without it, these are compiled in fifteen seconds.
 MOST_OPTIMISED = 24
+
+#: Operations, steps times the length of the equations, after which an integration is given up: some ten seconds in 80 bits. A
+#: joint whose damping or spring makes it much faster than all others needs as many.
+MAX_OPERATIONS = 40_000_000
 
 #: Velocity (rad/s or m/s) that is added to that of a joint which begins to slip from zero, since heyoka does not find the roots
 #: of a function after one at the very beginning of a step.
@@ -63,6 +69,12 @@ class Written:
 
     system: Equations
     margins: list[Any]
+
+
+@functools.lru_cache(maxsize=32)
+def most_steps(solver: Any) -> int:
+    """The number of steps after which an integrator of heyoka gives up."""
+    return max(1, min(MAX_STEPS, MAX_OPERATIONS // len(solver.decomposition)))
 
 
 def shape_of(tree: Tree) -> Shape:

@@ -184,9 +184,20 @@ def step_through(scheme: Scheme, formulation: Equations, scene: Scene, timestep:
         rad/s). Rows are NaN from the first sample that the scheme does not reach because its equations have no solution or a
         number overflows.
     """
-    equations, initial = formulation(scene), scene.initial
-    pose: Pose = initial.position, initial.quaternion
-    v = equations.from_state(pose, (initial.velocity, initial.angular_velocity))
+    initial = scene.initial
+    start = (initial.position, initial.quaternion), (initial.velocity, initial.angular_velocity)
+    return step_from(scheme, formulation(scene), start, timestep, strides)
+
+
+def step_from(
+    scheme: Scheme, equations: Formulation, start: tuple[Pose, Pair], timestep: float, strides: NDArray[np.int64]
+) -> Array:
+    """States of a scheme at n samples, as from `step_through`, for equations of motion and a state to start from.
+
+    start: position (m) and quaternion, velocity (world, m/s) and angular velocity (body, rad/s).
+    """
+    pose, velocities = start
+    v = equations.from_state(pose, velocities)
     rows = np.full((len(strides), 13), np.nan)
     try:
         for row, stride in zip(rows, strides.tolist(), strict=True):

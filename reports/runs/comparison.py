@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.casefile.identity import identity
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet

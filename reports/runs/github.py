@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Literal
 
 from bodycheck.adapters.method import Method
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.casefile.toml_positions import positions
 from bodycheck.judging import advice
 from bodycheck.judging.judgement import Judged, Verdict

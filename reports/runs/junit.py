@@ -52,13 +52,13 @@ def render(
         _properties(test, {name: value for name, value in row.items() if name not in NOT_PROPERTIES})
         if not verdict.passed:
             text = "\n".join((verdict.reason, *advice.lines(verdict, files.get(row["case"], row["case"]))))
-            _sub(test, "failure", type=row["status"], message=verdict.reason).text = _clean(text)
+            _sub(test, "failure", type=row["status"], message=verdict.reason).text = clean(text)
         elif verdict.reason:
-            _sub(test, "system-out").text = _clean(verdict.reason)
+            _sub(test, "system-out").text = clean(verdict.reason)
     for one in unchecked:
         test = _sub(suite, "testcase", classname=one.case, name=f"{one.engine} {one.integrator} {one.timestep!r} s")
         if one.failed:
-            _sub(test, "failure", type="missing", message=one.text).text = _clean(one.text)
+            _sub(test, "failure", type="missing", message=one.text).text = clean(one.text)
         else:
             _sub(test, "skipped", message=one.text)
     for name in untested:
@@ -80,7 +80,7 @@ def _seconds(rows: Sequence[Mapping[str, Any]]) -> str:
 
 
 def _element(tag: str, **attributes: Any) -> Element:
-    return Element(tag, {name: _clean(str(value)) for name, value in attributes.items()})
+    return Element(tag, {name: clean(str(value)) for name, value in attributes.items()})
 
 
 def _sub(parent: Element, tag: str, **attributes: Any) -> Element:
@@ -89,6 +89,6 @@ def _sub(parent: Element, tag: str, **attributes: Any) -> Element:
     return element
 
 
-def _clean(text: str) -> str:
+def clean(text: str) -> str:
     """Return a text that XML can hold; other characters are written as escapes."""
     return NOT_XML.sub(lambda found: found.group().encode("unicode_escape").decode("ascii"), text)

@@ -9,7 +9,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from bodycheck.adapters.contract import kind_of as scene_kind
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.mechanisms.requirements import turns

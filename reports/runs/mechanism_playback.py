@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.definition import Solid
@@ -195,6 +194,8 @@ def _beside(body: JointedBody, point: Vector) -> Vector:
 
 def _path(t: Array, position: Array, velocity: Array) -> tuple[Array, Array]:
     """Return a path at more instants, between which straight lines follow it better: a cubic curve through the samples."""
+    from scipy.interpolate import CubicHermiteSpline  # takes as long to import as most reports without mechanisms take
+
     shares = np.arange(len(t) * FINER - FINER + 1) / FINER
     instants = np.interp(shares, np.arange(len(t)), t)
     return instants, np.asarray(CubicHermiteSpline(t, position, velocity)(instants))

@@ -117,16 +117,11 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
     first = choose(played, reach if scene.plane is not None else math.inf)
     unseen = own_runs.keys() - {one.line for one in played}
     undrawn = [name_of(line) for line, verdict in own_runs.items() if verdict.discrepancy is not None and line in unseen]
-    left_out, kept = [], dict[Shown, dict[str, Any]]()
     if (room := most - len(as_json(record))) < 0:
         return Playback(None, "", ("There is no animation, to keep this file small.",))
-    for one in (*first, *(other for other in played if other not in first)):
-        if (entry := _run(one, scene, reach, rates)) is None:
-            undrawn.append(name_of(one.line))
-        elif (room := room - len(as_json(entry))) < 0:
-            left_out.append(name_of(one.line))
-        else:
-            kept[one] = entry
+    by_rank = (*first, *(other for other in played if other not in first))
+    kept, left_out = _fitting({one: _run(one, scene, reach, rates) for one in by_rank}, room)
+    undrawn += [name_of(one.line) for one in by_rank if one not in kept and one not in left_out]
     order = [one for one in played if one in kept]
     data = {
         "body": _drawn(scene.body, reach),
@@ -138,7 +133,21 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
         "runs": [kept[one] for one in order],
         "shown": [order.index(one) for one in first if one in kept],
     }
-    return Playback(data, _alt(scene, played), tuple(_notes(scene, timestep, runs, undrawn, left_out)))
+    notes = _notes(scene, timestep, runs, undrawn, [name_of(one.line) for one in left_out])
+    return Playback(data, _alt(scene, played), tuple(notes))
+
+
+def _fitting(entries: Mapping[Shown, dict[str, Any] | None], room: int) -> tuple[dict[Shown, dict[str, Any]], list[Shown]]:
+    """Return the entries that have room in so many characters, the first ones first, and those that are left out."""
+    kept, left_out = dict[Shown, dict[str, Any]](), list[Shown]()
+    for one, entry in entries.items():
+        if entry is None:
+            continue
+        if (room := room - len(as_json(entry))) < 0:
+            left_out.append(one)
+        else:
+            kept[one] = entry
+    return kept, left_out
 
 
 def _largest_momentum(body: Body, trajectory: Trajectory) -> float:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere

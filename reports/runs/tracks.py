@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
-from bodycheck.reference.kinematics import geodesic_angle, multiply
+from bodycheck.reference.kinematics import conjugate, geodesic_angle, multiply
 from bodycheck.reference.trajectory import Array
 from bodycheck.reports.series import corners
 
@@ -125,7 +124,7 @@ def turning(t: Array, quaternion: Array, rate: Array, rate_tolerance: float) -> 
         return None
     whole = Turning(
         t,
-        _rounded(Rotation.from_quat(quaternion, scalar_first=True).as_rotvec(), math.pi),
+        _rounded(_rotation_vector(quaternion), math.pi),
         _rounded(rate, _largest_component(rate)),
     )
     kept = np.unique(np.searchsorted(turned, np.linspace(0, turned[-1], 2 + int(turned[-1] / WIDEST))).clip(0, len(t) - 1))
@@ -174,20 +173,33 @@ def played(track: Turning, t: Array) -> tuple[Array, Array]:
     span = np.clip(np.searchsorted(track.t, t, side="right") - 1, 0, len(track.t) - 2)
     h = (track.t[span + 1] - track.t[span])[:, None]
     s = (t - track.t[span])[:, None] / h
-    knots = Rotation.from_rotvec(track.turn)
-    turns = (knots[:-1].inv() * knots[1:]).as_rotvec()
+    knots = _quaternion(track.turn)
+    turns = _rotation_vector(multiply(conjugate(knots[:-1]), knots[1:]))
     whole = turns[span]
     start, stop = h * track.rate[span], h * _derivative(turns, track.rate[1:])[span]
     vector = (s - 2 * s**2 + s**3) * start + (3 * s**2 - 2 * s**3) * whole + (s**3 - s**2) * stop
     change = (1 - 4 * s + 3 * s**2) * start + (6 * s - 6 * s**2) * whole + (3 * s**2 - 2 * s) * stop
-    within = Rotation.from_rotvec(vector).as_quat(scalar_first=True)
-    return multiply(knots.as_quat(scalar_first=True)[span], within), _rate(vector, change / h)
+    return multiply(knots[span], _quaternion(vector)), _rate(vector, change / h)
 
 
 def checked(samples: int) -> NDArray[np.intp]:
     """Return the ascending indices of the samples that a track is checked at, with the first and the last among them."""
     stride = math.ceil((samples - 1) / (MOST_CHECKED - 1))
     return np.union1d(np.arange(0, samples, max(1, stride)), samples - 1)
+
+
+def _quaternion(vector: Array) -> Array:
+    """Return the unit quaternions (n, 4) of rotation vectors (n, 3), rad."""
+    half = np.linalg.norm(vector, axis=1, keepdims=True) / 2
+    return np.hstack([np.cos(half), np.sinc(half / np.pi) / 2 * vector])
+
+
+def _rotation_vector(quaternion: Array) -> Array:
+    """Return the rotation vectors (n, 3), rad, of at most half a turn, of quaternions (n, 4)."""
+    shorter = np.where(quaternion[:, :1] < 0, -quaternion, quaternion)
+    sine = np.linalg.norm(shorter[:, 1:], axis=1, keepdims=True)
+    angle = 2 * np.arctan2(sine, shorter[:, :1])
+    return np.asarray(shorter[:, 1:] * np.divide(angle, sine, out=np.full_like(sine, 2.0), where=sine > 0))
 
 
 def _rate(vector: Array, change: Array) -> Array:

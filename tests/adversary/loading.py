@@ -11,7 +11,7 @@ from bodycheck.casefile.case import parse
 from bodycheck.errors import BadInput
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.running import truths
-from bodycheck.studies.ensemble import members
+from bodycheck.studies.ensemble.drawing import members
 from tests.adversary import case_files
 from tests.support.mutants import wrong
 

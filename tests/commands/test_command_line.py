@@ -15,7 +15,7 @@ from bodycheck.casefile.case import shipped
 from bodycheck.reference.observables import observe
 from tests.support import ROOT
 from tests.support.cases import a_case, expecting
-from tests.support.commands import bodycheck, bodycheck_process
+from tests.support.commands import bodycheck, bodycheck_process, call
 
 GRAVITY = {"gravity": 9.81}
 
@@ -86,24 +86,32 @@ def test_a_broken_case_among_good_ones_exits_2_before_simulating(short: Path, tm
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize(("package", "engine"), [("mujoco", "mujoco"), ("pinocchio", "pinocchio")])
+@pytest.mark.parametrize(("engine", "scheme"), [("mujoco", "rk4"), ("pinocchio", "RK4")])
 def test_with_one_engine_absent_the_other_runs(
-    short: Path, tmp_path: Path, package: str, engine: str, monkeypatch: pytest.MonkeyPatch
+    short: Path, tmp_path: Path, engine: str, scheme: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("BODYCHECK_CACHE", str(tmp_path / "cache"))  # which knows no engine
-    absent = f"import sys; sys.modules[{package!r}] = None"
-    here = "from tests.support.processes import calls_here; calls = calls_here(); calls.__enter__()"  # no worker processes
-    done = bodycheck_process(
-        "run", short, "--allow-missing", "--out", tmp_path / "out", prelude=f"{absent}; {here}", folder=ROOT
+    commands = (
+        ("run", short, "--integrator", scheme, "--allow-missing", "--out", tmp_path / "out"),
+        ("run", short, "--engine", engine),
     )
-    assert done.returncode == 0, done.stderr
-    assert f"{engine} is not installed" in done.stderr
+    code = (
+        f"import json, sys\nsys.modules[{engine!r}] = None\n"
+        "from tests.support.commands import bodycheck\nfrom tests.support.processes import calls_here\n"
+        "with calls_here():\n    done = [bodycheck(*command) for command in json.loads(sys.argv[1])]\n"
+        "print(json.dumps([(one.returncode, one.stderr) for one in done]))"
+    )
+    asked = json.dumps([list(map(str, command)) for command in commands])
+    told = subprocess.run([sys.executable, "-c", code, asked], capture_output=True, text=True, cwd=ROOT)
+    assert told.returncode == 0, told.stderr
+    (ended, said), (refused, why) = json.loads(told.stdout)
+    assert ended == 0, said
+    assert f"{engine} is not installed" in said
     results = pd.read_csv(tmp_path / "out" / "results.csv")
     assert set(results.engine) == {"mujoco", "pinocchio"} - {engine}
     assert f"{engine} is not installed" in (tmp_path / "out" / "report.md").read_text()
-    asked_for = bodycheck_process("run", short, "--engine", engine, prelude=f"{absent}; {here}", folder=ROOT)
-    assert asked_for.returncode == 2
-    assert f"{engine} is not installed" in asked_for.stderr
+    assert refused == 2
+    assert f"{engine} is not installed" in why
 
 
 def test_what_is_not_modelled_yet_is_unsupported(calls_here: None, short: Path) -> None:
@@ -200,9 +208,9 @@ def test_help_imports_nothing_heavy() -> None:
     assert "Exit codes" in done.stdout
 
 
-def test_results_of_workers_that_print_stay_readable(short: Path, miniatures: Path) -> None:
-    prelude = f"import sys; sys.path.insert(0, {str(miniatures)!r})"
-    done = bodycheck_process("run", short, "--engine", "printing", "--json", prelude=prelude)
-    assert [row["engine"] for row in json.loads(done.stdout)] == ["printing"]
-    assert "an engine that talks" in done.stderr
-    assert "one that talks from C" in done.stderr
+def test_results_of_workers_that_print_stay_readable(short: Path, miniatures: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert call("run", short, "--engine", "printing", "--json") == 0
+    printed = capfd.readouterr()
+    assert [row["engine"] for row in json.loads(printed.out)] == ["printing"]
+    assert "an engine that talks" in printed.err
+    assert "one that talks from C" in printed.err

@@ -7,18 +7,13 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import pandas as pd
-import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
 from bodycheck.commands.saved import EXTREMES, RECOMMEND
 from bodycheck.errors import BadInput
-from bodycheck.judging import result_set
-from bodycheck.reports.lines import assign
-from bodycheck.running.key import RunKey
 from bodycheck.running.store import RECORDS
 from tests.support import journals, saved_results
 from tests.support.saved_results import REPORT, TABLES, call
@@ -42,19 +37,10 @@ def copy(saved: Path, tmp_path: Path) -> Callable[..., Path]:
         folder = tmp_path / (name or kind)
         shutil.copytree(saved / kind, folder)
         if records is not None:
-            edit(folder / RECORDS, records)
+            journals.edit(folder / RECORDS, records)
         return folder
 
     return made
-
-
-def edit(path: Path, change: Callable[[Record], Record | None]) -> None:
-    """Change the records of a journal; None leaves one out."""
-    header, *records, footer = journals.records(path)
-    kept = [new for record in records if (new := change(record)) is not None]
-    begin = change(header)
-    assert begin is not None
-    journals.write(path, [begin, *kept, {**footer, "records": len(kept)}])
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -65,31 +51,56 @@ def markdown(folder: Path) -> str:
     return (folder / "report.md").read_text()
 
 
-def changed(records: Callable[[Record], bool], **values: Any) -> Callable[[Record], Record]:
-    return lambda record: record | values if records(record) else record
+#: What has no part in a report: engines, and what runs them.
+BANNED = ("mujoco", "pinocchio", "bodycheck.adapters.registry", "bodycheck.running.simulation", "bodycheck.running.pool")
+
+#: Makes reports where nothing of that can be imported, and tells what is imported of adapters.
+AGAIN = f"""
+import json, sys
+sys.modules.update(dict.fromkeys({BANNED}))
+from bodycheck.commands.command_line import app
+options = {{"exit_on_error": False, "print_error": False, "result_action": "return_value"}}
+codes = [app(["report", folder], **options) for folder in sys.argv[1:]]
+print(json.dumps([codes, [name for name in sys.modules if name.startswith("bodycheck.adapters.")]]))
+"""
 
 
-def is_run(record: Record, **values: Any) -> bool:
-    return record["record"] == "run" and all(record[name] == value for name, value in values.items())
-
-
-def move(folder: Path, by: float, along: str = "x", integrator: str = "RK4", timestep: float = 0.01) -> None:
-    """Move the body of the spin by some metres in the stored trajectory of a run of MuJoCo."""
-    path = folder / "trajectories" / "spin" / f"mujoco-{integrator}-{timestep!r}s.parquet"
-    table = pq.read_table(path)
-    moved = pa.array(table[along].to_numpy() + by)
-    pq.write_table(table.set_column(table.column_names.index(along), along, moved), path)
+@pytest.fixture(scope="module")
+def again(saved: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, int], list[str]]:
+    """A folder with copies of all results whose reports and tables were removed and made again in a process without engines,
+    the exit codes of the commands, and the modules of adapters that were imported.
+    """
+    place = tmp_path_factory.mktemp("again")
+    for kind in KINDS:
+        shutil.copytree(saved / kind, place / kind)
+        for name in (*REPORT, *TABLES):
+            (place / kind / name).unlink(missing_ok=True)
+    command = [sys.executable, "-c", AGAIN, *(str(place / kind) for kind in KINDS)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    codes, imported = json.loads(done.stdout.splitlines()[-1])
+    return place, dict(zip(KINDS, codes, strict=True)), imported
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_report_that_is_made_again_is_the_first_one_to_the_last_byte(kind: str, copy: Callable[..., Path]) -> None:
-    folder = copy(kind)
-    first = contents(folder)
-    assert {*REPORT} <= first.keys()
-    for name in (*REPORT, *TABLES):
-        (folder / name).unlink(missing_ok=True)
-    assert call("report", folder) == (1 if kind == "run" else 0)
-    assert contents(folder) == first
+def test_a_report_that_is_made_again_is_the_first_one_to_the_last_byte(
+    kind: str, saved: Path, again: tuple[Path, dict[str, int], list[str]]
+) -> None:
+    place, codes, _ = again
+    assert {*REPORT} <= contents(saved / kind).keys()
+    assert codes[kind] == (1 if kind == "run" else 0)
+    assert contents(place / kind) == contents(saved / kind)
+
+
+def test_no_engine_is_needed_and_nothing_is_simulated(again: tuple[Path, dict[str, int], list[str]]) -> None:
+    assert set(again[2]) == {
+        "bodycheck.adapters.contract",
+        "bodycheck.adapters.engine_name",
+        "bodycheck.adapters.method",
+        "bodycheck.adapters.options",
+        "bodycheck.adapters.robot_reading",
+        *(name for name in BANNED if "adapters" in name),
+    }
 
 
 def test_a_study_of_an_earlier_version_says_which_of_its_figures_had_another_definition(copy: Callable[..., Path]) -> None:
@@ -116,29 +127,6 @@ def test_it_goes_where_it_is_asked_to_with_a_junit_file(saved: Path, tmp_path: P
     assert (out / "report.html").read_bytes() == before["report.html"]
     assert (tmp_path / "junit.xml").read_bytes() == (saved / "junit.xml").read_bytes()
     assert contents(saved / "run") == before
-
-
-def test_no_engine_is_needed_and_nothing_is_simulated(saved: Path, tmp_path: Path) -> None:
-    banned = ("mujoco", "pinocchio", "bodycheck.adapters.registry", "bodycheck.running.simulation", "bodycheck.running.pool")
-    code = (
-        f"import sys\nsys.modules.update(dict.fromkeys({banned}))\n"
-        "from bodycheck.commands.command_line import app\n"
-        f"for kind in {KINDS}:\n"
-        "    words = ['report', f'{sys.argv[1]}/{kind}', '--out', f'{sys.argv[2]}/{kind}']\n"
-        "    app(words, exit_on_error=False, print_error=False, result_action='return_value')\n"
-        "print([name for name in sys.modules if name.startswith('bodycheck.adapters.')])"
-    )
-    done = subprocess.run([sys.executable, "-c", code, saved, tmp_path], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    assert set(eval(done.stdout)) == {
-        "bodycheck.adapters.contract",
-        "bodycheck.adapters.engine_name",
-        "bodycheck.adapters.method",
-        "bodycheck.adapters.options",
-        *(n for n in banned if "adapters" in n),
-    }
-    for kind in KINDS:
-        assert (tmp_path / kind / "report.html").read_bytes() == (saved / kind / "report.html").read_bytes()
 
 
 def test_what_was_interrupted_is_reported_as_that(copy: Callable[..., Path], capsys: pytest.CaptureFixture[str]) -> None:
@@ -265,142 +253,3 @@ def test_bad_usage_is_refused(
     with pytest.raises(BadInput, match=said):
         call(*words)
     assert not Path("new", "report.html").exists()
-
-
-def compared(*folders: Path) -> tuple[str, Record]:
-    """The text and the document of a report of several folders."""
-    out = folders[0].parent / "compared"
-    call("report", *folders, "--out", out)
-    return markdown(out), json.loads((out / "results.json").read_text())
-
-
-def finding(document: Record, subject: str) -> str:
-    return "\n".join(found["text"] for found in document["findings"] if found["subject"] == subject)
-
-
-def test_results_that_are_the_same_agree_to_the_last_bit(copy: Callable[..., Path]) -> None:
-    text, document = compared(copy("run", "before"), copy("run", "after"))
-    completed = [run for run in document["runs"] if run["status"] == "ok" and run["set"] == "before"]
-    runs = len(document["runs"]) // 2
-    assert document["headline"] == f"No difference in {runs} common runs"
-    assert document["findings"][0]["text"] == "before and after were made with the same versions on the same machine."
-    assert f"{len(completed)} agree in every number to the last bit, 0 agree within" in document["findings"][1]["text"]
-    assert f"and 0 differ. {runs - len(completed)} ended with the same status" in document["findings"][1]["text"]
-    assert not any(finding(document, subject) for subject in ("Changed", "Status", "In one only"))
-    assert "mujoco Euler 10 ms (before)" in text
-
-
-def test_changes_are_told_with_their_numbers_the_largest_first(copy: Callable[..., Path]) -> None:
-    before, after = copy("run", "before"), copy("run", "after")
-    move(after, 0.25)
-    move(after, 1e-4, timestep=0.005)
-    move(after, 2e-15, along="z", integrator="Euler")  # a roundoff of z, of which a hundred steps may make more
-    _, document = compared(before, after)
-    rows = {(run["set"], run["integrator"], run["timestep"]): run for run in document["runs"] if run["case"] == "spin"}
-    assert document["headline"].startswith("2 of ")
-    largest, smaller = finding(document, "Changed").splitlines()
-    assert largest.startswith("In spin, the position error of mujoco RK4 at 10 ms changed from ")
-    assert largest.endswith(" to 0.25 m.")
-    assert smaller.startswith("In spin, the position error of mujoco RK4 at 5 ms changed from ")
-    assert rows["after", "Euler", 0.01]["position_error"] != rows["before", "Euler", 0.01]["position_error"]
-    assert ", 1 agrees within the truth's own error and rounding, and 2 differ." in document["findings"][1]["text"]
-    assert "larger in 2 and smaller in 0" in document["findings"][1]["text"]
-    assert "no run was repeated from nudged initial states" in document["findings"][1]["text"]
-    assert [found["case"] for found in document["findings"] if found["subject"] == "Changed"] == ["spin", "spin"]
-
-
-def test_a_run_that_ends_otherwise_or_is_in_one_set_only_is_told_of(copy: Callable[..., Path]) -> None:
-    def change(record: Record) -> Record | None:
-        if record["record"] == "run" and is_run(record, case="spin", integrator="RK4", timestep=0.01):
-            return record | {"status": "crashed", "reason": "it died"}
-        return None if record["record"] == "run" and is_run(record, case="slide", integrator="RK4") else record
-
-    _, document = compared(copy("run", "before"), copy("run", "after", change))
-    assert finding(document, "Status") == "In spin, the status of mujoco RK4 at 10 ms changed from ok to crashed (it died)."
-    assert finding(document, "In one only") == "2 runs are only in before: mujoco RK4 (2)."
-
-
-def test_versions_and_machines_are_told(copy: Callable[..., Path]) -> None:
-    def elsewhere(record: Record) -> Record:
-        if record["record"] == "header":
-            versions = record["engines"] | {"mujoco": "0.0.1"}
-            return record | {"engines": versions, "machine": record["machine"] | {"processor": "abacus"}}
-        return record | {"wall_time": 100.0} if record.get("wall_time") else record
-
-    before = copy("run", "before")
-    text, document = compared(before, copy("run", "after", elsewhere))
-    was = json.loads((before / RECORDS).read_text().splitlines()[0])
-    assert f"mujoco 0.0.1 instead of {was['engines']['mujoco']}" in document["findings"][0]["text"]
-    assert f"processor abacus instead of {was['machine']['processor']}" in document["findings"][0]["text"]
-    assert f"mujoco {was['engines']['mujoco']} (before), 0.0.1 (after)" in text
-
-
-def test_no_finding_is_made_of_times_that_were_measured_once_beside_other_runs(copy: Callable[..., Path]) -> None:
-    def slower(record: Record) -> Record:
-        return record | {"wall_time": 3 * record["wall_time"]} if is_run(record, engine="mujoco", integrator="RK4") else record
-
-    _, document = compared(copy("run", "before"), copy("run", "after", slower))
-    assert finding(document, "Cost") == ""
-    assert not any("slower" in found["text"] or "A step takes" in found["text"] for found in document["findings"])
-
-
-def test_another_case_of_the_same_name_is_not_compared(copy: Callable[..., Path]) -> None:
-    def heavier(record: Record) -> Record:
-        if record["record"] != "header":
-            return record
-        texts = [
-            case
-            | {"text": case["text"].replace("mass = 1.0", "mass = 2.0") + ("# a comment\n" if case["name"] == "slide" else "")}
-            if case["name"] == "spin"
-            else case | {"text": case["text"] + "# a comment\n"}
-            for case in record["cases"]
-        ]
-        return record | {"cases": texts}
-
-    before, after = copy("run", "before"), copy("run", "after", heavier)
-    move(after, 0.25)
-    text, document = compared(before, after)
-    assert any("The case spin differs between before and after: body.mass 1.0 → 2.0." in told for told in document["notices"])
-    alike = "The file of slide differs between before and after, but not in anything that affects the physics."
-    assert alike in document["notices"]
-    assert finding(document, "Changed") == ""
-    slides = sum(run["case"] == "slide" and run["set"] == "before" for run in document["runs"])
-    assert f"before and after have {slides} runs in common." in document["findings"][1]["text"]
-    for number, label in ((1, "before"), (2, "after")):
-        assert f"spin@\u2060{number}" in text
-        assert f"A sphere that spins and falls ({label})" in text
-    assert finding(document, "In one only") == ""
-
-
-def test_tables_and_junit_tell_sets_apart(copy: Callable[..., Path], tmp_path: Path) -> None:
-    out, first = tmp_path / "out", copy("run", "before")
-    call("report", first, copy("run", "after"), "--out", out, "--junit", tmp_path / "junit.xml")
-    alone = pd.read_csv(first / "results.csv")
-    for frame in (pd.read_csv(out / "results.csv"), pd.read_parquet(out / "results.parquet")):
-        assert list(frame.columns) == ["set", *alone.columns]
-        assert list(frame["set"]) == ["before"] * len(alone) + ["after"] * len(alone)
-    origins = pd.read_csv(out / "attribution.csv")
-    assert origins.columns[0] == "set"
-    assert set(origins["set"]) == {"before", "after"}
-    names = [(test.get("classname"), test.get("name")) for test in ElementTree.parse(tmp_path / "junit.xml").iter("testcase")]
-    assert len(set(names)) == len(names)
-
-
-def test_labels_are_the_shortest_ends_of_paths_that_differ(tmp_path: Path) -> None:
-    assert result_set.labels([tmp_path / "a"]) == [""]
-    assert result_set.labels([tmp_path / "a", tmp_path / "b"]) == ["a", "b"]
-    assert result_set.labels([tmp_path / "3.1" / "out", tmp_path / "3.2" / "out"]) == ["3.1/out", "3.2/out"]
-
-
-def test_sets_keep_the_hue_of_an_engine_and_are_drawn_apart() -> None:
-    methods = [(engine, f"i{k}", step) for engine in ("mujoco", "pinocchio") for k in range(8) for step in (0.002, 0.001)]
-    lines = assign(RunKey.of_method(*method, label) for method in methods for label in ("before", "between", "after"))
-    assert len({(line.colour, line.dash, line.width) for line in lines.values()}) == len(lines)
-    alone = assign(RunKey.of_method(*method) for method in methods)
-    for method in methods:
-        before, between, after = (lines[RunKey.of_method(*method, label)] for label in ("before", "between", "after"))
-        one = alone[RunKey.of_method(*method)]
-        assert (after.colour, after.width) == (one.colour, one.width)
-        assert before.dash == between.dash == after.dash == one.dash
-        assert before.width > 1.5 * between.width / 1.2 > after.width
-        assert before.label == f"{one.label} (before)"

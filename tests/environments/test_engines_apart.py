@@ -1,7 +1,6 @@
 """Engines in environments of their own run beside those that are installed here, by the same commands."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
@@ -11,21 +10,31 @@ from bodycheck.adapters import registry
 from bodycheck.environments import environments
 from bodycheck.running import campaign, engines
 from bodycheck.running.plan import plan
+from tests.support import wheels
 from tests.support.cases import STEADY_SPIN, a_case, expecting
 from tests.support.commands import bodycheck
+from tests.support.processes import calls_here
+
+VERSIONS = ("1.0", "2.0")
 
 
-@pytest.fixture
-def two_releases(wheel: Callable[..., Path]) -> None:
-    """The engine is exact in its release 1.0 and wrong in 2.0; none is installed here."""
-    wheel("1.0")
-    wheel("2.0", "KIND = 'wrong'")
-    for version in ("1.0", "2.0"):
+@pytest.fixture(scope="module")
+def added(place: Path) -> None:
+    """Both releases as a user adds them, who is told that the second one is wrong."""
+    for version, kind in zip(VERSIONS, ("exact", "wrong"), strict=True):
+        wheels.wheel(place / "wheels", version, f"KIND = '{kind}'")
         done = bodycheck("engines", "add", f"toy@{version}", "--json")
         (row,) = json.loads(done.stdout)
         assert row["name"] == f"toy@{version}"
         assert list(row["packages"]) == [f"toy_engine=={version}"]
         assert done.returncode == bool(row["faults"]) == (version == "2.0"), done.stderr
+
+
+@pytest.fixture
+def two_releases(added: None) -> None:
+    """The engine is exact in its release 1.0 and wrong in 2.0; none is installed here. What a test has removed is back."""
+    for version in VERSIONS:
+        environments.obtain("toy", version)
 
 
 def test_releases_stand_side_by_side_in_one_run(two_releases: None, tmp_path: Path) -> None:
@@ -40,7 +49,8 @@ def test_releases_stand_side_by_side_in_one_run(two_releases: None, tmp_path: Pa
     assert list(toys.version) == ["1.0", "2.0", "2.0"]  # without a version, the newest that has an environment
     error = toys.position_error
     assert error["toy@1.0"] < 1e-9 < 0.9 < error["toy@2.0"] == error["toy"]
-    alone = bodycheck("run", case, "--engine", "mujoco", "--timestep", "0.01", "--json")
+    with calls_here():
+        alone = bodycheck("run", case, "--engine", "mujoco", "--timestep", "0.01", "--json")
     others = table[table.engine == "mujoco"]
     errors = {row["integrator"]: row["attitude_error"] for row in json.loads(alone.stdout)}
     assert errors == dict(zip(others.integrator, others.attitude_error, strict=True)), "the same to the last bit"
@@ -51,7 +61,8 @@ def test_releases_stand_side_by_side_in_one_run(two_releases: None, tmp_path: Pa
         "toy": ["toy_engine==2.0"],
     }
     assert all(len(digest) == 64 for packages in header["environments"].values() for digest in packages.values())
-    priced = bodycheck("tradeoff", case, "--engine", "toy@1.0", "--engine", "mujoco", "--timestep", "0.01", "--json")
+    schemes = ("--integrator", "closed-form", "--integrator", "Euler", "--timestep", "0.01")
+    priced = bodycheck("tradeoff", case, "--engine", "toy@1.0", "--engine", "mujoco", *schemes, "--json")
     assert {row["engine"] for row in json.loads(priced.stdout)["rows"] if row["cost"]} == {"toy@1.0", "mujoco"}
 
 

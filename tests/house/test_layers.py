@@ -15,6 +15,7 @@ from tests.support import ROOT
 FLOORS = (
     {"reference", "errors", "runner_log", "suggestion"},
     {"adapters", "conversion", "figures", "files"},
+    {"robots"},
     {"casefile", "environments"},
     {"running"},
     {"judging"},
@@ -30,7 +31,7 @@ ENGINES = {
     "dartpy": {"dart"},
     "exudyn": {"exudyn"},
     "jax": {"brax", "mjx", "mjx32"},
-    "mujoco": {"mjx", "mjx32", "mujoco", "mujoco_warp"},
+    "mujoco": {"brax", "mjx", "mjx32", "mujoco", "mujoco_warp"},
     "mujoco_warp": {"mujoco_warp"},
     "newton": {"newton"},
     "opensim": {"simbody"},

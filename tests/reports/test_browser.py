@@ -2,31 +2,18 @@
 
 import importlib.util
 import re
-from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from bodycheck import load, reports
-from bodycheck.adapters.contract import Method
-from bodycheck.casefile.case import parse
-from bodycheck.judging import attribution, judgement
-from bodycheck.judging.result_set import ResultSet
-from bodycheck.running import plan
-from bodycheck.running.outcome import Crashed
-from tests.support import ROOT, campaigns
-from tests.support.browser import Visit, visiting
+from tests.support import ROOT
+from tests.support.browser import Visit, shown_cases, visiting
 from tests.support.pages import HOSTILE
-from tests.support.report_cases import BROKEN, FLIGHT, FLIP, two_seconds
-from tests.support.tradeoff_rows import hostile_report
+from tests.support.report_cases import FLIGHT, FLIP, LONG, SLIDE, TABLE
 
-SLIDE = "sliding-brick"
 SCREENS = {1280: 800, 390: 844}
-LONG = "x" * 10_000
 
-TABLE = "#case-intermediate-axis-flip table.sortable >> nth=0"
 CHART = "#case-intermediate-axis-flip .chart >> nth=0"
 
 CONTRASTS = """() => {
@@ -57,70 +44,12 @@ CONTRASTS = """() => {
 }"""
 
 
-@pytest.fixture(scope="session")
-def sets(tmp_path_factory: pytest.TempPathFactory) -> list[ResultSet]:
-    """A flip with a broken expectation and a run that crashed, and a slide at two time steps, by both engines; a flight."""
-    engines = campaigns.records("mujoco", "pinocchio")
-    flip = parse(two_seconds(FLIP).text + BROKEN, FLIP)
-    slide = replace(load(SLIDE), expectations=())
-    tasks = plan.plan((flip,), engines, ("Euler", "RK4", "implicit", "discrete", "semi-implicit-euler", "rk4", "rk4-naive"), ())
-    tasks += plan.plan((two_seconds(FLIGHT),), engines, ("RK4",), ())
-    tasks += plan.plan((slide,), engines, ("Euler", "law-force"), (0.002, 0.001))
-    results = campaigns.results(tasks, tmp_path_factory.mktemp("results"))
-    verdicts = judgement.judge(results)
-    crashed = replace(verdicts[0].run, method=Method.parse("gone", 0.002))
-    reason = f"RuntimeError: {LONG}\n{HOSTILE}"
-    verdicts.insert(
-        1, replace(verdicts[0], run=crashed, outcome=Crashed(reason), discrepancy=None, passed=False, reason=reason)
-    )
-    case = replace(results.cases[FLIP], title=f"{HOSTILE} {LONG}", source=HOSTILE, tags=(HOSTILE, LONG, "tumbling"))
-    results.__dict__["cases"] = results.cases | {FLIP: case}
-    return [ResultSet(results, verdicts, attribution.attribute(results, verdicts))]
-
-
-@pytest.fixture(scope="session")
-def report(sets: list[ResultSet], tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The report of runs."""
-    return reports.write(sets, tmp_path_factory.mktemp("report"))[0]
-
-
-@pytest.fixture(scope="session")
-def study(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The report of a study, with hostile names."""
-    return reports.write_study(hostile_report(), tmp_path_factory.mktemp("study"))[0]
-
-
-@pytest.fixture
-def visit(browser: Any, report: Path) -> Iterator[Visit]:
-    """The report of runs in a wide window."""
-    with visiting(browser, report) as visit:
-        yield visit
-
-
 def drawn(visit: Visit) -> Any:
     """A locator of the first chart's SVG, once it is drawn."""
     visit.page.locator(CHART).scroll_into_view_if_needed()
     svg = visit.page.locator(CHART).locator("svg.marks")
     svg.wait_for()
     return svg
-
-
-def rows(page: Any, table: str, column: str) -> list[list[str]]:
-    """Of each row that is shown, the cell under a heading: its data-value, empty where it has none, and its text."""
-    found: list[list[str]] = page.locator(table).evaluate(
-        """(table, column) => {
-          const place = [...table.tHead.rows[0].cells].findIndex((cell) => cell.textContent.startsWith(column));
-          const cells = [...table.tBodies[0].rows].filter((row) => row.checkVisibility()).map((row) => row.cells[place]);
-          return cells.map((cell) => [cell.dataset.value ?? "", cell.textContent.trim()]);
-        }""",
-        column,
-    )
-    return found
-
-
-def head(page: Any, table: str, column: str) -> Any:
-    """The button in a heading."""
-    return page.locator(table).locator("thead button", has_text=re.compile(f"^{re.escape(column)}")).first
 
 
 @pytest.mark.parametrize("which", ["report", "study"])
@@ -192,135 +121,6 @@ def test_the_index_leads_to_every_section(browser: Any, report: Path, width: int
                 page.locator(".index summary").click()
             link.press("Enter")
             page.wait_for_function(IN_SIGHT, arg=name)
-
-
-def test_a_table_sorts_by_its_numbers(visit: Visit) -> None:
-    page, button = visit.page, head(visit.page, TABLE, "Attitude error")
-    before = [float(value) for value, _ in rows(page, TABLE, "Attitude error") if value]
-    assert before != sorted(before)
-    for direction in ("ascending", "descending"):
-        button.click()
-        assert page.locator(TABLE).locator("[aria-sort]").count() == 1
-        assert button.locator("..").get_attribute("aria-sort") == direction
-        cells = rows(page, TABLE, "Attitude error")
-        assert [float(value) for value, _ in cells[:-1]] == sorted(before, reverse=direction == "descending")
-        assert cells[-1] == ["", "–"]  # of the run that crashed
-
-
-def test_sorting_keeps_the_order_of_what_is_alike(visit: Visit) -> None:
-    page = visit.page
-    head(page, TABLE, "Attitude error").click()
-    by_error = [text for _, text in rows(page, TABLE, "Integrator")]
-    head(page, TABLE, "Engine").click()
-    engines = [text for _, text in rows(page, TABLE, "Engine")]
-    assert engines == sorted(engines)
-    own = [text for engine in dict.fromkeys(engines) for text in by_error if text in integrators(page, engine)]
-    assert [text for _, text in rows(page, TABLE, "Integrator")] == own
-
-
-def integrators(page: Any, engine: str) -> set[str]:
-    pairs = zip(rows(page, TABLE, "Engine"), rows(page, TABLE, "Integrator"), strict=True)
-    return {integrator for (_, own), (_, integrator) in pairs if own == engine}
-
-
-def test_time_steps_sort_as_numbers(visit: Visit) -> None:
-    table = f"#case-{SLIDE} table.sortable >> nth=0"
-    head(visit.page, table, "Time step").click()
-    assert [text for _, text in rows(visit.page, table, "Time step")] == ["1 ms"] * 2 + ["2 ms"] * 2
-
-
-def test_a_table_sorts_by_the_keyboard(visit: Visit) -> None:
-    page, button = visit.page, head(visit.page, TABLE, "Integrator")
-    head(page, TABLE, "Engine").focus()
-    page.keyboard.press("Tab")
-    assert button.evaluate("button => button === document.activeElement")
-    assert button.evaluate("button => getComputedStyle(button).outlineStyle") == "solid"
-    before = [text for _, text in rows(page, TABLE, "Integrator")]
-    page.keyboard.press("Enter")
-    after = [text for _, text in rows(page, TABLE, "Integrator")]
-    assert after != before
-    assert after == sorted(after, key=str.lower)
-
-
-def test_rows_are_filtered(visit: Visit) -> None:
-    page = visit.page
-    field = page.locator("#case-intermediate-axis-flip").get_by_label("Filter rows").first
-    total = len(rows(page, TABLE, "Integrator"))
-    field.fill("PINOCCHIO rk4")
-    assert [text for _, text in rows(page, TABLE, "Integrator")] == ["rk4", "rk4-naive (demonstration)"]
-    assert page.locator("output", has_text=f"2 of {total}").count() == 1
-    field.fill("")
-    assert len(rows(page, TABLE, "Integrator")) == total
-
-
-def test_cases_of_the_matrix_are_filtered_by_name_and_tag(visit: Visit) -> None:
-    page = visit.page
-    field = page.get_by_label("Filter cases by name or tag")
-    assert shown_cases(page) == [FLIP, FLIGHT, SLIDE]
-    field.fill("tumbl")
-    assert shown_cases(page) == [FLIP]
-    assert page.locator("#matrix h3:visible").count() == 1
-    assert page.locator("#matrix td:visible a").count() > 1
-    field.fill("slid")
-    assert shown_cases(page) == [SLIDE]
-    field.fill("projec")
-    assert shown_cases(page) == [FLIGHT]
-    field.fill("nothing of that kind")
-    assert shown_cases(page) == []
-    assert page.locator("#matrix td:visible").count() == 0
-    assert page.locator("output", has_text="0 of 3").count() == 1
-
-
-def shown_cases(page: Any) -> list[str]:
-    """The cases that the matrices show as rows or as columns."""
-    heads = page.locator("#matrix tr[data-words] > th:visible, #matrix th[data-words]:visible")
-    return [text.replace("\u200b", "") for text in heads.all_inner_texts()]
-
-
-def test_an_engine_shows_its_default_and_best_method_until_the_reader_wants_all(visit: Visit) -> None:
-    page = visit.page
-    engine = page.locator("#matrix tbody", has=page.locator("tr.engine", has_text="mujoco")).first
-    rows = engine.locator("tr:not(.engine):visible")
-    button = engine.locator("button")
-    everything = engine.locator("tr:not(.engine)").count()
-    assert button.inner_text() == f"{everything - 2} more methods, 1 failed run"
-    assert (rows.count(), button.get_attribute("aria-expanded")) == (2, "false")
-    page.emulate_media(media="print")
-    assert (rows.count(), button.is_visible()) == (everything, False)
-    page.emulate_media(media="screen")
-    button.press("Enter")
-    assert (rows.count(), button.get_attribute("aria-expanded")) == (everything, "true")
-    button.click()
-    assert rows.count() == 2
-
-
-def test_a_cell_leads_to_its_curve_and_its_command(visit: Visit) -> None:
-    """The curve stands out from the others until the reader wants them alike."""
-    page, curve = visit.page, f"#curve-{SLIDE}-position_error"
-    faded = page.locator(
-        f"{curve} .mark-line.role-mark path[stroke-opacity='0.2'], {curve} .mark-line.role-mark path[opacity='0.2']"
-    )
-    page.locator("#matrix td a", has_text="1 ms").first.click()
-    page.wait_for_function("curve => Math.abs(document.querySelector(curve).getBoundingClientRect().top) < 100", arg=curve)
-    command = page.locator(f"{curve} .how code")
-    assert command.inner_text() == f"bodycheck run {SLIDE} --engine mujoco --integrator Euler --timestep 0.001"
-    faded.first.wait_for(state="attached")
-    assert faded.count() == page.locator(f"{curve} .mark-line.role-mark path").count() - 1
-    page.locator(f"{curve} .how button").click()
-    faded.first.wait_for(state="detached")
-    assert command.count() == 0
-
-
-def test_a_study_sorts_and_filters(browser: Any, study: Path) -> None:
-    with visiting(browser, study) as visit:
-        table = "table.sortable:has(tbody tr + tr) >> nth=0"
-        texts = [text for _, text in rows(visit.page, table, "Time step")]
-        assert len(set(texts)) > 1
-        button = head(visit.page, table, "Time step")
-        button.click()
-        ascending = [text for _, text in rows(visit.page, table, "Time step")]
-        button.click()
-        assert [text for _, text in rows(visit.page, table, "Time step")] == ascending[::-1]
 
 
 def test_the_legend_takes_a_line_away_and_brings_it_back(visit: Visit) -> None:

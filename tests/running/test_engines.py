@@ -16,6 +16,7 @@ from bodycheck.running.outcome import TimedOut
 from tests.support.cases import a_case, expecting
 from tests.support.commands import bodycheck
 from tests.support.planted_engines import plant
+from tests.support.processes import calls_here
 
 #: What the modules of engines do, and why they are missing.
 FAILING = {
@@ -44,8 +45,14 @@ def planted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(tmp_path / "planted")
 
 
+#: These end their process, so that they are asked in one of their own.
+DEADLY = ("vanishing", "segfaulting")
+
+
 def test_an_engine_that_fails_at_import_is_missing_and_named(planted: None) -> None:
-    found = engines.faults(["first", *FAILING, "last", "nobody"])
+    found = engines.faults(["first", *DEADLY, "nobody"])
+    with calls_here():
+        found |= engines.faults([*(name for name in FAILING if name not in DEADLY), "last"])
     assert not found.pop("nobody").broken
     assert found.keys() == FAILING.keys()
     for name, (_, reason) in FAILING.items():
@@ -54,7 +61,10 @@ def test_an_engine_that_fails_at_import_is_missing_and_named(planted: None) -> N
     assert registry.load("last").engine.version == "1.0"
 
 
-def test_commands_go_on_without_a_failing_engine_unless_it_was_named(planted: None, tmp_path: Path) -> None:
+def test_commands_go_on_without_a_failing_engine_unless_it_was_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plant(tmp_path / "planted", {"vanishing": FAILING["vanishing"][0]})
+    monkeypatch.setenv("BODYCHECK_CACHE", str(tmp_path / "cache"))
+    monkeypatch.syspath_prepend(tmp_path / "planted")
     case = tmp_path / "spin.case.toml"
     case.write_text(a_case(expect=[expecting("vanishing", "step", 0.01, attitude_error=1.0)]), "utf-8")
     done = bodycheck("engines", COLUMNS="1000")
@@ -109,6 +119,17 @@ def test_no_engine_is_imported_by_a_command_that_runs_it() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "set()"
+
+
+def test_a_process_of_an_engine_imports_nothing_that_reads_files() -> None:
+    """That takes longer than all that it needs."""
+    heavy = {"bodycheck.casefile.case", "bodycheck.running.campaign", "pyarrow", "pydantic", "tree_sitter"}
+    code = (
+        "import sys\nfrom bodycheck.running import preparing, simulation, tasks, truths, worker\n"
+        f"print({heavy} & set(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "set()\n"
 
 
 @pytest.mark.parametrize(

@@ -249,8 +249,11 @@ def test_a_process_whose_libraries_have_one_thread_is_kept_after_its_first_other
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux tells of threads that Python does not know")
 def test_a_process_in_which_a_later_call_leaves_a_thread_makes_no_other_call() -> None:
-    found = dict(pool.call_all(changing, ["nothing", "thread in C", "nothing again"], jobs=1, limit=LIMIT))
+    calls = ["nothing", "thread in C", "nothing again"]
+    found = dict(pool.call_all(changing, calls, jobs=1, limit=LIMIT))
     assert found["nothing"] == found["thread in C"] != found["nothing again"]
+    found = dict(pool.call_all(changing, calls, jobs=1, limit=LIMIT, home=lambda group: pool.Home(watched=False)))
+    assert len(set(found.values())) == 1, "the processes of truths are not watched"
 
 
 def test_a_crew_keeps_a_process_for_each_group_and_repeats_what_an_earlier_call_broke() -> None:

@@ -75,3 +75,10 @@ def test_a_batch_has_no_more_instants_than_memory_allows() -> None:
     batches = truths.batches(case, steps)
     assert [step for batch in batches for step in batch] == steps
     assert all(len(batch) == truths.MAX_INSTANTS // 100_001 for batch in batches[:-1])
+
+
+def test_long_truths_come_first() -> None:
+    """First closed loops, then many bodies; cases that are alike keep their order."""
+    names = ["free-brick", "chain-3", "slider-crank", "chain-20", "projectile"]
+    ordered = sorted(map(load, names), key=truths.effort, reverse=True)
+    assert [case.name for case in ordered] == ["slider-crank", "chain-20", "chain-3", "free-brick", "projectile"]

@@ -59,3 +59,9 @@ def visiting(
         assert not visit.requests
     finally:
         context.close()
+
+
+def shown_cases(page: Any) -> list[str]:
+    """The cases that the matrices show as rows or as columns."""
+    heads = page.locator("#matrix tr[data-words] > th:visible, #matrix th[data-words]:visible")
+    return [text.replace("\u200b", "") for text in heads.all_inner_texts()]

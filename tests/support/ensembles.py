@@ -9,7 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from bodycheck.reference.trajectory import Array
-from bodycheck.studies.ensemble.stored import EngineMethod, Ensemble, read
+from bodycheck.studies.ensemble.findings.stored import EngineMethod, Ensemble, read
 
 #: The name of the case.
 CASE = "spin"

@@ -20,6 +20,15 @@ def write(path: Path, lines: Iterable[Record]) -> None:
     path.write_text("".join(sealed(json.dumps(line)) for line in lines), "utf-8")
 
 
+def edit(path: Path, change: Callable[[Record], Record | None]) -> None:
+    """Change the records of a journal; None leaves one out."""
+    header, *lines, footer = records(path)
+    kept = [new for record in lines if (new := change(record)) is not None]
+    begin = change(header)
+    assert begin is not None
+    write(path, [begin, *kept, {**footer, "records": len(kept)}])
+
+
 def write_without_checksums(path: Path, lines: Iterable[Record]) -> None:
     """Write a journal with these lines as earlier versions did."""
     path.write_text("".join(f"{json.dumps(line)}\n" for line in lines), "utf-8")

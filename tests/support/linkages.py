@@ -1,8 +1,12 @@
 """Mechanisms with loops: the N-four-bar of the IFToMM benchmark A02, a slider-crank, a four-bar and a spatial one."""
 
 import math
+from dataclasses import replace
+
+import numpy as np
 
 from bodycheck.reference.definition import Tensor
+from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Loop, Mechanism
 from bodycheck.reference.scene import Vector
 
@@ -97,3 +101,23 @@ def spatial() -> Mechanism:
         Joint("air", "free", WORLD, 6, start=(2.0, 0.0, 0.0, *still4), start_velocity=still6),
     )
     return Mechanism(bodies, joints, (), 9.81)
+
+
+def closed_spatially() -> Mechanism:
+    """The spatial linkage with two loops through points that meet at the start."""
+    made = spatial()
+    start = kinematics.initial(made)
+
+    def point(body: int, place: np.ndarray) -> tuple[float, float, float]:
+        """A place in the world as a point of a body, whose frame is found from its centre of mass."""
+        turn, centre = start.quaternion[body, 0], start.position[body, 0]
+        back = np.array([1, -1, -1, -1]) * turn
+        x, y, z = kinematics.rotate(back[None], (place - centre)[None])[0] + np.array(made.bodies[body].center_of_mass)
+        return float(x), float(y), float(z)
+
+    first, second = start.position[2, 0] + [0.1, 0.0, 0.2], start.position[5, 0] + [0.0, 0.3, 0.1]
+    loops = (
+        Loop((2, WORLD), (point(2, first), (float(first[0]), float(first[1]), float(first[2])))),
+        Loop((5, 6), (point(5, second), point(6, second))),
+    )
+    return replace(made, loops=loops)

@@ -5,7 +5,14 @@ import re
 
 from bodycheck.casefile.case import Case, load, parse
 
-FLIP, FLIGHT = "intermediate-axis-flip", "projectile"
+FLIP, FLIGHT, SLIDE = "intermediate-axis-flip", "projectile", "sliding-brick"
+
+#: A word that is longer than any line.
+LONG = "x" * 10_000
+
+#: The first table of the flip in a report, for Playwright.
+TABLE = f"#case-{FLIP} table.sortable >> nth=0"
+
 BROKEN = """
 [[expect]]
 engine = "mujoco"

@@ -13,7 +13,8 @@ from bodycheck.casefile.case import Case, parse
 from bodycheck.running.chunk_files import MEASURED
 from bodycheck.running.executors import Executor
 from bodycheck.running.executors.own import Own
-from bodycheck.studies.ensemble import header, members, study
+from bodycheck.studies.ensemble import header, study
+from bodycheck.studies.ensemble.drawing import members
 
 #: A brick that is thrown with any spin, for a tenth of a second.
 BRICK = """

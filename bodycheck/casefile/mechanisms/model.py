@@ -16,11 +16,12 @@ from typing import Any
 
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD, is_mechanism
 from bodycheck.casefile.raw_values import mapping
-from bodycheck.casefile.robots import elements, mjcf_tree, urdf_tree
+from bodycheck.casefile.robots import mjcf_tree, urdf_tree
 from bodycheck.casefile.robots.tables import Tables
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.errors import BadInput
 from bodycheck.files import reading
+from bodycheck.robots import elements
 from bodycheck.suggestion import did_you_mean
 
 #: What stands between the text of a case file and that of its model.

@@ -1,14 +1,13 @@
 """One body of a robot model as it was read."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bodycheck.casefile.robots.elements import Element, quoted, refuse
 from bodycheck.errors import BadInput
-from bodycheck.reference.exact.inertia import Components, MassProperties
-from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Real, Vector3
+from bodycheck.reference.exact.inertia import MassProperties
+from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Vector3
 from bodycheck.reference.exact.rotations import matrix
 from bodycheck.reference.scene import Shape, Sphere
+from bodycheck.robots.elements import Element, quoted, refuse
 from bodycheck.suggestion import did_you_mean
 
 #: Largest distance of the centre of a shape from the centre of mass, relative to the size of the shape, and largest element of
@@ -64,23 +63,12 @@ def chosen(root: Element, bodies: list[Element], name: str | None, tag: str) -> 
     return bodies[names.index(name)]
 
 
-def turned_inertia(components: Sequence[Real], attitude: Quaternion4) -> Components:
-    """Return a tensor XX, YY, ZZ, XY, XZ, YZ (kg m^2), given along the axes of an attitude, along those of the frame."""
-    xx, yy, zz, xy, xz, yz = map(MP.mpf, components)
-    own, rows = ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)), matrix(attitude)
-
-    def component(i: int, j: int) -> Real:
-        return sum(rows[i][k] * own[k][n] * rows[j][n] for k in range(3) for n in range(3))
-
-    return component(0, 0), component(1, 1), component(2, 2), component(0, 1), component(0, 2), component(1, 2)
-
-
 def left_out(others: int) -> str:
     """Return what a case leaves out of a model with so many other bodies, as a phrase; empty if there are none."""
     return f"{others} other {'body' if others == 1 else 'bodies'}, fixed to it or not, and all joints" if others else ""
 
 
-def about(centre: Vector3, shape: Shape, at: Vector3, attitude: Quaternion4) -> bool:
+def about_centre(centre: Vector3, shape: Shape, at: Vector3, attitude: Quaternion4) -> bool:
     """Return whether a shape at a place, with an attitude, is about a centre of mass and along the axes of the frame."""
     size = max((max(value) if isinstance(value, tuple) else value) for value in vars(shape).values())
     placed = all(abs(one - other) <= ALIGNED * size for one, other in zip(at, centre, strict=True))

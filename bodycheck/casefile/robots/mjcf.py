@@ -6,14 +6,16 @@ classes) or refused with the reason.
 
 from collections.abc import Iterator
 
-from bodycheck.casefile.robots import mjcf_geoms, orientations
-from bodycheck.casefile.robots.elements import Element, number, numbers, place, positive, quoted, refuse
-from bodycheck.casefile.robots.link import Link, about, chosen, left_out, turned_inertia, without_rounding
+from bodycheck.casefile.robots import attitudes, mjcf_geoms
+from bodycheck.casefile.robots.link import Link, about_centre, chosen, left_out, without_rounding
 from bodycheck.casefile.robots.mjcf_settings import Defaults, Settings, settings
+from bodycheck.casefile.robots.numbers import number, numbers, positive
 from bodycheck.reference.exact.inertia import MassProperties, joined
 from bodycheck.reference.exact.numbers import MP, vector
 from bodycheck.reference.exact.rotations import IDENTITY
 from bodycheck.reference.scene import Shape
+from bodycheck.robots.elements import Element, place, quoted, refuse
+from bodycheck.robots.orientations import turned_inertia
 
 #: Elements of a file that stand for other elements, which are not read here.
 WRITERS = ("replicate", "composite", "flexcomp")
@@ -115,7 +117,7 @@ def _stated(inertial: Element, rules: Settings) -> MassProperties:
     """Return the mass properties that an <inertial> states."""
     mass, centre = positive(inertial, "mass"), vector(numbers(inertial, "pos", (3,)))
     full, diagonal = "fullinertia" in inertial.attributes, "diaginertia" in inertial.attributes
-    attitude = orientations.mjcf(inertial, rules.degrees, rules.eulerseq)
+    attitude = attitudes.mjcf(inertial, rules.degrees, rules.eulerseq)
     if full == diagonal:
         refuse(
             inertial,
@@ -153,6 +155,6 @@ def _shape(geoms: list[Element], made: MassProperties, rules: Settings) -> tuple
     if shape is None:
         return None, f"{place(geom)} is no box, ellipsoid, cylinder or sphere of its own size"
     solid = mjcf_geoms.placed(geom, rules)
-    if not about(made.centre, shape, solid.centre, solid.attitude):
+    if not about_centre(made.centre, shape, solid.centre, solid.attitude):
         return None, f"{place(geom)} is not about the centre of mass and along the axes of the body"
     return shape, place(geom)

@@ -2,13 +2,14 @@
 
 from dataclasses import dataclass
 
-from bodycheck.casefile.robots import orientations
-from bodycheck.casefile.robots.elements import Element, number, numbers, quoted, refuse
-from bodycheck.casefile.robots.link import turned_inertia
+from bodycheck.casefile.robots import attitudes
 from bodycheck.casefile.robots.mjcf_settings import Settings
+from bodycheck.casefile.robots.numbers import number, numbers
 from bodycheck.reference.exact.inertia import MassProperties, moments
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3, vector
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
+from bodycheck.robots.elements import Element, quoted, refuse
+from bodycheck.robots.orientations import from_z, turned_inertia
 
 #: The geoms with a volume of their own, and how many sizes each has; with `fromto` the last one is half the distance.
 SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}
@@ -28,14 +29,14 @@ class Placed:
 def placed(geom: Element, rules: Settings) -> Placed:
     """Return where a geom is. Raises `BadInput`."""
     if "fromto" not in geom.attributes:
-        attitude = orientations.mjcf(geom, rules.degrees, rules.eulerseq)
+        attitude = attitudes.mjcf(geom, rules.degrees, rules.eulerseq)
         return Placed(vector(numbers(geom, "pos", (3,), (0.0, 0.0, 0.0))), attitude)
     first, last = _ends(geom)
     x, y, z = ((one + other) / 2 for one, other in zip(first, last, strict=True))
     dx, dy, dz = (one - other for one, other in zip(first, last, strict=True))
     if not (dx or dy or dz):
         refuse(geom, "fromto", f"read {quoted(geom.attributes['fromto'])}; allowed: two different points")
-    return Placed((x, y, z), orientations.from_z((dx, dy, dz)))
+    return Placed((x, y, z), from_z((dx, dy, dz)))
 
 
 def shape(geom: Element) -> Shape | None:

@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from bodycheck.casefile.robots.elements import Element, number, numbers, quoted, refuse
+from bodycheck.casefile.robots.numbers import number, numbers
+from bodycheck.robots.elements import Element, quoted, refuse
 
 #: Attributes of <compiler> that change masses or frames and are not followed, with the values that change nothing.
 CHANGING = {

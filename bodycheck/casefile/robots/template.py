@@ -5,12 +5,13 @@ import re
 from pathlib import Path
 
 from bodycheck.casefile.case import CaseFaults, parse
-from bodycheck.casefile.robots import elements, mjcf, urdf
-from bodycheck.casefile.robots.elements import quoted
+from bodycheck.casefile.robots import mjcf, urdf
 from bodycheck.casefile.robots.link import Link
 from bodycheck.casefile.values import MAX_NAME_LENGTH
 from bodycheck.errors import BadInput
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
+from bodycheck.robots import elements
+from bodycheck.robots.elements import quoted
 
 #: How a body is read, by the root of its file.
 READERS = {"robot": ("URDF", urdf.link), "mujoco": ("MJCF", mjcf.link)}

@@ -1,14 +1,14 @@
 """Read one link of a URDF: its <inertial>, and the shape of its <collision>."""
 
-from bodycheck.casefile.robots import orientations
-from bodycheck.casefile.robots.elements import Element, number, numbers, place, positive, refuse
-from bodycheck.casefile.robots.link import Link, about, chosen, left_out, turned_inertia, without_rounding
-from bodycheck.reference.exact.inertia import MassProperties
-from bodycheck.reference.exact.numbers import MP, Vector3, vector
+from bodycheck.casefile.robots.link import Link, about_centre, chosen, left_out, without_rounding
+from bodycheck.casefile.robots.numbers import numbers, positive
+from bodycheck.errors import BadInput
+from bodycheck.reference.exact.numbers import Vector3
 from bodycheck.reference.scene import Brick, Cylinder, Shape, Sphere
-
-#: The six components of <inertia>, in the order XX, YY, ZZ, XY, XZ, YZ.
-COMPONENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+from bodycheck.robots import urdf, urdf_parts
+from bodycheck.robots.attributes import attitude, position
+from bodycheck.robots.elements import Element, place, refuse
+from bodycheck.robots.faults import About
 
 
 def link(root: Element, name: str | None) -> Link:
@@ -22,9 +22,15 @@ def link(root: Element, name: str | None) -> Link:
     inertial = found.only("inertial")
     if inertial is None:
         refuse(found, None, "has no <inertial>: a link without mass is no body that can move by itself")
-    made, origin = _stated(inertial), inertial.only("origin")
-    shape, shape_from = _shape(found, made.centre)
+    about = urdf.about_file(root)
+    stated, origin = urdf_parts.mass_properties(about, found), inertial.first("origin")
+    refuse_faults(about)
+    made = without_rounding(stated)
+    if made.mass <= 0:
+        refuse(inertial.first("mass") or inertial, "value", f"read {float(made.mass)!r}; allowed: a positive number")
+    shape, shape_from = _shape(about, found, made.centre)
     turned = " turned by its rpy" if origin is not None and "rpy" in origin.attributes else ""
+    refuse_faults(about)
     return Link(
         found.attributes.get("name", ""),
         made,
@@ -42,35 +48,14 @@ def refuse_macros(root: Element) -> None:
             refuse(element, None, "is a macro of xacro, which is not expanded here; expand the file first")
 
 
-def inertial_of(found: Element) -> MassProperties | None:
-    """Return the mass properties of a link in its frame; None if it has no mass. Raises `BadInput`."""
-    inertial = found.only("inertial")
-    mass = None if inertial is None else inertial.only("mass")
-    if inertial is None:
-        return None
-    if mass is None or number(mass, "value") != 0:
-        return _stated(inertial)
-    inertia = inertial.only("inertia")
-    if inertia is not None and any(number(inertia, key, 0.0) for key in COMPONENTS):
-        refuse(inertia, None, "a moment of inertia without mass, which no body has")
-    return None
+def refuse_faults(about: About) -> None:
+    """Raise `BadInput` for the first fault of a file, but not for faults of limits, which a case leaves out."""
+    for fault in about.faults:
+        if fault.quantity != "effort_limit":
+            raise BadInput(fault.text)
 
 
-def _stated(inertial: Element) -> MassProperties:
-    """Return the mass properties that an <inertial> states. Raises `BadInput`."""
-    mass, inertia, origin = inertial.only("mass"), inertial.only("inertia"), inertial.only("origin")
-    if mass is None or inertia is None:
-        refuse(inertial, None, f"has no <{'mass' if mass is None else 'inertia'}>, which URDF requires")
-    tensor = turned_inertia([number(inertia, key) for key in COMPONENTS], orientations.urdf(origin))
-    return without_rounding(MassProperties(MP.mpf(positive(mass, "value")), place_of(origin), tensor))
-
-
-def place_of(origin: Element | None) -> Vector3:
-    """Return the xyz of an <origin> (m)."""
-    return vector((0.0, 0.0, 0.0) if origin is None else numbers(origin, "xyz", (3,), (0.0, 0.0, 0.0)))
-
-
-def _shape(found: Element, centre: Vector3) -> tuple[Shape | None, str]:
+def _shape(about: About, found: Element, centre: Vector3) -> tuple[Shape | None, str]:
     """Return the shape of a link and where it stands; None and why there is none."""
     collisions = list(found.all("collision"))
     if len(collisions) != 1:
@@ -90,6 +75,6 @@ def _shape(found: Element, centre: Vector3) -> tuple[Shape | None, str]:
             shape = Cylinder(positive(solids[0], "radius"), positive(solids[0], "length") / 2)
         case _:
             shape = Sphere(positive(solids[0], "radius"))
-    if not about(centre, shape, place_of(origin), orientations.urdf(origin)):
+    if not about_centre(centre, shape, position(about, "pose", origin), attitude(about, "pose", origin)):
         return None, f"{place(solids[0])} is not about the centre of mass and along the axes of the link"
     return shape, place(solids[0])

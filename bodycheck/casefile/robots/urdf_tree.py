@@ -1,4 +1,4 @@
-"""Read the links and joints of a URDF as tables of a case file.
+"""Make the links and joints of a URDF tables of a case file.
 
 The root link is the world, as where engines load a URDF without a free joint. A link without mass that is fixed to another one
 is a frame of that one. Limits, geometry, transmissions and what other programs add are no part of the mechanics of a case.
@@ -6,20 +6,17 @@ is a frame of that one. Limits, geometry, transmissions and what other programs 
 
 from typing import Any
 
-from bodycheck.casefile.robots import orientations, tables
-from bodycheck.casefile.robots.elements import Element, number, numbers, quoted, refuse
+from bodycheck.casefile.robots import tables
+from bodycheck.casefile.robots.link import without_rounding
 from bodycheck.casefile.robots.tables import HERE, Pose, Tables
-from bodycheck.casefile.robots.urdf import inertial_of, place_of, refuse_macros
+from bodycheck.casefile.robots.urdf import refuse_faults, refuse_macros
+from bodycheck.reference.exact.inertia import MassProperties
+from bodycheck.robots import urdf
+from bodycheck.robots.elements import Element, refuse
+from bodycheck.robots.urdf_parts import JointPart, LinkPart
 
-#: The types of joints by their names in URDF.
-TYPES = {
-    "revolute": "revolute",
-    "continuous": "revolute",
-    "prismatic": "prismatic",
-    "fixed": "fixed",
-    "floating": "free",
-    "planar": "planar",
-}
+#: The types of joints of a case by those of a robot model.
+TYPES = {"floating": "free"}
 
 
 def tree(root: Element, world: str) -> Tables:
@@ -28,94 +25,59 @@ def tree(root: Element, world: str) -> Tables:
     Raises `BadInput` for what cannot be read exactly.
     """
     refuse_macros(root)
-    links = _named(root, "link")
-    joints = _named(root, "joint")
-    holder: dict[str, Element] = {}
-    for joint in joints.values():
-        child = _link(joint, "child", links)
-        if child in holder:
-            refuse(joint, None, f"the link {quoted(child)} is the child of two joints; allowed: one")
-        holder[child] = joint
-    if not links:
-        refuse(root, None, "has no <link>")
-    roots = [name for name in links if name not in holder]
-    if len(roots) != 1:
-        told = ", ".join(map(quoted, roots[:10])) or "none"
-        refuse(root, None, f"links without a parent: {told}; allowed: one, which is the world")
-    frames: dict[str, tuple[str, Pose]] = {roots[0]: (world, HERE)}
+    for joint in root.all("joint"):
+        if (mimic := joint.only("mimic")) is not None:
+            refuse(mimic, None, "couples two joints, which a case cannot say")
+    about = urdf.about_file(root)
+    parts = urdf.parts(root, about)
+    refuse_faults(about)
+    assert parts is not None, "what is no tree has faults"
+    holder = {joint.child: joint for joint in parts.joints}
+    links = {link.name: link for link in parts.links}
+    frames: dict[str, tuple[str, Pose]] = {parts.root: (world, HERE)}
     made: Tables = {"bodies": [], "joints": []}
-    for name in _from_the_root(roots[0], joints, links):
-        joint = holder[name]
-        parent, pose = frames[_link(joint, "parent", links)]
-        pose = pose.then(Pose(place_of(joint.only("origin")), orientations.urdf(joint.only("origin"))))
-        inertia = inertial_of(links[name])
-        kind = _type(joint)
+    for name in urdf.below(parts.root, parts.joints):
+        held = holder[name]
+        parent, pose = frames[held.parent]
+        pose = pose.then(Pose(held.origin, held.attitude))
+        inertia = _inertia(links[name])
         if inertia is None:
-            if kind != "fixed":
-                refuse(links[name], None, "has no mass and moves; only a link that is fixed to another one may have none")
+            if held.type != "fixed":
+                told = "has no mass and moves; only a link that is fixed to another one may have none"
+                refuse(links[name].element, None, told)
             frames[name] = parent, pose
             continue
         frames[name] = name, HERE
         made["bodies"].append(tables.body(name, inertia))
-        made["joints"].append(tables.joint(joint.attributes["name"], kind, parent, name, pose) | _properties(joint, kind))
-    if len(frames) < len(links):
-        lost = next(name for name in links if name not in frames)
-        refuse(links[lost], None, "is in a circle of links, which no root leads to")
+        kind = TYPES.get(held.type, held.type)
+        made["joints"].append(tables.joint(held.name, kind, parent, name, pose) | _properties(held))
     return made
 
 
-def _named(root: Element, tag: str) -> dict[str, Element]:
-    """Return the elements of a file with a tag by their names, in its order."""
-    found: dict[str, Element] = {}
-    for element in root.all(tag):
-        name = element.attributes.get("name")
-        if name is None or name in found:
-            refuse(element, "name", "is missing" if name is None else f"read {quoted(name)}, which stands twice")
-        found[name] = element
-    return found
+def _inertia(link: LinkPart) -> MassProperties | None:
+    """Return the mass properties of a link; None if it has no mass. Raises `BadInput` for a mass or inertia of no body."""
+    inertial = link.element.only("inertial")
+    if inertial is None:
+        return None
+    if not link.made.mass:
+        if any(link.made.tensor):
+            refuse(inertial, None, "a moment of inertia without mass, which no body has")
+        return None
+    if link.made.mass < 0:
+        refuse(inertial.first("mass") or inertial, "value", f"read {float(link.made.mass)!r}; allowed: a positive number")
+    return without_rounding(link.made)
 
 
-def _link(joint: Element, end: str, links: dict[str, Element]) -> str:
-    """Return the name of the parent or child of a joint."""
-    element = joint.only(end)
-    name = None if element is None else element.attributes.get("link")
-    if name is None or name not in links:
-        told = "is missing" if name is None else f"there is no link {quoted(name)}"
-        refuse(joint if element is None else element, None if element is None else "link", f"{end}: {told}")
-    return name
-
-
-def _from_the_root(root: str, joints: dict[str, Element], links: dict[str, Element]) -> list[str]:
-    """Return the names of all links that the root leads to, without it, each behind its parent and in the order of joints."""
-    children: dict[str, list[str]] = {}
-    for joint in joints.values():
-        children.setdefault(_link(joint, "parent", links), []).append(_link(joint, "child", links))
-    found = [root]
-    for name in found:
-        found += children.get(name, ())
-    return found[1:]
-
-
-def _type(joint: Element) -> str:
-    kind = joint.attributes.get("type", "")
-    if kind not in TYPES:
-        refuse(joint, "type", f"read {quoted(kind)}; allowed: {', '.join(TYPES)}")
-    if (mimic := joint.only("mimic")) is not None:
-        refuse(mimic, None, "couples two joints, which a case cannot say")
-    return TYPES[kind]
-
-
-def _properties(joint: Element, kind: str) -> dict[str, Any]:
+def _properties(joint: JointPart) -> dict[str, Any]:
     """Return the axis, damping and friction of a joint as keys of its table."""
-    axis, dynamics = joint.only("axis"), joint.only("dynamics")
-    along = list((1.0, 0.0, 0.0) if axis is None else numbers(axis, "xyz", (3,), (1.0, 0.0, 0.0)))
-    damping, friction = (0.0, 0.0) if dynamics is None else (number(dynamics, key, 0.0) for key in ("damping", "friction"))
-    if kind in ("revolute", "prismatic"):
-        return {"axis": along, "damping": damping, "friction": friction}
-    if dynamics is not None and kind != "fixed" and (damping or friction):
-        refuse(dynamics, None, f"a joint of the type {joint.attributes['type']} has no damping or friction in a case")
-    if kind == "planar" and along != [0.0, 0.0, 1.0]:
-        refuse(
-            joint if axis is None else axis, None, "the axes x and y of such a plane are not defined; allowed: the axis 0 0 1"
-        )
+    element = joint.element
+    along = tables.doubles(joint.axis)
+    if joint.type in ("revolute", "prismatic"):
+        return {"axis": along, "damping": joint.damping, "friction": joint.friction}
+    if joint.type != "fixed" and (joint.damping or joint.friction):
+        told = f"a joint of the type {joint.type} has no damping or friction in a case"
+        refuse(element.first("dynamics") or element, None, told)
+    if joint.type == "planar" and along != [0.0, 0.0, 1.0]:
+        told = "the axes x and y of such a plane are not defined; allowed: the axis 0 0 1"
+        refuse(element.first("axis") or element, None, told)
     return {}

@@ -4,7 +4,7 @@ from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from itertools import groupby
 
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.reference.mechanisms.requirements import MechanismRequirements
 from bodycheck.reference.requirements import Requirements, needs
 from bodycheck.reports.charts import INK, Spec, framed

@@ -11,7 +11,7 @@ from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Engine, MechanismModels, Method, Model, Models
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import offered
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
 from bodycheck.judging.convergence import common

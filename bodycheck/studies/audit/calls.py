@@ -5,9 +5,9 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 from bodycheck.adapters import registry
-from bodycheck.running.campaign import perform_run
 from bodycheck.running.outcome import Run
 from bodycheck.running.plan import Task
+from bodycheck.running.tasks import perform_run
 from bodycheck.studies.audit import nondeterminism
 from bodycheck.studies.audit.flights import Pilot
 from bodycheck.studies.audit.probe import Finding

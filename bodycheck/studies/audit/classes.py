@@ -13,11 +13,11 @@ from bodycheck.judging.scheme_rounding import ROUNDOFF
 from bodycheck.reference.mechanisms.mechanism import alone
 from bodycheck.reference.truth import Truth
 from bodycheck.running import campaign, pool
-from bodycheck.running.campaign import TruthTask
 from bodycheck.running.engines import home
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
 from bodycheck.running.plan import Task
+from bodycheck.running.tasks import TruthTask, group, perform
 from bodycheck.studies.audit.class_rows import Classes, ClassRow, Unclassed
 from bodycheck.studies.audit.trials import TRIALS, Trial
 
@@ -73,7 +73,7 @@ def measure(
     runs: dict[Task, Run] = {}
     wanted: list[TruthTask | Task] = [TruthTask(trial.case, (trial.timestep,)) for trial in TRIALS if trial.kind != "plane"]
     asked = [*wanted, *planned]
-    with closing(pool.call_all(campaign.perform, asked, jobs, limit, group=campaign.group, home=home)) as answers:
+    with closing(pool.call_all(perform, asked, jobs, limit, group=group, home=home)) as answers:
         for task, answer in answers:
             match task, answer:
                 case TruthTask(case), dict():

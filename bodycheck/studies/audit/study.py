@@ -20,12 +20,12 @@ from bodycheck.casefile.case import Case, load
 from bodycheck.judging.discrepancy import compare
 from bodycheck.reference.truth import Truth
 from bodycheck.running import csv_tables, journal, pool
-from bodycheck.running.campaign import TruthTask, perform
 from bodycheck.running.engines import home
 from bodycheck.running.header import Header
 from bodycheck.running.origin import Origins
 from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
 from bodycheck.running.plan import Task, check, refuse_nothing
+from bodycheck.running.tasks import TruthTask, perform
 from bodycheck.studies.audit import classes, nondeterminism
 from bodycheck.studies.audit.calls import Call, Found, make
 from bodycheck.studies.audit.class_rows import COLUMNS, Classes

@@ -8,7 +8,7 @@ hundred-thousandth is seen in the velocity, and weak compared with the rotation.
 from dataclasses import dataclass
 
 from bodycheck.adapters.contract import Kind, kind_of
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from bodycheck.console.arguments import Engines as Loaded
     from bodycheck.reports.plot_files import Format
     from bodycheck.running.executors import Executor
-    from bodycheck.studies.ensemble.members import Source
+    from bodycheck.studies.ensemble.drawing.members import Source
 
 OneCase = Annotated[str, Parameter(help="The case: the name of a shipped case, or a case file. It has a table [ensemble].")]
 
@@ -89,8 +89,8 @@ def ensemble(
     """
     from bodycheck.console import tables
     from bodycheck.console.arguments import check_has_folder, load_case, load_engines, processes
-    from bodycheck.studies.ensemble import members as drawing
     from bodycheck.studies.ensemble import printing
+    from bodycheck.studies.ensemble.drawing import members as drawing
 
     check_has_folder(figures, out)
     _check(member, write, out, dask, shard)
@@ -134,7 +134,7 @@ def _check(member: int | None, write: Path | None, out: Path | None, dask: str |
 def _write_member(case: "Case", source: "Source", member: int, path: Path) -> int:
     """Write one member as a case file."""
     from bodycheck.files import writing
-    from bodycheck.studies.ensemble import members
+    from bodycheck.studies.ensemble.drawing import members
 
     writing.write_named(path, members.text(case, source, member).encode("utf-8"))
     return OK
@@ -164,7 +164,9 @@ def _carry_out(
 
     from bodycheck.console import terminal
     from bodycheck.files.temporary import temporary_folder
-    from bodycheck.studies.ensemble import header, members, printing, publishing, reporting, study
+    from bodycheck.studies.ensemble import header, printing, study
+    from bodycheck.studies.ensemble.drawing import members
+    from bodycheck.studies.ensemble.report import publishing, reporting
 
     planned = study.size(case, source, engines.records, *methods)
     with ExitStack() as stack:

@@ -7,10 +7,10 @@ from bodycheck.console.options import View
 from bodycheck.console.output import say, tell
 from bodycheck.console.tables import Column, attribute, show
 from bodycheck.console.terminal import print_json
-from bodycheck.studies.ensemble.aggregates import Aggregates
-from bodycheck.studies.ensemble.reporting import Made
+from bodycheck.studies.ensemble.findings.aggregates import Aggregates
+from bodycheck.studies.ensemble.findings.sensitivity import FAILURE, RELEVANT
+from bodycheck.studies.ensemble.report.reporting import Made
 from bodycheck.studies.ensemble.rows import DependenceRow, Row
-from bodycheck.studies.ensemble.sensitivity import FAILURE, RELEVANT
 
 #: Most dependences that are printed, of failures and of the figure that methods are ranked by; sensitivity.csv has all.
 MOST_DEPENDENCES = 6

@@ -16,7 +16,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from bodycheck.adapters.contract import Engine
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
 from bodycheck.errors import BadFolder, BadInput, Failed
 from bodycheck.files import writing
@@ -26,8 +26,8 @@ from bodycheck.running.chunks import Chunk, Receipt, Share, Source, Work
 from bodycheck.running.executors import Executor
 from bodycheck.running.plan import plan
 from bodycheck.studies.ensemble import header as headers
-from bodycheck.studies.ensemble import result_tables
-from bodycheck.studies.ensemble.carrying import carry_out
+from bodycheck.studies.ensemble.execution import result_tables
+from bodycheck.studies.ensemble.execution.carrying import carry_out
 from bodycheck.studies.ensemble.header import EnsembleHeader
 
 #: The number of members whose trajectories are kept as a sample.

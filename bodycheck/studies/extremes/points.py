@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.axes import AXES
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bodycheck.casefile.axes import spin
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.reference.scene import Scene
 from bodycheck.running.outcome import Completed, Outcome
 from bodycheck.studies.extremes.symptoms import energy_change

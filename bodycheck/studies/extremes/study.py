@@ -16,7 +16,7 @@ import numpy as np
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import chosen
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism, alone

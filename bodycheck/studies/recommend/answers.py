@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 from bodycheck.adapters.contract import Method
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.running import campaign
 from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.running.simulation import sampling_steps

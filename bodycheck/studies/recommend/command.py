@@ -6,12 +6,15 @@ Its imports are inside the function, so that `--help` answers at once.
 import sys
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from bodycheck.console.options import AS_USUAL, Engines, Figures, Integrators, Jobs, Json, Out, Quiet, Viewed
 from bodycheck.errors import FAILED, OK
+
+if TYPE_CHECKING:
+    from bodycheck.studies.recommend.rows import Recommendation
 
 
 def recommend(
@@ -52,15 +55,13 @@ def recommend(
         The figure whose error is limited: attitude, position, energy, angular_momentum, or the name of a figure in the tables
         of results. Default: attitude.
     """
-    from dataclasses import asdict
-
     from bodycheck import reports
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import check_has_folder, load_case, load_engines, processes
-    from bodycheck.console.output import say_where, tell
+    from bodycheck.console.output import say_where
     from bodycheck.files.temporary import temporary_folder
     from bodycheck.running import campaign, origin, store
-    from bodycheck.studies.recommend import printing, study, wording
+    from bodycheck.studies.recommend import printing, study
     from bodycheck.studies.recommend.page import present
 
     check_has_folder(figures, out)
@@ -77,11 +78,22 @@ def recommend(
         if out is not None:
             study.write(found, out, [origin.origin(head, {loaded.name: loaded.text})])
             reports.write_study(present(head, found), out, figures)
+    _tell(found, json, view, quiet)
+    say_where(out, quiet)
+    return OK if found.reached and not engines.failed([loaded]) else FAILED
+
+
+def _tell(found: "Recommendation", json: bool, view: Viewed, quiet: bool) -> None:
+    """Print the answers. Without tables, where the command is to be quiet, it is told that no method keeps the error."""
+    from dataclasses import asdict
+
+    from bodycheck.console.output import tell
+    from bodycheck.console.terminal import print_json
+    from bodycheck.studies.recommend import printing, wording
+
     if json:
-        terminal.print_json([asdict(answer) for answer in found.answers])
+        print_json([asdict(answer) for answer in found.answers])
     elif not quiet:
         printing.print_recommendation(found, view)
     elif not found.reached:
         tell(wording.headline(found))
-    say_where(out, quiet)
-    return OK if found.reached and not engines.failed([loaded]) else FAILED

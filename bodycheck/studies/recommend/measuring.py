@@ -3,20 +3,20 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.errors import Failed
 from bodycheck.figures.columns import FIGURES
 from bodycheck.judging.discrepancy import compare
 from bodycheck.reference.truth import Truth
 from bodycheck.running import campaign
-from bodycheck.running.campaign import Truths, TruthTask
 from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
 from bodycheck.running.plan import Task
+from bodycheck.running.tasks import Truths, TruthTask
 from bodycheck.studies.recommend.rows import Probe
 
 Answered = Run | Truths | Crashed | TimedOut
 
-#: Makes tasks in worker processes, as `campaign.perform` does, and returns their results in the order of the tasks.
+#: Makes tasks in worker processes, as `tasks.perform` does, and returns their results in the order of the tasks.
 CallEach = Callable[[Sequence[Task | TruthTask]], list[Answered]]
 
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.offers import chosen, integrator_of
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES, LIMITED, most_possible
 from bodycheck.figures.revisions import REVISIONS
@@ -30,6 +30,7 @@ from bodycheck.running.origin import Origins
 from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
 from bodycheck.running.plan import Task
 from bodycheck.running.store import Results
+from bodycheck.running.tasks import group, perform
 from bodycheck.studies.recommend import measuring
 from bodycheck.studies.recommend.answers import answer_of, errors_of, priced
 from bodycheck.studies.recommend.rows import Answer, Asked, Probe, Recommendation
@@ -235,7 +236,7 @@ def results(
         if log.records:
             print(f"bodycheck: resuming the interrupted study in {folder}", file=sys.stderr)
         probes = [*known, *(Probe(**record["probe"]) for record in log.records)]
-        with pool.crew(campaign.perform, jobs, TIME_LIMIT_S, group=campaign.group, home=engines.home) as call_each:
+        with pool.crew(perform, jobs, TIME_LIMIT_S, group=group, home=engines.home) as call_each:
             found = _search(study, probes, log, call_each, progress)
         answers = priced(
             case, [answer_of(own.engine, own.version, own.method, found[own.key], study.error) for own in study.searches]

@@ -6,7 +6,7 @@ from typing import Any
 
 from packaging.version import Version
 
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.environments import environments
 from bodycheck.environments.environments import Unobtainable
 from bodycheck.errors import BadInput

@@ -14,6 +14,7 @@ from bodycheck.errors import FAILED, OK, BadInput
 
 if TYPE_CHECKING:
     from bodycheck.studies.releases.rows import Found
+    from bodycheck.studies.releases.study import Bar
 
 
 def releases(
@@ -23,6 +24,10 @@ def releases(
     case: Annotated[
         tuple[str, ...],
         Parameter(help="A shipped case, case file, folder or pattern. May be given several times. Default: all shipped cases."),
+    ] = (),
+    model: Annotated[
+        tuple[Path, ...],
+        Parameter(help="The file of a robot, URDF or MJCF: say which release changed what it means, instead of running cases."),
     ] = (),
     integrator: Integrators = (),
     timestep: Timesteps = (),
@@ -38,8 +43,9 @@ def releases(
     """Run the same cases in several releases of an engine, and report what changed from release to release.
 
     Each release is installed into an environment of its own. Environments and measurements are kept for later commands. Time
-    steps are those of `bodycheck run`. The tables are releases.csv and changes.csv. Exit codes: 0 every release was measured,
-    whether or not anything changed; 1 a release could not be measured.
+    steps are those of `bodycheck run`. The tables are releases.csv and changes.csv; with --model it is parity.csv.
+
+    Exit codes: 0 every release was measured, whether or not anything changed; 1 a release could not be measured.
 
     Parameters
     ----------
@@ -70,9 +76,11 @@ def releases(
     check_has_folder(figures, out)
     tables.check(view, printing.CHANGES)
     make_folder("--out", out)
-    loaded = load_cases(case)
     chosen, notices = study.chosen(engine, versions, last)
     bar = partial(shown.progress, quiet=quiet)
+    if model:
+        return _models(engine, chosen, notices, model, processes(jobs), bar, out, json, quiet)
+    loaded = load_cases(case)
     found, tally = study.study(engine, chosen, loaded, integrator, timestep, processes(jobs), bar, notices)
     if out is not None:
         _write(found, out, figures)
@@ -85,6 +93,47 @@ def releases(
         print(line, file=sys.stderr)
     say_where(out, quiet)
     return FAILED if notices or found.header["unmeasured"] else OK
+
+
+def _models(
+    engine: str,
+    versions: tuple[str, ...],
+    notices: tuple[str, ...],
+    models: tuple[Path, ...],
+    jobs: int,
+    bar: "Bar",
+    out: Path | None,
+    json: bool,
+    quiet: bool,
+) -> int:
+    """Compare what releases make of files of robots, and say which changed what a file means."""
+    from dataclasses import asdict
+
+    from bodycheck import reports
+    from bodycheck.console import terminal
+    from bodycheck.console.output import say_where
+    from bodycheck.running import campaign, engines, origin
+    from bodycheck.studies.parity import printing, releases, rows
+    from bodycheck.studies.parity.page import present
+    from bodycheck.studies.parity.study import Asking
+
+    found, missing = releases.measured(engine, versions, models, Asking(), jobs, bar)
+    changed = releases.changes(found)
+    if out is not None:
+        records = engines.describe([f"{engine}@{version}" for version in versions if version not in missing])[0]
+        head = campaign.header(sys.argv, records, {f"{engine}@{version}": why for version, why in missing.items()})
+        rows.write([row for one in found for row in one.rows], out, [origin.origin(head, {})])
+        reports.write_study(present(head, found), out)
+    if json:
+        told = [asdict(row) for one in found for row in one.rows]
+        terminal.print_json({"rows": told, "changes": [asdict(change) for change in changed], "unmeasured": missing})
+    elif not quiet:
+        printing.print_models(found)
+        printing.print_changes(changed)
+    for line in (*notices, *(f"bodycheck: {engine} {version}: {why}" for version, why in missing.items())):
+        print(line, file=sys.stderr)
+    say_where(out, quiet)
+    return FAILED if notices or missing else OK
 
 
 def _write(found: "Found", out: Path, figures: Figures) -> None:

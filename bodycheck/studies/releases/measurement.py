@@ -14,7 +14,7 @@ from typing import Any
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.casefile import case
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.judging import baseline, judgement

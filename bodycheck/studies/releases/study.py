@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from packaging.version import InvalidVersion, Version
 
 from bodycheck.adapters.method import Method
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.casefile.identity import identity
 from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment, Unobtainable

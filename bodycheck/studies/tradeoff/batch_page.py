@@ -36,11 +36,22 @@ def notices(rows: Sequence[Row]) -> tuple[str, ...]:
     devices = sorted({str(row["device"]) for row in batches})
     together = {row["engine"] for row in batches if row["batch"] > 1}
     alone = [name for name in dict.fromkeys(row["engine"] for row in batches) if name not in together]
+    single = (text,) if (text := without(rows)) else ()
     where = f"All batches ran on the device {listing(devices)}." if len(devices) == 1 else f"Batches ran on {listing(devices)}."
     if not alone or not together:
-        return (where,)
+        return (where, *single)
     have = verb(len(alone), "steps", "step")
-    return (where, f"{listing(alone)} {have} one scene at a time, and {verb(len(alone), 'has', 'have')} no larger batches.")
+    larger = f"{listing(alone)} {have} one scene at a time, and {verb(len(alone), 'has', 'have')} no larger batches."
+    return (where, larger, *single)
+
+
+def without(rows: Sequence[Row]) -> str:
+    """Return a sentence that names the mechanisms, which have no batches; empty if there are none."""
+    names = list(dict.fromkeys(str(row["case"]) for row in rows if row["kind"] == "mechanism"))
+    if not names:
+        return ""
+    which = f"{listing(names)} {verb(len(names), 'is a mechanism', 'are mechanisms')}"
+    return f"{which}, and {verb(len(names), 'has', 'have')} no batches: mechanisms are stepped one at a time."
 
 
 def charts(case: CaseMeasurements, lines: Lines) -> tuple[Chart, ...]:

@@ -23,7 +23,7 @@ from bodycheck.adapters.contract import (
     Strides,
 )
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.mechanisms.mechanism import alone

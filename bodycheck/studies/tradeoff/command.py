@@ -39,6 +39,7 @@ def tradeoff(
     time steps suit the case; orders need five or more time steps. Costs are measured with one process. With --batch they are
     also measured where an engine steps many scenes at once. The tables are tradeoff.csv and orders.csv.
     """
+    import sys
     from dataclasses import asdict
 
     from bodycheck import reports
@@ -49,7 +50,7 @@ def tradeoff(
     from bodycheck.judging import judgement
     from bodycheck.judging.run_classes import classes_of
     from bodycheck.running import origin
-    from bodycheck.studies.tradeoff import batches, printing, study
+    from bodycheck.studies.tradeoff import batch_page, batches, printing, study
     from bodycheck.studies.tradeoff.page import present
 
     check_has_folder(figures, out)
@@ -62,6 +63,8 @@ def tradeoff(
             rows = study.price(results, verdicts, engines, progress)
             orders = study.orders(results, verdicts, engines, progress)
         if sizes:
+            if (text := batch_page.without(rows)) and not quiet:
+                print(f"bodycheck: {text}", file=sys.stderr)
             planned = batches.plan(results, verdicts, engines, sizes, timestep)
             with terminal.progress("batches", len(planned), quiet) as progress:
                 rows = batches.rows_alike(rows, batches.rows(planned, results, engines, progress))

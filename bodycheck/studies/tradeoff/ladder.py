@@ -3,7 +3,7 @@
 import math
 from itertools import count
 
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.studies.spin import fastest_spin
 
 #: The largest time step of any ladder.

@@ -8,7 +8,7 @@ from typing import Any
 
 from bodycheck.adapters.contract import Engine, Integrator, Method
 from bodycheck.adapters.offers import chosen, integrator_of
-from bodycheck.casefile.case import Case
+from bodycheck.casefile.content import Case
 from bodycheck.judging import judgement
 from bodycheck.judging.convergence import observe_convergence
 from bodycheck.judging.identification import identify

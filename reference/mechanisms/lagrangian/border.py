@@ -119,12 +119,14 @@ class Element:
 class Border:
     """The elements of a mechanism, each after the one that it moves on, and the gravitational acceleration (m/s^2).
 
-    standing: bodies that do not move, in the frame of the world.
+    standing: bodies that do not move, in the frame of the world. loops: the two ends of each, with the place of the element
+    that carries it (None for the world) and the point in its frame (m).
     """
 
     elements: tuple[Element, ...]
     gravity: float
     standing: tuple[Carried, ...] = ()
+    loops: tuple[tuple[tuple[int | None, Triple], tuple[int | None, Triple]], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +141,7 @@ class _Place:
 
 @functools.lru_cache(maxsize=64)
 def border(mechanism: Mechanism) -> Border:
-    """The elements of a mechanism without loops."""
+    """The elements of a mechanism."""
     elements: list[Element] = []
     standing: list[Carried] = []
     places = {WORLD: _Place(None, UNIT, NONE)}
@@ -156,7 +158,16 @@ def border(mechanism: Mechanism) -> Border:
         else:
             held = elements[place.element]
             elements[place.element] = _replaced(held, carried=(*held.carried, own))
-    return Border(tuple(elements), mechanism.gravity, tuple(standing))
+    loops = []
+    for loop in mechanism.loops:
+        one, other = (_end(places[body], point) for body, point in zip(loop.bodies, loop.points, strict=True))
+        loops.append((one, other))
+    return Border(tuple(elements), mechanism.gravity, tuple(standing), tuple(loops))
+
+
+def _end(place: _Place, point: tuple[float, float, float]) -> tuple[int | None, Triple]:
+    """A point of a body in the frame of the element that carries the body."""
+    return place.element, _sum(place.origin, times(place.axes, [MP.mpf(value) for value in point]))
 
 
 def _downwards(mechanism: Mechanism) -> list[int]:

@@ -13,13 +13,15 @@ where the second term belongs to balls alone. dL/du_i = p_i is linear in u, so t
 M is formed by carrying the second derivatives of T from the leaves of the tree to its root; see `mass_matrix`. Damping and
 dry friction are the forces Q.
 
-A joint with dry friction slips or sticks: see `friction`. Where it sticks, it is left out of the mass matrix.
+A joint with dry friction slips or sticks: see `friction`. Where it sticks, it is left out of the mass matrix. Loops are held
+together by multipliers: see `closing`.
 """
 
 import functools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from bodycheck.reference.mechanisms.lagrangian import closing
 from bodycheck.reference.mechanisms.lagrangian.border import Kind
 from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape, along, cross, gradient, needed, plus
 from bodycheck.reference.mechanisms.lagrangian.mass_matrix import Frame, Solid, clamped, mass_matrix, order, product, solved
@@ -88,6 +90,8 @@ class Parts:
         For each velocity, the force of dry friction along it, and whether it is not held by that.
     solids
         What the mass matrix is made of.
+    gaps
+        The components of the gaps of loops.
     """
 
     coordinates: list[Node]
@@ -97,6 +101,14 @@ class Parts:
     forces: list[Node]
     dry: list[tuple[Node, Node]]
     solids: list[Solid]
+    gaps: list[Node]
+
+    def carried(self, tape: Tape, structure: Structure, slopes: list[Node]) -> list[Node]:
+        """X of a function in the direction of each velocity, from its derivatives by the coordinates."""
+        q, found = self.coordinates, list[Node]()
+        for kind, (held, _) in zip(structure.kinds, structure.places, strict=True):
+            found += _carried(tape, kind, q[held], slopes[held])
+        return found
 
 
 def parts_of(tape: Tape, structure: Structure) -> Parts:
@@ -108,9 +120,19 @@ def parts_of(tape: Tape, structure: Structure) -> Parts:
     held, moving = structure.places[-1][0].stop, structure.places[-1][1].stop
     q = [tape.variable(index) for index in range(held)]
     u = [tape.variable(held + index) for index in range(moving)]
-    lagrangian, forces, dry, solids = _lagrangian(tape, structure, _Read(tape, iter(nodes)), q, u)
+    read = _Read(tape, iter(nodes))
+    lagrangian, forces, dry, solids = _lagrangian(tape, structure, read, q, u)
     slopes = gradient(tape, lagrangian, [*q, *u])
-    return Parts(q, u, slopes[:held], slopes[held:], forces, dry, solids)
+    gaps = []
+    for one, other in structure.loops:
+        gaps += closing.gap(tape, structure.parents, solids, ((one, read.some(3)), (other, read.some(3))))
+    return Parts(q, u, slopes[:held], slopes[held:], forces, dry, solids, gaps)
+
+
+def rows_of(tape: Tape, structure: Structure, parts: Parts) -> list[list[Node]]:
+    """By which velocities those components of gaps change that hold loops together."""
+    gaps = [parts.gaps[place] for place in structure.rows]
+    return closing.rows_of(tape, gaps, parts.coordinates, lambda slopes: parts.carried(tape, structure, slopes))
 
 
 @functools.lru_cache(maxsize=32)
@@ -131,7 +153,15 @@ def derived(structure: Structure) -> Derived:
     matrix, above = mass_matrix(tape, structure.parents, places, parts.solids), order(structure.parents, places)
     moves = [own for _, own in parts.dry]
     driven = [tape.multiply(own, tape.add(force, dry)) for own, force, (dry, _) in zip(moves, right, parts.dry, strict=True)]
-    accelerations = solved(tape, clamped(tape, matrix, moves), driven, above)
+    freed = clamped(tape, matrix, moves)
+    accelerations = closing.closed(
+        tape,
+        rows_of(tape, structure, parts),
+        u,
+        dict(zip(q, rates, strict=True)),
+        driven,
+        lambda right: solved(tape, freed, right, above),
+    )
     found = *rates, *accelerations
     used = sorted(tape.operations[place][1] for place in needed(tape, found) if tape.operations[place][0] == "parameter")
     inertial = product(tape, matrix, accelerations)
@@ -249,9 +279,16 @@ def _rates(tape: Tape, kind: Kind, q: list[Node], u: list[Node]) -> list[Node]:
 
 def _drives(tape: Tape, kind: Kind, q: list[Node], slopes: list[Node], u: list[Node], momenta: list[Node]) -> list[Node]:
     """X L - omega x p of an element, from the derivatives of L by its coordinates and velocities."""
+    found = _carried(tape, kind, q, slopes)
+    if kind in ("turn", "slide"):
+        return found
+    gyroscopic = cross(tape, u[-3:], momenta[-3:])
+    return [*found[:-3], *(tape.subtract(own, turn) for own, turn in zip(found[-3:], gyroscopic, strict=True))]
+
+
+def _carried(tape: Tape, kind: Kind, q: list[Node], slopes: list[Node]) -> list[Node]:
+    """X of a function in the directions of an element's velocities, from its derivatives by the element's coordinates."""
     if kind in ("turn", "slide"):
         return slopes
     half = tape.number(0.5)
-    turning = [tape.multiply(half, tape.dot(direction, slopes[-4:])) for direction in _directions(tape, q[-4:])]
-    gyroscopic = cross(tape, u[-3:], momenta[-3:])
-    return [*slopes[:-4], *(tape.subtract(own, turn) for own, turn in zip(turning, gyroscopic, strict=True))]
+    return [*slopes[:-4], *(tape.multiply(half, tape.dot(each, slopes[-4:])) for each in _directions(tape, q[-4:]))]

@@ -27,6 +27,10 @@ class Structure:
         Which elements have dry friction.
     marks
         What is known of the numbers, in the order of `numbers`.
+    loops
+        The elements that carry the two ends of each loop.
+    rows
+        Which components of the loops' gaps, three for each, hold them together.
     """
 
     kinds: tuple[Kind, ...]
@@ -34,6 +38,8 @@ class Structure:
     falls: tuple[bool, ...]
     dry: tuple[bool, ...]
     marks: tuple[Mark, ...]
+    loops: tuple[tuple[int | None, int | None], ...] = ()
+    rows: tuple[int, ...] = ()
 
     @property
     def places(self) -> list[tuple[slice, slice]]:
@@ -58,7 +64,8 @@ class Units:
 def numbers(found: Border, units: Units) -> tuple[Structure, list[Number]]:
     """The structure of a mechanism, and all its numbers, in some units.
 
-    The last two of an element are the force of its dry friction, and whether it moves (1) or sticks (0): 0 and 1 at first.
+    The last two of an element are the force of its dry friction, and whether it moves (1) or sticks (0): 0 and 1 at first. The
+    points of loops are last. All components of their gaps hold them together.
     """
     length, mass, time = MP.mpf(units.length), MP.mpf(units.mass), MP.mpf(units.time)
     values: list[Number] = [MP.mpf(found.gravity) * time**2 / length]
@@ -83,6 +90,7 @@ def numbers(found: Border, units: Units) -> tuple[Structure, list[Number]]:
             dry |= {len(values), len(values) + 1}
         turns.add(len(values) + 1)
         values += [MP.mpf(0), MP.mpf(1)]
+    values += [entry / length for ends in found.loops for _, point in ends for entry in point]
     marks = tuple(None if place in dry else _mark(value, place in turns) for place, value in enumerate(values))
     elements = found.elements
     structure = Structure(
@@ -91,6 +99,8 @@ def numbers(found: Border, units: Units) -> tuple[Structure, list[Number]]:
         tuple(element.falls for element in elements),
         tuple(bool(element.friction) for element in elements),
         marks,
+        tuple((one[0], other[0]) for one, other in found.loops),
+        tuple(range(3 * len(found.loops))),
     )
     return structure, [value for value, mark in zip(values, marks, strict=True) if mark is None]
 

@@ -19,6 +19,9 @@ from bodycheck.reference.mechanisms.lagrangian.structure import Structure
 #: Operations, steps times the length of the equations, after which an integration is stopped: some twenty seconds in 80 bits.
 MAX_OPERATIONS = 60_000_000
 
+#: The same where there are loops, whose steps become ever shorter near a position in which they can also move in another way.
+MAX_OPERATIONS_OF_LOOPS = 10_000_000
+
 #: Held while an integrator runs, which contains its state and is shared by all threads of the process.
 _lock = threading.Lock()
 
@@ -60,7 +63,7 @@ def solve(structure: Structure, start: WideArray, parameters: WideArray, times: 
         solver.time = grid[0]
         solver.state[:] = start
         solver.pars[:] = parameters[list(derived(structure).used)]
-        most = min(MAX_STEPS, MAX_OPERATIONS // length)
+        most = min(MAX_STEPS, (MAX_OPERATIONS_OF_LOOPS if structure.loops else MAX_OPERATIONS) // length)
         outcome, _, _, steps, _, solution = solver.propagate_grid(grid, max_steps=most)
     if outcome != hy.taylor_outcome.time_limit:
         raise OutOfReach(f"Taylor's method stopped after {steps} steps: {outcome.name}")

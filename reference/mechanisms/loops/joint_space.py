@@ -324,24 +324,21 @@ def _dynamics(of: Tree, motion: Motion, states: WideArray) -> tuple[WideArray, W
     mass = np.zeros((*v.shape, v.shape[1]), dtype=Wide)
     mass[:, range(v.shape[1]), range(v.shape[1])] = of.inertia
     down = np.array([0, 0, -1], dtype=Wide) * of.gravity
-    ends = [(body, end) for body, end in enumerate(of.ends) if end != WORLD]
-    if not ends:
-        return mass, force
-    which, carriers = (list(part) for part in zip(*ends, strict=True))
-    # All bodies at once, (b, s, ...).
-    axes, origin, spin, turn_bias, bias = (
-        np.array([part[end] for end in carriers])
-        for part in (motion.axes, motion.origin, motion.spin, motion.turn_bias, motion.bias)
-    )
-    arm = apply(axes, of.centre[which][:, None])
-    tensor = axes @ of.tensor[which][:, None] @ np.swapaxes(axes, 2, 3)
-    along, weight = of.along[which][:, None, :, None], of.mass[which][:, None, None]
-    slides = (motion.slides + cross(motion.turns, (origin + arm)[:, :, None] - motion.centres)) * along
-    turns = motion.turns * along
-    push = weight * (bias + cross(turn_bias, arm) + cross(spin, cross(spin, arm)) - down)
-    twist = apply(tensor, turn_bias) + cross(spin, apply(tensor, spin))
-    mass += (weight[..., None] * slides @ np.swapaxes(slides, 2, 3) + turns @ tensor @ np.swapaxes(turns, 2, 3)).sum(axis=0)
-    force = force - (dot(slides, push[:, :, None]) + dot(turns, twist[:, :, None])).sum(axis=0)
+    for body, end in enumerate(of.ends):
+        # Those velocities alone that move the body, which are few of many in a long linkage.
+        own = np.flatnonzero(of.along[body])
+        if not len(own):
+            continue
+        axes, spin = motion.axes[end], motion.spin[end]
+        arm = apply(axes, of.centre[body])
+        tensor = axes @ of.tensor[body] @ np.swapaxes(axes, 1, 2)
+        turns = motion.turns[:, own]
+        slides = motion.slides[:, own] + cross(turns, (motion.origin[end] + arm)[:, None] - motion.centres[:, own])
+        push = of.mass[body] * (motion.bias[end] + cross(motion.turn_bias[end], arm) + cross(spin, cross(spin, arm)) - down)
+        twist = apply(tensor, motion.turn_bias[end]) + cross(spin, apply(tensor, spin))
+        inertia = of.mass[body] * (slides @ np.swapaxes(slides, 1, 2)) + turns @ tensor @ np.swapaxes(turns, 1, 2)
+        mass[:, own[:, None], own] += inertia
+        force[:, own] -= dot(slides, push[:, None]) + dot(turns, twist[:, None])
     return mass, force
 
 

@@ -5,12 +5,14 @@ equations of every body with constraint forces (`body_space`). Where a position 
 minimum norm, and the motion goes on as its analytic continuation: a step has no node there, and its series does not end there.
 """
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from bodycheck.reference.bounds import STATES
 from bodycheck.reference.exact.pairs import WideArray
+from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.kinematics import joints
 from bodycheck.reference.mechanisms.loops import body_equations, body_space, joint_space
 from bodycheck.reference.mechanisms.loops.collocation import integrate
@@ -93,6 +95,17 @@ def witness(mechanism: Mechanism, times: Array) -> Way:
     narrow = (wide.position, wide.quaternion, wide.velocity, wide.angular_velocity)
     held = joints(mechanism, Trajectory(times, *(part.astype(np.float64) for part in narrow)))
     return Way(f"{WITNESS}, {SOLVER}", Motion(held.position, held.velocity, wide), {}, DOUBLE_DIGITS)
+
+
+def closed_start(mechanism: Mechanism) -> Mechanism:
+    """A mechanism without free bodies, whose loops are almost closed at the start, with initial values that close them."""
+    tree = joint_space.tree(mechanism)
+    state = joint_space.closed(tree, joint_space.initial(mechanism)).astype(float)
+    joints = tuple(
+        replace(joint, start=tuple(state[held].tolist()), start_velocity=tuple(state[tree.coordinates :][moving].tolist()))
+        for joint, (held, moving) in zip(mechanism.joints, places(mechanism), strict=True)
+    )
+    return replace(mechanism, joints=joints)
 
 
 def _first(accelerations: WideArray, velocities: WideArray) -> float:

@@ -104,9 +104,9 @@ const buildMechanism = (figure, data) => {
     }));
   };
   const instants = Array.from({ length: 101 }, (_, k) => (data.end * k) / 100);
-  let now = instants.reduce((best, t) => (differenceAt(t) > differenceAt(best) + 1e-6 ? t : best), 0);
-  let [azimuth, elevation] = [data.azimuth + 0.3, 0.2];
+  const worst = instants.reduce((best, t) => (differenceAt(t) > differenceAt(best) + 1e-6 ? t : best), 0);
   let view = null;
+  const look = (azimuth, elevation) => (view = { ...viewFrom(azimuth, elevation), scale: 96, distance: 7 });
 
   const wordsOf = (run, { angle, shift }) => {
     const least = indistinct(data.within);
@@ -115,7 +115,7 @@ const buildMechanism = (figure, data) => {
     const shifted = shift * data.extent > 3 * unsure ? number(shift * data.extent, 2) : atMost(Math.min(run.position_error, shift * data.extent + unsure));
     return `off by ${turned} rad\nand ${shifted} m`;
   };
-  const draw = () => {
+  const paint = (now) => {
     const exact = statesAt(truth.parts, now);
     all().forEach((body, k) => {
       const states = k && !body.isAlike ? statesAt(body.parts, now) : exact;
@@ -125,59 +125,23 @@ const buildMechanism = (figure, data) => {
       panels[k].words.textContent = k ? wordsOf(body, difference) : `fastest body turning at\n${number(largestOf(states.map(({ rate }) => length(rate))))} rad/s`;
       panels[k].picture.dataset.time = now;
     });
-    controls.showTime(now);
-    if (!player.isPlaying()) settle();
   };
-  // Pictures are described once they have stood still for half a second.
-  let pending = 0;
-  const settle = () => {
-    clearTimeout(pending);
-    pending = setTimeout(() => {
-      const time = controls.clock.textContent;
-      const descriptions = panels.map(({ words }, k) => `${all()[k].label}: ${words.textContent}`);
-      panels.forEach(({ picture }, k) => picture.setAttribute("aria-label", `At ${time}, ${descriptions[k]}`));
-      if (status.textContent || document.activeElement?.closest(".player") === figure) status.textContent = `At ${time}: ${descriptions.join("; ")}.`;
-    }, 500);
+  const describe = () => {
+    const time = controls.clock.textContent;
+    const descriptions = panels.map(({ words }, k) => `${all()[k].label}: ${words.textContent}`);
+    panels.forEach(({ picture }, k) => picture.setAttribute("aria-label", `At ${time}, ${descriptions[k]}`));
+    if (status.textContent || document.activeElement?.closest(".player") === figure) status.textContent = `At ${time}: ${descriptions.join("; ")}.`;
   };
   const choose = () => {
     all().forEach(({ colour, label }, k) => {
       panels[k].swatch.style.background = colour;
       panels[k].picture.dataset.body = label;
     });
-    turn(azimuth, elevation);
+    shownNow.again();
   };
-  const move = (t) => {
-    now = Math.min(data.end, Math.max(0, t));
-    draw();
-  };
-  const turn = (about, above) => {
-    [azimuth, elevation] = [about, Math.min(1.4, Math.max(-1.4, above))];
-    view = { ...viewFrom(azimuth, elevation), scale: 96, distance: 7 };
-    controls.showSide(azimuth);
-    draw();
-  };
-  const player = playing(
-    (elapsed) => {
-      const next = now + elapsed * controls.speed.value;
-      move(next > data.end ? 0 : next);
-    },
-    (isPlaying) => {
-      controls.showPlaying(isPlaying);
-      if (!isPlaying) draw();
-    },
-  );
-  connect(controls, data.end, {
-    toggle: player.toggle,
-    moveTo: move,
-    moveBy: (step) => move(now + step),
-    turnTo: (about) => turn(about, elevation),
-    changeSpeed: () => {},
+  const shownNow = staged({
+    ...{ figure, panels, controls, look, paint, describe, end: data.end, changeSpeed: () => {}, now: worst },
+    ...{ azimuth: data.azimuth + 0.3, elevation: 0.2, lowest: -1.4 },
   });
-  panels.forEach(({ picture }) =>
-    picture.addEventListener("pointermove", (event) => {
-      if (event.buttons & 1) turn(azimuth - event.movementX / 100, elevation + event.movementY / 100);
-    }),
-  );
-  new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || player.stop()).observe(figure);
   choose();
 };

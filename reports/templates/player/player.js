@@ -56,12 +56,10 @@ const build = (figure) => {
   if (polhode) stage.append(polhodePanel(polhode));
   figure.prepend(stage, controls.element, warning, legendOf(data, trail, polhode, squares), status);
 
-  let [now, azimuth, elevation] = [firstTime(data, motion, shown), firstAzimuth(data, motion), data.plane ? 0.75 : 0.4];
   // What all pictures have in common, and how they show the plane.
   let [common, frame] = [null, null];
-  const look = () => {
+  const look = (azimuth, elevation) => {
     const view = viewFrom(azimuth, elevation);
-    controls.showSide(azimuth);
     if (!data.plane) return void (common = { view });
     frame = groundFrame(view, bodies(), data.body.reach);
     const how = frame.follows ? "each picture follows its body" : "all pictures show the same part of the plane";
@@ -69,7 +67,7 @@ const build = (figure) => {
     common = groundPaths(frame.view, bodies(), frame.step);
   };
 
-  const draw = () => {
+  const paint = (now) => {
     const states = bodies().map((body) => stateOf(body, now));
     bodies().forEach((body, k) => {
       const { picture, words } = panels[k];
@@ -85,63 +83,25 @@ const build = (figure) => {
       Object.assign(picture.dataset, { time: now, view: JSON.stringify(view) });
     });
     polhode?.draw(states.map(({ momentumInBody }) => momentumInBody));
-    controls.showTime(now);
-    if (!player.isPlaying()) settle();
   };
-  // Pictures are described once they have stood still for half a second.
-  let pending = 0;
-  const settle = () => {
-    clearTimeout(pending);
-    pending = setTimeout(() => announce(figure, panels, shown, controls.clock.textContent, status), 500);
-  };
-
   const choose = () => {
     bodies().forEach(({ colour, label }, k) => {
       panels[k].swatch.style.background = colour;
       panels[k].picture.dataset.body = label;
     });
     polhode?.choose(bodies());
-    look();
-    draw();
-  };
-  const move = (t) => {
-    now = Math.min(data.end, Math.max(0, t));
-    draw();
-  };
-  const turn = (about, above) => {
-    [azimuth, elevation] = [about, Math.min(1.4, Math.max(data.plane ? 0.2 : -1.4, above))];
-    look();
-    draw();
+    shownNow.again();
   };
   const warn = () => {
     const angle = fastest * controls.speed.value * FRAME;
     warning.hidden = angle < 1;
     warning.textContent = `At this speed the body turns by up to ${number(angle, 2)} rad between two pictures, which is more than the eye can follow.`;
   };
-  const player = playing(
-    (elapsed) => {
-      const next = now + elapsed * controls.speed.value;
-      move(next > data.end ? 0 : next);
-    },
-    (isPlaying) => {
-      controls.showPlaying(isPlaying);
-      if (!isPlaying) draw();
-    },
-  );
-
-  connect(controls, data.end, {
-    toggle: player.toggle,
-    moveTo: move,
-    moveBy: (step) => move(now + step),
-    turnTo: (about) => turn(about, elevation),
-    changeSpeed: warn,
+  const shownNow = staged({
+    ...{ figure, panels, controls, look, paint, end: data.end, changeSpeed: warn, now: firstTime(data, motion, shown) },
+    ...{ azimuth: firstAzimuth(data, motion), elevation: data.plane ? 0.75 : 0.4, lowest: data.plane ? 0.2 : -1.4 },
+    describe: () => announce(figure, panels, shown, controls.clock.textContent, status),
   });
-  panels.forEach(({ picture }) =>
-    picture.addEventListener("pointermove", (event) => {
-      if (event.buttons & 1) turn(azimuth - event.movementX / 100, elevation + event.movementY / 100);
-    }),
-  );
-  new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || player.stop()).observe(figure);
   choose();
   warn();
 };

@@ -66,8 +66,8 @@ def test_what_a_file_leaves_out_is_zero() -> None:
     assert [body.start for body in mechanism(free).bodies] == [BodyStart()] * 2
 
 
-def test_all_faults_at_once_each_with_its_line() -> None:
-    text = """\
+#: A case with a fault in nearly every line.
+FAULTY = """\
 format = 2
 name = "faulty"
 title = "Much is wrong"
@@ -128,7 +128,10 @@ friction = 0.5
 [run]
 duration = 4.0
 """
-    assert set(faults(text)) == {
+
+
+def test_all_faults_at_once_each_with_its_line() -> None:
+    assert set(faults(FAULTY)) == {
         *("4 body", "7 bodies[1].mass", "8 bodies[1].inertia", "9 bodies[1].initial", "12 bodies[2].name"),
         *("13 bodies[2].shape", "17 bodies[3].center_of_mass", "19 bodies[4].name"),
         *("25 joints[1].parent", "27 joints[1].axis", "31 joints[2].child", "32 joints[2].armature"),

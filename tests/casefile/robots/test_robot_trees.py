@@ -14,11 +14,11 @@ from bodycheck import CaseFaults, load
 from bodycheck.casefile.case import parse_stored
 from bodycheck.casefile.drawn import member_document, wholes
 from bodycheck.casefile.identity import identity, keys
-from bodycheck.casefile.robots import elements
 from bodycheck.casefile.toml_text import written
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.start import centre, coordinates, frames
+from bodycheck.robots import elements
 from tests.support.mutants import mutant, wrong
 
 URDF = """\

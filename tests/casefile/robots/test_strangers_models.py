@@ -6,9 +6,9 @@ import pytest
 
 from bodycheck.casefile.authoring import template
 from bodycheck.casefile.case import parse
-from bodycheck.casefile.robots import elements
 from bodycheck.casefile.robots import template as robots
 from bodycheck.errors import BadInput
+from bodycheck.robots import elements
 from tests.support.commands import bodycheck
 
 GEOM = '<geom type="box" size="0.1 0.2 0.3"/>'

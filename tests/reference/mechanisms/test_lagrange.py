@@ -1,6 +1,7 @@
 """The witness of a mechanism by its Lagrangian."""
 
 import ast
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from bodycheck.reference.mechanisms.lagrangian.differentiation import Tape, alon
 from bodycheck.reference.mechanisms.lagrangian.equations import derived, parts_of
 from bodycheck.reference.mechanisms.lagrangian.mass_matrix import mass_matrix
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Loop, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
 from bodycheck.reference.scene import Brick, Sphere
 from bodycheck.reference.trajectory import Array, Trajectory
 from tests.support import ROOT
@@ -165,11 +166,11 @@ def test_taylor_and_dop853_follow_the_same_motion(moved: WideMotion) -> None:
     np.testing.assert_allclose(moved.joint_position, wide.joint_position.astype(float), atol=1e-10)
 
 
-def test_loops_and_dry_friction_are_not_modelled() -> None:
+def test_dry_friction_without_its_phases_is_not_modelled() -> None:
     plain = cart_pole()
-    loop = Loop((1, WORLD), ((0.0, 0.0, 0.7), (0.0, 0.0, 0.0)))
-    with pytest.raises(NotModelled, match="loops"):
-        lagrange.follow_in_doubles(Mechanism(plain.bodies, plain.joints, (loop,), 9.81), TIMES)
+    rubbing = Mechanism(plain.bodies, (replace(plain.joints[0], friction=0.1), plain.joints[1]), gravity=9.81)
+    with pytest.raises(NotModelled, match="dry friction without its phases"):
+        lagrange.follow_in_doubles(rubbing, TIMES)
 
 
 def test_the_mass_matrix_is_the_derivative_of_the_momenta() -> None:

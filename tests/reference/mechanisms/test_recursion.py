@@ -19,6 +19,7 @@ from tests.support.jointed import body, cart_pole, four_bar, free_chain, tree
 
 hy = pytest.importorskip("heyoka")
 
+from bodycheck.reference.mechanisms import tree_equations  # noqa: E402
 from bodycheck.reference.mechanisms.tree_equations import MOST_OPTIMISED  # noqa: E402
 
 TIMES = np.linspace(0.0, 2.0, 21)
@@ -208,3 +209,17 @@ def test_a_mechanism_without_a_motion_is_out_of_reach() -> None:
     bead = Mechanism((body("bead", 1.0, (0.0, 0.0, 0.0), (0.0, 0.0, -1.0)),), (ball,), gravity=9.81)
     with pytest.raises(OutOfReach, match="stopped"):
         follow(bead, TIMES)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.1], ids=["smooth", "dry friction"])
+def test_a_motion_that_needs_too_many_steps_is_refused(friction: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The damping of a joint that stops it in a microsecond makes steps of a microsecond, where all else moves in seconds."""
+    plain = cart_pole()
+    stiff = replace(plain, joints=(replace(plain.joints[0], damping=1e6, friction=friction), *plain.joints[1:]))
+    monkeypatch.setattr(tree_equations, "MAX_OPERATIONS", 20_000)
+    tree_equations.most_steps.cache_clear()
+    with pytest.raises(OutOfReach, match="Taylor's method stopped"):
+        follow(stiff, TIMES)
+    monkeypatch.undo()
+    tree_equations.most_steps.cache_clear()
+    follow(plain, TIMES)

@@ -1,73 +1,29 @@
 """Reports say what was measured, show foreign strings as text, load nothing and stay small."""
 
-import json
-import math
 import re
 import shlex
 import shutil
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-import pytest
-import vl_convert
-
 from bodycheck import reports
 from bodycheck.adapters.contract import Method
-from bodycheck.casefile.case import parse
 from bodycheck.figures.bounds import within_truth
 from bodycheck.figures.columns import FIGURES
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
-from bodycheck.reports.charts import without_legend
-from bodycheck.reports.lines import assign
-from bodycheck.reports.quantities import QUANTITIES, bound, count, listing, number
-from bodycheck.reports.runs import contents as contents_module
-from bodycheck.reports.runs import html_report, markdown_report, time_charts
+from bodycheck.reports.quantities import QUANTITIES, bound, number
+from bodycheck.reports.runs import html_report, markdown_report
 from bodycheck.reports.runs.contents import Contents, gather
-from bodycheck.reports.runs.curves import FAR
 from bodycheck.reports.runs.run_table import WITHIN_TRUTH
-from bodycheck.reports.series import corners, ends, envelope, rounded
 from bodycheck.reports.tables import pieces
-from bodycheck.running import plan, store
-from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
+from bodycheck.running import store
+from bodycheck.running.outcome import Crashed, Diverged, TimedOut, Unsupported
 from bodycheck.running.store import Results
-from tests.support import campaigns, pages
+from tests.support import pages
 from tests.support.pages import HOSTILE, Page, attributes_of, markdown_tables
-from tests.support.report_cases import BROKEN, FLIGHT, FLIP, two_seconds
-
-
-@pytest.fixture(scope="session")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two cases through both engines: a flip that Euler's method gets wrong, and a flight in which nothing turns."""
-    place = tmp_path_factory.mktemp("results")
-    engines = campaigns.records("mujoco", "pinocchio")
-    flip = two_seconds(FLIP)
-    cases = (parse(flip.text + BROKEN, FLIP), two_seconds(FLIGHT))
-    tasks = plan.plan(cases, engines, ("Euler", "RK4", "semi-implicit-euler", "body-twist-euler", "rk4"), ())
-    return campaigns.results(tasks, place, command=("bodycheck", "run", "<b>")).folder
-
-
-@pytest.fixture(scope="session")
-def results(folder: Path) -> Results:
-    return store.read(folder)
-
-
-@pytest.fixture(scope="session")
-def verdicts(results: Results) -> list[Verdict]:
-    return judgement.judge(results)
-
-
-@pytest.fixture(scope="session")
-def contents(results: Results, verdicts: list[Verdict]) -> Contents:
-    return gather([ResultSet(results, verdicts)])
-
-
-@pytest.fixture(scope="session")
-def page(contents: Contents) -> str:
-    return html_report.render(contents)
+from tests.support.report_cases import FLIGHT, FLIP
 
 
 def altered(results: Results, verdicts: list[Verdict], **strings: str) -> list[ResultSet]:
@@ -318,154 +274,6 @@ def test_markdown_leaves_out_what_does_not_fit(contents: Contents) -> None:
     left_out = int(re.findall(r"(\d+) tables were left out", text)[0])
     # One for each section, what to do about the failure, and the other methods of each matrix.
     assert text.count("<details>") + left_out == 120 + 1 + len(contents.matrices)
-
-
-def test_a_large_report_stays_small(results: Results, verdicts: list[Verdict]) -> None:
-    many = [
-        replace(verdict, run=replace(verdict.run, method=Method.parse(f"{verdict.run.method.name}-{copy}", 0.002)))
-        for copy in range(30)
-        for verdict in verdicts
-    ]
-    assert 4 * contents_module.MOST_POINTS * len(many) > contents_module.MOST_NUMBERS, (
-        "curves have fewer points in a large report"
-    )
-    contents = gather([ResultSet(results, many)])
-    stored = sum(len(json.dumps(section.curves.datasets, separators=(",", ":"))) for section in contents.sections)
-    assert stored < 9e6
-
-
-def test_charts_hold_no_data_and_each_is_stored_once(page: str, contents: Contents) -> None:
-    specifications = html_report.specifications(contents)
-    assert set(specifications) == {
-        *("attitude_error", "position_error", "energy_drift", "angular_momentum_drift"),
-        *("momentum_body", "momentum_inertial"),
-    }
-    assert "values" not in json.dumps(specifications)
-    assert page.count('id="charts"') == 1
-
-
-@pytest.mark.parametrize("case", [FLIP, FLIGHT])
-def test_charts_draw(contents: Contents, case: str) -> None:
-    section = next(section for section in contents.sections if section.name == case)
-    drawn = {*section.curves.drawn, *(("momentum_body", "momentum_inertial") if section.curves.momentum else ())}
-    assert ("momentum_body" in drawn) == (case == FLIP)
-    for name, specification in html_report.specifications(contents).items():
-        if name not in drawn:
-            continue
-        svg = vl_convert.vegalite_to_svg(specification | {"datasets": section.curves.datasets})
-        # Lines of methods and of components have dashes; the edge of the floor has none, and is drawn where it is above zero.
-        assert len(re.findall(r'<path d="[^>]*stroke-dasharray="', svg)) == (3 if name.startswith("momentum") else 5), name
-        floor = any(value > 0 for value in section.curves.datasets["floor"][0].get(name, ()))
-        assert len(re.findall(r'<path [^>]*stroke="#888888"', svg)) == floor, name
-        assert "NaN" not in svg
-        assert "undefined" not in svg
-
-
-def test_the_floor_is_drawn_where_errors_come_near_it(contents: Contents, verdicts: list[Verdict]) -> None:
-    specifications = html_report.specifications(contents)
-    names = [name for name, value in specifications.items() if '"floor"' in json.dumps(value)]
-    assert names == ["attitude_error", "position_error", "energy_drift", "angular_momentum_drift"]
-    drawn = []
-    for section in contents.sections:
-        rows = [verdict.row() for verdict in verdicts if verdict.run.case == section.name]
-        for name in names:
-            floor, own = section.curves.datasets["floor"][0][name], max(row[FIGURES[name].bounded_by] for row in rows)
-            drawn.append(name == "attitude_error" or min(row[name] for row in rows) < FAR * own)
-            assert floor == [] or max(floor) == float(f"{own:.4g}")
-            assert (floor != []) == drawn[-1], (section.name, name)
-    assert set(drawn) == {True, False}, "else nothing was tried"
-
-
-def test_curves_keep_the_largest_error(contents: Contents, verdicts: list[Verdict]) -> None:
-    for verdict in verdicts:
-        section = next(section for section in contents.sections if section.name == verdict.run.case)
-        label = f"{verdict.run.engine} {verdict.run.method.name}"
-        row = next(row for row in section.curves.datasets["series"] if row["method"] == label)
-        (times,) = section.curves.datasets["times"]
-        assert len(times["t"]) == len(row["attitude_error"]) <= 256
-        for name in ("attitude_error", "position_error", "angular_momentum_drift"):
-            assert max(row[name]) == float(f"{verdict.row()[name]:.4g}")
-
-
-@pytest.mark.parametrize("samples", [1, 2, 7, 255, 256, 257, 1001, 99_999])
-def test_an_envelope_covers_every_sample(samples: int) -> None:
-    values = np.random.default_rng(samples).random(samples)
-    last = ends(samples, 256)
-    thin = envelope(values, 256)
-    assert len(thin) == len(last) == min(samples, 256)
-    assert last[-1] == samples - 1
-    interval = np.searchsorted(last, np.arange(samples))
-    assert (values <= thin[interval]).all()
-    assert set(thin) <= set(values)
-    assert (np.array([thin[i] == values[interval == i].max() for i in range(len(thin))])).all()
-
-
-def test_corners_follow_curves() -> None:
-    t = np.linspace(0, 10, 2001)
-    curves = np.column_stack([np.sin(3 * t), 0.2 * np.cos(7 * t), np.full_like(t, 0.5)])
-    kept = corners(t, curves, 800)
-    assert kept[0] == 0
-    assert kept[-1] == 2000
-    assert len(kept) < 400
-    drawn = np.column_stack([np.interp(t, t[kept], column) for column in curves[kept].T])
-    # A thousandth of the range of the curves, which is 2.
-    assert np.abs(drawn - curves).max() <= 2e-3
-    assert corners(t, np.ones((2001, 3)), 800) == [0, 2000]
-    assert len(corners(t, np.random.default_rng(0).random((2001, 3)), 100)) == 100
-    assert corners(t[:1], curves[:1], 800) == [0]
-
-
-def test_rounding_leaves_no_number_that_json_lacks() -> None:
-    assert rounded([0.0, 123456.0, 1.23456e-7, math.nan, math.inf]) == [0.0, 123500.0, 1.235e-7, None, None]
-
-
-def test_bounds_are_rounded_up() -> None:
-    assert bound(2.034e-9, 2) == "2.1e-9"
-    assert bound(1.384685e-15) == "1.385e-15"
-    assert bound(0.0981) == "0.0981"
-    assert bound(0.0) == "0"
-    for value in np.random.default_rng(1).lognormal(0, 20, 500):
-        assert float(bound(float(value), 3)) >= value * (1 - 1e-6)
-
-
-def test_words() -> None:
-    assert number(None) == number(math.nan) == "–"
-    assert number(1.5e-7) == "1.5e-7"
-    assert (number(110, 2), number(12345), number(9996, 3)) == ("110", "1.234e4", "1e4")
-    assert count(1, "run") == "1 run"
-    assert listing(["a"]) == "a"
-    assert listing(["a", "b", "c"]) == "a, b and c"
-    assert listing(list("abcdef"), 3, "method") == "a, b, c and 3 more methods"
-
-
-def test_lines_tell_methods_apart() -> None:
-    keys = [
-        RunKey.of_method(engine, f"i{k}", step)
-        for engine in ("zeta", "pinocchio", "mujoco")
-        for k in range(5)
-        for step in (0.002, 0.001)
-    ]
-    lines = assign(keys)
-    assert len({(line.colour, line.dash, line.width) for line in lines.values()}) == len(keys)
-    first = RunKey.of_method("mujoco", "i0", 0.002)
-    assert lines[first].label == "mujoco i0 2 ms"
-    alone = assign([first])
-    assert alone[first].colour == lines[first].colour
-    assert alone[first].label == "mujoco i0"
-
-
-def test_a_legend_only_where_asked(contents: Contents) -> None:
-    specification = time_charts.over_time(contents.plotted[0], contents.lines)
-    datasets = contents.sections[0].curves.datasets
-    with_legend = vl_convert.vegalite_to_svg(specification | {"datasets": datasets})
-    without = vl_convert.vegalite_to_svg(without_legend(specification) | {"datasets": datasets})
-    assert "role-legend" in with_legend
-    assert "role-legend" not in without
-
-
-def test_completed_runs_only_have_curves(contents: Contents, verdicts: list[Verdict]) -> None:
-    completed = sum(isinstance(verdict.outcome, Completed) for verdict in verdicts)
-    assert sum(len(section.curves.datasets["series"]) for section in contents.sections) == completed
 
 
 def test_tables_have_the_margin_to_the_limits_and_the_truths_own_errors(contents: Contents, verdicts: list[Verdict]) -> None:

@@ -110,7 +110,7 @@ def test_rows_can_be_read_by_a_program(calls_here: None, capsys: pytest.CaptureF
     assert rows["contact"]["position_error"] is None
 
 
-def test_without_integrators_the_first_with_models_is_compared() -> None:
+def test_without_integrators_the_first_with_models_is_compared(calls_here: None) -> None:
     tasks = ablation.plan([load("sliding-brick"), load("free-brick")], RECORDS, (), ())
     methods = {(task.case.name, task.engine, task.method.name.partition(":")[0]) for task in tasks}
     assert methods == {
@@ -149,7 +149,7 @@ def test_a_mechanism_is_compared_as_joints_as_hinges_and_as_free_bodies(calls_he
     ("integrators", "timesteps", "words"),
     [(("admm",), (), "nothing to compare"), (("rk5",), (), "rk5"), ((), (-1.0,), "must be positive")],
 )
-def test_bad_usage_is_refused(integrators: tuple[str, ...], timesteps: tuple[float, ...], words: str) -> None:
+def test_bad_usage_is_refused(calls_here: None, integrators: tuple[str, ...], timesteps: tuple[float, ...], words: str) -> None:
     with pytest.raises(BadInput, match=words):
         ablation.plan([load("sliding-brick")], RECORDS, integrators, timesteps)
 

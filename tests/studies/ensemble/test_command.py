@@ -12,7 +12,7 @@ import pytest
 from bodycheck import load
 from bodycheck.reports import html
 from bodycheck.studies.ensemble.rows import DependenceRow, Row
-from tests.support import pages
+from tests.support import pages, processes
 from tests.support.cases import a_case, expecting
 from tests.support.commands import bodycheck, call
 
@@ -35,6 +35,9 @@ high = 2.0
 """
 METHODS = ("--engine", "mujoco", "--integrator", "Euler", "--integrator", "RK4")
 
+#: How members are carried out in worker processes is what the tests of `execution` are about.
+pytestmark = pytest.mark.usefixtures("calls_here")
+
 
 @pytest.fixture(scope="module")
 def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -46,7 +49,8 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def folder(case: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("ensemble") / "out"
-    assert call("ensemble", case, *METHODS, "--out", out, "--jobs", 1, "--quiet") == 0
+    with processes.calls_here():
+        assert call("ensemble", case, *METHODS, "--out", out, "--jobs", 1, "--quiet") == 0
     return out
 
 

@@ -13,7 +13,8 @@ import pytest
 from bodycheck.errors import BadFolder, BadInput
 from bodycheck.running.executors.own import Own
 from bodycheck.running.executors.shards import Shard
-from bodycheck.studies.ensemble import gathering, stored
+from bodycheck.studies.ensemble.execution import gathering
+from bodycheck.studies.ensemble.findings import stored
 from tests.support.ensembles import CASE, EULER, write
 from tests.support.processes import calls_here
 from tests.support.thrown import brick, check_same, run

@@ -139,6 +139,10 @@ FAILING = {
     "crying": ("diverged", "the miniature engine starts over at t = 0.5 s", "its states show no break"),
     "resetting": ("silent-reset", "the miniature engine starts over at t = 0.5 s", "has jumped 0.495 m by t = 0.6 s"),
     "raising": ("crashed", "RuntimeError: the miniature engine gives up", "the engine raised an error"),
+}
+
+#: These take their processes with them.
+DEADLY = {
     "dying": ("crashed", "nothing", "its process exited with code 3"),
     "segfaulting": ("crashed", "nothing", "its process died of signal SIGSEGV"),
     "hanging": ("timeout", "nothing", "stopped after 8 s"),
@@ -147,16 +151,18 @@ FAILING = {
 
 def test_every_engine_that_fails_on_purpose_has_its_own_status(miniatures: Path, tmp_path: Path) -> None:
     case = replace(STEADY_SPIN, extremes=(("timestep", (0.1,)),))
-    with stopped_when_last(len(FAILING)) as clock:
-        rows, limits = study([case], tuple(FAILING), tmp_path, jobs=2, limit=8.0, progress=clock.advance)
+    rows, limits = study([case], tuple(FAILING), tmp_path / "here")
+    with stopped_when_last(len(DEADLY)) as clock:
+        dead, none = study([case], tuple(DEADLY), tmp_path / "there", jobs=2, limit=8.0, progress=clock.advance)
     assert {row.engine for row in rows if row.believed} == {
         engine for engine, (status, said, _) in FAILING.items() if said == "healthy" and status != "ok"
     }
-    for row in rows:
-        status, said, words = FAILING[row.engine]
+    assert [row.engine for row in (*rows, *dead)] == [*FAILING, *DEADLY]
+    for row in (*rows, *dead):
+        status, said, words = (FAILING | DEADLY)[row.engine]
         assert (row.engine, row.status, row.engine_said) == (row.engine, status, said)
         assert words in row.detail
-    assert limits == []
+    assert limits == none == []
 
 
 @pytest.mark.parametrize("engine", ["raising", pytest.param("dying", marks=pytest.mark.slow)])
@@ -206,7 +212,8 @@ def test_a_study_that_was_killed_ends_as_if_it_had_not_been(whole: tuple[Path, D
             process.wait()
         time.sleep(0.002)
     assert process.returncode == -signal.SIGKILL, f"it was to be killed after {lines} lines of {len(records)}"
-    done = bodycheck(*command, "--jobs", 1)
+    with calls_here():
+        done = bodycheck(*command, "--jobs", 1)
     assert done.returncode == 0, done.stderr
     assert "resuming the interrupted study" in done.stderr
     for name in ("extremes.csv", "limits.csv"):

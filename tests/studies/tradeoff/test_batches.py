@@ -20,7 +20,7 @@ from bodycheck.reference.requirements import requirements
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut
 from bodycheck.studies import cost
-from bodycheck.studies.tradeoff import batches
+from bodycheck.studies.tradeoff import batch_page, batches
 from bodycheck.studies.tradeoff import study as tradeoff
 from bodycheck.studies.tradeoff.batches import Batch
 from bodycheck.studies.tradeoff.page import present
@@ -207,3 +207,9 @@ def test_command_and_function_measure_batches(calls_here: None, tmp_path: Path, 
     worst = [row["worst_position_error"] for row in found.rows]
     np.testing.assert_array_equal(worst[1:], table["worst_position_error"][1:])
     assert found.to_frame().attrs["units"]["worst_position_error"] == "m"
+
+
+def test_mechanisms_are_named_that_have_no_batches() -> None:
+    rows = [{"case": name, "kind": kind} for name, kind in (("top", "turning"), ("chain", "mechanism"), ("chain", "mechanism"))]
+    assert batch_page.without(rows) == "chain is a mechanism, and has no batches: mechanisms are stepped one at a time."
+    assert batch_page.without(rows[:1]) == ""

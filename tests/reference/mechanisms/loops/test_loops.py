@@ -12,29 +12,9 @@ from bodycheck.reference.mechanisms.forms import pendulum
 from bodycheck.reference.mechanisms.loops import body_equations, body_space, joint_space, ways
 from bodycheck.reference.mechanisms.loops.collocation import integrate
 from bodycheck.reference.mechanisms.loops.minimum_norm import solved
-from bodycheck.reference.mechanisms.mechanism import WORLD, Loop, Mechanism
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.ways import apart
-from tests.support.linkages import four_bar, n_four_bar, slider_crank, spatial
-
-
-def closed_spatially() -> Mechanism:
-    """The spatial linkage with two loops through points that meet at the start."""
-    made = spatial()
-    start = kinematics.initial(made)
-
-    def point(body: int, place: np.ndarray) -> tuple[float, float, float]:
-        """A place in the world as a point of a body, whose frame is found from its centre of mass."""
-        turn, centre = start.quaternion[body, 0], start.position[body, 0]
-        back = np.array([1, -1, -1, -1]) * turn
-        x, y, z = kinematics.rotate(back[None], (place - centre)[None])[0] + np.array(made.bodies[body].center_of_mass)
-        return float(x), float(y), float(z)
-
-    first, second = start.position[2, 0] + [0.1, 0.0, 0.2], start.position[5, 0] + [0.0, 0.3, 0.1]
-    loops = (
-        Loop((2, WORLD), (point(2, first), (float(first[0]), float(first[1]), float(first[2])))),
-        Loop((5, 6), (point(5, second), point(6, second))),
-    )
-    return replace(made, loops=loops)
+from tests.support.linkages import closed_spatially, four_bar, n_four_bar, slider_crank
 
 
 @pytest.mark.parametrize(

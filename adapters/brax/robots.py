@@ -1,0 +1,129 @@
+"""Robot models in Brax, which reads MJCF: it edits the text, and MuJoCo compiles what it has made of it.
+
+The terms are those of the generalized pipeline, without limits and contacts. Brax has no function for the Jacobian of a link.
+It turns the axes of hinges to the world, and not those of slides, whose terms are wrong unless their frames are not turned.
+JAX compiles the terms anew for every robot, which takes up to a minute.
+"""
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import jax
+import numpy as np
+from brax import kinematics
+from brax.generalized import dynamics, mass
+from brax.generalized.base import State
+from brax.io import mjcf
+from jax import numpy as jnp
+
+from bodycheck.adapters.mujoco.robot_joints import body_name, coordinates, joints_of
+from bodycheck.adapters.mujoco.robots import described
+from bodycheck.adapters.quiet import overheard, refusal
+from bodycheck.adapters.robot_numbers import pose
+from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, RobotFile, RobotReading
+from bodycheck.reference.robots.state import RobotState
+from bodycheck.reference.robots.terms import Terms
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
+
+
+def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
+    """Return what Brax makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused` and `FormatUnknown`."""
+    if file.format != "mjcf":
+        raise FormatUnknown("Brax reads MJCF only")
+    system = loaded(file.path)
+    compiled = system.mj_model
+    reading = described(compiled, kept(system), file.format)
+    if not states:
+        return reading
+    joints = joints_of(compiled, file.format)
+    at = [coordinates(compiled, joints, state) for state in states]
+    columns = [
+        jnp.array(np.array(rows)) for rows in zip(*((one.qpos, one.qvel, one.qacc, one.applied) for one in at), strict=True)
+    ]
+    names = [body_name(compiled, body) for body in range(1, compiled.nbody)]
+    return replace(reading, terms=terms_of(system.replace(mj_model=None), names, columns, gravity))
+
+
+def loaded(path: str) -> Any:
+    """Return Brax's system of a file. Raises `ModelRefused`."""
+    try:
+        with overheard(), warnings.catch_warnings():
+            # Brax warns at each model that it is no longer developed, and MJX that Brax uses names of older releases.
+            warnings.simplefilter("ignore")
+            system = mjcf.load(path)
+            mjcf.validate_model(system.mj_model)
+    except Exception as error:  # Brax edits the text without checks of its own, so that anything may fail
+        raise ModelRefused(refusal(path, f"{type(error).__name__}: {error}")) from error
+    return system
+
+
+def kept(system: Any) -> Any:
+    """Return the numbers of a system by MuJoCo's names. Brax knows neither the world nor dry friction."""
+    inertia, compiled = system.link.inertia, system.mj_model
+
+    def with_world(rows: Any, first: Any) -> Array:
+        return np.concatenate([[first], np.asarray(rows, dtype=np.float64)])
+
+    return SimpleNamespace(
+        body_mass=with_world(inertia.mass, 0.0),
+        body_ipos=with_world(inertia.transform.pos, np.zeros(3)),
+        body_iquat=with_world(inertia.transform.rot, np.array([1.0, 0.0, 0.0, 0.0])),
+        body_inertia=with_world(np.diagonal(inertia.i, axis1=1, axis2=2), np.zeros(3)),
+        jnt_axis=compiled.jnt_axis,
+        jnt_stiffness=np.asarray(system.dof.stiffness)[compiled.jnt_dofadr],
+        dof_armature=np.asarray(system.dof.armature),
+        dof_damping=np.asarray(system.dof.damping),
+        dof_frictionloss=np.zeros(compiled.nv),
+    )
+
+
+def terms_of(system: Any, names: Sequence[str], columns: Sequence[Any], gravity: Vector) -> tuple[Terms, ...]:
+    """Return what Brax computes at states.
+
+    names: those of all links. columns: positions, velocities, accelerations and applied forces (n, k).
+    """
+    down = jnp.array(gravity)
+    found = jax.jit(jax.vmap(computed, in_axes=(None, None, 0, 0, 0, 0)))(system, down, *columns)
+    numbers = {name: np.array(value, dtype=np.float64) for name, value in found.items()}
+    return tuple(_terms(numbers, names, row) for row in range(len(columns[0])))
+
+
+def computed(system: Any, gravity: Any, q: Any, qd: Any, qdd: Any, tau: Any) -> Mapping[str, Any]:
+    """Return what Brax computes at one state with a gravity (3,)."""
+    falling, floating = system.replace(gravity=gravity), system.replace(gravity=0 * gravity)
+    moving, resting = state_of(system, q, qd), state_of(system, q, 0 * qd)
+    matrix, bias = mass.matrix(system, moving), dynamics.inverse(falling, moving)
+    free = dynamics.forward(falling, moving, tau)
+    return {
+        "matrix": matrix,
+        "weight": dynamics.inverse(falling, resting),
+        "coriolis": dynamics.inverse(floating, moving),
+        "passive": free - tau + bias,
+        "forward": jnp.linalg.solve(matrix, free),
+        "inverse": matrix @ qdd + bias,
+        "position": moving.x.pos,
+        "quaternion": moving.x.rot,
+    }
+
+
+def state_of(system: Any, q: Any, qd: Any) -> Any:
+    """Return the state of the generalized pipeline, without constraints."""
+    return dynamics.transform_com(system, State.init(q, qd, *kinematics.forward(system, q, qd)))
+
+
+def _terms(numbers: Mapping[str, Array], names: Sequence[str], row: int) -> Terms:
+    """Return the terms of one state."""
+    poses = zip(names, numbers["position"][row], numbers["quaternion"][row], strict=True)
+    return Terms(
+        poses={name: pose(position, quaternion) for name, position, quaternion in poses},
+        mass_matrix=numbers["matrix"][row],
+        gravity_force=numbers["weight"][row],
+        coriolis_force=numbers["coriolis"][row],
+        passive_force=numbers["passive"][row],
+        forward_dynamics=numbers["forward"][row],
+        inverse_dynamics=numbers["inverse"][row],
+    )

@@ -1,0 +1,286 @@
+"""Robot models as DART's `DartLoader` and `MjcfParser` read them, and the terms that DART computes with them.
+
+The root of a URDF is welded to the world, which is an option of the loader; without it DART gives it a free joint. A link with
+the name world is DART's world, and its inertia counts for nothing. A link without inertia has DART's default, 1 kg with moments
+of 1 kg m^2. DART starts a joint whose limits exclude zero between them.
+
+DART has damping, dry friction, stiffness and effort limits of joints, but no armature. Dry friction is a constraint in each
+step, so that DART computes neither passive forces nor forward dynamics of a robot that has it. A mimic joint has an actuator of
+that type, of which DART's Python package tells no more; the numbers are those of the file. In the forward dynamics DART takes
+damping and springs at the end of a time step, which is made so short here that nothing is left of it, cuts efforts at the
+limits, which are lifted here, and has no efforts of mimic joints, whose actuators take them here.
+
+Of an MJCF of one tree DART keeps the tree and damping, but ignores every `inertial`: a body has the inertia of its shapes, or
+1 kg with moments of 1 kg m^2. It welds a body with a `freejoint`, and drops armature, friction and stiffness.
+
+The velocities of a floating joint are the angular one and then that of the child's origin, both along the axes of the parent.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import dartpy as dart
+import numpy as np
+
+from bodycheck.adapters.dart.bodies import pose as isometry
+from bodycheck.adapters.quiet import overheard, refusal
+from bodycheck.adapters.robot_files import mimics
+from bodycheck.adapters.robot_numbers import components, finite, pose, vector
+from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.robots.model import Mimic
+from bodycheck.reference.robots.rotations import plane_axes
+from bodycheck.reference.robots.state import RobotState, Values
+from bodycheck.reference.robots.terms import Terms
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
+
+#: DART's types of joints in the words of `bodycheck.reference.robots.model`.
+TYPES = {
+    "RevoluteJoint": "revolute",
+    "PrismaticJoint": "prismatic",
+    "WeldJoint": "fixed",
+    "FreeJoint": "floating",
+    "PlanarJoint": "planar",
+    "BallJoint": "spherical",
+}
+
+#: The name that DART gives the joint of a root, and that of a link that is DART's world.
+ROOT_JOINT, WORLD = "rootJoint", "world"
+
+#: What DART and the library that reads URDF for it write besides a message: colours, and places in their sources.
+COLOURS_AND_PLACES = re.compile(r"\x1b\[[0-9;]*m|Warning \[\S*\]|at line \d+ in \S*")
+
+#: What the names of skeletons begin with that DART makes of the shapes of an MJCF's world.
+SHAPES = "__geom_skel__"
+
+#: A time step (s) of which nothing is left beside the mass matrix.
+NO_TIME = 1e-30
+
+
+def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
+    """Return what DART makes of a file, as `RobotModels.read_robot` does."""
+    skeleton, warnings = loaded(file) if file.format == "urdf" else of_mjcf(file)
+    with overheard():  # DART repeats its warnings
+        standard = vector(skeleton.getGravity())
+        skeleton.setGravity(gravity)
+        skeleton.setTimeStep(NO_TIME)
+        bodies = read_bodies(skeleton)
+        joints = read_joints(skeleton, mimics(file))
+        freed(skeleton)
+        return RobotReading(
+            bodies=bodies,
+            joints=joints,
+            links=tuple(body.name for body in bodies),
+            velocities=skeleton.getNumDofs(),
+            gravity=standard,
+            terms=tuple(terms(skeleton, state, frictionless=not any(joint.friction for joint in joints)) for state in states),
+            notes=tuple(dict.fromkeys(f"DART warns: {line}" for line in warnings)),
+        )
+
+
+def loaded(file: RobotFile) -> tuple[Any, list[str]]:
+    """Return a skeleton of a URDF whose root is welded to the world, and what DART says of it. Raises `ModelRefused`."""
+    loader = dart.utils.DartLoader()
+    loader.setOptions(dart.utils.DartLoaderOptions(defaultRootJointType=dart.utils.DartLoaderRootJointType.FIXED))
+    for name, path in file.packages.items():
+        loader.addPackageDirectory(name, path)
+    with overheard() as said:
+        skeleton = loader.parseSkeleton(file.path)
+    lines = [COLOURS_AND_PLACES.sub("", line).strip() for line in said]
+    if skeleton is None:
+        raise ModelRefused(refusal(file.path, " ".join(lines)))
+    return skeleton, lines
+
+
+def of_mjcf(file: RobotFile) -> tuple[Any, list[str]]:
+    """Return the skeleton of an MJCF, and what DART says of the file.
+
+    Raises `ModelRefused`, and `FormatUnknown` if there are several.
+    """
+    with overheard() as said:
+        world = dart.utils.MjcfParser.readWorld(file.path)
+    lines = [COLOURS_AND_PLACES.sub("", line).strip() for line in said]
+    if world is None:
+        raise ModelRefused(refusal(file.path, " ".join(lines)))
+    every = [world.getSkeleton(place) for place in range(world.getNumSkeletons())]
+    trees = [skeleton for skeleton in every if not skeleton.getName().startswith(SHAPES)]
+    if len(trees) != 1:
+        raise FormatUnknown(f"the adapter of DART takes an MJCF of one tree, and this one has {len(trees)}")
+    skeleton = trees[0]
+    skeleton.setGravity(world.getGravity())
+    return skeleton, lines
+
+
+def joints_of(skeleton: Any) -> list[Any]:
+    """Return the joints of a skeleton in DART's order."""
+    return [skeleton.getJoint(place) for place in range(skeleton.getNumJoints())]
+
+
+def bodies_of(skeleton: Any) -> list[Any]:
+    """Return the bodies of a skeleton in DART's order."""
+    return [skeleton.getBodyNode(place) for place in range(skeleton.getNumBodyNodes())]
+
+
+def moving(skeleton: Any) -> list[Any]:
+    """Return the joints that move."""
+    return [joint for joint in joints_of(skeleton) if joint.getNumDofs()]
+
+
+def place_of(joint: Any) -> slice:
+    """Return where the velocities, and the coordinates, of a joint are among those of the skeleton."""
+    first = joint.getIndexInSkeleton(0)
+    return slice(first, first + joint.getNumDofs())
+
+
+def read_bodies(skeleton: Any) -> tuple[ReadBody, ...]:
+    """Return the bodies. DART's world is one of them if a body hangs on it by a joint of the file."""
+    made = []
+    for joint in joints_of(skeleton):
+        body, parent = joint.getChildBodyNode(), joint.getParentBodyNode()
+        inertia = body.getInertia()
+        on_world = None if joint.getName() == ROOT_JOINT else WORLD
+        made.append(
+            ReadBody(
+                body.getName(),
+                on_world if parent is None else parent.getName(),
+                inertia.getMass(),
+                vector(inertia.getLocalCOM()),
+                components(inertia.getMoment()),
+            )
+        )
+    return (ReadBody(WORLD, None), *made) if any(body.parent == WORLD for body in made) else tuple(made)
+
+
+def read_joints(skeleton: Any, followed: Mapping[str, Mimic]) -> tuple[ReadJoint, ...]:
+    """Return the joints that move. Joints of several velocities have the damping of the first one, as DART gives it to all."""
+    made = []
+    for joint in moving(skeleton):
+        one = joint.getNumDofs() == 1
+        follows = joint.getActuatorType() == dart.dynamics.ActuatorType.MIMIC
+        made.append(
+            ReadJoint(
+                name=joint.getName(),
+                type=TYPES.get(joint.getType(), joint.getType()),
+                child=joint.getChildBodyNode().getName(),
+                first=place_of(joint).start,
+                count=joint.getNumDofs(),
+                axis=axis(joint),
+                armature=0.0,
+                damping=joint.getDampingCoefficient(0),
+                friction=joint.getCoulombFriction(0),
+                stiffness=joint.getSpringStiffness(0),
+                effort_limit=finite(joint.getForceUpperLimit(0)),
+                lower=finite(joint.getPositionLowerLimit(0)) if one else None,
+                upper=finite(joint.getPositionUpperLimit(0)) if one else None,
+                mimic=followed.get(joint.getName()) if follows else None,
+            )
+        )
+    return tuple(made)
+
+
+def axis(joint: Any) -> Vector | None:
+    """Return the axis of a joint in the frame of its child; None if it has none."""
+    if joint.getType() in ("RevoluteJoint", "PrismaticJoint"):
+        return vector(joint.getTransformFromChildBodyNode().rotation() @ joint.getAxis())
+    return vector(joint.getRotationalAxis()) if joint.getType() == "PlanarJoint" else None
+
+
+def freed(skeleton: Any) -> None:
+    """Lift the limits at which DART cuts efforts, and have mimic joints take efforts too, which DART holds by a constraint."""
+    for joint in moving(skeleton):
+        joint.setActuatorType(dart.dynamics.ActuatorType.FORCE)
+        for place in range(joint.getNumDofs()):
+            joint.setForceLowerLimit(place, -np.inf)
+            joint.setForceUpperLimit(place, np.inf)
+
+
+def terms(skeleton: Any, state: RobotState, frictionless: bool) -> Terms:
+    """Return what DART computes at a state."""
+    number = skeleton.getNumDofs()
+    put(skeleton, state)
+    if not number:
+        return Terms(poses=poses(skeleton))
+    skeleton.setCommands(rates(skeleton, state, state.efforts))
+    skeleton.computeForwardDynamics()
+    forward = skeleton.getAccelerations()
+    skeleton.setAccelerations(rates(skeleton, state, state.accelerations))
+    inverse = inverted(skeleton, passive=False)
+    return Terms(
+        poses=poses(skeleton),
+        jacobians={body.getName(): jacobian(skeleton, body) for body in bodies_of(skeleton)},
+        mass_matrix=skeleton.getMassMatrix(),
+        gravity_force=skeleton.getGravityForces(),
+        coriolis_force=skeleton.getCoriolisForces(),
+        passive_force=inverse - inverted(skeleton, passive=True) if frictionless else None,
+        forward_dynamics=forward if frictionless else None,
+        inverse_dynamics=inverse,
+    )
+
+
+def inverted(skeleton: Any, passive: bool) -> Array:
+    """Return the efforts for the accelerations of a skeleton, those against damping and springs included or not."""
+    skeleton.computeInverseDynamics(False, passive, passive)
+    return np.array(skeleton.getForces())
+
+
+def put(skeleton: Any, state: RobotState) -> None:
+    """Put a skeleton into the positions and velocities of a state."""
+    positions = np.array(skeleton.getPositions())
+    for joint in moving(skeleton):
+        if joint.getName() in state.positions:
+            positions[place_of(joint)] = coordinates(joint, state.positions[joint.getName()])
+    skeleton.setPositions(positions)
+    skeleton.setVelocities(rates(skeleton, state, state.velocities))
+
+
+def coordinates(joint: Any, position: Sequence[float]) -> Any:
+    """Return DART's coordinates of a joint."""
+    if joint.getType() == "FreeJoint":
+        return dart.dynamics.FreeJoint.convertToPositions(isometry(position[:3], position[3:]))
+    return in_plane(joint) @ position if joint.getType() == "PlanarJoint" else position
+
+
+def in_plane(joint: Any) -> Array:
+    """Return the matrix (3, 3) that takes the numbers of a planar joint to DART's, whose plane has axes of DART's choice."""
+    made = np.eye(3)
+    own = np.stack([joint.getTranslationalAxis1(), joint.getTranslationalAxis2()])
+    made[:2, :2] = own @ plane_axes(np.array(joint.getRotationalAxis(), np.longdouble))[:, :2].astype(float)
+    return made
+
+
+def rates(skeleton: Any, state: RobotState, values: Values) -> Array:
+    """Return DART's velocities, accelerations or efforts of all joints from those of a state.
+
+    Angular accelerations turn as angular velocities do, because the further term of the derivative is the angular velocity
+    times itself.
+    """
+    made = np.zeros(skeleton.getNumDofs())
+    for joint in moving(skeleton):
+        name = joint.getName()
+        if name in values:
+            own = np.array(values[name])
+            if joint.getType() == "FreeJoint":
+                turn = joint.getTransformFromParentBodyNode().rotation()
+                spin = rotate(np.array(state.positions[name][3:]), own[3:])
+                own = np.concatenate([turn @ spin, turn @ own[:3]])
+            elif joint.getType() == "PlanarJoint":
+                own = in_plane(joint) @ own
+            made[place_of(joint)] = own
+    return made
+
+
+def poses(skeleton: Any) -> Mapping[str, Array]:
+    """Return the poses of all bodies."""
+    made = {}
+    for body in bodies_of(skeleton):
+        own = body.getWorldTransform()
+        made[body.getName()] = pose(own.translation(), own.quaternion().wxyz())
+    return made
+
+
+def jacobian(skeleton: Any, body: Any) -> Array:
+    """Return the Jacobian (6, n) of the origin of a body's frame along the axes of the world, linear rows first."""
+    made = np.asarray(skeleton.getJacobian(body, dart.dynamics.Frame.World()))
+    return np.concatenate([made[3:], made[:3]])

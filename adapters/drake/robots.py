@@ -1,0 +1,323 @@
+"""Robot models as Drake's parser reads them, and the terms that Drake computes with them.
+
+The root of a URDF, which the parser leaves free, is welded to the world. A link with the name world is the world of Drake, and
+its inertia counts for nothing. A child of a floating joint is a free body on the world: Drake ignores its parent and the origin
+of the joint. If the parent is the root, the state of the body is that of the joint all the same. All other links are bodies of
+Drake, also those on fixed joints. Drake replaces an inertia that no body can have by that of a ball of the link's mass, as
+dense as water, and a link with inertia but without mass by such a ball of 1 kg. It warns of both.
+
+Effort limits and armature belong to Drake's actuators, which it makes of transmissions alone. There is no dry friction. Mimic
+joints are couplers, constraints of which Drake does not tell the numbers; they are those of the file, if Drake has as many
+couplers as the file has mimic elements. A continuous plant has no accelerations with them.
+
+The terms are those of the continuous plant. The velocities of a floating joint are the angular one and then that of the child's
+origin, both along the axes of the world. Drake's warnings are notes of the reading.
+"""
+
+import logging
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RollPitchYaw
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import (
+    BodyIndex,
+    ForceElementIndex,
+    JacobianWrtVariable,
+    MultibodyForces,
+    PrismaticSpring,
+    RevoluteSpring,
+)
+
+from bodycheck.adapters.quiet import refusal
+from bodycheck.adapters.robot_files import floating_joints, mimics, places_on_root
+from bodycheck.adapters.robot_numbers import components, finite, pose, vector
+from bodycheck.adapters.robot_reading import ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.robot_states import on_root
+from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.robots.model import Mimic
+from bodycheck.reference.robots.state import RobotState, Values
+from bodycheck.reference.robots.terms import Terms
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
+
+#: Drake's names of types of joints in the words of `bodycheck.reference.robots.model`.
+TYPES = {"quaternion_floating": "floating", "ball_rpy": "spherical"}
+
+#: What Drake writes before a warning: the file and the line, of which one warning has many.
+PLACE = re.compile(r"^\S+:\d+: warning: ")
+
+#: The name of Drake's world, which is a link of a file that has one of this name.
+WORLD = "world"
+
+
+class Heard(logging.Handler):
+    """What Drake logs."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.texts: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep the text of a record."""
+        self.texts.append(record.getMessage())
+
+
+@contextmanager
+def heard() -> Iterator[list[str]]:
+    """Keep Drake's warnings from the terminal, and give their texts, while this context lasts."""
+    logger, handler = logging.getLogger("drake"), Heard()
+    level, propagates, others = logger.level, logger.propagate, logger.handlers[:]
+    logger.setLevel(logging.WARNING)
+    logger.propagate, logger.handlers = False, [handler]
+    try:
+        yield handler.texts
+    finally:
+        logger.setLevel(level)
+        logger.propagate, logger.handlers = propagates, others
+
+
+@dataclass(frozen=True, eq=False)
+class Parsed:
+    """A file as Drake has it.
+
+    Parameters
+    ----------
+    plant
+        The plant, with the root welded to the world.
+    anchor
+        The name of the link that is, or is welded to, Drake's world.
+    gravity
+        The gravity that the plant has before another one is set (m/s^2).
+    """
+
+    plant: Any
+    anchor: str
+    gravity: Vector
+
+    @property
+    def bodies(self) -> list[Any]:
+        """The bodies in Drake's order, without its world."""
+        return [self.plant.get_body(BodyIndex(place)) for place in range(1, self.plant.num_bodies())]
+
+    @property
+    def joints(self) -> list[Any]:
+        """The joints in Drake's order."""
+        return joints_of(self.plant)
+
+
+def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
+    """Return what Drake makes of a file, as `RobotModels.read_robot` does."""
+    with heard() as texts:
+        robot = parsed(file, gravity)
+        names = named(robot, floating_joints(file))
+        context = robot.plant.CreateDefaultContext()
+        places = places_on_root(file)
+        found = tuple(terms(robot, context, names, on_root(state, places)) for state in states)
+    notes = [f"Drake warns: {PLACE.sub('', refusal(file.path, text))}" for text in texts]
+    followers = mimics(file)
+    if robot.plant.num_constraints():
+        notes.append("Drake has no forward dynamics of a continuous plant with the couplers of mimic joints")
+    if robot.plant.num_constraints() != len(followers):
+        followers = {}
+    links = read_bodies(robot)
+    return RobotReading(
+        bodies=links,
+        joints=read_joints(robot, names, followers),
+        links=tuple(body.name for body in links),
+        velocities=robot.plant.num_velocities(),
+        gravity=robot.gravity,
+        terms=found,
+        notes=tuple(dict.fromkeys(notes)),
+    )
+
+
+def parsed(file: RobotFile, gravity: Vector) -> Parsed:
+    """Return a file in a continuous plant with gravity (m/s^2). Raises `ModelRefused`."""
+    plant = MultibodyPlant(0.0)
+    parser = Parser(plant)
+    for name, path in file.packages.items():
+        parser.package_map().Add(name, path)
+    try:
+        parser.AddModels(file.path)
+        anchor = WORLD if file.format == "mjcf" else welded(plant, set(floating_joints(file)))
+        standard = vector(plant.gravity_field().gravity_vector())
+        plant.mutable_gravity_field().set_gravity_vector(gravity)
+        plant.Finalize()
+    except RuntimeError as error:
+        raise ModelRefused(refusal(file.path, str(error))) from error
+    return Parsed(plant, anchor, standard)
+
+
+def welded(plant: Any, floating: set[str]) -> str:
+    """Weld the roots of a URDF to the world, and return the name of the link that the world then is.
+
+    A root is a body without a joint, and without one of the type "floating" in the file.
+    """
+    moved = {joint.child_body().name() for joint in joints_of(plant)} | floating
+    names = [plant.get_body(BodyIndex(place)).name() for place in range(1, plant.num_bodies())]
+    roots = [name for name in names if name not in moved]
+    for name in roots:
+        plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(name).body_frame())
+    return roots[0] if roots else WORLD
+
+
+def joints_of(plant: Any) -> list[Any]:
+    """Return the joints of a plant in Drake's order."""
+    return [plant.get_joint(index) for index in plant.GetJointIndices()]
+
+
+def named(robot: Parsed, floating: Mapping[str, str]) -> dict[str, Any]:
+    """Return the joints that move, by the names of the file; those that Drake adds itself have the names of their bodies."""
+    moving = [joint for joint in robot.joints if joint.num_velocities()]
+    return {floating.get(joint.child_body().name()) or joint.name(): joint for joint in moving}
+
+
+def read_bodies(robot: Parsed) -> tuple[ReadBody, ...]:
+    """Return the bodies. Drake's world is one of them if the file has a link for it."""
+    parents = {joint.child_body().name(): joint.parent_body().name() for joint in robot.joints}
+    made = [ReadBody(WORLD, None)] if robot.anchor == WORLD else []
+    for body in robot.bodies:
+        own = body.default_spatial_inertia()
+        parent = parents.get(body.name(), WORLD)
+        made.append(
+            ReadBody(
+                body.name(),
+                None if body.name() == robot.anchor else robot.anchor if parent == WORLD else parent,
+                own.get_mass(),
+                vector(own.get_com()),
+                components(own.Shift(own.get_com()).CalcRotationalInertia().CopyToFullMatrix3()),
+            )
+        )
+    return tuple(made)
+
+
+def read_joints(robot: Parsed, names: Mapping[str, Any], followers: Mapping[str, Mimic]) -> tuple[ReadJoint, ...]:
+    """Return the joints that move. One without an actuator has no armature."""
+    plant = robot.plant
+    actuators = [plant.get_joint_actuator(index) for index in plant.GetJointActuatorIndices()]
+    springs = [plant.get_force_element(ForceElementIndex(place)) for place in range(plant.num_force_elements())]
+    made = []
+    for name, joint in names.items():
+        driven = [actuator for actuator in actuators if actuator.joint().index() == joint.index()]
+        limits = joint.position_lower_limits(), joint.position_upper_limits()
+        one = joint.num_velocities() == 1
+        damping = set(joint.default_damping_vector().tolist())
+        made.append(
+            ReadJoint(
+                name=name,
+                type=TYPES.get(joint.type_name(), joint.type_name()),
+                child=joint.child_body().name(),
+                first=joint.velocity_start(),
+                count=joint.num_velocities(),
+                axis=axis(joint),
+                armature=sum(actuator.default_reflected_inertia() for actuator in driven),
+                damping=damping.pop() if len(damping) == 1 else None,
+                stiffness=sum(stiffness(spring, joint) for spring in springs),
+                effort_limit=finite(min(actuator.effort_limit() for actuator in driven)) if driven else None,
+                lower=finite(limits[0][0]) if one else None,
+                upper=finite(limits[1][0]) if one else None,
+                mimic=followers.get(name),
+            )
+        )
+    return tuple(made)
+
+
+def axis(joint: Any) -> Vector | None:
+    """Return the axis of a joint in the frame of its child; None if it has none."""
+    if joint.type_name() == "revolute":
+        own = joint.revolute_axis()
+    elif joint.type_name() == "prismatic":
+        own = joint.translation_axis()
+    elif joint.type_name() == "planar":
+        own = np.array([0.0, 0.0, 1.0])
+    else:
+        return None
+    return vector(joint.frame_on_child().GetFixedRotationMatrixInBodyFrame().matrix() @ own)
+
+
+def stiffness(element: Any, joint: Any) -> float:
+    """Return the stiffness (N m/rad or N/m) of an element of force that is a spring of a joint; 0 if it is not."""
+    if not isinstance(element, RevoluteSpring | PrismaticSpring) or element.joint().index() != joint.index():
+        return 0.0
+    return float(element.default_stiffness() if isinstance(element, RevoluteSpring) else element.stiffness())
+
+
+def terms(robot: Parsed, context: Any, names: Mapping[str, Any], state: RobotState) -> Terms:
+    """Return what Drake computes at a state."""
+    plant = robot.plant
+    positions = plant.GetPositions(robot.plant.CreateDefaultContext())
+    for name, joint in names.items():
+        if name in state.positions:
+            own = coordinates(joint, np.array(state.positions[name]))
+            positions[joint.position_start() : joint.position_start() + len(own)] = own
+    plant.SetPositions(context, positions)
+    plant.SetVelocities(context, rates(plant, names, state, state.velocities))
+    forces = MultibodyForces(plant)
+    plant.CalcForceElementsContribution(context, forces)
+    passive = forces.generalized_forces().copy()
+    forces.mutable_generalized_forces()[:] = 0.0  # so that gravity alone remains
+    wanted = rates(plant, names, state, state.accelerations)
+    return Terms(
+        poses={body.name(): placed(plant, context, body) for body in robot.bodies},
+        jacobians={body.name(): jacobian(plant, context, body) for body in robot.bodies},
+        mass_matrix=plant.CalcMassMatrix(context),
+        gravity_force=-plant.CalcGravityGeneralizedForces(context),
+        coriolis_force=plant.CalcBiasTerm(context),
+        passive_force=passive,
+        forward_dynamics=accelerations(plant, context, rates(plant, names, state, state.efforts)),
+        inverse_dynamics=plant.CalcInverseDynamics(context, wanted, forces),
+    )
+
+
+def coordinates(joint: Any, position: Array) -> Array:
+    """Return Drake's coordinates of a joint."""
+    if joint.type_name() == "quaternion_floating":
+        return np.concatenate([position[3:], position[:3]])
+    return RollPitchYaw(Quaternion(position)).vector() if joint.type_name() == "ball_rpy" else position
+
+
+def rates(plant: Any, names: Mapping[str, Any], state: RobotState, values: Values) -> Array:
+    """Return Drake's velocities, accelerations or efforts of all joints from those of a state.
+
+    Drake's angular velocities are along the axes of the joint's frame. Angular accelerations turn as they do, because the
+    further term of the derivative is the angular velocity times itself.
+    """
+    made = np.zeros(plant.num_velocities())
+    for name, joint in names.items():
+        if name in values:
+            own, position = np.array(values[name]), np.array(state.positions[name])
+            if joint.type_name() == "quaternion_floating":
+                own = np.concatenate([rotate(position[3:], own[3:]), own[:3]])
+            elif joint.type_name() == "ball_rpy":
+                own = rotate(position, own)
+            made[joint.velocity_start() : joint.velocity_start() + len(own)] = own
+    return made
+
+
+def accelerations(plant: Any, context: Any, forces: Array) -> Array | None:
+    """Return Drake's accelerations under generalised forces; None where it has none, as with constraints or without mass."""
+    plant.get_applied_generalized_force_input_port().FixValue(context, forces)
+    try:
+        return np.array(plant.get_generalized_acceleration_output_port().Eval(context))
+    except RuntimeError:
+        return None
+
+
+def placed(plant: Any, context: Any, body: Any) -> Array:
+    """Return the pose (7,) of a body."""
+    own = plant.EvalBodyPoseInWorld(context, body)
+    return pose(own.translation(), own.rotation().ToQuaternion().wxyz())
+
+
+def jacobian(plant: Any, context: Any, body: Any) -> Array:
+    """Return the Jacobian (6, n) of the origin of a body's frame along the axes of the world, linear rows first."""
+    world = plant.world_frame()
+    made = plant.CalcJacobianSpatialVelocity(context, JacobianWrtVariable.kV, body.body_frame(), np.zeros(3), world, world)
+    return np.concatenate([made[3:], made[:3]])

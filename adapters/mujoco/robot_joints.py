@@ -1,0 +1,146 @@
+"""Joints of a compiled model of MuJoCo in the words of robot models, and states of them in MuJoCo's coordinates.
+
+A joint of a robot model is one of MuJoCo's. A planar joint of a URDF is three, which MuJoCo names `NAME_TX`, `NAME_TY` and
+`NAME_RZ`.
+
+MuJoCo's free joint has its position and its linear velocity along the world's axes, and an attitude relative to the world. Its
+angular velocity is along the axes of the body, as is that of a ball joint. The frame of a free joint is that which the file
+gives its body.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from bodycheck.adapters.robot_numbers import values_of
+from bodycheck.reference.kinematics import multiply, rotate
+from bodycheck.reference.robots.model import Mimic, RobotJointType
+from bodycheck.reference.robots.rotations import plane_axes
+from bodycheck.reference.robots.state import COORDINATES, VELOCITIES, RobotState, Values
+from bodycheck.reference.trajectory import Array
+
+TYPES: dict[int, RobotJointType] = {
+    int(mujoco.mjtJoint.mjJNT_FREE): "floating",
+    int(mujoco.mjtJoint.mjJNT_BALL): "spherical",
+    int(mujoco.mjtJoint.mjJNT_SLIDE): "prismatic",
+    int(mujoco.mjtJoint.mjJNT_HINGE): "revolute",
+}
+
+#: What MuJoCo appends to the name of a planar joint of a URDF, for each of the joints that it makes of it.
+PLANAR = ("_TX", "_TY", "_RZ")
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint, by the place of the first of MuJoCo's joints that it is, and the places of its first position and velocity."""
+
+    name: str
+    type: RobotJointType
+    body: int
+    first: int
+    qpos: int
+    dof: int
+
+    @property
+    def count(self) -> int:
+        """The number of its velocities."""
+        return VELOCITIES[self.type]
+
+
+def body_name(model: mujoco.MjModel, body: int) -> str:
+    """Return the name of a body, and one of its place for a body without a name."""
+    return str(model.body(body).name) or f"unnamed body {body}"
+
+
+def joint_name(model: mujoco.MjModel, joint: int) -> str:
+    """Return the name of a joint, and one of its place for a joint without a name."""
+    return str(model.joint(joint).name) or f"unnamed joint {joint}"
+
+
+def joints_of(model: mujoco.MjModel, format: str) -> list[Joint]:
+    """Return the joints of a model that was compiled from a file of a format, in MuJoCo's order."""
+    names = [joint_name(model, joint) for joint in range(model.njnt)]
+    found, joint = [], 0
+    while joint < model.njnt:
+        name, type = names[joint], TYPES[int(model.jnt_type[joint])]
+        three = names[joint : joint + 3]
+        if format == "urdf" and three == [name.removesuffix(PLANAR[0]) + end for end in PLANAR]:
+            name, type = name.removesuffix(PLANAR[0]), "planar"
+        place = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+        found.append(Joint(name, type, int(model.jnt_bodyid[joint]), joint, *place))
+        joint += 3 if type == "planar" else 1
+    return found
+
+
+def limits(model: mujoco.MjModel, joint: int) -> tuple[float | None, float | None]:
+    """Return the lower and the upper limit of the position of a hinge or slide (rad or m); None where there are none."""
+    if not model.jnt_limited[joint] or TYPES[int(model.jnt_type[joint])] not in ("revolute", "prismatic"):
+        return None, None
+    lower, upper = model.jnt_range[joint].tolist()
+    return lower, upper
+
+
+def effort_limit(model: mujoco.MjModel, joint: int) -> float | None:
+    """Return the largest force that all actuators together may apply to a joint; None if there is no limit."""
+    return float(np.abs(model.jnt_actfrcrange[joint]).max()) if model.jnt_actfrclimited[joint] else None
+
+
+def mimics(model: mujoco.MjModel) -> dict[int, Mimic]:
+    """Return, by the places of the joints, those that an equality constraint makes follow another one in a fixed ratio."""
+    found = {}
+    for one in range(model.neq):
+        joint, followed = int(model.eq_obj1id[one]), int(model.eq_obj2id[one])
+        offset, ratio, *rest = model.eq_data[one][:5].tolist()
+        if model.eq_type[one] != mujoco.mjtEq.mjEQ_JOINT or followed < 0 or any(rest):
+            continue
+        own, other = (float(model.qpos0[model.jnt_qposadr[place]]) for place in (joint, followed))
+        found[joint] = Mimic(joint_name(model, followed), ratio, offset + own - ratio * other)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinates:
+    """A state in MuJoCo's coordinates: positions (nq,), and velocities, accelerations and applied forces (nv,)."""
+
+    qpos: Array
+    qvel: Array
+    qacc: Array
+    applied: Array
+
+
+def coordinates(model: mujoco.MjModel, joints: Sequence[Joint], state: RobotState) -> Coordinates:
+    """Return a state in MuJoCo's coordinates; joints that it does not have stay where they are."""
+    found = Coordinates(np.array(model.qpos0), *(np.zeros(model.nv) for _ in range(3)))
+    for joint in joints:
+        if (position := values_of(state.positions, joint.name, COORDINATES[joint.type])) is not None:
+            found.qpos[joint.qpos : joint.qpos + len(position)] = _position(model, joint, position)
+        parts: tuple[tuple[Array, Values], ...] = (
+            (found.qvel, state.velocities),
+            (found.qacc, state.accelerations),
+            (found.applied, state.efforts),
+        )
+        for part, values in parts:
+            if (value := values_of(values, joint.name, joint.count)) is not None:
+                part[joint.dof : joint.dof + joint.count] = _velocity(model, joint, value)
+    return found
+
+
+def _position(model: mujoco.MjModel, joint: Joint, value: Array) -> Array:
+    """Return a joint's positions in MuJoCo's coordinates."""
+    if joint.type == "floating":
+        turn = model.body_quat[joint.body]
+        return np.concatenate([model.body_pos[joint.body] + rotate(turn, value[:3]), multiply(turn, value[3:])])
+    return _velocity(model, joint, value)
+
+
+def _velocity(model: mujoco.MjModel, joint: Joint, value: Array) -> Array:
+    """Return a joint's velocities in MuJoCo's coordinates, or their derivatives, or forces whose power they give."""
+    if joint.type == "floating":
+        return np.concatenate([rotate(model.body_quat[joint.body], value[:3]), value[3:]])
+    if joint.type == "planar":
+        axes = model.jnt_axis[joint.first : joint.first + 3]
+        in_plane = plane_axes(axes[2].astype(np.longdouble))[:, :2].astype(float) @ value[:2]
+        return np.append(axes[:2] @ in_plane, value[2])
+    return value

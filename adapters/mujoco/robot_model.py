@@ -1,0 +1,131 @@
+"""A compiled model of MuJoCo as a robot model, which is what an MJCF file means.
+
+Coordinates are MuJoCo's: a joint whose `ref` is not zero has that value in the pose of the file, so that its frame, which is
+that of the coordinate zero, is turned or shifted back by it. The springs of a joint are slack at its `springref`.
+
+A joint whose anchor is not the origin of its body, and every joint of a body but the last, moves a link without mass named
+`BODY/JOINT` at the anchor. Such a link carries the next joint, or the body itself by a weld. Bodies without joints are welded.
+"""
+
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bodycheck.adapters.mujoco.robot_joints import TYPES, body_name, effort_limit, joint_name, limits, mimics
+from bodycheck.reference.robots.model import Mimic, RobotJoint, RobotLink, RobotModel, Wide
+from bodycheck.reference.robots.rotations import about, matrices
+from bodycheck.reference.scene import Vector
+
+NOWHERE, UNTURNED = np.zeros(3, np.longdouble), np.eye(3, dtype=np.longdouble)
+
+
+def model_of(model: mujoco.MjModel, gravity: Vector) -> RobotModel:
+    """Return a compiled model as a robot model with a gravity (m/s^2), in MuJoCo's order of bodies and joints.
+
+    Its root is the world. What a robot model has no place for, as tendons, actuators and equality constraints other than those
+    by which a joint follows another one, is left out.
+    """
+    links: list[RobotLink] = []
+    joints: list[RobotJoint] = []
+    places: dict[int, int] = {}
+    followers = mimics(model)
+    for body in range(model.nbody):
+        if body:
+            chain = _chain(model, body, followers, places[int(model.body_parentid[body])], len(links))
+            links += [RobotLink(name, 0.0, NOWHERE, np.zeros((3, 3), np.longdouble)) for name, _ in chain[:-1]]
+            joints += [joint for _, joint in chain]
+        places[body] = len(links)
+        links.append(_link(model, body))
+    return RobotModel(model_name(model), tuple(links), tuple(joints), gravity)
+
+
+def model_name(model: mujoco.MjModel) -> str:
+    """Return the name of a model, which is the first of all names."""
+    return bytes(model.names).split(b"\0", 1)[0].decode()
+
+
+def _link(model: mujoco.MjModel, body: int) -> RobotLink:
+    """Return a body as a link, whose inertia is turned from MuJoCo's principal axes to those of the body.
+
+    MuJoCo takes both frames for one where they differ by a nanometre or so.
+    """
+    name, mass, moments = body_name(model, body), float(model.body_mass[body]), wide(model.body_inertia[body])
+    if model.body_sameframe[body] == int(mujoco.mjtSameFrame.mjSAMEFRAME_BODY):
+        return RobotLink(name, mass, NOWHERE, np.diag(moments))
+    turn = matrices(wide(model.body_iquat[body])[None])[0]
+    return RobotLink(name, mass, wide(model.body_ipos[body]), turn * moments @ turn.T)
+
+
+def _chain(
+    model: mujoco.MjModel, body: int, followers: Mapping[int, Mimic], parent: int, next_place: int
+) -> list[tuple[str, RobotJoint]]:
+    """Return the names of the links between a body and its parent, that of the body last, and the joint that moves each.
+
+    parent: the place of the parent's link. next_place: that of the first of these links.
+    """
+    name = body_name(model, body)
+    first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
+    start, turn = wide(model.body_pos[body]), matrices(wide(model.body_quat[body])[None])[0]
+    chain: list[tuple[str, RobotJoint]] = []
+    origin = NOWHERE  # of the last link, along the axes of the body and from its origin
+    for place in range(first, first + count):
+        anchor = NOWHERE if TYPES[int(model.jnt_type[place])] == "floating" else wide(model.jnt_pos[place])
+        shift, back = _reference(model, place)
+        frame = start + turn @ (anchor - origin + shift), turn @ back
+        joint = _joint(model, place, followers.get(place), (parent, next_place + len(chain)), frame)
+        is_body = place == first + count - 1 and not anchor.any()
+        chain.append((name if is_body else f"{name}/{joint.name}", joint))
+        parent, origin, start, turn = joint.child, anchor, NOWHERE, UNTURNED
+    if not count or origin.any():
+        weld = RobotJoint(f"{name}/weld", "fixed", parent, next_place + len(chain), start - turn @ origin, turn, NOWHERE)
+        chain.append((name, weld))
+    return chain
+
+
+def _joint(
+    model: mujoco.MjModel, place: int, mimic: Mimic | None, links: tuple[int, int], frame: tuple[Wide, Wide]
+) -> RobotJoint:
+    """Return one of MuJoCo's joints between two links, by their places, in a frame given by its origin and its axes."""
+    type, dof = TYPES[int(model.jnt_type[place])], int(model.jnt_dofadr[place])
+    single = type in ("revolute", "prismatic")
+    lower, upper = limits(model, place)
+    return RobotJoint(
+        joint_name(model, place),
+        type,
+        *links,
+        *frame,
+        axis=unit(model.jnt_axis[place]) if single else NOWHERE,
+        armature=float(model.dof_armature[dof]),
+        damping=float(model.dof_damping[dof]),
+        friction=float(model.dof_frictionloss[dof]),
+        stiffness=float(model.jnt_stiffness[place]),
+        rest=float(model.qpos_spring[model.jnt_qposadr[place]]) if single else 0.0,
+        effort_limit=effort_limit(model, place),
+        lower=lower,
+        upper=upper,
+        mimic=mimic,
+    )
+
+
+def _reference(model: mujoco.MjModel, place: int) -> tuple[Wide, Wide]:
+    """Return by how much the joint's frame is shifted (3,) and turned (3, 3) back from the pose of the file."""
+    reference = wide(model.qpos0[[model.jnt_qposadr[place]]])
+    type, axis = TYPES[int(model.jnt_type[place])], unit(model.jnt_axis[place])
+    if type == "prismatic":
+        return -reference * axis, UNTURNED
+    if type == "revolute":
+        return NOWHERE, matrices(about(axis, -reference))[0]
+    return NOWHERE, UNTURNED
+
+
+def wide(values: ArrayLike) -> Wide:
+    """Return numbers in the 80-bit type."""
+    return np.array(values, np.longdouble)
+
+
+def unit(axis: ArrayLike) -> Wide:
+    """Return an axis (3,) in the 80-bit type, at unit length."""
+    made = wide(axis)
+    return np.asarray(made / np.sqrt(made @ made))

@@ -1,0 +1,122 @@
+"""Robot models in MuJoCo, which reads URDF and MJCF by its compiler.
+
+A body of MuJoCo has the frame of its link. MuJoCo keeps inertia along principal axes about the centre of mass, which are turned
+back here. From a URDF it joins links that are welded, and drops those that are welded to the world, unless the file itself has
+an element `<mujoco><compiler fusestatic="false"/></mujoco>`.
+
+Terms are those of `mj_forward` and `mj_inverse`, without contacts, limits, equality constraints and actuators. Dry friction is
+a constraint in MuJoCo, which stays; the passive force contains it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import mujoco
+
+from bodycheck.adapters.mujoco.robot_joints import Joint, body_name, effort_limit, joints_of, limits, mimics
+from bodycheck.adapters.mujoco.robot_model import model_of
+from bodycheck.adapters.mujoco.robot_notes import notes
+from bodycheck.adapters.mujoco.robot_terms import terms_of
+from bodycheck.adapters.mujoco.stepping import quiet
+from bodycheck.adapters.quiet import no_stderr, refusal
+from bodycheck.adapters.robot_numbers import along, components, matrix, vector
+from bodycheck.adapters.robot_reading import ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.reference.robots.model import RobotModel
+from bodycheck.reference.robots.state import RobotState
+from bodycheck.reference.scene import Vector
+
+
+def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
+    """Return what MuJoCo makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused`."""
+    model = loaded(file.path)
+    reading = described(model, model, file.format)
+    with quiet():
+        return replace(reading, terms=terms_of(model, joints_of(model, file.format), states, gravity))
+
+
+def described(model: mujoco.MjModel, kept: Any, format: str) -> RobotReading:
+    """Return the reading of a compiled model, without terms.
+
+    Parameters
+    ----------
+    model
+        The model, with its names.
+    kept
+        What has the numbers of its bodies and joints, as arrays by MuJoCo's names: the model, or another engine's.
+    format
+        The format of the file.
+    """
+    return RobotReading(
+        bodies=bodies(model, kept),
+        joints=read_joints(model, kept, joints_of(model, format)),
+        links=tuple(body_name(model, body) for body in range(1, model.nbody)),
+        velocities=int(model.nv),
+        gravity=default_gravity(model),
+        terms=(),
+        notes=notes(model, format),
+    )
+
+
+def compiled(path: str) -> RobotModel:
+    """Return the compiled model of a MJCF file as a robot model, as `robot_model.model_of` does. Raises `ModelRefused`."""
+    model = loaded(path)
+    return model_of(model, default_gravity(model))
+
+
+def loaded(path: str) -> mujoco.MjModel:
+    """Return the compiled model of a file. Raises `ModelRefused`."""
+    try:
+        with quiet(), no_stderr():
+            return mujoco.MjModel.from_xml_path(path)
+    except (ValueError, mujoco.FatalError) as error:
+        raise ModelRefused(refusal(path, str(error))) from error
+
+
+def default_gravity(model: mujoco.MjModel) -> Vector:
+    """Return the gravity that a model has if its user sets none (m/s^2)."""
+    off = model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_GRAVITY)
+    return (0.0, 0.0, 0.0) if off else vector(model.opt.gravity)
+
+
+def bodies(model: mujoco.MjModel, kept: Any) -> tuple[ReadBody, ...]:
+    """Return the bodies of a model with the numbers that an engine has kept, the world first."""
+    return tuple(
+        ReadBody(
+            name=body_name(model, body),
+            parent=body_name(model, int(model.body_parentid[body])) if body else None,
+            mass=float(kept.body_mass[body]),
+            center_of_mass=vector(kept.body_ipos[body]),
+            inertia=components(along(kept.body_inertia[body], matrix(kept.body_iquat[body]))),
+        )
+        for body in range(model.nbody)
+    )
+
+
+def read_joints(model: mujoco.MjModel, kept: Any, joints: Sequence[Joint]) -> tuple[ReadJoint, ...]:
+    """Return the joints of a model with the numbers that an engine has kept. A planar joint has the axis of its hinge."""
+    followers = mimics(model)
+    read = []
+    for joint in joints:
+        last = joint.first + 2 if joint.type == "planar" else joint.first
+        single = joint.type in ("revolute", "prismatic")
+        lower, upper = limits(model, joint.first) if single else (None, None)
+        read.append(
+            ReadJoint(
+                name=joint.name,
+                type=joint.type,
+                child=body_name(model, joint.body),
+                first=joint.dof,
+                count=joint.count,
+                axis=vector(kept.jnt_axis[last]) if single or joint.type == "planar" else None,
+                armature=float(kept.dof_armature[joint.dof]),
+                damping=float(kept.dof_damping[joint.dof]),
+                friction=float(kept.dof_frictionloss[joint.dof]),
+                stiffness=float(kept.jnt_stiffness[joint.first]),
+                effort_limit=effort_limit(model, joint.first),
+                lower=lower,
+                upper=upper,
+                mimic=followers.get(joint.first),
+            )
+        )
+    return tuple(read)

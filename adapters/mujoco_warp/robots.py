@@ -1,0 +1,114 @@
+"""Robot models in MuJoCo Warp, which takes the model that MuJoCo's compiler makes of a file.
+
+The numbers of bodies and joints are those that MuJoCo Warp keeps. All states are worlds that are computed together. Contacts,
+limits, equality constraints and actuators are left out, as in the adapter of MuJoCo.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
+
+import mujoco
+import mujoco_warp as mjw
+import numpy as np
+import warp as wp
+
+from bodycheck.adapters.mujoco.robot_joints import body_name, coordinates, joints_of
+from bodycheck.adapters.mujoco.robot_terms import leave_out_what_is_not_asked, mass_matrix
+from bodycheck.adapters.mujoco.robots import described, loaded
+from bodycheck.adapters.robot_numbers import pose
+from bodycheck.adapters.robot_reading import ModelRefused, RobotFile, RobotReading
+from bodycheck.reference.robots.state import RobotState
+from bodycheck.reference.robots.terms import Terms
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
+
+#: The numbers of bodies and joints that a reading has, by MuJoCo's names.
+KEPT = (
+    *("body_mass", "body_ipos", "body_iquat", "body_inertia", "jnt_axis", "jnt_stiffness"),
+    *("dof_armature", "dof_damping", "dof_frictionloss"),
+)
+
+
+def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
+    """Return what MuJoCo Warp makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused`."""
+    compiled = loaded(file.path)
+    reading = described(compiled, compiled, file.format)
+    leave_out_what_is_not_asked(compiled)
+    try:
+        model = mjw.put_model(compiled)
+    except NotImplementedError as error:
+        raise ModelRefused(f"MuJoCo Warp refuses the model: {error}") from error
+    worlds = mjw.put_data(compiled, mujoco.MjData(compiled), nworld=max(1, len(states)))
+    # The first axis of these arrays is that of worlds, which share them.
+    own = described(compiled, SimpleNamespace(**{name: getattr(model, name).numpy()[0] for name in KEPT}), file.format)
+    reading = replace(reading, bodies=own.bodies, joints=own.joints)
+    if not states or not compiled.nv:
+        return replace(reading, terms=tuple(Terms() for _ in states))
+    joints = joints_of(compiled, file.format)
+    at = [coordinates(compiled, joints, state) for state in states]
+    columns = [np.array(rows) for rows in zip(*((one.qpos, one.qvel, one.qacc, one.applied) for one in at), strict=True)]
+    return replace(reading, terms=terms_of(compiled, model, worlds, columns, gravity))
+
+
+def terms_of(compiled: mujoco.MjModel, model: Any, worlds: Any, columns: Sequence[Array], gravity: Vector) -> tuple[Terms, ...]:
+    """Return what MuJoCo Warp computes at states.
+
+    columns: positions, velocities, accelerations and applied forces (n, k) of the n worlds.
+    """
+    qpos, qvel, qacc, applied = columns
+    model.opt.gravity.assign(np.array([gravity]))
+    worlds.qpos.assign(qpos)
+    worlds.qvel.assign(qvel)
+    worlds.qfrc_applied.assign(applied)
+    mjw.forward(model, worlds)
+    forward, passive = doubles(worlds.qacc), doubles(worlds.qfrc_passive) + doubles(worlds.qfrc_constraint)
+    matrices = [matrix_of(compiled, row) for row in doubles(worlds.M)]
+    frames = [poses_and_jacobians(compiled, model, worlds, body) for body in range(1, compiled.nbody)]
+    worlds.qacc.assign(qacc)
+    mjw.inverse(model, worlds)
+    inverse = doubles(worlds.qfrc_inverse) + doubles(worlds.qfrc_passive) + doubles(worlds.qfrc_constraint)
+    worlds.qvel.zero_()
+    mjw.fwd_velocity(model, worlds)
+    weight = doubles(worlds.qfrc_bias)
+    worlds.qvel.assign(qvel)
+    model.opt.gravity.zero_()
+    mjw.fwd_velocity(model, worlds)
+    coriolis = doubles(worlds.qfrc_bias)
+    names = [body_name(compiled, body) for body in range(1, compiled.nbody)]
+    return tuple(
+        Terms(
+            poses={name: places[row] for name, (places, _) in zip(names, frames, strict=True)},
+            jacobians={name: jacobians[row] for name, (_, jacobians) in zip(names, frames, strict=True)},
+            mass_matrix=matrices[row],
+            gravity_force=weight[row],
+            coriolis_force=coriolis[row],
+            passive_force=passive[row],
+            forward_dynamics=forward[row],
+            inverse_dynamics=inverse[row],
+        )
+        for row in range(len(qpos))
+    )
+
+
+def doubles(array: Any) -> Array:
+    """Return a copy of an array of Warp in double precision."""
+    return np.array(array.numpy(), dtype=np.float64)
+
+
+def matrix_of(compiled: mujoco.MjModel, entries: Array) -> Array:
+    """Return the mass matrix (nv, nv) whose entries in MuJoCo's sparse form MuJoCo Warp has computed."""
+    data = mujoco.MjData(compiled)
+    data.M[:] = entries
+    return mass_matrix(compiled, data)
+
+
+def poses_and_jacobians(compiled: mujoco.MjModel, model: Any, worlds: Any, body: int) -> tuple[Array, Array]:
+    """Return pose (n, 7) and Jacobian (n, 6, nv) of the frame of a body in n worlds."""
+    places, turns = doubles(worlds.xpos)[:, body], doubles(worlds.xquat)[:, body]
+    linear, angular = (wp.zeros((len(places), 3, compiled.nv), dtype=float) for _ in range(2))
+    points, bodies = wp.array(places, dtype=wp.vec3), wp.array(np.full(len(places), body), dtype=int)
+    mjw.jac(model, worlds, linear, angular, points, bodies)
+    rows = np.array([pose(*row) for row in zip(places, turns, strict=True)])
+    return rows, np.concatenate([doubles(linear), doubles(angular)], axis=1)

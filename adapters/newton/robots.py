@@ -1,0 +1,314 @@
+"""Robot models as Newton's importers read them, and the terms that Newton computes with them, in single precision.
+
+The importers weld the root of a URDF to the world, and honour the free joints of an MJCF. All links are bodies, also those on
+fixed joints. A link without inertia has that of its shapes of collision, as dense as water. When a model is finalised, Newton
+checks masses and tensors: it replaces those that it does not accept, and raises moments of less than 1e-6 kg m^2 or so. It says
+of how many bodies; its warnings are notes of the reading.
+
+Newton has armature, damping, dry friction, stiffness, effort limits and mimic joints. It computes mass matrix, gravity and
+Coriolis forces, inverse dynamics and Jacobians; it offers no passive forces and no forward dynamics but those within the steps
+of its solvers. A row of its Jacobian is for the centre of mass of a body, and is moved to the origin of the body's frame here.
+
+The velocities of a floating joint are that of the child's centre of mass and then the angular one, both along the axes of the
+joint's frame in the parent; those of a ball joint are along these axes too. Newton's forces of a floating joint are along the
+axes of the world, and are turned to those of its velocities here. A planar joint of a URDF does not turn in Newton.
+"""
+
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import newton
+import numpy as np
+import warp as wp
+
+from bodycheck.adapters.quiet import overheard, refusal
+from bodycheck.adapters.robot_numbers import components, finite, matrix, pose, vector
+from bodycheck.adapters.robot_reading import ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.reference.kinematics import normalise, rotate
+from bodycheck.reference.robots.model import Mimic
+from bodycheck.reference.robots.state import RobotState, Values
+from bodycheck.reference.robots.terms import Terms
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
+
+#: Newton's joint of any axes, which is a planar joint of a URDF without its turn; the state of such a joint is left out.
+OTHER = "d6"
+
+#: Newton's types of joints in the words of `bodycheck.reference.robots.model`.
+TYPES = {
+    newton.JointType.REVOLUTE: "revolute",
+    newton.JointType.PRISMATIC: "prismatic",
+    newton.JointType.FIXED: "fixed",
+    newton.JointType.FREE: "floating",
+    newton.JointType.BALL: "spherical",
+    newton.JointType.D6: OTHER,
+}
+
+#: Newton's numbers for no limit of a position and no limit of an effort.
+NO_POSITION, NO_EFFORT = float(newton.MAXVAL), 1e6
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A joint of Newton's model: its place, name, type, body and parent, and its first and one after its last place.
+
+    The frames `at` and `on`, of position and quaternion x, y, z, w, are those of the joint in the parent and in the child.
+    """
+
+    place: int
+    name: str
+    type: str
+    body: int
+    parent: int
+    held: slice
+    moved: slice
+    at: Array
+    on: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Imported:
+    """A model of Newton, a state of it, the names of its bodies and its joints."""
+
+    model: Any
+    state: Any
+    names: tuple[str, ...]
+    joints: tuple[Joint, ...]
+
+    @property
+    def moving(self) -> tuple[Joint, ...]:
+        """The joints that move."""
+        return tuple(joint for joint in self.joints if joint.moved.stop > joint.moved.start)
+
+
+def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
+    """Return what Newton makes of a file, as `RobotModels.read_robot` does."""
+    with overheard(), warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        robot = imported(file)
+        standard = vector(robot.model.gravity.numpy()[0])
+        robot.model.set_gravity(gravity)
+        bodies = read_bodies(robot)
+        return RobotReading(
+            bodies=bodies,
+            joints=tuple(read_joint(robot, joint) for joint in robot.moving),
+            links=robot.names,
+            velocities=robot.model.joint_dof_count,
+            gravity=standard,
+            terms=tuple(terms(robot, state) for state in states),
+            notes=tuple(dict.fromkeys(f"Newton warns: {warning.message}" for warning in caught)),
+        )
+
+
+def imported(file: RobotFile) -> Imported:
+    """Return Newton's model of a file. Raises `ModelRefused`."""
+    builder = newton.ModelBuilder()
+    try:
+        if file.format == "urdf":
+            builder.add_urdf(file.path)
+        else:
+            builder.add_mjcf(file.path)
+        model = builder.finalize()
+    except Exception as error:  # the importers raise errors of many types, and bare ones
+        raise ModelRefused(refusal(file.path, f"{type(error).__name__}: {error}")) from error
+    names = tuple(named(file, model, label) for label in model.body_label)
+    arrays = (model.joint_type, model.joint_child, model.joint_parent, model.joint_q_start, model.joint_qd_start)
+    types, children, parents, held, moved = (array.numpy() for array in arrays)
+    at, on = model.joint_X_p.numpy(), model.joint_X_c.numpy()
+    joints = tuple(
+        Joint(
+            place,
+            named(file, model, label),
+            TYPES.get(newton.JointType(int(types[place])), newton.JointType(int(types[place])).name.lower()),
+            int(children[place]),
+            int(parents[place]),
+            slice(int(held[place]), int(held[place + 1])),
+            slice(int(moved[place]), int(moved[place + 1])),
+            at[place].astype(float),
+            on[place].astype(float),
+        )
+        for place, label in enumerate(model.joint_label)
+    )
+    return Imported(model, model.state(), names, joints)
+
+
+def named(file: RobotFile, model: Any, label: str) -> str:
+    """Return the name that a label of Newton has in the file.
+
+    Labels begin with the robot's name, and those of an MJCF with the names of all bodies around.
+    """
+    if file.format == "mjcf":
+        return label.rsplit("/", 1)[-1]
+    for robot in model.articulation_label:
+        label = label.removeprefix(f"{robot}/")
+    return label
+
+
+def read_bodies(robot: Imported) -> tuple[ReadBody, ...]:
+    """Return the bodies."""
+    masses, centres, tensors = (
+        array.numpy().astype(float) for array in (robot.model.body_mass, robot.model.body_com, robot.model.body_inertia)
+    )
+    parents = {joint.body: robot.names[joint.parent] for joint in robot.joints if joint.parent >= 0}
+    return tuple(
+        ReadBody(name, parents.get(place), float(masses[place]), vector(centres[place]), components(tensors[place]))
+        for place, name in enumerate(robot.names)
+    )
+
+
+def read_joint(robot: Imported, joint: Joint) -> ReadJoint:
+    """Return a joint that moves. Those of several velocities have the properties of the first one, as importers give them."""
+    model, first = robot.model, joint.moved.start
+    one = joint.moved.stop - first == 1
+
+    def of(array: Any) -> float:
+        return float(array.numpy()[first])
+
+    leader, (offset, multiplier) = (
+        int(model.joint_mimic_joint.numpy()[joint.place]),
+        model.joint_mimic_coeffs.numpy()[joint.place],
+    )
+    return ReadJoint(
+        name=joint.name,
+        type=joint.type,
+        child=robot.names[joint.body],
+        first=first,
+        count=joint.moved.stop - first,
+        axis=vector(matrix(wxyz(joint.on)) @ model.joint_axis.numpy()[first]) if one else None,
+        armature=of(model.joint_armature),
+        damping=of(model.joint_damping),
+        friction=of(model.joint_friction),
+        stiffness=of(model.joint_stiffness),
+        effort_limit=finite(of(model.joint_effort_limit), NO_EFFORT),
+        lower=finite(of(model.joint_limit_lower), NO_POSITION) if one else None,
+        upper=finite(of(model.joint_limit_upper), NO_POSITION) if one else None,
+        mimic=Mimic(robot.joints[leader].name, float(multiplier), float(offset)) if leader >= 0 else None,
+    )
+
+
+def terms(robot: Imported, state: RobotState) -> Terms:
+    """Return what Newton computes at a state."""
+    model, own, number = robot.model, robot.state, robot.model.joint_dof_count
+    own.joint_q.assign(positions(robot, state).astype(np.float32))
+    own.joint_qd.assign(rates(robot, state, state.velocities).astype(np.float32))
+    newton.eval_fk(model, own.joint_q, own.joint_qd, own)
+    poses = {name: pose(row[:3], wxyz(row)) for name, row in zip(robot.names, own.body_q.numpy(), strict=True)}
+    if not number:
+        return Terms(poses=poses)
+    most = model.max_dofs_per_articulation
+    mass = wp.zeros((model.articulation_count, most, most), dtype=wp.float32)
+    pull, bias, wanted, efforts = (wp.zeros(number, dtype=wp.float32) for _ in range(4))
+    newton.eval_inverse_dynamics_passive(model, own, mass_matrix=mass, gravity_force=pull, coriolis_force=bias)
+    wanted.assign(accelerations(robot, state).astype(np.float32))
+    newton.eval_inverse_dynamics_force(
+        model, own, mass_matrix=mass, joint_qdd=wanted, coriolis_force=bias, gravity_force=pull, joint_f=efforts
+    )
+    return Terms(
+        poses=poses,
+        jacobians=jacobians(robot),
+        mass_matrix=whole(robot, mass.numpy().astype(float)),
+        gravity_force=along_joints(robot, pull.numpy().astype(float)),
+        coriolis_force=along_joints(robot, bias.numpy().astype(float)),
+        inverse_dynamics=along_joints(robot, efforts.numpy().astype(float)),
+    )
+
+
+def trees(robot: Imported) -> Iterator[tuple[slice, slice]]:
+    """Give the places of the joints and of the velocities of each articulation, which a file may have several of."""
+    starts = robot.model.articulation_start.numpy()
+    ends = robot.model.joint_qd_start.numpy()
+    for first, after in pairwise(starts.tolist()):
+        yield slice(first, after), slice(int(ends[first]), int(ends[after]))
+
+
+def whole(robot: Imported, blocks: Array) -> Array:
+    """Return the mass matrix (n, n) from those of the articulations (articulations, k, k), each in its first rows."""
+    made = np.zeros((robot.model.joint_dof_count, robot.model.joint_dof_count))
+    for block, (_, moved) in zip(blocks, trees(robot), strict=True):
+        count = moved.stop - moved.start
+        made[moved, moved] = block[:count, :count]
+    return made
+
+
+def along_joints(robot: Imported, forces: Array) -> Array:
+    """Return forces (n,) along the axes of the joints' frames, in which Newton has velocities, also those of floating joints.
+
+    Newton has the forces of these along the axes of the world.
+    """
+    made, poses = forces.copy(), robot.state.body_q.numpy().astype(float)
+    for joint in robot.moving:
+        if joint.type == "floating":
+            parent = np.eye(3) if joint.parent < 0 else matrix(wxyz(poses[joint.parent]))
+            turn = parent @ matrix(wxyz(joint.at))
+            own = made[joint.moved]
+            made[joint.moved] = np.concatenate([turn.T @ own[:3], turn.T @ own[3:]])
+    return made
+
+
+def positions(robot: Imported, state: RobotState) -> Array:
+    """Return Newton's coordinates of all joints."""
+    made = np.array(robot.model.joint_q.numpy(), dtype=float)
+    for joint in robot.moving:
+        if joint.name in state.positions and joint.type != OTHER:
+            own = state.positions[joint.name]
+            if joint.type in ("floating", "spherical"):
+                *place, w, x, y, z = own
+                own = (*place, x, y, z, w)
+            made[joint.held] = own
+    return made
+
+
+def rates(robot: Imported, state: RobotState, values: Values) -> Array:
+    """Return Newton's velocities of all joints from those of a state, or accelerations but for terms of the velocities."""
+    made = np.zeros(robot.model.joint_dof_count)
+    for joint in robot.moving:
+        if joint.name not in values or joint.type == OTHER:
+            continue
+        own, held = np.array(values[joint.name]), np.array(state.positions[joint.name])
+        if joint.type == "spherical":
+            own = rotate(held, own)
+        elif joint.type == "floating":
+            spin = rotate(held[3:], own[3:])
+            own = np.concatenate([own[:3] + np.cross(spin, arm(robot, joint, held)), spin])
+        made[joint.moved] = own
+    return made
+
+
+def accelerations(robot: Imported, state: RobotState) -> Array:
+    """Return Newton's accelerations of all joints; that of a centre of mass has the centripetal one too."""
+    made = rates(robot, state, state.accelerations)
+    for joint in robot.moving:
+        if joint.type == "floating" and joint.name in state.accelerations:
+            held = np.array(state.positions[joint.name])
+            spin = rotate(held[3:], np.array(state.velocities[joint.name][3:]))
+            made[joint.moved][:3] += np.cross(spin, np.cross(spin, arm(robot, joint, held)))
+    return made
+
+
+def arm(robot: Imported, joint: Joint, held: Array) -> Array:
+    """Return the centre of mass of a floating joint's child from the origin of its frame, along the axes of the joint."""
+    return rotate(held[3:], robot.model.body_com.numpy()[joint.body].astype(float))
+
+
+def jacobians(robot: Imported) -> Mapping[str, Array]:
+    """Return the Jacobians (6, n) of the origins of the bodies' frames along the axes of the world, linear rows first."""
+    blocks = newton.eval_jacobian(robot.model, robot.state).numpy().astype(float)
+    bodies = [joint.body for joint in robot.joints]
+    rows = np.zeros((len(bodies), 6, robot.model.joint_dof_count))
+    for block, (joints, moved) in zip(blocks, trees(robot), strict=True):
+        own = block.reshape(-1, 6, block.shape[-1])
+        rows[joints, :, moved] = own[: joints.stop - joints.start, :, : moved.stop - moved.start]
+    turns = robot.state.body_q.numpy().astype(float)[bodies][:, [6, 3, 4, 5]]
+    arms = rotate(normalise(turns), robot.model.body_com.numpy().astype(float)[bodies])
+    linear = rows[:, :3] - np.cross(rows[:, 3:], arms[:, :, None], axis=1)
+    made = np.concatenate([linear, rows[:, 3:]], axis=1)
+    return {robot.names[body]: own for body, own in zip(bodies, made, strict=True)}
+
+
+def wxyz(transform: Array) -> list[float]:
+    """Return the quaternion w, x, y, z of a transform of Warp."""
+    x, y, z, w = (float(value) for value in transform[3:])
+    return [w, x, y, z]

@@ -1,0 +1,173 @@
+"""Joints of Pinocchio's model in the words of robot models, and states of them in Pinocchio's coordinates.
+
+The position of a joint that URDF calls continuous is the cosine and the sine of its angle, as is that of a planar joint.
+Quaternions are x, y, z, w. The linear velocity of free-flyer and planar joints is along the axes of the child, which turn: its
+derivative has a term of the angular velocity.
+
+The free joint of a body in MJCF has its position in the world, and the place of the body in the file is only in Pinocchio's
+reference configuration `qpos0`. Several joints of one body in MJCF are one composite joint, whose parts have no names. They are
+taken from the file.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from xml.etree import ElementTree
+
+import numpy as np
+import pinocchio as pin
+
+from bodycheck.adapters.robot_numbers import values_of
+from bodycheck.adapters.robot_reading import RobotFile
+from bodycheck.reference.kinematics import conjugate, multiply, rotate
+from bodycheck.reference.robots.state import COORDINATES, RobotState
+from bodycheck.reference.trajectory import Array
+
+#: The words of robot models for the beginnings of the names of Pinocchio's joints.
+TYPES = {
+    "JointModelR": "revolute",
+    "JointModelP": "prismatic",
+    "JointModelPlanar": "planar",
+    "JointModelFreeFlyer": "floating",
+    "JointModelSpherical": "spherical",
+}
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint, or a part of a composite one.
+
+    Attributes
+    ----------
+    name, type
+        Its name, and its type in the words of robot models or, if they have none, Pinocchio's.
+    place
+        The place in the model of the joint that it is, or that it is a part of.
+    position, coordinates
+        The place of its first coordinate, and how many it has.
+    first, count
+        The place of its first velocity, and how many it has.
+    frame
+        Its frame as origin and quaternion w, x, y, z, if Pinocchio's coordinates are those in the world instead.
+    """
+
+    name: str
+    type: str
+    place: int
+    position: int
+    coordinates: int
+    first: int
+    count: int
+    frame: tuple[float, ...] = ()
+
+
+def joints_of(model: pin.Model, file: RobotFile) -> list[Joint]:
+    """Return the joints of the model of a file, in Pinocchio's order."""
+    found = []
+    for place in range(1, model.njoints):
+        joint, name = model.joints[place], str(model.names[place])
+        if joint.shortname() == "JointModelComposite":
+            names = names_of_parts(file, name)
+            found += [_joint(part, own, place) for part, own in zip(joint.extract().joints, names, strict=True)]
+        else:
+            found.append(replace(_joint(joint, name, place), frame=frame_of(model, file, place)))
+    return found
+
+
+def frame_of(model: pin.Model, file: RobotFile, place: int) -> tuple[float, ...]:
+    """Return the frame that a file gives a free joint, if Pinocchio has none of it."""
+    joint, known = model.joints[place], model.referenceConfigurations
+    if file.format == "urdf" or joint.nq != COORDINATES["floating"] or "qpos0" not in known:
+        return ()
+    x, y, z, i, j, k, w = np.array(known["qpos0"])[joint.idx_q : joint.idx_q + joint.nq].tolist()
+    return x, y, z, w, i, j, k
+
+
+def _joint(joint: pin.JointModel, name: str, place: int) -> Joint:
+    return Joint(name, word(joint.shortname()), place, joint.idx_q, joint.nq, joint.idx_v, joint.nv)
+
+
+def word(kind: str) -> str:
+    """Return the type of a joint by Pinocchio's name for it, or that name."""
+    starts = [start for start in TYPES if kind.startswith(start)]
+    return TYPES[max(starts, key=len)] if starts else kind
+
+
+def names_of_parts(file: RobotFile, composite: str) -> list[str]:
+    """Return the names of the joints that Pinocchio has made one of, from that name, which is `Composite_` and the first's."""
+    first = composite.removeprefix("Composite_")
+    for body in ElementTree.parse(file.path).getroot().iter("body"):
+        names = [joint.get("name", "") for joint in body.findall("joint")]
+        if names and names[0] == first:
+            return names
+    return []
+
+
+@dataclass(frozen=True, eq=False)
+class Coordinates:
+    """A state in Pinocchio's coordinates: configuration (nq,), velocity, acceleration and efforts (nv,)."""
+
+    q: Array
+    v: Array
+    a: Array
+    tau: Array
+
+
+def coordinates(model: pin.Model, joints: Sequence[Joint], state: RobotState) -> Coordinates:
+    """Return a state in Pinocchio's coordinates; joints that it does not have stay in the neutral configuration."""
+    found = Coordinates(np.array(pin.neutral(model)), *(np.zeros(model.nv) for _ in range(3)))
+    parts = state.velocities, state.accelerations, state.efforts
+    for joint in joints:
+        if joint.count == joint.coordinates == 1:  # as most are, and there are many
+            places = joint.position, joint.first, joint.first, joint.first
+            for part, place, values in zip(
+                (found.q, found.v, found.a, found.tau), places, (state.positions, *parts), strict=True
+            ):
+                if len(given := values.get(joint.name, ())) == 1:
+                    part[place] = given[0]
+            continue
+        own = slice(joint.first, joint.first + joint.count)
+        told = [values_of(part, joint.name, joint.count) for part in parts]
+        velocity, acceleration, effort = (np.zeros(joint.count) if value is None else value for value in told)
+        count = next((count for type, count in COORDINATES.items() if type == joint.type), joint.coordinates)
+        if (position := values_of(state.positions, joint.name, count)) is not None:
+            found.q[joint.position : joint.position + joint.coordinates] = configuration(joint, position)
+            if joint.type in ("floating", "planar"):
+                velocity, acceleration, effort = in_child(joint.type, position, velocity, acceleration, effort)
+        found.v[own], found.a[own], found.tau[own] = velocity, acceleration, effort
+    return found
+
+
+def configuration(joint: Joint, position: Array) -> Array:
+    """Return the positions of a joint in Pinocchio's coordinates."""
+    match joint.type:
+        case "floating":
+            place, turn = position[:3], position[3:]
+            if joint.frame:
+                frame = np.array(joint.frame)
+                place, turn = frame[:3] + rotate(frame[3:], place), multiply(frame[3:], turn)
+            return np.concatenate([place, turn[1:], turn[:1]])
+        case "spherical":
+            return np.concatenate([position[1:], position[:1]])
+        case "planar":
+            return np.array([*position[:2], np.cos(position[2]), np.sin(position[2])])
+        case _:
+            return position if joint.coordinates == 1 else np.array([np.cos(position[0]), np.sin(position[0])])
+
+
+def in_child(type: str, position: Array, velocity: Array, acceleration: Array, effort: Array) -> tuple[Array, Array, Array]:
+    """Return velocity, acceleration and effort of a floating or planar joint along the axes of its child."""
+    if type == "floating":
+        linear, angular, back = slice(0, 3), slice(3, 6), conjugate(position[3:])
+        spin = velocity[angular]
+    else:
+        linear, angular, half = slice(0, 2), slice(2, 3), -position[2] / 2
+        back, spin = np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), np.array([0.0, 0.0, velocity[2]])
+    turned = [
+        rotate(back, np.append(part[linear], [0.0] * (3 - len(part[linear])))) for part in (velocity, acceleration, effort)
+    ]
+    # The derivative of a vector's components along axes that turn.
+    turned[1] = turned[1] - np.cross(spin, turned[0])
+    size = linear.stop
+    own = zip(turned, (velocity, acceleration, effort), strict=True)
+    moved = [np.concatenate([vector[:size], part[angular]]) for vector, part in own]
+    return moved[0], moved[1], moved[2]

@@ -1,0 +1,149 @@
+"""Robot models in Pinocchio, which reads URDF and MJCF.
+
+A body is a joint and all links that are welded to what it moves. Its inertia is that of Pinocchio's joint, in the frame of the
+link that the joint moves. Pinocchio keeps the frames of all other links, which have poses and Jacobians too.
+
+Pinocchio's dynamics have neither damping nor dry friction nor springs: it keeps what a file says of damping and friction, and
+leaves them to its user. Joints that mimic others move by themselves, unless its user asks for something else.
+"""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from bodycheck.adapters.pinocchio.robot_joints import Joint, joints_of
+from bodycheck.adapters.pinocchio.robot_terms import terms_of
+from bodycheck.adapters.quiet import overheard, refusal
+from bodycheck.adapters.robot_numbers import components, finite, vector
+from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.reference.robots.state import RobotState
+from bodycheck.reference.scene import Vector
+
+
+def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
+    """Return what Pinocchio makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused`, `FormatUnknown`."""
+    model = loaded(file)
+    joints, own, frames = joints_of(model, file), vector(model.gravity.linear), links(model)
+    carrier = carried(model, frames)
+    return RobotReading(
+        bodies=bodies(model, carrier),
+        joints=read_joints(model, carrier, joints),
+        links=tuple(str(frame.name) for frame in frames.values()),
+        velocities=int(model.nv),
+        gravity=own,
+        terms=terms_of(model, {place: str(frame.name) for place, frame in frames.items()}, joints, states, gravity),
+        notes=notes(file, joints),
+    )
+
+
+def loaded(file: RobotFile) -> pin.Model:
+    """Return Pinocchio's model of a file. Raises `ModelRefused`, and `FormatUnknown` where a release has no reader of MJCF."""
+    if file.format == "mjcf" and not hasattr(pin, "buildModelFromMJCF"):
+        raise FormatUnknown(f"pinocchio {pin.__version__} has no reader of MJCF")
+    read = pin.buildModelFromUrdf if file.format == "urdf" else pin.buildModelFromMJCF
+    try:
+        with overheard() as said:
+            return read(file.path)
+    except (ValueError, RuntimeError, IndexError, KeyError) as error:
+        reasons = [line.strip() for line in said if line.startswith("Error")]
+        raise ModelRefused(refusal(file.path, " ".join([str(error), *reasons]))) from error
+
+
+def links(model: pin.Model) -> dict[int, pin.Frame]:
+    """Return the frames of links by their places, in Pinocchio's order."""
+    return {place: frame for place, frame in enumerate(model.frames) if frame.type == pin.FrameType.BODY}
+
+
+def bodies(model: pin.Model, carrier: Mapping[int, pin.Frame]) -> tuple[ReadBody, ...]:
+    """Return the bodies that joints move, after what does not move, from the frames of the links that joints move."""
+    read = []
+    for joint in range(model.njoints):
+        frame, inertia = carrier.get(joint), model.inertias[joint]
+        if frame is not None:
+            inertia = frame.placement.actInv(inertia)
+        parent = carrier.get(int(model.parents[joint])) if joint else None
+        read.append(
+            ReadBody(
+                name=model.names[joint] if frame is None else frame.name,
+                parent=None if not joint else model.names[0] if parent is None else parent.name,
+                mass=float(inertia.mass),
+                center_of_mass=vector(inertia.lever),
+                inertia=components(inertia.inertia),
+            )
+        )
+    return tuple(read)
+
+
+def carried(model: pin.Model, frames: Mapping[int, pin.Frame]) -> dict[int, pin.Frame]:
+    """Return the frames of the links that joints move, by the places of the joints, and that of the root for the world's."""
+    own = {int(model.getFrameId(model.names[joint], pin.FrameType.JOINT)): joint for joint in range(1, model.njoints)}
+    found: dict[int, pin.Frame] = {}
+    for frame in frames.values():
+        joint = 0 if parent_joint(frame) == 0 else own.get(parent_frame(frame))
+        if joint is not None:
+            found.setdefault(joint, frame)
+    return found
+
+
+def parent_joint(frame: pin.Frame) -> int:
+    """Return the place of the joint with which a frame moves."""
+    return int(frame.parentJoint if hasattr(frame, "parentJoint") else frame.parent)  # until Pinocchio 2.6
+
+
+def parent_frame(frame: pin.Frame) -> int:
+    """Return the place of the frame to which a frame is fixed."""
+    return int(frame.parentFrame if hasattr(frame, "parentFrame") else frame.previousFrame)  # until Pinocchio 2.6
+
+
+def read_joints(model: pin.Model, carrier: Mapping[int, pin.Frame], joints: Sequence[Joint]) -> tuple[ReadJoint, ...]:
+    """Return the joints. The axis is found from the joint's velocity in Pinocchio's neutral configuration."""
+    data = model.createData()
+    # A matrix with a single column comes as a vector.
+    velocities = np.reshape(pin.computeJointJacobians(model, data, pin.neutral(model)), (6, model.nv))
+    read = []
+    for joint in joints:
+        body = carrier.get(joint.place)
+        attitude = data.oMi[joint.place].rotation @ (np.eye(3) if body is None else body.placement.rotation)
+        moving = velocities[:, joint.first]
+        along = {"revolute": moving[3:], "prismatic": moving[:3]}.get(joint.type)
+        bounded = joint.type in ("revolute", "prismatic") and joint.coordinates == 1
+        read.append(
+            ReadJoint(
+                name=joint.name,
+                type=joint.type,
+                child=model.names[joint.place] if body is None else body.name,
+                first=joint.first,
+                count=joint.count,
+                axis=None if along is None else vector(attitude.T @ along),
+                armature=value(model, joint.first, "armature"),
+                damping=value(model, joint.first, "damping"),
+                friction=value(model, joint.first, "upperDryFrictionLimit", "friction"),
+                effort_limit=limit(value(model, joint.first, "upperEffortLimit", "effortLimit")),
+                lower=limit(float(model.lowerPositionLimit[joint.position])) if bounded else None,
+                upper=limit(float(model.upperPositionLimit[joint.position])) if bounded else None,
+            )
+        )
+    return tuple(read)
+
+
+def value(model: pin.Model, velocity: int, *names: str) -> float | None:
+    """Return a property of a velocity, by the first of its names that the release knows; None if it knows none of them."""
+    own = next((name for name in names if hasattr(model, name)), None)
+    return None if own is None else float(getattr(model, own)[velocity])
+
+
+def limit(stated: float | None) -> float | None:
+    """Return a limit; None where there is none, which is infinite or the largest double."""
+    return None if stated is None else finite(stated, np.finfo(float).max)
+
+
+def notes(file: RobotFile, joints: Sequence[Joint]) -> tuple[str, ...]:
+    """Return what a user should know of Pinocchio's reading of a file."""
+    said = ["Pinocchio's dynamics contain no damping, no dry friction and no springs: its user adds them to the efforts"]
+    if file.format == "urdf" and "<mimic" in Path(file.path).read_text("utf-8", "replace"):
+        said.append("joints with <mimic> move by themselves, unless buildModelFromUrdf is given mimic=True")
+    if any(joint.type == "planar" for joint in joints):
+        said.append("the plane of a planar joint is that of x and y of its frame, whichever axis the file has")
+    return tuple(said)

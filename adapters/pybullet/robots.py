@@ -1,0 +1,295 @@
+"""Robot models as PyBullet's readers read them, and the terms that Bullet's inverse dynamics computes with them.
+
+A URDF is loaded with a fixed base and with the flag `URDF_USE_INERTIA_FROM_FILE`, without which PyBullet computes the inertia
+from the shapes of collision. Everything else is PyBullet's default. Bullet keeps each link along its principal axes. It stops
+to look for them when less than a millionth of the trace is off the diagonal, and drops what remains: 2e-7 of the trace of one
+of thousands of random tensors, and some 1e-9 of most. The frames of links that `getLinkState` returns are rounded to single
+precision; poses are those of the centres of mass here, from which the frames are computed. A link without inertia has 1 kg and
+moments of 1 kg m^2.
+
+Of an MJCF of one tree on the world PyBullet keeps masses, and centres of mass in single precision, but no inertia of an
+`inertial`. A joint moves a link without mass, whose name PyBullet makes, and the body is fixed to that.
+
+PyBullet has damping and friction of a joint, but no armature, and follows no mimic joint. A joint of the type "floating"
+becomes a fixed one. Mass matrix, Jacobians and inverse dynamics are computed from positions that the caller gives, so that the
+damping of links and the motors, which PyBullet has in every step, do not enter. It offers no forward dynamics, and no Jacobians
+of a robot with a spherical or planar joint; such a robot has no terms but the poses, and none with a planar joint.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pybullet
+
+from bodycheck.adapters.pybullet.links import BASE
+from bodycheck.adapters.quiet import overheard, refusal
+from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, vector
+from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.reference.kinematics import conjugate, multiply, rotate
+from bodycheck.reference.robots.state import RobotState, Values
+from bodycheck.reference.robots.terms import Terms
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
+
+#: PyBullet's types of joints in the words of `bodycheck.reference.robots.model`, and their numbers of velocities.
+TYPES = {
+    pybullet.JOINT_REVOLUTE: ("revolute", 1),
+    pybullet.JOINT_PRISMATIC: ("prismatic", 1),
+    pybullet.JOINT_SPHERICAL: ("spherical", 3),
+    pybullet.JOINT_PLANAR: ("planar", 3),
+    pybullet.JOINT_FIXED: ("fixed", 0),
+}
+
+#: The part of the trace of a tensor that may be off Bullet's principal axes.
+ROUNDING = 1e-6
+
+#: What PyBullet writes before a message.
+PLACES = re.compile(r"b3(?:Warning|Error|Printf)\[[^]]*\]:")
+
+NOTES = (
+    "URDF_USE_INERTIA_FROM_FILE is set; without it PyBullet computes the inertia from the shapes of collision",
+    "PyBullet's links have linear and angular damping of 0.04 unless it is switched off, and motors that brake each joint",
+)
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint of PyBullet: its place, which is that of its link, its name, type and first velocity, and its link's name."""
+
+    place: int
+    name: str
+    type: str
+    first: int
+    count: int
+    link: str
+    parent: int
+    info: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """A robot in a physics server: the connection, the body, the name of its base, and its joints, also the fixed ones."""
+
+    client: int
+    body: int
+    base: str
+    joints: tuple[Joint, ...]
+
+    @property
+    def moving(self) -> tuple[Joint, ...]:
+        """The joints that move."""
+        return tuple(joint for joint in self.joints if joint.count)
+
+    @property
+    def velocities(self) -> int:
+        """The number of velocities."""
+        return sum(joint.count for joint in self.joints)
+
+    def dynamics(self, place: int) -> tuple[Any, ...]:
+        """What PyBullet tells of the dynamics of a link."""
+        found: tuple[Any, ...] = pybullet.getDynamicsInfo(self.body, place, physicsClientId=self.client)
+        return found
+
+
+def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
+    """Return what PyBullet makes of a file, as `RobotModels.read_robot` does."""
+    with server() as client:
+        standard = default_gravity(client)
+        robot, warnings = loaded(client, file)
+        with overheard():  # Bullet repeats its warnings in each call
+            found = tuple(terms(robot, state, gravity) for state in states)
+        return RobotReading(
+            bodies=read_bodies(robot),
+            joints=tuple(read_joint(robot, joint) for joint in robot.moving),
+            links=(robot.base, *(joint.link for joint in robot.joints)),
+            velocities=robot.velocities,
+            gravity=standard,
+            terms=found,
+            rounding=ROUNDING,
+            notes=(*NOTES, *(f"PyBullet warns: {warning}" for warning in warnings)),
+        )
+
+
+@contextmanager
+def server() -> Iterator[int]:
+    """Give the connection to a new physics server, which ends with this context."""
+    with overheard():
+        client = pybullet.connect(pybullet.DIRECT)
+    if client < 0:
+        raise ModelRefused("PyBullet starts no further physics server in this process")
+    try:
+        yield client
+    finally:
+        pybullet.disconnect(client)
+
+
+def default_gravity(client: int) -> Vector:
+    """Return the gravity of a new physics server (m/s^2)."""
+    parameters = pybullet.getPhysicsEngineParameters(physicsClientId=client)
+    return vector([parameters[f"gravityAcceleration{axis}"] for axis in "XYZ"])
+
+
+def loaded(client: int, file: RobotFile) -> tuple[Loaded, list[str]]:
+    """Load a file, and return the robot and what PyBullet says of it.
+
+    Raises `ModelRefused`, and `FormatUnknown` for an MJCF that is not a single tree on the world.
+    """
+    flags = pybullet.URDF_USE_INERTIA_FROM_FILE
+    try:
+        with overheard() as said:
+            if file.format == "urdf":
+                bodies = (pybullet.loadURDF(file.path, useFixedBase=True, flags=flags, physicsClientId=client),)
+            else:
+                bodies = pybullet.loadMJCF(file.path, flags=flags, physicsClientId=client)
+    except pybullet.error as error:
+        raise ModelRefused(refusal(file.path, " ".join([str(error), *warnings_in(said)]))) from error
+    if not bodies:
+        raise ModelRefused(refusal(file.path, " ".join(["loadMJCF returns no body", *warnings_in(said)])))
+    body = bodies[0]
+    if len(bodies) > 1 or (file.format == "mjcf" and pybullet.getDynamicsInfo(body, BASE, physicsClientId=client)[0]):
+        raise FormatUnknown(f"the adapter of PyBullet takes an MJCF of one tree on the world; this has {len(bodies)} bodies")
+    base, _ = pybullet.getBodyInfo(body, physicsClientId=client)
+    joints, first = [], 0
+    for place in range(pybullet.getNumJoints(body, physicsClientId=client)):
+        info = pybullet.getJointInfo(body, place, physicsClientId=client)
+        type_, count = TYPES.get(info[2], (f"type {info[2]}", 0))
+        joints.append(Joint(place, text(info[1]), type_, first, count, text(info[12]), info[16], info))
+        first += count
+    return Loaded(client, body, text(base), tuple(joints)), warnings_in(said)
+
+
+def warnings_in(said: Sequence[str]) -> list[str]:
+    """Return the messages that PyBullet has written, each once, without the places in its source from which they are."""
+    messages = [message.strip() for message in PLACES.split(" ".join(said))]
+    return [message for message in dict.fromkeys(messages) if message]
+
+
+def text(name: bytes) -> str:
+    """Return a name."""
+    return name.decode("utf-8", "replace")
+
+
+def read_bodies(robot: Loaded) -> tuple[ReadBody, ...]:
+    """Return the base and the links, also those on fixed joints."""
+    names = {joint.place: joint.link for joint in robot.joints} | {BASE: robot.base}
+    parents = {joint.place: names[joint.parent] for joint in robot.joints}
+    return tuple(read_body(robot, place, names[place], parents.get(place)) for place in (BASE, *parents))
+
+
+def read_body(robot: Loaded, place: int, name: str, parent: str | None) -> ReadBody:
+    """Return a link in its own frame."""
+    mass, _, moments, centre, turn, *_ = robot.dynamics(place)
+    return ReadBody(name, parent, mass, vector(centre), components(along(moments, matrix(wxyz(turn)))))
+
+
+def read_joint(robot: Loaded, joint: Joint) -> ReadJoint:
+    """Return a joint that moves. Limits of which the lower one is above the upper one are none to Bullet."""
+    _, _, _, _, _, _, damping, friction, lower, upper, effort, _, _, axis, *_ = joint.info
+    limited, turned = lower <= upper, matrix(wxyz(robot.dynamics(joint.place)[4]))
+    return ReadJoint(
+        name=joint.name,
+        type=joint.type,
+        child=joint.link,
+        first=joint.first,
+        count=joint.count,
+        axis=vector(turned @ np.array(axis)) if joint.type in ("revolute", "prismatic") else None,
+        armature=0.0,
+        damping=damping,
+        friction=friction,
+        effort_limit=effort,
+        lower=finite(lower) if limited else None,
+        upper=finite(upper) if limited else None,
+    )
+
+
+def terms(robot: Loaded, state: RobotState, gravity: Vector) -> Terms:
+    """Return what Bullet computes at a state."""
+    place(robot, state)
+    if any(joint.type == "planar" for joint in robot.joints):
+        return Terms()
+    if any(joint.type == "spherical" for joint in robot.joints):
+        return Terms(poses=poses(robot))
+    held, moving, wanted = (rates(robot, values) for values in (state.positions, state.velocities, state.accelerations))
+    still = [0.0] * robot.velocities
+
+    def inverse(pull: Vector, velocities: list[float], accelerations: list[float]) -> Array | None:
+        pybullet.setGravity(*pull, physicsClientId=robot.client)
+        return computed(pybullet.calculateInverseDynamics, robot, held, velocities, accelerations)
+
+    return Terms(
+        poses=poses(robot),
+        jacobians=jacobians(robot, held, still),
+        mass_matrix=computed(pybullet.calculateMassMatrix, robot, held),
+        gravity_force=inverse(gravity, still, still),
+        coriolis_force=inverse((0.0, 0.0, 0.0), moving, still),
+        inverse_dynamics=inverse(gravity, moving, wanted),
+    )
+
+
+def computed(function: Any, robot: Loaded, *arguments: list[float]) -> Array | None:
+    """Return what a function of PyBullet computes for a robot; None where it fails, as for a robot on which nothing moves."""
+    try:
+        found = function(robot.body, *arguments, physicsClientId=robot.client)
+    except pybullet.error:
+        return None
+    return np.array(found) if found else None
+
+
+def rates(robot: Loaded, values: Values) -> list[float]:
+    """Return PyBullet's coordinates, velocities or accelerations of all joints, of which each has one."""
+    return [values.get(joint.name, (0.0,))[0] for joint in robot.moving]
+
+
+def place(robot: Loaded, state: RobotState) -> None:
+    """Put a robot into the positions of a state, but for planar joints. A ball's are along the principal axes of its child."""
+    for joint in robot.moving:
+        held = state.positions.get(joint.name)
+        if held is not None and joint.count == 1:
+            pybullet.resetJointState(robot.body, joint.place, held[0], physicsClientId=robot.client)
+        elif held is not None and joint.type == "spherical":
+            axes = np.array(wxyz(robot.dynamics(joint.place)[4]))
+            w, x, y, z = multiply(multiply(conjugate(axes), np.array(held)), axes).tolist()
+            pybullet.resetJointStateMultiDof(robot.body, joint.place, [x, y, z, w], physicsClientId=robot.client)
+
+
+def poses(robot: Loaded) -> Mapping[str, Array]:
+    """Return the poses of the frames of all links, from those of PyBullet at the centres of mass, along the principal axes.
+
+    There are none of a robot with more than 128 joints, fixed ones included, for which PyBullet has no room.
+    """
+    try:
+        return dict(posed(robot))
+    except pybullet.error:
+        return {}
+
+
+def posed(robot: Loaded) -> Iterator[tuple[str, Array]]:
+    """Give the names of the links and the poses of their frames."""
+    for place, name in ((BASE, robot.base), *((joint.place, joint.link) for joint in robot.joints)):
+        if place == BASE:
+            at, turn = pybullet.getBasePositionAndOrientation(robot.body, physicsClientId=robot.client)
+        else:
+            at, turn, *_ = pybullet.getLinkState(robot.body, place, computeForwardKinematics=True, physicsClientId=robot.client)
+        centre, axes = robot.dynamics(place)[3:5]
+        own = multiply(np.array(wxyz(turn)), conjugate(np.array(wxyz(axes))))
+        yield name, pose(np.array(at) - rotate(own, np.array(centre)), own)
+
+
+def jacobians(robot: Loaded, held: list[float], still: list[float]) -> Mapping[str, Array]:
+    """Return the Jacobians (6, n) of the origins of the links' frames, in which PyBullet takes the point."""
+    origin = (0.0, 0.0, 0.0)
+    made = {robot.base: np.zeros((6, robot.velocities))}  # a base that is fixed does not move
+    for joint in robot.joints if robot.velocities else ():
+        found = pybullet.calculateJacobian(robot.body, joint.place, origin, held, still, still, physicsClientId=robot.client)
+        made[joint.link] = np.concatenate(found)
+    return made
+
+
+def wxyz(quaternion: Sequence[float]) -> list[float]:
+    """Return a quaternion w, x, y, z from Bullet's x, y, z, w."""
+    x, y, z, w = quaternion
+    return [w, x, y, z]

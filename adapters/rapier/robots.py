@@ -1,0 +1,154 @@
+"""Robot models as Rapier's loader of URDF reads them, in single precision.
+
+The root is fixed, and links without mass and shape on fixed joints, which Rapier would leave out, are kept: both are options of
+the loader. The robot is a body in reduced coordinates (`insert_using_multibody_joints`). Rapier drops damping, friction, effort
+limits and mimic joints of the file. It has a damping of its own, 0.1 for each velocity whatever the file says, which is told in
+a note. The turn of an inertia's frame (`rpy` in `inertial`) is ignored. A file with a joint to a link that is not there makes
+Rapier panic.
+
+Rapier computes the poses. It has no function for the mass matrix, or for the other terms of the equations of motion, apart from
+a time step, and its reader of MJCF does not take part.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import rapier3d
+from rapier3d.loaders import urdf as loader
+
+from bodycheck.adapters.quiet import overheard, refusal
+from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, vector
+from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.reference.robots.state import RobotState
+from bodycheck.reference.robots.terms import Terms
+from bodycheck.reference.scene import Vector
+
+#: Rapier's names of types of joints in the words of `bodycheck.reference.robots.model`.
+TYPES = {"continuous": "revolute"}
+
+#: The velocities of a root in Rapier, which are there even if it is fixed.
+ROOT = 6
+
+#: The axis of a joint that moves, by its type: Rapier turns about, or slides along, x.
+AXES = {"revolute": rapier3d.JointAxis.ANG_X, "prismatic": rapier3d.JointAxis.LIN_X}
+
+#: The name of the type of a panic of Rust in Python.
+PANIC = "PanicException"
+
+NOTES = ("Rapier drops the damping of joints, and has a damping of 0.1 for each velocity of its own",)
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """A joint of a robot that moves: its name, type and child, its properties, its first velocity and how many it has."""
+
+    name: str
+    type: str
+    child: str
+    data: Any
+    first: int
+    count: int
+
+
+@dataclass(frozen=True, eq=False)
+class Loaded:
+    """A robot in Rapier's sets of bodies, and what the file says of it as Rapier's loader tells."""
+
+    bodies: Any
+    handles: dict[str, Any]
+    parents: dict[str, str]
+    joints: tuple[Joint, ...]
+    tree: Any
+
+
+def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
+    """Return what Rapier makes of a file, as `RobotModels.read_robot` does."""
+    if file.format != "urdf":
+        raise FormatUnknown(f"the adapter of Rapier reads no {file.format} files")
+    robots = [loaded(file) for _ in states]  # a robot is put into its positions once
+    robot = loaded(file)
+    bodies = tuple(read_body(robot, name) for name in robot.handles)
+    return RobotReading(
+        bodies=bodies,
+        joints=tuple(read_joint(robot, joint) for joint in robot.joints),
+        links=tuple(robot.handles),
+        velocities=sum(joint.count for joint in robot.joints),
+        gravity=vector(rapier3d.PhysicsWorld().gravity.to_tuple()),
+        terms=tuple(terms(own, state) for own, state in zip(robots, states, strict=True)),
+        notes=NOTES,
+    )
+
+
+def loaded(file: RobotFile) -> Loaded:
+    """Return the robot of a URDF. Raises `ModelRefused`."""
+    options = loader.UrdfLoaderOptions(make_roots_fixed=True, squeeze_empty_fixed_links=False)
+    bodies, colliders, joints = rapier3d.RigidBodySet(), rapier3d.ColliderSet(), rapier3d.MultibodyJointSet()
+    try:
+        with overheard():
+            robot, told = loader.UrdfRobot.from_file(file.path, options)
+            handles = robot.insert_using_multibody_joints(bodies, colliders, joints)
+    except BaseException as error:  # a panic of Rust is no Exception
+        if not isinstance(error, Exception) and type(error).__name__ != PANIC:
+            raise
+        raise ModelRefused(refusal(file.path, f"{type(error).__name__}: {error}")) from error
+    names = [link.name for link in told.links]
+    found = {name: handle.body for name, handle in zip(names, handles.links, strict=True)}
+    for body in found.values():
+        bodies[body].recompute_mass_properties_from_colliders(colliders)
+    moving, tree = [], None
+    for joint, handle in zip(told.joints, handles.joints, strict=True):
+        kind = joint.joint_type.lower()
+        kind = TYPES.get(kind, kind)
+        tree, place = joints.get(handle.joint) if handle.joint is not None else (None, 0)
+        if tree is not None and kind != "fixed":
+            link = tree.get_link(place)
+            data, first = joints[handle.joint].data, link.assembly_id - ROOT
+            moving.append(Joint(joint.name, kind, joint.child, data, first, link.ndofs))
+    return Loaded(bodies, found, {joint.child: joint.parent for joint in told.joints}, tuple(moving), tree)
+
+
+def read_body(robot: Loaded, name: str) -> ReadBody:
+    """Return a link."""
+    own = robot.bodies[robot.handles[name]].mass_properties
+    x, y, z, w = own.principal_inertia_local_frame.quaternion
+    tensor = along([*own.principal_inertia], matrix([w, x, y, z]))
+    return ReadBody(name, robot.parents.get(name), float(own.mass), vector([*own.local_com]), components(tensor))
+
+
+def read_joint(robot: Loaded, joint: Joint) -> ReadJoint:
+    """Return a joint that moves."""
+    axis = AXES.get(joint.type)
+    limits = joint.data.limits(axis) if axis is not None else None
+    place = joint.first + ROOT
+    return ReadJoint(
+        name=joint.name,
+        type=joint.type,
+        child=joint.child,
+        first=joint.first,
+        count=joint.count,
+        axis=vector([*joint.data.local_axis2]) if axis is not None else None,
+        armature=float(robot.tree.armature()[place]),
+        lower=finite(limits.min) if limits is not None else None,
+        upper=finite(limits.max) if limits is not None else None,
+    )
+
+
+def terms(robot: Loaded, state: RobotState) -> Terms:
+    """Return the poses of the links at a state; none with a joint of several velocities, in which the state is not put."""
+    if any(joint.count > 1 for joint in robot.joints):
+        return Terms()
+    if robot.tree is not None:
+        moves = np.zeros(robot.tree.ndofs)
+        for joint in robot.joints:
+            moves[joint.first + ROOT] = state.positions.get(joint.name, (0.0,))[0]
+        robot.tree.apply_displacements(moves.tolist())
+        robot.tree.forward_kinematics(robot.bodies)
+        robot.tree.update_rigid_bodies(robot.bodies, False)
+    poses = {}
+    for name, handle in robot.handles.items():
+        body = robot.bodies[handle]
+        x, y, z, w = body.rotation.quaternion
+        poses[name] = pose(body.translation.to_tuple(), [w, x, y, z])
+    return Terms(poses=poses)

@@ -1,0 +1,73 @@
+"""What a robot file says that its engine does, but does not tell: names of joints that it makes itself, and mimic joints."""
+
+from collections.abc import Mapping, Sequence
+from xml.etree import ElementTree
+
+import numpy as np
+
+from bodycheck.adapters.robot_reading import RobotFile
+from bodycheck.reference.kinematics import multiply
+from bodycheck.reference.robots.model import Mimic
+from bodycheck.reference.trajectory import Array
+
+#: The type of a joint with six degrees of freedom in each format.
+FREE = {"urdf": "floating", "mjcf": "free"}
+
+#: The origin (3,) of a joint's frame in that of its parent (m), and its turn as a quaternion (4,) w, x, y, z.
+Place = tuple[Array, Array]
+
+
+def floating_joints(file: RobotFile) -> Mapping[str, str]:
+    """Return the names of the joints with six degrees of freedom in a file, by the links or bodies that they move.
+
+    Engines that make such joints on their own do not keep the names of the file. A joint without a name has an empty one.
+    """
+    root = ElementTree.parse(file.path).getroot()
+    if file.format == "urdf":
+        joints = [joint for joint in root.iter("joint") if joint.get("type") == FREE["urdf"]]
+        children = [(joint, joint.find("child")) for joint in joints]
+        return {child.get("link", ""): joint.get("name", "") for joint, child in children if child is not None}
+    found = {}
+    for body in root.iter("body"):
+        free = [joint for joint in body.findall("joint") if joint.get("type") == FREE["mjcf"]]
+        for joint in [*body.findall("freejoint"), *free]:
+            found[body.get("name", "")] = joint.get("name", "")
+    return found
+
+
+def places_on_root(file: RobotFile) -> Mapping[str, Place]:
+    """Return the places of the floating joints of a URDF whose parent is the root, by the names of the joints."""
+    joints = ElementTree.parse(file.path).getroot().findall("joint")
+    ends = [
+        {side: end.get("link", "") for side in ("parent", "child") if (end := joint.find(side)) is not None} for joint in joints
+    ]
+    children = {own.get("child") for own in ends}
+    found = {}
+    for joint, own in zip(joints, ends, strict=True):
+        if joint.get("type") == FREE["urdf"] and own.get("parent") not in children and "child" in own:
+            origin = joint.find("origin")
+            words = {} if origin is None else origin.attrib
+            position = np.array([float(word) for word in words.get("xyz", "0 0 0").split()])
+            found[joint.get("name", "")] = position, turned([float(word) for word in words.get("rpy", "0 0 0").split()])
+    return found
+
+
+def turned(angles: Sequence[float]) -> Array:
+    """Return the quaternion (4,) w, x, y, z of turns (rad) about the fixed axes x, y and z in turn."""
+    made = np.array([1.0, 0.0, 0.0, 0.0])
+    for axis, angle in enumerate(angles):
+        own = np.zeros(4)
+        own[0], own[1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
+        made = multiply(own, made)
+    return made
+
+
+def mimics(file: RobotFile) -> Mapping[str, Mimic]:
+    """Return what the joints of a URDF with a mimic element follow, by their names."""
+    found = {}
+    for joint in ElementTree.parse(file.path).getroot().findall("joint"):
+        element = joint.find("mimic")
+        if element is not None:
+            multiplier, offset = float(element.get("multiplier", "1")), float(element.get("offset", "0"))
+            found[joint.get("name", "")] = Mimic(element.get("joint", ""), multiplier, offset)
+    return found

@@ -1,0 +1,53 @@
+"""Numbers of an engine in the forms of `bodycheck.adapters.robot_reading`."""
+
+import math
+from collections.abc import Mapping
+from typing import cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from bodycheck.adapters.robot_reading import Components
+from bodycheck.reference.kinematics import normalise, rotate
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
+
+
+def components(tensor: ArrayLike) -> Components:
+    """Return the components xx, yy, zz, xy, xz, yz of a tensor (3, 3)."""
+    made = np.asarray(tensor, dtype=float)
+    places = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+    return cast("Components", tuple(float(made[place]) for place in places))
+
+
+def vector(values: ArrayLike) -> Vector:
+    """Return three numbers as a tuple."""
+    x, y, z = (float(value) for value in np.asarray(values, dtype=float))
+    return x, y, z
+
+
+def matrix(quaternion: ArrayLike) -> Array:
+    """Return the matrix (3, 3) of a quaternion w, x, y, z of any norm; it takes components in the turned frame to others."""
+    unit = normalise(np.asarray(quaternion, dtype=float))
+    return rotate(np.broadcast_to(unit, (3, 4)), np.eye(3)).T
+
+
+def along(moments: ArrayLike, axes: Array) -> Array:
+    """Return the tensor (3, 3) of principal moments (3,), whose axes are the columns of a matrix (3, 3)."""
+    return np.asarray(axes * np.asarray(moments, dtype=float) @ axes.T)
+
+
+def pose(position: ArrayLike, quaternion: ArrayLike) -> Array:
+    """Return the row (7,) of a position and a quaternion w, x, y, z."""
+    return np.concatenate([np.asarray(position, dtype=float), np.asarray(quaternion, dtype=float)])
+
+
+def finite(limit: float, beyond: float = math.inf) -> float | None:
+    """Return a limit; None where it is infinite, or at least as large as an engine's number for no limit."""
+    return float(limit) if abs(limit) < beyond else None
+
+
+def values_of(values: Mapping[str, tuple[float, ...]], joint: str, count: int) -> Array | None:
+    """Return the numbers of a joint in a state; None where there are none, or not as many as the engine's joint has."""
+    given = values.get(joint, ())
+    return np.array(given) if given and len(given) == count else None

@@ -1,0 +1,255 @@
+"""Robot models as SAPIEN's `URDFLoader` reads them, and the terms that SAPIEN computes with them.
+
+The root is fixed, which is the loader's default. A floating joint must be on the root and move a single link, which is a body
+by itself; with further links the loader fails (`KeyError`). A root without other joints is a body by itself too, and falls.
+Cameras of the file are left out, because they need a renderer. SAPIEN drops an inertia whose mass or tensor is zero, and then
+PhysX computes one from the shapes of collision, or has 1e-6 kg and 1e-6 kg m^2. Joints have damping, as PhysX's drive. Friction
+and effort limits of the file are dropped; PhysX's joints have a friction of their own, by a coefficient of 0.05. A mimic joint
+is a tendon of PhysX, and only where one of the two joints is on the other's child or both are on one link.
+
+Masses, frames and properties of joints are those of PhysX, in single precision, and so are poses and the forces of gravity and
+of Coriolis (`compute_passive_force`). The other terms are those of SAPIEN's `create_pinocchio_model`: SAPIEN writes the
+articulation as a URDF and gives it to its copy of Pinocchio, in double precision but with numbers in single precision. The copy
+is taken here even where Pinocchio is installed, which SAPIEN would prefer. There are no terms of bodies by themselves, and no
+forward dynamics of a robot with damping, which that copy does not have.
+"""
+
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import sapien
+from sapien import physx
+from sapien.pysapien_pinocchio import PinocchioModel
+from sapien.wrapper.urdf_exporter import export_kinematic_chain_urdf
+from sapien.wrapper.urdf_loader import URDFLoader
+
+from bodycheck.adapters.quiet import overheard, refusal
+from bodycheck.adapters.robot_files import floating_joints, places_on_root
+from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, vector
+from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.robot_states import on_root
+from bodycheck.reference.robots.model import Mimic
+from bodycheck.reference.robots.state import RobotState, Values
+from bodycheck.reference.robots.terms import Terms
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
+
+#: SAPIEN's types of joints in the words of `bodycheck.reference.robots.model`.
+TYPES = {"revolute_unwrapped": "revolute", "undefined": "floating", "free": "floating"}
+
+NOTES = ("SAPIEN drops the friction of joints; PhysX gives each a coefficient of friction of 0.05 of the force in the joint",)
+
+#: SAPIEN's number for no limit of an effort is the largest of single precision.
+NO_LIMIT = float(np.finfo(np.float32).max)
+
+
+@dataclass(frozen=True, eq=False)
+class Loaded:
+    """A robot in a scene, which has to last: its articulation, if it has one, and its single bodies.
+
+    The names of floating joints are by the links that these joints move, and what joints with a tendon follow by their names.
+    """
+
+    scene: Any
+    articulation: Any
+    bodies: tuple[Any, ...]
+    floating: Mapping[str, str]
+    mimics: Mapping[str, Mimic]
+
+    @property
+    def free(self) -> tuple[Any, ...]:
+        """The bodies on floating joints, whose velocities are before all others."""
+        return tuple(body for body in self.bodies if body.name in self.floating)
+
+    @property
+    def links(self) -> tuple[Any, ...]:
+        """The links of the articulation."""
+        return tuple(self.articulation.links) if self.articulation is not None else ()
+
+    @property
+    def dof(self) -> int:
+        """The number of velocities of the articulation."""
+        return int(self.articulation.dof) if self.articulation is not None else 0
+
+
+def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
+    """Return what SAPIEN makes of a file, as `RobotModels.read_robot` does."""
+    if file.format != "urdf":
+        raise FormatUnknown(f"SAPIEN has no reader of {file.format} files")
+    standard = vector(physx.get_scene_config().gravity)
+    with overheard(), warnings.catch_warnings(record=True) as caught, pulled(gravity):
+        warnings.simplefilter("always")
+        robot = loaded(file)
+        model, fault = pinocchio_model(robot, gravity)
+        bodies = [read_body(link) for link in (*robot.links, *robot.bodies)]
+        places = places_on_root(file)
+        notes = [f"SAPIEN warns: {warning.message}" for warning in caught]
+        return RobotReading(
+            bodies=tuple(bodies),
+            joints=(*read_free(robot), *read_joints(robot)),
+            links=tuple(body.name for body in bodies),
+            velocities=6 * len(robot.free) + robot.dof,
+            gravity=standard,
+            terms=tuple(terms(robot, model, on_root(state, places)) for state in states),
+            notes=tuple(dict.fromkeys([*NOTES, *notes, *fault])),
+        )
+
+
+def pinocchio_model(robot: Loaded, gravity: Vector) -> tuple[Any, list[str]]:
+    """Return SAPIEN's model of an articulation for Pinocchio, None where there is none, and why Pinocchio refuses it."""
+    if not robot.dof:
+        return None, []
+    try:
+        model = PinocchioModel(export_kinematic_chain_urdf(robot.articulation, force_fix_root=True), gravity)
+    except (ValueError, RuntimeError) as error:
+        return None, [f"SAPIEN's create_pinocchio_model fails: {error}"]
+    model.set_joint_order([f"joint_{joint.child_link.index}" for joint in robot.articulation.get_active_joints()])
+    model.set_link_order([f"link_{link.index}" for link in robot.articulation.links])
+    return model, []
+
+
+@contextmanager
+def pulled(gravity: Vector) -> Iterator[None]:
+    """Have PhysX's scenes begin with a gravity (m/s^2) while this context lasts; the configuration is one of the process."""
+    kept = physx.get_scene_config()
+    before = np.array(kept.gravity)
+    kept.gravity = gravity
+    physx.set_scene_config(kept)
+    try:
+        yield
+    finally:
+        kept.gravity = before
+        physx.set_scene_config(kept)
+
+
+def loaded(file: RobotFile) -> Loaded:
+    """Return the robot of a URDF. Raises `ModelRefused`."""
+    scene = sapien.Scene([physx.PhysxCpuSystem()])
+    loader = URDFLoader().set_scene(scene)
+    try:
+        articulations, bodies, _ = loader.parse(file.path)
+        built, entities = [builder.build() for builder in articulations], [builder.build() for builder in bodies]
+    except Exception as error:  # the loader raises errors of many types, and bare ones
+        raise ModelRefused(refusal(file.path, f"{type(error).__name__}: {error}")) from error
+    single = tuple(entity.find_component_by_type(physx.PhysxRigidDynamicComponent) for entity in entities)
+    for body, entity in zip(single, entities, strict=True):
+        body.set_name(entity.name)
+    tied = {name: mimic for builder, own in zip(articulations, built, strict=True) for name, mimic in tendons(builder, own)}
+    return Loaded(scene, built[0] if built else None, single, floating_joints(file), tied)
+
+
+def tendons(builder: Any, own: Any) -> Iterator[tuple[str, Mimic]]:
+    """Give the names of the mimic joints for which SAPIEN has made tendons, and what these joints follow."""
+    for record in builder.mimic_joint_records:
+        joint, leader = own.find_joint_by_name(record.joint), own.find_joint_by_name(record.mimic)
+        below = joint.parent_link == leader.child_link and joint.parent_link.parent is not None
+        if below or joint.parent_link == leader.parent_link:
+            yield record.joint, Mimic(record.mimic, record.multiplier, record.offset)
+
+
+def read_body(link: Any) -> ReadBody:
+    """Return a link."""
+    centre = link.cmass_local_pose
+    parent = link.parent if isinstance(link, physx.PhysxArticulationLinkComponent) else None
+    return ReadBody(
+        link.name,
+        None if parent is None else parent.name,
+        float(link.mass),
+        vector(centre.p),
+        components(along(link.inertia, matrix(centre.q))),
+    )
+
+
+def read_free(robot: Loaded) -> tuple[ReadJoint, ...]:
+    """Return the joints of free bodies."""
+    return tuple(
+        ReadJoint(robot.floating[body.name], "floating", body.name, 6 * place, 6) for place, body in enumerate(robot.free)
+    )
+
+
+def read_joints(robot: Loaded) -> tuple[ReadJoint, ...]:
+    """Return the joints of the articulation that move."""
+    joints = robot.articulation.get_active_joints() if robot.dof else []
+    return tuple(read_joint(robot, joint, place) for place, joint in enumerate(joints, 6 * len(robot.free)))
+
+
+def read_joint(robot: Loaded, joint: Any, place: int) -> ReadJoint:
+    """Return a joint that moves. It turns about, or slides along, x of its frame in the child."""
+    lower, upper = joint.limits[0]
+    return ReadJoint(
+        name=joint.name,
+        type=TYPES.get(joint.type, joint.type),
+        child=joint.child_link.name,
+        first=place,
+        count=1,
+        axis=vector(matrix(joint.pose_in_child.q)[:, 0]),
+        armature=float(joint.armature[0]),
+        damping=float(joint.damping),
+        stiffness=float(joint.stiffness),
+        effort_limit=finite(joint.force_limit, NO_LIMIT),
+        lower=finite(lower),
+        upper=finite(upper),
+        mimic=robot.mimics.get(joint.name),
+    )
+
+
+def terms(robot: Loaded, model: Any, state: RobotState) -> Terms:
+    """Return what SAPIEN computes at a state; `model` is its model for Pinocchio, or None."""
+    put(robot, state)
+    poses = {link.name: pose(link.entity_pose.p, link.entity_pose.q) for link in (*robot.links, *robot.bodies)}
+    if not robot.dof or robot.free:
+        return Terms(poses=poses)
+    own = robot.articulation
+    held, moving = rates(own, state.positions), rates(own, state.velocities)
+    pulls = own.compute_passive_force(gravity=True, coriolis_and_centrifugal=False).astype(float)
+    turning = own.compute_passive_force(gravity=False, coriolis_and_centrifugal=True).astype(float)
+    if model is None:
+        return Terms(poses=poses, gravity_force=pulls, coriolis_force=turning)
+    damped, efforts = any(joint.damping for joint in own.get_active_joints()), rates(own, state.efforts)
+    return Terms(
+        poses=poses,
+        jacobians=jacobians(own, model, held),
+        mass_matrix=np.array(model.compute_generalized_mass_matrix(held)).reshape(robot.dof, robot.dof),
+        gravity_force=pulls,
+        coriolis_force=turning,
+        forward_dynamics=None if damped else np.array(model.compute_forward_dynamics(held, moving, efforts)),
+        inverse_dynamics=np.array(model.compute_inverse_dynamics(held, moving, rates(own, state.accelerations))),
+    )
+
+
+def put(robot: Loaded, state: RobotState) -> None:
+    """Put a robot into the positions and velocities of a state."""
+    if robot.dof:
+        robot.articulation.set_qpos(rates(robot.articulation, state.positions))
+        robot.articulation.set_qvel(rates(robot.articulation, state.velocities))
+    for body in robot.free:
+        held = state.positions.get(robot.floating[body.name])
+        if held is not None:
+            body.entity.set_pose(sapien.Pose(held[:3], held[3:]))
+
+
+def rates(robot: Any, values: Values) -> Array:
+    """Return SAPIEN's coordinates, velocities, accelerations or efforts of all joints."""
+    return np.array([values.get(joint.name, (0.0,))[0] for joint in robot.get_active_joints()])
+
+
+def jacobians(robot: Any, model: Any, held: Array) -> Mapping[str, Array]:
+    """Return the Jacobians (6, n) of the origins of the links' frames, linear rows first.
+
+    SAPIEN has them along the axes of the link, or of the velocity at the origin of the world; those of the link are turned.
+    Those of a robot of one velocity are missing: there SAPIEN's function fails with an `IndexError`.
+    """
+    if robot.dof == 1:
+        return {}
+    model.compute_full_jacobian(held)
+    model.compute_forward_kinematics(held)
+    made = {}
+    for place, link in enumerate(robot.links):
+        turn = matrix(model.get_link_pose(place).q)
+        own = np.array(model.get_link_jacobian(place, local=True))
+        made[link.name] = np.concatenate([turn @ own[:3], turn @ own[3:]])
+    return made

@@ -1,0 +1,78 @@
+"""What a case file says, once it is read and checked: the scene, the duration and the samples of a run, and expectations.
+
+Worker processes have cases without reading files. What reads and checks these takes long to import, and is not imported here.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from bodycheck.casefile.expectation import Expectation
+from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.trajectory import Array
+
+#: Most steps of a run.
+MAX_STEPS = 1e9
+
+if TYPE_CHECKING:
+    from bodycheck.casefile.ensemble import Ensemble
+
+
+@dataclass(frozen=True)
+class Case:
+    """A validated case.
+
+    Parameters
+    ----------
+    name, title, source, tags
+        As in the file.
+    scene
+        The body, its initial state and its surroundings, or the bodies and joints of a mechanism.
+    duration
+        The duration of a run (s).
+    samples
+        The number of sampling times, with both ends included.
+    expectations
+        What must hold of methods.
+    extremes
+        The names of axes, each with the values at which a study of extremes tries the case.
+    text
+        The text of the file, with that of the robot model that it names.
+    ensemble
+        What many members are drawn from the case with; None where the file does not say it.
+    """
+
+    name: str
+    title: str
+    source: str
+    tags: tuple[str, ...]
+    scene: AnyScene
+    duration: float
+    samples: int
+    expectations: tuple[Expectation, ...]
+    extremes: tuple[tuple[str, tuple[float, ...]], ...]
+    text: str
+    ensemble: "Ensemble | None" = None
+
+    @property
+    def file_text(self) -> str:
+        """Return the text of the file alone, without that of its model."""
+        from bodycheck.casefile.mechanisms.model import split
+
+        return split(self.text)[0]
+
+    @property
+    def instants(self) -> Array:
+        """Return the sampling times (samples,) of the case, in s."""
+        return np.linspace(0.0, self.duration, self.samples)
+
+
+def check_case(case: object) -> None:
+    """Raise `TypeError` for anything that is not a case, for example the name of one."""
+    if not isinstance(case, Case):
+        from bodycheck.casefile.wording import quote
+
+        meant = f"; did you mean bodycheck.load({case!r})?" if isinstance(case, str | FilePath) else ""
+        raise TypeError(f"read {quote(case)} as the case; allowed: what bodycheck.load returns{meant}")

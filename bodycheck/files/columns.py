@@ -1,0 +1,40 @@
+"""Columns of Arrow tables, made from values and turned into arrays without pandas.
+
+PyArrow's own conversions import pandas where it is installed, which takes as long as all else that most commands need.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+
+def of_numbers(numbers: NDArray[np.float64]) -> Any:
+    """Return the column of numbers (n,)."""
+    values = np.ascontiguousarray(numbers, dtype=np.float64)
+    return pa.Array.from_buffers(pa.float64(), len(values), [None, pa.py_buffer(values)])
+
+
+def of_values(values: Sequence[Any], kind: Any) -> Any:
+    """Return the column of values of a type, one of booleans, 64-bit integers, 64-bit floats and strings. None is missing."""
+    missing = np.array([value is None for value in values], dtype=bool)
+    validity = pa.py_buffer(np.packbits(~missing, bitorder="little")) if missing.any() else None
+    if kind == pa.string():
+        texts = [b"" if value is None else value.encode("utf-8") for value in values]
+        ends = np.cumsum([0, *map(len, texts)]).astype(np.int32)
+        return pa.Array.from_buffers(kind, len(values), [validity, pa.py_buffer(ends), pa.py_buffer(b"".join(texts))])
+    numbers = np.array([0 if value is None else value for value in values], dtype=kind.to_pandas_dtype())
+    held = np.packbits(numbers, bitorder="little") if kind == pa.bool_() else numbers
+    return pa.Array.from_buffers(kind, len(values), [validity, pa.py_buffer(held)])
+
+
+def numbers_of(column: Any) -> NDArray[np.float64]:
+    """Return the numbers (n,) of a column of 64-bit floats, none of which is missing. The array cannot be written."""
+    parts = [
+        np.frombuffer(chunk.buffers()[1], np.float64, len(chunk), chunk.offset * np.dtype(np.float64).itemsize)
+        for chunk in column.chunks
+        if len(chunk)
+    ]
+    return parts[0] if len(parts) == 1 else np.concatenate([np.empty(0), *parts])

@@ -1,0 +1,90 @@
+"""Numbers, positions and rotations that stand in attributes of URDF. What cannot be read is a fault, and the default is taken.
+
+Numbers are the doubles nearest to what is written, as every engine reads them. What is computed of them is exact.
+"""
+
+import math
+import re
+
+from bodycheck.reference.exact.numbers import MP, Quaternion4, Vector3, vector
+from bodycheck.reference.exact.rotations import IDENTITY, unit
+from bodycheck.robots.elements import Element, quoted
+from bodycheck.robots.faults import About, FaultyQuantity
+from bodycheck.robots.orientations import euler
+
+#: A decimal number. `float` would also take 1_000, nan, infinity and digits of other scripts.
+NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
+
+#: What C's `strtod`, and so many readers, take for numbers too, of which no body is made.
+NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
+
+#: Most characters of an attribute that holds numbers.
+MAX_CHARACTERS = 2000
+
+#: Space in an attribute of XML. `str.split` would also take that of other scripts.
+SPACE = " \t\r\n"
+
+#: The default of positions and angles.
+ZERO = (0.0, 0.0, 0.0)
+
+
+def numbers(
+    about: About, quantity: FaultyQuantity, element: Element, attribute: str, default: tuple[float, ...]
+) -> tuple[float, ...]:
+    """Return the numbers of an attribute, as many as the default has, which is returned where it is missing or unreadable.
+
+    A number that is not finite is a fault, and returned as it is.
+    """
+    text = element.attributes.get(attribute)
+    if text is None:
+        return default
+    words = text.strip(SPACE)
+    found = [_value(word) for word in re.split(f"[{SPACE}]+", words)] if 0 < len(words) <= MAX_CHARACTERS else []
+    values = tuple(value for value in found if value is not None)
+    fits = len(values) == len(found) == len(default)
+    if not fits or not all(map(math.isfinite, values)):
+        allowed = "one number" if len(default) == 1 else f"{len(default)} numbers separated by spaces"
+        about.add(quantity, element, attribute, f"read {quoted(text)}; allowed: {allowed}")
+    return values if fits else default
+
+
+def number(about: About, quantity: FaultyQuantity, element: Element, attribute: str, default: float = 0.0) -> float:
+    """Return the number of an attribute, as `numbers` does."""
+    (value,) = numbers(about, quantity, element, attribute, (default,))
+    return value
+
+
+def required(about: About, quantity: FaultyQuantity, element: Element, attribute: str) -> float:
+    """Return the number of an attribute, as `numbers` does; 0 and a fault where it is missing."""
+    if attribute not in element.attributes:
+        about.add(quantity, element, attribute, "is missing; allowed: one number")
+    return number(about, quantity, element, attribute)
+
+
+def position(about: About, quantity: FaultyQuantity, origin: Element | None) -> Vector3:
+    """Return the position (m) of an <origin>, which is 0 where there is none."""
+    return vector(ZERO if origin is None else numbers(about, quantity, origin, "xyz", ZERO))
+
+
+def attitude(about: About, quantity: FaultyQuantity, origin: Element | None) -> Quaternion4:
+    """Return the attitude of an <origin>: a unit quaternion (w, x, y, z) from its axes to those around it.
+
+    It is `rpy`, turns about the fixed axes x, y and z in this order (rad), or `quat_xyzw` where the version of the file has it.
+    """
+    if origin is None:
+        return IDENTITY
+    if about.quaternions and "quat_xyzw" in origin.attributes:
+        if "rpy" in origin.attributes:
+            about.add(quantity, origin, "quat_xyzw", "rpy is given too; allowed: one of them")
+        x, y, z, w = map(MP.mpf, numbers(about, quantity, origin, "quat_xyzw", (0.0, 0.0, 0.0, 1.0)))
+        if x or y or z or w:
+            return unit((w, x, y, z))
+        about.add(quantity, origin, "quat_xyzw", "its length is 0; allowed: a quaternion that is not 0")
+        return IDENTITY
+    angles = numbers(about, quantity, origin, "rpy", ZERO)
+    return euler(vector(angles), "XYZ") if any(angles) else IDENTITY
+
+
+def _value(word: str) -> float | None:
+    """Return the number that a word is; None if it is none."""
+    return float(word) if NUMBER.fullmatch(word) or NOT_FINITE.fullmatch(word) else None

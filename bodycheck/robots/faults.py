@@ -1,0 +1,88 @@
+"""What the specification of a file's format refuses in it."""
+
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from bodycheck.reference.robots.model import RobotModel
+from bodycheck.robots.elements import Element, place, quoted
+
+#: The quantity that a fault is about: "effort_limit" for all of <limit>, "joint_type" for <mimic> too, "parent" for names too;
+#: empty for what is about the file as a whole.
+FaultyQuantity = Literal[
+    "mass", "center_of_mass", "inertia", "pose", "axis", "parent", "joint_type", "damping", "friction", "effort_limit", ""
+]
+
+#: Most faults that are told of one file. A file of a stranger may have one in every element.
+MAX_FAULTS = 200
+
+
+@dataclass(frozen=True)
+class FileFault:
+    """What the specification refuses in a file.
+
+    Attributes
+    ----------
+    subject
+        The name of the link or joint, or "model".
+    quantity
+        What it is about.
+    text
+        The fault in one line of printable characters, which names the file and the line.
+    """
+
+    subject: str
+    quantity: FaultyQuantity
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class FileReading:
+    """A robot model as the specification of its file's format has it.
+
+    Attributes
+    ----------
+    model
+        The model; None if no tree of links and joints can be made of the file.
+    faults
+        What the specification refuses, in the order in which it was found.
+    """
+
+    model: RobotModel | None
+    faults: tuple[FileFault, ...]
+
+
+@dataclass(frozen=True)
+class About:
+    """A link or joint that is read, or the model.
+
+    Attributes
+    ----------
+    subject
+        Its name, or "model".
+    quaternions
+        Whether `quat_xyzw` has a meaning in the file, as from URDF 1.1 on.
+    faults
+        The faults of the file so far.
+    """
+
+    subject: str
+    quaternions: bool = False
+    faults: list[FileFault] = field(default_factory=list)
+
+    def of(self, subject: str) -> "About":
+        """Return the same file and list of faults for another subject."""
+        return replace(self, subject=subject)
+
+    def add(self, quantity: FaultyQuantity, element: Element, attribute: str | None, text: str) -> None:
+        """Add a fault of an element or of its attribute."""
+        if len(self.faults) < MAX_FAULTS:
+            self.faults.append(FileFault(self.subject, quantity, f"{place(element, attribute)}: {text}"))
+        elif len(self.faults) == MAX_FAULTS:
+            self.faults.append(FileFault("model", "", f"{element.file}: has more faults, which are not listed"))
+
+    def only(self, quantity: FaultyQuantity, holder: Element, tag: str) -> Element | None:
+        """Return the first child with a tag; None if there is none. Several are a fault."""
+        found = list(holder.all(tag))
+        if len(found) > 1:
+            self.add(quantity, found[1], None, f"a second <{tag}> of one <{quoted(holder.tag)[1:-1]}>; allowed: one")
+        return found[0] if found else None

@@ -1,0 +1,128 @@
+"""Make the elements of an MJCF file a model that needs no other files but the meshes that carry inertia.
+
+https://mujoco.readthedocs.io/en/stable/XMLreference.html. Files that are included are put in their places. Textures, skins,
+plug-ins and the sizes of memory are removed, because no term of the equations of motion depends on them; a height field is made
+flat. A mesh whose shape carries no inertia is replaced by a small one, so that whatever names it still finds it. Bodies and
+joints without names get some, because engines would give them different ones, by which nobody could tell which is which.
+"""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from bodycheck.errors import BadInput
+from bodycheck.robots import elements, mjcf_meshes
+from bodycheck.robots.elements import MAX_ELEMENTS, Element, place, quoted, refuse
+from bodycheck.robots.places import Folders, NotFound
+from bodycheck.robots.removing import Removed, local, remove
+
+#: Elements that are removed.
+UNWANTED = {"texture", "skin", "plugin", "extension", "size", "layer"}
+
+#: The elements that get names, with what the names begin with, and those in which they stand.
+NAMED: Mapping[str, str] = {"body": "body", "joint": "joint", "freejoint": "joint"}
+AROUND = {"worldbody", "body", "frame", "replicate"}
+
+#: Most files that are included.
+MAX_INCLUDES = 200
+
+
+def prepare(root: Element, folders: Folders, into: Path, removed: Removed) -> None:
+    """Change the elements of an MJCF file so that they need no file but meshes, which are copied.
+
+    Parameters
+    ----------
+    root
+        The root of the file.
+    folders
+        The folders whose files may be read.
+    into
+        The folder of the copy.
+    removed
+        Where it is counted what is removed.
+
+    Raises
+    ------
+    BadInput
+        A file that is needed is not inside the folders, or the model needs what is not copied.
+    """
+    origins = _include(root, folders)
+    for element in root.everything():
+        tag = local(element.tag)
+        if tag == "attach" or (tag == "model" and "file" in element.attributes):
+            refuse(element, None, "brings another model, which is not read here; write its bodies into this one")
+        if tag == "flexcomp" and "file" in element.attributes:
+            refuse(element, "file", "brings a deformable body, which is not read here")
+        if tag == "hfield":
+            _flatten(element, removed)
+    _name(root)
+    kept = mjcf_meshes.prepare(root, folders, origins, into, removed)
+    remove(root, lambda element: local(element.tag) in UNWANTED, kept, removed)
+
+
+def _include(root: Element, folders: Folders) -> dict[Element, Path]:
+    """Put the content of files that are included in their places, and return the folder from which each element is.
+
+    Raises `BadInput` for a file that cannot be read, is included twice, or makes the model too large.
+    """
+    origins: dict[Element, Path] = {}
+    included: set[Path] = set()
+    left = [(root, folders.home)]
+    while left:
+        element, folder = left.pop()
+        origins[element] = folder
+        if len(origins) > MAX_ELEMENTS:
+            refuse(element, None, f"the model has more than {MAX_ELEMENTS} elements with those that it includes")
+        children = []
+        next_ones = [(child, folder) for child in reversed(element.children)]
+        while next_ones:
+            child, within = next_ones.pop()
+            if local(child.tag) != "include":
+                children.append((child, within))
+                continue
+            path, content = _content(child, within, folders, included)
+            next_ones += [(inner, path.parent) for inner in reversed(content.children)]
+        element.children = [child for child, _ in children]
+        left += reversed(children)
+    return origins
+
+
+def _content(include: Element, folder: Path, folders: Folders, included: set[Path]) -> tuple[Path, Element]:
+    """Return the path and the root of a file that is included in one of a folder."""
+    name = include.attributes.get("file", "")
+    try:
+        path = folders.find(name, (folders.home, folder))
+    except NotFound as error:
+        refuse(include, "file", f"{quoted(name)} {error}")
+    if path in included:
+        refuse(include, "file", f"{quoted(name)} is included twice")
+    if len(included) == MAX_INCLUDES:
+        refuse(include, "file", f"more than {MAX_INCLUDES} files are included")
+    included.add(path)
+    try:
+        return path, elements.read(path)
+    except BadInput as error:
+        raise BadInput(f"{place(include, 'file')}: {error}") from error
+
+
+def _name(root: Element) -> None:
+    """Give names to the bodies and joints that have none: what they are, and the first number that makes a name of its own."""
+    taken = {element.attributes.get("name", "") for element in root.everything()}
+    numbers = dict.fromkeys(NAMED.values(), 0)
+    for around in root.everything():
+        for element in around.children if around.tag in AROUND else ():
+            if element.tag in NAMED and not element.attributes.get("name"):
+                kind = NAMED[element.tag]
+                while f"{kind}{numbers[kind]}" in taken:
+                    numbers[kind] += 1
+                element.attributes["name"] = f"{kind}{numbers[kind]}"
+                numbers[kind] += 1
+
+
+def _flatten(hfield: Element, removed: Removed) -> None:
+    """Make a height field one without heights, which has no inertia in any case."""
+    if "file" in hfield.attributes:
+        name = Path(hfield.attributes["file"]).stem
+        hfield.attributes.setdefault("name", name)
+        del hfield.attributes["file"]
+        removed.add(hfield, "file")
+        hfield.attributes |= {"nrow": "2", "ncol": "2"}

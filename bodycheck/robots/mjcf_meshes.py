@@ -1,0 +1,140 @@
+"""Copy the meshes of an MJCF file that carry inertia, and replace the others by a small one.
+
+A mesh carries inertia where a geom of it is in a body without an <inertial>, or where inertia comes from geoms in any case.
+Meshes are files of strangers too: they are copied by their content, up to a size, and only from the folders of the model.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+
+from bodycheck.errors import BadInput
+from bodycheck.files import reading, writing
+from bodycheck.robots.elements import Element, place, quoted, refuse
+from bodycheck.robots.places import Folders, NotFound
+from bodycheck.robots.removing import Removed, local
+
+#: The kinds of files that are copied, and the largest size of all of them together.
+SUFFIXES = (".stl", ".obj", ".msh")
+MAX_BYTES = 256 << 20
+
+#: The first words of those lines of an OBJ file that are copied. Others name files of materials.
+OBJ_WORDS = (b"v", b"vn", b"vt", b"f", b"o", b"g", b"s", b"l", b"p")
+
+#: The attributes of a mesh in the place of one that carries no inertia: four points of a cube with edges of 1 m.
+SMALL = {"vertex": "0 0 0 1 0 0 0 1 0 0 0 1", "scale": "1 1 1"}
+
+
+def prepare(root: Element, folders: Folders, origins: dict[Element, Path], into: Path, removed: Removed) -> frozenset[Element]:
+    """Copy the meshes that carry inertia, and return the elements that name the copies.
+
+    Parameters
+    ----------
+    root
+        The root of the model.
+    folders
+        The folders whose files may be read.
+    origins
+        The folder of the file from which each element is.
+    into
+        The folder of the copy.
+    removed
+        Where it is counted which files are not copied.
+
+    Raises
+    ------
+    BadInput
+        A mesh that carries inertia is not inside the folders, is too large or of another kind.
+    """
+    carriers = _carriers(root)
+    below, stripped = _folder(root), _stripped(root)
+    kept: set[Element] = set()
+    room = MAX_BYTES
+    for mesh in _meshes(root):
+        file = mesh.attributes["file"]
+        name = mesh.attributes.setdefault("name", _stem(file))
+        if name not in carriers:
+            mesh.attributes = {"name": name, **SMALL}
+            removed.add(mesh, "file")
+            continue
+        wanted = file.replace("\\", "/").rpartition("/")[2] if stripped else file
+        bases = (folders.home / below, origins[mesh] / below, folders.home)
+        content, suffix = _content(mesh, wanted, bases, folders, room)
+        room -= len(content)
+        copy = f"mesh-{len(kept)}{suffix}"
+        writing.write(into / copy, content)
+        mesh.attributes["file"] = copy
+        kept.add(mesh)
+    return frozenset(kept)
+
+
+def _meshes(root: Element) -> Iterator[Element]:
+    """Yield the meshes of files."""
+    for element in root.everything():
+        if local(element.tag) == "asset":
+            yield from (mesh for mesh in element.children if local(mesh.tag) == "mesh" and "file" in mesh.attributes)
+
+
+def _stem(file: str) -> str:
+    """Return the name of a mesh that has only a file: that of the file, without folder and ending."""
+    return PurePosixPath(file.replace("\\", "/")).stem
+
+
+def _compilers(root: Element, attribute: str) -> list[str]:
+    """Return what the <compiler> elements have for an attribute, in their order; the last one counts."""
+    return [
+        element.attributes[attribute]
+        for element in root.everything()
+        if local(element.tag) == "compiler" and attribute in element.attributes
+    ]
+
+
+def _folder(root: Element) -> str:
+    """Return the folder of meshes below that of the model."""
+    found = _compilers(root, "meshdir") or _compilers(root, "assetdir")
+    return found[-1] if found else ""
+
+
+def _stripped(root: Element) -> bool:
+    """Return whether names of files lose their folders."""
+    return _compilers(root, "strippath")[-1:] == ["true"]
+
+
+def _carriers(root: Element) -> set[str]:
+    """Return the names of the meshes that may carry inertia."""
+    everywhere = "true" in _compilers(root, "inertiafromgeom")
+    names = set()
+    left = [(child, False, "") for child in root.children]
+    while left:
+        element, counts, parent = left.pop()
+        tag = local(element.tag)
+        if tag == "body":
+            counts = everywhere or not any(local(child.tag) == "inertial" for child in element.children)
+        if tag in ("geom", "composite", "flexcomp") and (counts or parent == "default"):
+            names.add(element.attributes.get("mesh", ""))
+        left += [(child, counts, tag) for child in element.children]
+    return names
+
+
+def _content(mesh: Element, name: str, bases: tuple[Path, ...], folders: Folders, room: int) -> tuple[bytes, str]:
+    """Return the content of the file of a mesh, and the ending of its name."""
+    try:
+        path = folders.find(name, bases)
+    except NotFound as error:
+        refuse(mesh, "file", f"{quoted(name)} {error}, and its shape carries inertia")
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        refuse(mesh, "file", f"read {quoted(name)}; allowed where a shape carries inertia: {', '.join(SUFFIXES)}")
+    try:
+        content = reading.content(path, room)
+    except reading.Refused as error:
+        raise BadInput(f"{place(mesh, 'file')}: {quoted(name)}: {error.reason}") from error
+    except OSError as error:
+        raise BadInput(f"{place(mesh, 'file')}: {quoted(name)} cannot be read: {error.strerror}") from error
+    return (_plain_obj(content) if suffix == ".obj" else content), suffix
+
+
+def _plain_obj(content: bytes) -> bytes:
+    """Return an OBJ file without the lines that name other files."""
+    joined = content.replace(b"\\\r\n", b" ").replace(b"\\\n", b" ")
+    lines = (line for line in joined.splitlines() if line.split(maxsplit=1)[:1] and line.split(maxsplit=1)[0] in OBJ_WORDS)
+    return b"\n".join(lines) + b"\n"

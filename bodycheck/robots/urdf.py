@@ -1,0 +1,251 @@
+"""Read a URDF as its specification says, and tell what the specification refuses in it.
+
+Where a fault leaves the file a meaning, reading goes on: a number that cannot be read has its default, or is 0 where there is
+none, and of several elements of which one is allowed the first counts. `urdf_parts` reads links and joints, and this module
+what connects them.
+"""
+
+import re
+from collections import Counter
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bodycheck.errors import BadInput
+from bodycheck.reference.exact.numbers import MP, Real, Vector3, wide
+from bodycheck.reference.exact.rotations import matrix
+from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, Wide
+from bodycheck.robots import elements, urdf_parts
+from bodycheck.robots.elements import Element, quoted
+from bodycheck.robots.faults import About, FileReading
+from bodycheck.robots.urdf_parts import JointPart, LinkPart
+
+#: Most links and joints of a model, and most characters of a name. Jacobians of all links at many states take the square of
+#: their number, and every table has the names many times.
+MAX_LINKS = 500
+MAX_NAME = 500
+
+#: The versions of URDF, and the first one in which an attitude can be a quaternion.
+VERSION = re.compile(r"1\.([0-2])")
+WITH_QUATERNIONS = 1
+
+#: Types of joints whose one coordinate another joint can follow.
+FOLLOWED = ("revolute", "prismatic")
+
+
+@dataclass(frozen=True, eq=False)
+class Parts:
+    """The links and joints of a URDF, in its order, which form a tree.
+
+    Attributes
+    ----------
+    links, joints
+        The links and joints.
+    root
+        The name of the link that no joint moves.
+    """
+
+    links: tuple[LinkPart, ...]
+    joints: tuple[JointPart, ...]
+    root: str
+
+
+def read(content: bytes, file: str) -> FileReading:
+    """Return a URDF as its specification says, in the widest type of NumPy.
+
+    Parameters
+    ----------
+    content
+        The content of the file.
+    file
+        Its name, which stands in the texts of faults.
+
+    Raises
+    ------
+    BadInput
+        If it is not XML, has a document type definition, is nested too deep, has too many elements, links or joints, or its
+        root is not <robot>.
+    """
+    root = elements.parsed(content, file)
+    if root.tag != "robot":
+        elements.refuse(root, None, "is no URDF; allowed: <robot>")
+    about = about_file(root)
+    _check_head(about, root)
+    made = parts(root, about)
+    model = None if made is None else _model(root.attributes.get("name", ""), made)
+    return FileReading(model, tuple(about.faults))
+
+
+def about_file(root: Element) -> About:
+    """Return what the readers of links and joints know of a file, without faults."""
+    version = VERSION.fullmatch(root.attributes.get("version", "1.0"))
+    return About("model", quaternions=version is not None and int(version[1]) >= WITH_QUATERNIONS)
+
+
+def _check_head(about: About, root: Element) -> None:
+    """Add the faults of <robot> itself, and of what is left of macros."""
+    written = root.attributes.get("version", "1.0")
+    if not VERSION.fullmatch(written):
+        about.add("", root, "version", f"read {quoted(written)}; allowed: 1.0, 1.1 or 1.2")
+    if "name" not in root.attributes:
+        about.add("", root, "name", "is missing; allowed: the name of the robot")
+    for element in root.everything():
+        if element.tag.startswith("xacro:"):
+            about.add("", element, None, "is a macro of xacro, which is not expanded here; expand the file first")
+
+
+def parts(root: Element, about: About) -> Parts | None:
+    """Return the links and joints of a URDF; None and at least one fault if they do not form a tree.
+
+    Raises `BadInput` if there are too many of them.
+    """
+    counts = Counter(element.tag for element in root.children)
+    for tag in ("link", "joint"):
+        if counts[tag] > MAX_LINKS:
+            raise BadInput(f"{root.file}: has {counts[tag]} {tag}s; allowed: at most {MAX_LINKS}")
+    links, joints = _named(about, root, "link"), _named(about, root, "joint")
+    if counts["link"] == 0:
+        about.add("parent", root, None, "has no <link>")
+    made_links = [LinkPart(name, one, urdf_parts.mass_properties(about.of(name), one)) for name, one in links or ()]
+    made_joints = [urdf_parts.joint(about.of(name), one) for name, one in joints or ()]
+    found = [joint for joint in made_joints if joint is not None]
+    if not links or joints is None or len(found) < len(made_joints):
+        return None
+    root_name = _root(about, root, dict(links), found)
+    return None if root_name is None else Parts(tuple(made_links), tuple(_following(about, found)), root_name)
+
+
+def _named(about: About, root: Element, tag: str) -> list[tuple[str, Element]] | None:
+    """Return the elements with a tag, each with its name; None and a fault if a name is missing, too long or stands twice."""
+    found = [(element.attributes.get("name", ""), element) for element in root.all(tag)]
+    named = [(name, element) for name, element in found if 0 < len(name) <= MAX_NAME]
+    for name, element in found:
+        if not name:
+            about.add("parent", element, "name", "is missing")
+        elif len(name) > MAX_NAME:
+            about.add("parent", element, "name", f"read {quoted(name)}; allowed: at most {MAX_NAME} characters")
+    counts = Counter[str]()
+    for name, element in named:
+        counts[name] += 1
+        if counts[name] == 2:
+            about.of(name).add("parent", element, "name", f"read {quoted(name)}, which stands twice")
+    return named if len(counts) == len(found) else None
+
+
+def _root(about: About, root: Element, links: dict[str, Element], joints: list[JointPart]) -> str | None:
+    """Return the name of the root of the tree; None and a fault if there is no tree."""
+    holder: dict[str, JointPart] = {}
+    broken = False
+    for joint in joints:
+        for end in ("parent", "child"):
+            if (name := getattr(joint, end)) not in links:
+                broken, element = True, joint.element.first(end) or joint.element
+                about.of(joint.name).add("parent", element, "link", f"{end}: there is no link {quoted(name)}")
+        if joint.child in holder:
+            broken = True
+            told = f"the link {quoted(joint.child)} is the child of two joints; allowed: one"
+            about.of(joint.child).add("parent", joint.element, None, told)
+        holder[joint.child] = joint
+    if broken:
+        return None
+    roots = [name for name in links if name not in holder]
+    if len(roots) != 1:
+        told = ", ".join(map(quoted, roots[:10])) + (", …" if len(roots) > 10 else "") or "none"
+        about.add("parent", root, None, f"links without a parent: {told}; allowed: one")
+        return None
+    reached = set(below(roots[0], joints)) | {roots[0]}
+    for name in links:
+        if name not in reached:
+            about.of(name).add("parent", links[name], None, "is in a circle of links, which no root leads to")
+            return None
+    return roots[0]
+
+
+def below(root: str, joints: list[JointPart] | tuple[JointPart, ...]) -> list[str]:
+    """Return the names of all links that a root leads to, without it, each behind its parent and in the order of joints."""
+    children: dict[str, list[str]] = {}
+    for joint in joints:
+        children.setdefault(joint.parent, []).append(joint.child)
+    found = [root]
+    for name in found:
+        found += children.get(name, ())
+    return found[1:]
+
+
+def _following(about: About, joints: list[JointPart]) -> list[JointPart]:
+    """Return the joints without the <mimic> that has no meaning: of no such joint, or in a circle."""
+    by_name = {joint.name: joint for joint in joints}
+    made = []
+    for joint in joints:
+        if joint.mimic is None or joint.type == "fixed":  # a fixed joint has nothing that could follow
+            made.append(replace(joint, mimic=None))
+            continue
+        seen, leader = {joint.name}, by_name.get(joint.mimic.joint)
+        while leader is not None and leader.mimic is not None and leader.name not in seen:
+            seen.add(leader.name)
+            leader = by_name.get(leader.mimic.joint)
+        followed = by_name.get(joint.mimic.joint)
+        told = ""
+        if followed is None:
+            told = f"there is no joint {quoted(joint.mimic.joint)}"
+        elif leader is not None and leader.name in seen:
+            told = "the joints follow one another in a circle"
+        elif followed.type not in FOLLOWED or joint.type not in FOLLOWED:
+            told = f"a {joint.type} joint cannot follow a {followed.type} one; allowed: revolute, continuous and prismatic"
+        if told:
+            about.of(joint.name).add("joint_type", joint.element.first("mimic") or joint.element, "joint", told)
+        made.append(replace(joint, mimic=None) if told else joint)
+    return made
+
+
+def _model(name: str, made: Parts) -> RobotModel:
+    """Return a model in the widest type of NumPy."""
+    places = {link.name: place for place, link in enumerate(made.links)}
+    return RobotModel(
+        name,
+        tuple(_link(link) for link in made.links),
+        tuple(_joint(joint, places) for joint in made.joints),
+    )
+
+
+def _link(part: LinkPart) -> RobotLink:
+    xx, yy, zz, xy, xz, yz = part.made.tensor
+    inertia = [*map(rounded, ((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))]
+    return RobotLink(part.name, float(part.made.mass), rounded(part.made.centre), np.array(inertia))
+
+
+def _joint(part: JointPart, places: dict[str, int]) -> RobotJoint:
+    return RobotJoint(
+        part.name,
+        part.type,
+        places[part.parent],
+        places[part.child],
+        rounded(part.origin),
+        np.array([rounded(row) for row in matrix(part.attitude)]),
+        rounded(_unit(part.axis)),
+        damping=part.damping,
+        friction=part.friction,
+        effort_limit=part.limits.effort,
+        velocity_limit=part.limits.velocity,
+        lower=part.limits.lower,
+        upper=part.limits.upper,
+        mimic=part.mimic,
+    )
+
+
+def _unit(axis: Vector3) -> Vector3:
+    """Return an axis of length 1, or 0 where it is 0."""
+    if not any(axis):
+        return axis
+    length = MP.sqrt(sum(part * part for part in axis))
+    x, y, z = (part / length for part in axis)
+    return x, y, z
+
+
+def rounded(values: Vector3) -> Wide:
+    """Return exact numbers in the widest type of NumPy."""
+    return np.array([_wide(value) for value in values], np.longdouble)
+
+
+def _wide(value: Real) -> np.longdouble:
+    return wide(value) if MP.isfinite(value) else np.longdouble(float(value))

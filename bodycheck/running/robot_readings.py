@@ -1,0 +1,158 @@
+"""Let engines read files of robot models, each with its own reader, in the processes where they live."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import RobotModels
+from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, RobotFile, RobotReading
+from bodycheck.reference.robots.model import RobotModel
+from bodycheck.reference.robots.state import RobotState
+from bodycheck.reference.robots.terms import Terms
+from bodycheck.reference.scene import Vector
+from bodycheck.running import pool
+from bodycheck.running.engines import home
+from bodycheck.running.outcome import AdapterFault, Crashed, TimedOut
+
+#: Time limit for the reading of one file by one engine (s). Some engines compile code for it.
+TIME_LIMIT_S = 120.0
+
+#: The engine that says what an MJCF file means.
+MJCF_ENGINE = "mujoco"
+
+
+@dataclass(frozen=True)
+class Refused:
+    """The engine refuses the file; the reason is in its own words."""
+
+    reason: str
+
+
+@dataclass(frozen=True)
+class FormatMissing:
+    """The engine has no reader of such files. `none_at_all` says that it reads no robot models of any format."""
+
+    reason: str
+    none_at_all: bool = False
+
+
+Answer = RobotReading | Refused | FormatMissing | Crashed | TimedOut
+
+
+@dataclass(frozen=True)
+class Call:
+    """A file that an engine reads, and the states and the gravity (m/s^2) at which it computes its terms."""
+
+    engine: str
+    file: RobotFile
+    states: tuple[RobotState, ...]
+    gravity: Vector
+
+
+#: A function from a file, states and gravity to the answers of all engines by name.
+Reader = Callable[[RobotFile, Sequence[RobotState], Vector], dict[str, Answer]]
+
+
+@contextmanager
+def reader(engines: Sequence[str], jobs: int, limit: float = TIME_LIMIT_S) -> Iterator[Reader]:
+    """Provide a function that lets all engines read a file. Their processes live on from one file to the next.
+
+    Parameters
+    ----------
+    engines
+        The names of the engines.
+    jobs
+        The number of engines that read at the same time.
+    limit
+        The time limit of the reading of one file by one engine (s).
+    """
+    with pool.crew(read, jobs, limit, group=_engine, home=home) as call_each:
+
+        def read_file(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> dict[str, Answer]:
+            answers = call_each([Call(name, file, tuple(states), gravity) for name in engines])
+            return dict(zip(engines, answers, strict=True))
+
+        yield read_file
+
+
+def read_all(
+    engines: Sequence[str],
+    file: RobotFile,
+    states: Sequence[RobotState],
+    gravity: Vector,
+    limit: float = TIME_LIMIT_S,
+    jobs: int = 1,
+) -> dict[str, Answer]:
+    """Return what engines make of one file, by their names; parameters are those of `reader`."""
+    with reader(engines, jobs, limit) as read_file:
+        return read_file(file, states, gravity)
+
+
+def read(call: Call) -> RobotReading | Refused | FormatMissing:
+    """Return what an engine makes of a file, in the process where the engine lives."""
+    adapter = registry.load(call.engine)
+    if not isinstance(adapter, RobotModels):
+        return FormatMissing(f"{call.engine} has no reader of robot models", none_at_all=True)
+    try:
+        reading = adapter.read_robot(call.file, call.states, call.gravity)
+    except ModelRefused as error:
+        return Refused(str(error))
+    except FormatUnknown as error:
+        return FormatMissing(str(error))
+    check_shapes(reading, len(call.states))
+    return reading
+
+
+def check_shapes(reading: RobotReading, states: int) -> None:
+    """Raise `AdapterFault` if there are terms at more or fewer states than asked for, or some of another shape."""
+    if len(reading.terms) != states:
+        raise AdapterFault(f"there are terms at {len(reading.terms)} states, not at {states}")
+    count = reading.velocities
+    shapes = {part.name: (count, count) if part.name == "mass_matrix" else (count,) for part in fields(Terms)[2:]}
+    for terms in reading.terms:
+        arrays = [(name, getattr(terms, name), shape) for name, shape in shapes.items()]
+        arrays += [(f"the pose of {name}", pose, (7,)) for name, pose in terms.poses.items()]
+        arrays += [(f"the Jacobian of {name}", jacobian, (6, count)) for name, jacobian in terms.jacobians.items()]
+        for name, array, shape in arrays:
+            if array is not None and np.shape(array) != shape:
+                raise AdapterFault(f"{name} has the shape {np.shape(array)}, not {shape}")
+
+
+@contextmanager
+def compiler(limit: float = TIME_LIMIT_S) -> Iterator[Callable[[str], RobotModel | Refused | Crashed | TimedOut]]:
+    """Provide a function from the path of an MJCF file to the model that MuJoCo, which defines the format, makes of it."""
+    with pool.caller(_compiled, limit, group=_mujoco, home=home) as call:
+        yield call
+
+
+def compiled(path: str, limit: float = TIME_LIMIT_S) -> RobotModel | Refused | Crashed | TimedOut:
+    """Return the model that MuJoCo makes of an MJCF file."""
+    with compiler(limit) as call:
+        return call(path)
+
+
+def _compiled(path: str) -> RobotModel | Refused:
+    # The reader of MuJoCo is imported in the process where MuJoCo lives.
+    from bodycheck.adapters.mujoco import robots
+
+    try:
+        model: RobotModel = robots.compiled(path)
+    except ModelRefused as error:
+        return Refused(str(error))
+    return model
+
+
+def _engine(call: Call) -> str:
+    return call.engine
+
+
+def _mujoco(path: str) -> str:
+    return MJCF_ENGINE
+
+
+def readable(answers: Mapping[str, Answer]) -> dict[str, Answer]:
+    """Return the answers of those engines that read robot models of some format."""
+    return {name: one for name, one in answers.items() if not (isinstance(one, FormatMissing) and one.none_at_all)}

@@ -1,0 +1,91 @@
+"""What worker processes are asked: to make a run, to compute truths, and to compute where a body stops.
+
+A process of an engine needs nothing of the reference, and one of the reference no engine. Each imports what it needs.
+"""
+
+from dataclasses import dataclass
+
+from bodycheck.adapters.contract import Method
+from bodycheck.casefile.content import MAX_STEPS, Case
+from bodycheck.errors import BadInput
+from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.planar import Stop
+from bodycheck.reference.scene import Plane
+from bodycheck.reference.truth import NoTruth, Truth
+from bodycheck.running.key import RunKey
+from bodycheck.running.outcome import Run
+
+
+@dataclass(frozen=True)
+class Task:
+    """One run to be made."""
+
+    case: Case
+    engine: str
+    method: Method
+
+    @property
+    def key(self) -> RunKey:
+        """The key of the run."""
+        return RunKey(self.case.name, self.engine, self.method)
+
+
+@dataclass(frozen=True)
+class TruthTask:
+    """The task of computing the truths for the runs of a case with some time steps (s), all at once."""
+
+    case: Case
+    timesteps: tuple[float, ...]
+
+
+#: The answer to a truth task: the truths by time step (s), or why there are none.
+Truths = dict[float, Truth] | NoTruth
+
+
+@dataclass(frozen=True)
+class StopTask:
+    """The task of computing where the body of a case stops if a law of friction acts on its plane."""
+
+    case: Case
+    law: Plane
+
+
+def check_timestep(case: Case, timestep: float) -> None:
+    """Raise `BadInput` for a time step (s) that is not possible in a case."""
+    if not 0 < timestep <= case.duration <= timestep * MAX_STEPS:
+        least = case.duration / MAX_STEPS
+        raise BadInput(
+            f"{case.name}: time step {timestep:g} s: must be positive, at most its duration, {case.duration:g} s, and at "
+            f"least {least:g} s, which results in {MAX_STEPS:.0e} steps"
+        )
+
+
+def group(argument: TruthTask | Task) -> str | None:
+    """Return what a task shares its processes with: the tasks of its engine, or the truths (None)."""
+    return argument.engine if isinstance(argument, Task) else None
+
+
+def perform_run(task: Task) -> Run:
+    """Make the run of a task."""
+    from bodycheck.running.simulation import run
+
+    return run(task.case, task.engine, task.method)
+
+
+def perform_stop(task: StopTask) -> Stop | None:
+    """Compute the stop of a task; None if the reference knows none."""
+    from bodycheck.running import truths
+
+    return truths.stop_under(task.case, task.law)
+
+
+def perform(argument: TruthTask | Task) -> Run | Truths:
+    """Make the run or compute the truths of a task; `NoTruth` if the reference has none."""
+    if isinstance(argument, Task):
+        return perform_run(argument)
+    from bodycheck.running import truths
+
+    try:
+        return truths.of_runs(argument.case, argument.timesteps)
+    except (NotModelled, OutOfReach) as error:
+        return NoTruth(str(error))

@@ -1,0 +1,4 @@
+"""Where members come from.
+
+`sobol` has the points, `draws` the distributions, `tables` what users give, and `members` makes scenes and cases of all of it.
+"""

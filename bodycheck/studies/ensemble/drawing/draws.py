@@ -1,0 +1,112 @@
+"""Draw the members of an ensemble: points of Sobol sequences, mapped to the distributions of its keys.
+
+Every map preserves the measure, so that evenly spread points give evenly spread values. A value depends on its member alone, to
+the last bit, and not on which others are drawn with it. Functions that are not exact are evaluated in the widest type of NumPy,
+whose code is the same for all processors of a kind: those for doubles differ in the last digit from one to the next.
+"""
+
+import numpy as np
+from scipy.special import ndtri
+
+from bodycheck.casefile.ensemble import (
+    AnyAttitude,
+    Choice,
+    Distribution,
+    Ensemble,
+    LogUniform,
+    Normal,
+    OnSphere,
+    Uniform,
+)
+from bodycheck.reference.exact.numbers import Wide
+from bodycheck.reference.trajectory import Array
+from bodycheck.studies.ensemble.drawing.sobol import points
+
+
+def values(ensemble: Ensemble, first: int, count: int) -> dict[str, Array]:
+    """Return what is drawn for consecutive members, by key paths.
+
+    Parameters
+    ----------
+    ensemble
+        The ensemble.
+    first
+        The number of the first member, from 0.
+    count
+        How many members.
+
+    Returns
+    -------
+    Arrays (count,) of numbers and (count, k) of vectors, in SI units, in the order of the file. An attitude has the key path
+    "initial.quaternion".
+    """
+    sizes = [dimensions(variation.distribution, variation.key.components or 1) for variation in ensemble.vary]
+    uniforms = points(ensemble.seed, sum(sizes), first, count)
+    made, start = {}, 0
+    for variation, size in zip(ensemble.vary, sizes, strict=True):
+        drawn = _mapped(variation.distribution, np.ascontiguousarray(uniforms[:, start : start + size]))
+        made[variation.key.text] = drawn if variation.key.components else drawn[:, 0]
+        start += size
+    return made
+
+
+def dimensions(distribution: Distribution, components: int) -> int:
+    """Return how many uniform numbers a draw of a vector with so many components takes."""
+    match distribution:
+        case OnSphere():
+            return 2
+        case AnyAttitude():
+            return 3
+        case Choice():
+            return 1
+        case _:
+            return components
+
+
+def _mapped(distribution: Distribution, uniforms: Array) -> Array:
+    """Return values (m, k) of a distribution for uniform numbers (m, d) between 0 and 1, which they never reach."""
+    match distribution:
+        case Uniform(low, high):
+            return _between(np.array(low), np.array(high), uniforms)
+        case LogUniform(low, high):
+            return _log_between(np.array(low), np.array(high), uniforms)
+        case Normal(mean, deviation):
+            return np.asarray(np.array(mean) + np.array(deviation) * ndtri(uniforms))
+        case OnSphere(radius):
+            return _on_sphere(radius, uniforms)
+        case AnyAttitude():
+            return _attitudes(uniforms)
+        case Choice(choices):
+            places = np.minimum((uniforms[:, 0] * len(choices)).astype(np.int64), len(choices) - 1)
+            return np.array(choices)[places]
+
+
+def _between(low: Array, high: Array, u: Array) -> Array:
+    """Return the numbers (m, k) at the fractions u (m, k) between limits (k,)."""
+    return np.asarray(np.clip(low + (high - low) * u, low, high))  # rounding could lead beyond a limit
+
+
+def _log_between(low: Array, high: Array, u: Array) -> Array:
+    """Return the numbers (m, k) whose logarithms are at the fractions u (m, k) between those of limits (k,)."""
+    ratio = np.log(high.astype(Wide)) - np.log(low.astype(Wide))
+    return np.asarray(np.clip((low * np.exp(ratio * u)).astype(float), low, high))
+
+
+def _turns(u: Array) -> tuple[Array, Array]:
+    """Return cosine and sine (m,) of u (m,) turns."""
+    angle = 8 * np.arctan(Wide(1)) * u
+    return np.cos(angle).astype(float), np.sin(angle).astype(float)
+
+
+def _on_sphere(radius: float, u: Array) -> Array:
+    """Return points (m, 3) on a sphere for uniform numbers u (m, 2): its height and longitude are uniform [Archimedes]."""
+    cosine, sine = _turns(u[:, 1])
+    height, across = 2 * u[:, 0] - 1, 2 * np.sqrt(u[:, 0] * (1 - u[:, 0]))
+    return radius * np.stack([across * cosine, across * sine, height], axis=1)
+
+
+def _attitudes(u: Array) -> Array:
+    """Return unit quaternions w, x, y, z (m, 4) for uniform numbers u (m, 3) [Shoemake, Graphics Gems III, 1992]."""
+    (one_cosine, one_sine), (other_cosine, other_sine) = _turns(u[:, 1]), _turns(u[:, 2])
+    one, other = np.sqrt(1 - u[:, 0]), np.sqrt(u[:, 0])
+    return np.stack([other * other_cosine, one * one_sine, one * one_cosine, other * other_sine], axis=1)

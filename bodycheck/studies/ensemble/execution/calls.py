@@ -1,0 +1,232 @@
+"""What a worker process of the reference is asked about a block of members: to draw it, for its truths, and to judge runs.
+
+Each answer follows from the question alone. What was drawn and the truths of the last block are kept, because several questions
+are about the same block.
+"""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from bodycheck.casefile.case import Case, parse_stored
+from bodycheck.errors import BadInput
+from bodycheck.figures.columns import FIGURES, distance_from_ideal
+from bodycheck.judging import members as judging
+from bodycheck.reference.flight.flights import Flights, flights
+from bodycheck.reference.scenes import Scenes
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import NoTruth, Truth
+from bodycheck.running.chunks import Work
+from bodycheck.running.crews import Role
+from bodycheck.running.flying import Stored
+from bodycheck.running.members import Flown
+from bodycheck.running.outcome import Completed
+from bodycheck.running.simulation import sampling_steps
+from bodycheck.studies.ensemble.drawing import members
+from bodycheck.studies.ensemble.execution import remarkable, truths
+
+#: Most failed runs of a method in a block whose trajectories are kept.
+MOST_FAILURES = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """Asks for the members of a block."""
+
+    work: Work
+    block: range
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """The members of a block.
+
+    Attributes
+    ----------
+    columns
+        The drawn numbers (m,) by the names of their columns.
+    members
+        The members: scenes in free flight, or cases.
+    """
+
+    columns: Mapping[str, Array]
+    members: Scenes | tuple[Case, ...]
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A member is no valid case; the text says which and why."""
+
+    text: str
+
+
+@dataclass(frozen=True, eq=False)
+class TruthTable:
+    """Asks for what is stored of the truths of a block at the instants of a time step (s): columns (m,) by name."""
+
+    work: Work
+    block: range
+    timestep: float
+
+
+@dataclass(frozen=True, eq=False)
+class Judging:
+    """Asks for the rows of the runs of a block with one method."""
+
+    work: Work
+    block: range
+    flown: Flown | Stored
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """The rows of the runs of a block with one method.
+
+    Attributes
+    ----------
+    columns
+        The columns (m,) that differ between members.
+    failures
+        The number of runs that failed.
+    worst
+        The distance from the ideal value and the member of the worst run, by the name of the figure.
+    trajectories
+        The trajectories of the first failures, of the worst members and of those of the sample, by member.
+    sampled
+        The members among these that are kept whatever the other blocks have: failures, and those of the sample.
+    seconds
+        How long the truths of the block took (s), if they were computed for this answer.
+    """
+
+    columns: dict[str, Any]
+    failures: int
+    worst: dict[str, tuple[float, int]]
+    trajectories: dict[int, Trajectory]
+    sampled: frozenset[int]
+    seconds: float
+
+
+def answer(question: Drawing | TruthTable | Judging) -> Drawn | dict[str, Any] | Judged | Refused:
+    """Answer a question; `Refused` if a member is no valid case."""
+    try:
+        match question:
+            case Drawing(work, block):
+                return _drawn(work, block)
+            case TruthTable(work, block, timestep):
+                of_block, _ = _truths(work, block, timestep)
+                return truths.columns(case_of(work.case), _drawn(work, block).columns, block, timestep, of_block)
+            case Judging(work, block, flown):
+                return _judged(work, block, flown.read() if isinstance(flown, Stored) else flown)
+    except BadInput as error:
+        return Refused(str(error))
+
+
+@lru_cache(maxsize=1)
+def case_of(text: str) -> Case:
+    """Return the case in the text of a chunk."""
+    return parse_stored(text, "the case of the ensemble")
+
+
+def steps_of(text: str, timestep: float) -> Any:
+    """Return the numbers of steps (n,) from the start to each state of a run of the case in a text."""
+    return sampling_steps(case_of(text).instants, timestep)
+
+
+class _Last:
+    """The last value that was computed, and what it is of."""
+
+    def __init__(self) -> None:
+        self.key: object = None
+        self.value: Any = None
+
+
+_last_drawn, _last_truths = _Last(), _Last()
+
+
+def _drawn(work: Work, block: range) -> Drawn:
+    if _last_drawn.key != (key := (work.identity, block)):
+        values = work.source.values(block.start, len(block))
+        made = members.scenes(case_of(work.case), values, block.start)
+        _last_drawn.value = Drawn(_columns(values), made if isinstance(made, Scenes) else tuple(made))
+        _last_drawn.key = key
+    found: Drawn = _last_drawn.value
+    return found
+
+
+def _columns(values: Mapping[str, Array]) -> dict[str, Array]:
+    """Return drawn values, arrays (m,) and (m, k), as arrays (m,) by the names of columns."""
+    found = {}
+    for key, array in values.items():
+        if array.ndim == 1:
+            found[key] = array
+        else:
+            found |= {f"{key}.{place}": array[:, place] for place in range(array.shape[1])}
+    return found
+
+
+def _truths(work: Work, block: range, timestep: float) -> tuple[Flights | tuple[Truth | NoTruth, ...], float]:
+    """Return the truths of a block, which rely on a-priori bounds alone, and how long they took (s): 0 if they were there."""
+    if _last_truths.key == (key := (work.identity, block, timestep)):
+        return _last_truths.value, 0.0
+    start = time.perf_counter()
+    found = _drawn(work, block).members
+    _last_truths.key = None  # what is computed next takes the place of what is there
+    if isinstance(found, Scenes):
+        _last_truths.value = flights(found, truths.times(case_of(work.case), timestep))
+    else:
+        _last_truths.value = tuple(truths.of_case(case, timestep) for case in found)
+    _last_truths.key = key
+    return _last_truths.value, time.perf_counter() - start
+
+
+def _judged(work: Work, block: range, flown: Flown) -> Judged:
+    case, found = case_of(work.case), _drawn(work, block).members
+    of_block, seconds = _truths(work, block, flown.method.timestep)
+    if isinstance(found, Scenes) and isinstance(of_block, Flights):
+        columns = judging.judged(found, of_block, flown, flown.method, case.expectations, work.today)
+        columns |= _costs_together(columns["status"], flown)
+    else:
+        assert not isinstance(found, Scenes)
+        assert not isinstance(of_block, Flights)
+        columns = judging.one_by_one(found, of_block, flown, work.today)
+        columns |= _costs_each(columns["status"], flown)
+    bad = remarkable.failed(pa.array(columns["status"], pa.string()), pa.array(columns["passed"], pa.bool_()))
+    distances = ((name, distance_from_ideal(name, columns[name])) for name in FIGURES)
+    worst = {name: told for name, own in distances if (told := remarkable.worst(own, block)) is not None}
+    sample = {member for member in block if member % work.sample == 0}
+    sampled = sample | {block[place] for place in np.flatnonzero(bad)[:MOST_FAILURES].tolist()}
+    wanted = sorted(sampled | {member for _, member in worst.values()})
+    motions = {member: flown.trajectory(member - block.start) for member in wanted}
+    kept = {member: _copied(motion) for member, motion in motions.items() if motion is not None}
+    return Judged(columns, int(bad.sum()), worst, kept, frozenset(sampled), seconds)
+
+
+def _copied(motion: Trajectory) -> Trajectory:
+    """Return a trajectory of its own, and not a part of the arrays of a block, which would be sent as a whole."""
+    return Trajectory(*(np.array(getattr(motion, name)) for name in motion.__dataclass_fields__))
+
+
+def _costs_together(status: Any, flown: Flown) -> dict[str, Any]:
+    """Return steps and wall times (m,) of completed runs that were stepped together: each has an equal share of the time."""
+    completed = status == Completed.status
+    steps = np.full(len(status), None, dtype=object)
+    steps[completed] = int(flown.steps[-1])
+    return {"steps": steps, "wall_time": np.where(completed, flown.wall_time / len(status), np.nan)}
+
+
+def _costs_each(status: Any, flown: Flown) -> dict[str, Any]:
+    """Return steps and wall times (m,) of completed runs that were stepped one by one."""
+    steps, wall_times = np.full(len(status), None, dtype=object), np.full(len(status), np.nan)
+    for place, outcome in flown.ended.items():
+        if isinstance(outcome, Completed) and status[place] == Completed.status:
+            steps[place], wall_times[place] = outcome.steps, outcome.wall_time
+    return {"steps": steps, "wall_time": wall_times}
+
+
+#: What worker processes of the reference do.
+JUDGE = Role(answer, truths.prepare)

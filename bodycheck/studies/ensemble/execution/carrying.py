@@ -1,0 +1,242 @@
+"""Carry out a chunk of an ensemble: worker processes fly its members and judge their runs, and its files are written.
+
+An engine and the reference never share a process. A block whose call fails, because a process dies or does not come to its
+end, is flown again in halves, until the members that are the cause are alone. The judgement is always about a whole block, so
+that no row depends on what was halved.
+"""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bodycheck.adapters.method import Method
+from bodycheck.errors import BadInput, Failed
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.trajectory import Trajectory
+from bodycheck.running import chunk_files, crews, engines, versions
+from bodycheck.running.chunk_files import (
+    MEMBERS,
+    RUN_SCHEMA,
+    RUNS,
+    TRAJECTORIES,
+    TRAJECTORY_SCHEMA,
+    TRUTH_SCHEMA,
+    TRUTHS,
+)
+from bodycheck.running.chunks import Chunk, Receipt
+from bodycheck.running.flying import FLYING, Flight, Stored, joined
+from bodycheck.running.halving import in_halves, limit_of
+from bodycheck.running.members import Flown
+from bodycheck.running.outcome import Crashed, TimedOut
+from bodycheck.running.trajectory_files import STATE_COLUMNS
+from bodycheck.studies.ensemble.execution.calls import (
+    JUDGE,
+    Drawing,
+    Drawn,
+    Judged,
+    Judging,
+    Refused,
+    TruthTable,
+    case_of,
+    steps_of,
+)
+
+
+@dataclass
+class _Made:
+    """What is written of a chunk, and what its receipt says.
+
+    Attributes
+    ----------
+    tables
+        The tables of each block, by kind.
+    kept
+        The trajectories that are kept, by the place of the method and the member.
+    worst
+        The worst member so far, with the distance from the ideal value, by the place of the method and the figure.
+    always
+        Those of `kept` that are kept whether they are the worst or not.
+    failed, engine_seconds, truth_seconds
+        As in `Receipt`.
+    """
+
+    tables: dict[str, list[Any]] = field(default_factory=lambda: {kind: [] for kind in chunk_files.KINDS})
+    kept: dict[tuple[int, int], Trajectory] = field(default_factory=dict)
+    worst: dict[tuple[int, str], tuple[float, int]] = field(default_factory=dict)
+    always: set[tuple[int, int]] = field(default_factory=set)
+    failed: int = 0
+    engine_seconds: float = 0.0
+    truth_seconds: float = 0.0
+
+    def keep(self, place: int, rows: Judged) -> None:
+        """Keep the trajectories of a block with the method at a place, and forget those that are the worst no more."""
+        self.kept |= {(place, member): motion for member, motion in rows.trajectories.items()}
+        self.always |= {(place, member) for member in rows.sampled}
+        for name, told in rows.worst.items():
+            if (place, name) not in self.worst or told[0] > self.worst[place, name][0]:
+                self.worst[place, name] = told
+        wanted = self.always | {(own, member) for (own, _), (_, member) in self.worst.items()}
+        self.kept = {key: motion for key, motion in self.kept.items() if key in wanted}
+
+
+def carry_out(chunk: Chunk, folder: Path) -> Receipt:
+    """Carry out a chunk, and write its files into the folder of the ensemble, in place of those of an earlier attempt.
+
+    Raises
+    ------
+    BadInput
+        If a member is no valid case, or this machine has other versions than the command.
+    NotWritten
+        If a file cannot be written.
+    Failed
+        If the reference fails or does not come to its end.
+    Abandoned
+        If nobody waits for it any more.
+    """
+    start = time.perf_counter()
+    _check_versions(chunk)
+    made = _Made()
+    for block in chunk.blocks:
+        _add_block(made, chunk, block)
+    made.tables[TRAJECTORIES] = [_trajectories(chunk, made)]
+    crews.check()
+    for kind in (TRUTHS, MEMBERS, TRAJECTORIES, RUNS):  # a chunk is done where there is a file of runs
+        if made.tables[kind]:
+            chunk_files.write(folder, chunk, kind, made.tables[kind])
+    return Receipt(
+        chunk.name,
+        chunk.share.engine,
+        chunk.first,
+        chunk.count,
+        chunk.rows,
+        made.failed,
+        time.perf_counter() - start,
+        made.engine_seconds,
+        made.truth_seconds,
+        chunk_files.digest(made.tables[RUNS]),
+    )
+
+
+def _check_versions(chunk: Chunk) -> None:
+    """Raise `BadInput` unless this machine has the versions of the command."""
+    name = chunk.share.engine
+    versions.check(chunk.work.versions, versions.here(), "a worker")
+    records, faults = engines.describe([name])
+    if name in faults:
+        raise BadInput(f"a worker cannot use {name}: {faults[name].reason}")
+    versions.check({name: chunk.share.version}, {name: records[name].version}, "a worker")
+
+
+def _add_block(made: _Made, chunk: Chunk, block: range) -> None:
+    """Fly and judge a block with all methods, and add what is written of it."""
+    work, share = chunk.work, chunk.share
+    drawn: Drawn = _ask(chunk, Drawing(work, block))
+    judged: list[Judged] = []
+    for place, method in enumerate(share.methods):
+        flown = _flown(chunk, block, drawn, method)
+        rows: Judged = _ask(chunk, Judging(work, block, flown))
+        made.keep(place, rows)
+        made.engine_seconds += flown.wall_time
+        made.truth_seconds += rows.seconds
+        made.failed += rows.failures
+        judged.append(rows)
+    told = {"engine": share.engine, "version": share.version}
+    spellings: list[dict[str, str | float]] = [
+        {"integrator": method.name, "timestep": method.timestep} for method in share.methods
+    ]
+    columns = [rows.columns for rows in judged]
+    made.tables[RUNS].append(_table(chunk, block, columns, spellings, told, RUN_SCHEMA))
+    if share.truths_of:
+        columns = [_ask(chunk, TruthTable(work, block, timestep)) for timestep in share.truths_of]
+        steps: list[dict[str, str | float]] = [{"timestep": timestep} for timestep in share.truths_of]
+        made.tables[TRUTHS].append(_table(chunk, block, columns, steps, {}, TRUTH_SCHEMA))
+        schema = chunk_files.member_schema(work.source.names)
+        made.tables[MEMBERS].append(_table(chunk, block, [dict(drawn.columns)], [{}], {}, schema))
+
+
+def _ask(chunk: Chunk, question: Drawing | TruthTable | Judging) -> Any:
+    """Ask the worker process of the reference. Raises `BadInput` for a member that is no case, and `Failed`."""
+    work = chunk.work
+    found = crews.call(JUDGE, None, work.limit, work.memory)(question)
+    if isinstance(found, Refused):
+        raise BadInput(found.text)
+    if isinstance(found, Crashed | TimedOut):
+        members = f"members {question.block.start} to {question.block.stop - 1}"
+        raise Failed(f"the reference fails for {members} of {case_of(work.case).name}: {found.reason}")
+    return found
+
+
+def _flown(chunk: Chunk, block: range, drawn: Drawn, method: Method) -> Flown | Stored:
+    """Return what became of the runs of a block; those that end their process or do not end are isolated by halves."""
+    work, share = chunk.work, chunk.share
+    name = case_of(work.case).name
+    names = tuple(f"{name}-{member}" for member in block)
+    steps, file = steps_of(work.case, method.timestep), crews.folder() / "states.npy"
+    flight = Flight(share.engine, share.version, method, drawn.members, steps, names, file)
+
+    def attempt(first: int, last: int) -> Flown | Stored | Crashed | TimedOut:
+        if last - first == len(block):
+            found = crews.call(FLYING, share.engine, work.limit, work.memory)(flight)
+        else:
+            limit = limit_of(last - first, len(block), work.limit)
+            with crews.single(FLYING, share.engine, limit, work.memory) as call:
+                found = call(flight.part(first, last))
+        assert isinstance(found, Flown | Stored | Crashed | TimedOut)
+        return found
+
+    return joined(flight, in_halves(attempt, 0, len(block)))
+
+
+def _table(
+    chunk: Chunk,
+    block: range,
+    columns: Sequence[Mapping[str, Any]],
+    told: Sequence[Mapping[str, str | float]],
+    constant: Mapping[str, str],
+    schema: Any,
+) -> Any:
+    """Return the table of a block, in which the rows of a member follow each other.
+
+    Parameters
+    ----------
+    chunk, block
+        The chunk and the members.
+    columns
+        The columns (m,) by name, for each of the rows of a member.
+    told
+        What each of these rows has in all members.
+    constant
+        What all rows have.
+    schema
+        The columns of the table.
+    """
+    m, each = len(block), len(columns)
+    together: dict[str, Any] = {"case": case_of(chunk.work.case).name, **constant}
+    together["member"] = np.repeat(np.asarray(block), each)
+    together |= {name: [one[name] for one in told] * m for name in told[0]}
+    for name in columns[0]:
+        together[name] = np.stack([one[name] for one in columns], axis=1).ravel()
+    return chunk_files.table(together, schema)
+
+
+def _trajectories(chunk: Chunk, made: _Made) -> Any:
+    """Return the table of the trajectories that are kept, in the order of members and methods."""
+    parts: dict[str, list[Any]] = {field.name: [] for field in TRAJECTORY_SCHEMA}
+    case = case_of(chunk.work.case)
+    names = [body.name for body in case.scene.bodies] if isinstance(case.scene, Mechanism) else [""]
+    for place, member in sorted(made.kept, key=lambda key: (key[1], key[0])):
+        motion, method = made.kept[place, member], chunk.share.methods[place]
+        told: dict[str, Any] = {"case": case.name, "engine": chunk.share.engine, "integrator": method.name}
+        told |= {"timestep": method.timestep, "member": member, "kept": ""}
+        for body, name in enumerate(names):
+            own = motion.body(body) if isinstance(case.scene, Mechanism) else motion
+            states = np.hstack([own.position, own.quaternion, own.velocity, own.angular_velocity])
+            for column, value in {**told, "body": name}.items():
+                parts[column] += [value] * len(own)
+            for column, values in {"t": own.t, **dict(zip(STATE_COLUMNS, states.T, strict=True))}.items():
+                parts[column] += values.tolist()
+    return chunk_files.table(parts, TRAJECTORY_SCHEMA)

@@ -1,0 +1,273 @@
+"""Make the tables of an ensemble from the files of its chunks, in one folder or gathered from those of several jobs.
+
+Rows are copied block by block in the order of the plan. On the way it is found which members are the worst; their truths are
+then compared with witnesses, and their trajectories are kept.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.compute as pc
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from bodycheck.casefile.case import parse_stored
+from bodycheck.errors import BadFolder
+from bodycheck.figures.columns import ALWAYS_TABLED, FIGURES, distance_from_ideal
+from bodycheck.files import reading
+from bodycheck.running import chunk_files, compaction, pool
+from bodycheck.running.chunk_files import (
+    MAX_BYTES,
+    MEMBERS,
+    RUN_SCHEMA,
+    RUNS,
+    TRAJECTORIES,
+    TRAJECTORY_SCHEMA,
+    TRUTH_SCHEMA,
+    TRUTHS,
+    ChunkFile,
+)
+from bodycheck.running.chunks import Share
+from bodycheck.running.outcome import Crashed, TimedOut
+from bodycheck.studies.ensemble import header as headers
+from bodycheck.studies.ensemble.execution import remarkable
+from bodycheck.studies.ensemble.execution.truths import VOUCHER, Vouching, vouch
+from bodycheck.studies.ensemble.header import EnsembleHeader
+
+#: Most failed runs of a method whose trajectories are kept.
+MOST_FAILURES = 100
+
+#: Comparisons with witnesses for which another process is started: its start takes as long as these.
+VOUCHED_EACH = 16
+
+Where = Mapping[int, tuple[ChunkFile, int]]
+
+
+@dataclass
+class Remarkable:
+    """The remarkable members of an ensemble.
+
+    Attributes
+    ----------
+    worst
+        The largest distance from the ideal value and the first member that has it, by the engine, the place of the method, and
+        the name of the figure.
+    failed
+        The first members that failed, by the engine and the place of the method.
+    """
+
+    worst: dict[tuple[str, int, str], tuple[float, int]] = field(default_factory=dict)
+    failed: dict[tuple[str, int], list[int]] = field(default_factory=dict)
+
+    def members(self, engine: str, method: int) -> set[int]:
+        """Return the members that are the worst in a figure of a method."""
+        return {member for (own, place, _), (_, member) in self.worst.items() if (own, place) == (engine, method)}
+
+
+def runs_of(files: Sequence[ChunkFile], head: EnsembleHeader, engine: str, kind: str = RUNS) -> Where:
+    """Return where the blocks of an engine are, by their first members."""
+    own = [file for file in files if file.kind == kind and file.engine == chunk_files.folder_of(engine)]
+    return chunk_files.blocks(own, head["members"], head["block"])
+
+
+def done(files: Sequence[ChunkFile], head: EnsembleHeader, share: Share) -> set[int]:
+    """Return the first members of the blocks of an engine of which all files are there."""
+    kinds = [RUNS, TRAJECTORIES, *([MEMBERS, TRUTHS] if share.truths_of else [])]
+    return set.intersection(*(set(runs_of(files, head, share.engine, kind)) for kind in kinds))
+
+
+def compact(folder: Path, head: EnsembleHeader, sources: Sequence[Path], jobs: int) -> None:
+    """Write the tables of an ensemble and its header, and remove the files of chunks in its folder.
+
+    Parameters
+    ----------
+    folder
+        The folder for the tables.
+    head
+        The header of the ensemble.
+    sources
+        The folders with the files of its chunks.
+    jobs
+        The number of processes in which truths are compared with witnesses.
+
+    Raises
+    ------
+    BadFolder
+        If members are missing, or a file is damaged.
+    """
+    files = [file for source in sources for file in chunk_files.found(source, head["identity"])]
+    shares = [headers.share_of(share) for share in head["shares"]]
+    _refuse_missing(files, head, shares)
+    found = Remarkable()
+    schema = _measured(files, head, shares)
+    for share in shares:
+        place = folder / RUNS / chunk_files.folder_of(share.engine) / head["case"]
+        where = runs_of(files, head, share.engine)
+        compaction.write(_watched(where, head["block"], share, found), schema, place, folder)
+    _write_members(folder, head, files, shares[0])
+    _write_truths(folder, head, files, shares, found, jobs)
+    for share in shares:
+        place = folder / TRAJECTORIES / chunk_files.folder_of(share.engine) / head["case"]
+        compaction.write(_kept(files, head, share, found), TRAJECTORY_SCHEMA, place, folder)
+    headers.write(folder, {**head, "complete": True})
+    compaction.remove(folder / chunk_files.CHUNKS, folder)
+
+
+def _refuse_missing(files: Sequence[ChunkFile], head: EnsembleHeader, shares: Sequence[Share]) -> None:
+    """Raise `BadFolder`, naming members that were not run, if there are any."""
+    for share in shares:
+        there = done(files, head, share)
+        absent = [first for first in range(0, head["members"], head["block"]) if first not in there]
+        if absent:
+            last = min(absent[0] + head["block"], head["members"]) - 1
+            more = f" and {len(absent) - 1} further blocks of members" if len(absent) > 1 else ""
+            raise BadFolder(
+                f"members {absent[0]} to {last}{more} were not run in {share.engine}: run the jobs again that did not come to "
+                "their end; they go on where they stopped"
+            )
+
+
+def _measured(files: Sequence[ChunkFile], head: EnsembleHeader, shares: Sequence[Share]) -> Any:
+    """Return the columns of runs without figures that no run has."""
+    present = set(ALWAYS_TABLED)
+    for share in shares:
+        for path in dict.fromkeys(file.path for file, _ in runs_of(files, head, share.engine).values()):
+            metadata = pq.read_metadata(pa.BufferReader(reading.content(path, MAX_BYTES)))
+            for group in (metadata.row_group(place) for place in range(metadata.num_row_groups)):
+                columns = (group.column(place) for place in range(group.num_columns))
+                present |= {one.path_in_schema for one in columns if _has_values(one, group.num_rows)}
+    return pa.schema([field for field in RUN_SCHEMA if field.name not in FIGURES or field.name in present])
+
+
+def _has_values(column: Any, rows: int) -> bool:
+    """Return whether a column of a group of rows may have a value, as its description says if it says anything."""
+    return column.statistics is None or column.statistics.null_count != rows
+
+
+def _watched(where: Where, block: int, share: Share, found: Remarkable) -> Iterator[Any]:
+    """Yield the tables of runs of an engine, and note its remarkable members."""
+    count = len(share.methods)
+    for table in chunk_files.tables(where, RUN_SCHEMA, block, count):
+        member = table["member"].to_numpy()
+        bad = remarkable.failed(table["status"].combine_chunks(), table["passed"].combine_chunks())
+        for place in range(count):
+            own = slice(place, None, count)  # the methods of a member follow each other
+            failures = found.failed.setdefault((share.engine, place), [])
+            failures += member[own][bad[own]][: MOST_FAILURES - len(failures)].tolist()
+        for name in FIGURES:
+            if table[name].null_count == len(table):
+                continue
+            values = distance_from_ideal(name, table[name].to_numpy())
+            for place in range(count):
+                _note(found.worst, (share.engine, place, name), values[place::count], member[place::count])
+        yield table
+
+
+def _note(
+    worst: dict[tuple[str, int, str], tuple[float, int]], key: tuple[str, int, str], values: Any, members: NDArray[np.int64]
+) -> None:
+    """Note the worst of some members, if it is worse than what is noted; NaN is no value."""
+    found = remarkable.worst(values, members)
+    if found is not None and (key not in worst or found[0] > worst[key][0]):
+        worst[key] = found
+
+
+def _write_members(folder: Path, head: EnsembleHeader, files: Sequence[ChunkFile], share: Share) -> None:
+    schema = chunk_files.member_schema(head["drawn"])
+    where = runs_of(files, head, share.engine, MEMBERS)
+    compaction.write(chunk_files.tables(where, schema, head["block"]), schema, folder / MEMBERS / head["case"], folder)
+
+
+def _write_truths(
+    folder: Path, head: EnsembleHeader, files: Sequence[ChunkFile], shares: Sequence[Share], found: Remarkable, jobs: int
+) -> None:
+    """Write the truths, after those of the worst members have been compared with witnesses."""
+    vouched = dict(_vouched(head, files, shares, found, jobs))
+
+    def tables() -> Iterator[Any]:
+        for share in shares:
+            if share.truths_of:
+                where = runs_of(files, head, share.engine, TRUTHS)
+                for table in chunk_files.tables(where, TRUTH_SCHEMA, head["block"], len(share.truths_of)):
+                    yield _replaced(table, vouched)
+
+    compaction.write(tables(), TRUTH_SCHEMA, folder / TRUTHS / head["case"], folder)
+
+
+def _vouched(
+    head: EnsembleHeader, files: Sequence[ChunkFile], shares: Sequence[Share], found: Remarkable, jobs: int
+) -> Iterator[tuple[tuple[float, int], dict[str, Any]]]:
+    """Yield the truths of the worst members, compared with witnesses, by time step and member."""
+    wanted: dict[tuple[float, int], None] = {}
+    for (engine, place, _), (_, member) in found.worst.items():
+        share = next(share for share in shares if share.engine == engine)
+        wanted[share.methods[place].timestep, member] = None
+    where = runs_of(files, head, shares[0].engine, MEMBERS)
+    schema = chunk_files.member_schema(head["drawn"])
+    questions = []
+    for timestep, member in wanted:
+        first = member - member % head["block"]
+        (table,) = chunk_files.tables({first: where[first]}, schema, head["block"])
+        drawn = {name: table[name][member - first].as_py() for name in head["drawn"]}
+        questions.append(Vouching(head["text"], drawn, member, timestep))
+    jobs = min(jobs, -(-len(questions) // VOUCHED_EACH))
+    with closing(pool.call_all(vouch, questions, jobs, head["limit"], head["memory"], lambda _: None, VOUCHER.home)) as answers:
+        for question, answer in answers:
+            if not isinstance(answer, Crashed | TimedOut):
+                yield (question.timestep, question.member), answer
+
+
+def _replaced(table: Any, vouched: Mapping[tuple[float, int], Mapping[str, Any]]) -> Any:
+    """Return a table of truths with the rows of those that were compared with witnesses later."""
+    first, last = pc.min_max(table["member"]).as_py().values()
+    if not any(first <= member <= last for _, member in vouched):
+        return table
+    rows = [row | vouched.get((row["timestep"], row["member"]), {}) for row in table.to_pylist()]
+    return pa.Table.from_pylist(rows, schema=table.schema)
+
+
+def _kept(files: Sequence[ChunkFile], head: EnsembleHeader, share: Share, found: Remarkable) -> Iterator[Any]:
+    """Yield the trajectories of an engine that are kept: of failures, of the worst members and of a sample."""
+    where = runs_of(files, head, share.engine)
+    reasons = {
+        (method.name, method.timestep): _reasons(head, share.engine, place, found) for place, method in enumerate(share.methods)
+    }
+    for path in dict.fromkeys(file.path for file, _ in where.values()):
+        beside = path.with_name(path.name.replace(f".{RUNS}.", f".{TRAJECTORIES}."))
+        own = {first for first, (file, _) in where.items() if file.path == path}
+        try:
+            table = pq.read_table(pa.BufferReader(reading.content(beside, MAX_BYTES))).replace_schema_metadata(None)
+            if not table.schema.equals(TRAJECTORY_SCHEMA):
+                raise ValueError("it has other columns")
+            rows = zip(*(table[name].to_pylist() for name in ("integrator", "timestep", "member")), strict=True)
+            why = [
+                reasons[integrator, timestep].get(member, "") if member - member % head["block"] in own else ""
+                for integrator, timestep, member in rows
+            ]
+        except (OSError, pa.ArrowException, ValueError, KeyError, TypeError) as error:
+            raise BadFolder(f"{beside}: damaged: {error}; remove it and the file of runs beside it") from error
+        told = table.set_column(table.schema.get_field_index("kept"), "kept", pa.array(why, pa.string()))
+        yield told.filter(pc.not_equal(told["kept"], ""))
+
+
+def _reasons(head: EnsembleHeader, engine: str, method: int, found: Remarkable) -> dict[int, str]:
+    """Return why the trajectories of members are kept, in words, by member."""
+    told: dict[int, list[str]] = {}
+    for word, members in (
+        ("failed", found.failed.get((engine, method), [])),
+        ("worst", sorted(found.members(engine, method))),
+        ("sample", range(0, head["members"], head["sample"])),
+    ):
+        for member in members:
+            told.setdefault(member, []).append(word)
+    return {member: ", ".join(words) for member, words in told.items()}
+
+
+def case_of(head: EnsembleHeader) -> Any:
+    """Return the case of an ensemble, from its header."""
+    return parse_stored(head["text"], head["case"])

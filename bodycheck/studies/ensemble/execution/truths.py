@@ -1,0 +1,166 @@
+"""The truths of members: what is stored of them, and their comparison with witnesses.
+
+The truth of every member has its a-priori bounds. Witnesses, which cost far more, are computed for every thousandth member and
+for the worst ones.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from bodycheck.casefile.case import Case, parse_stored
+from bodycheck.reference.bounds import NAMES, Bounds
+from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.flight.flights import Flights, flights
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.scene import Body, Scene, State
+from bodycheck.reference.scenes import Scenes
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import NoTruth, Truth, computed, truth
+from bodycheck.reference.witness import as_way, distances, excess
+from bodycheck.running.chunk_files import BOUND_COLUMNS
+from bodycheck.running.crews import Role
+from bodycheck.running.simulation import sampling_steps
+from bodycheck.studies.ensemble.drawing import members
+
+#: Of every so manieth member the truth is compared with witnesses.
+VOUCHED = 1000
+
+#: A body that tumbles for a moment, with which everything is imported.
+TUMBLING = Scene(Body(1.0, (1.0, 2.0, 2.5)), State(angular_velocity=(0.1, 1.0, 0.1)))
+
+
+@dataclass(frozen=True)
+class Vouching:
+    """Asks for the truth of a member, compared with witnesses.
+
+    Attributes
+    ----------
+    case
+        The text of the case of the ensemble.
+    drawn
+        The drawn numbers of the member, by the names of their columns.
+    member, timestep
+        The member, and the time step (s) whose instants count.
+    """
+
+    case: str
+    drawn: Mapping[str, float]
+    member: int
+    timestep: float
+
+
+def times(case: Case, timestep: float) -> Array:
+    """Return the instants (n,), s, of runs of a case with a time step (s)."""
+    return sampling_steps(case.instants, timestep).astype(np.float64) * timestep
+
+
+def of_case(case: Case, timestep: float) -> Truth | NoTruth:
+    """Return the truth of a case for runs with a time step (s), with its a-priori bounds, or why there is none."""
+    try:
+        return truth(case.scene, times(case, timestep), vouched=False)
+    except (NotModelled, OutOfReach) as error:
+        return NoTruth(str(error))
+
+
+def columns(
+    case: Case, drawn: Mapping[str, Array], block: range, timestep: float, found: Flights | tuple[Truth | NoTruth, ...]
+) -> dict[str, Any]:
+    """Return what is stored of the truths of a block, as columns (m,) by name.
+
+    Parameters
+    ----------
+    case
+        The case of the ensemble.
+    drawn
+        The drawn numbers (m,) of the members, by the names of their columns.
+    block, timestep
+        The members, and the time step (s).
+    found
+        Their truths.
+    """
+    made = _of_flights(found) if isinstance(found, Flights) else _of_cases(found)
+    made |= {"witnessed": np.zeros(len(block), dtype=bool), "witness_difference": np.full(len(block), np.nan)}
+    for place, member in enumerate(block):
+        if member % VOUCHED == 0:
+            own = {name: float(values[place]) for name, values in drawn.items()}
+            for name, value in _vouched(case, own, member, timestep).items():
+                made[name][place] = value
+    return made
+
+
+def prepare(group: None) -> None:
+    """Import what witnesses need, and let their libraries start their threads."""
+    computed(TUMBLING, np.array([0.0, 0.1]))
+
+
+def vouch(question: Vouching) -> dict[str, Any]:
+    """Return the columns of the truth of a member that a comparison with witnesses changes."""
+    return _vouched(parse_stored(question.case, "the case"), question.drawn, question.member, question.timestep)
+
+
+def _of_flights(found: Flights) -> dict[str, Any]:
+    return {
+        "model": np.array([f"closed form: {form}" for form in found.forms], dtype=object),
+        "reason": np.full(len(found.forms), "", dtype=object),
+        **{column: getattr(found.bounds, name).max(axis=-1) for name, column in zip(NAMES, BOUND_COLUMNS, strict=True)},
+    }
+
+
+def _of_cases(found: tuple[Truth | NoTruth, ...]) -> dict[str, Any]:
+    def largest(one: Truth | NoTruth, name: str) -> float:
+        return np.nan if isinstance(one, NoTruth) else float(getattr(one.bounds, name).max())
+
+    return {
+        "model": np.array(["" if isinstance(one, NoTruth) else one.model for one in found], dtype=object),
+        "reason": np.array([one.reason if isinstance(one, NoTruth) else "" for one in found], dtype=object),
+        **{column: np.array([largest(one, name) for one in found]) for name, column in zip(NAMES, BOUND_COLUMNS, strict=True)},
+    }
+
+
+def _vouched(case: Case, drawn: Mapping[str, float], member: int, timestep: float) -> dict[str, Any]:
+    """Return the columns that a comparison of a member's truth with witnesses changes; none if there is no truth.
+
+    The motion that is compared is the one that runs of the ensemble are compared with. The witnesses start from the member as
+    the file of its own has it.
+    """
+    columns = {name: np.array([value]) for name, value in drawn.items()}
+    made = members.scenes(case, members.of_columns(case, columns), member)
+    scene = made.like if isinstance(made, Scenes) else made[0].scene
+    instants = times(case if isinstance(made, Scenes) else made[0], timestep)
+    try:
+        if isinstance(scene, Mechanism):
+            return _vouched_mechanism(scene, instants)
+        found = computed(scene, instants)
+    except (NotModelled, OutOfReach):
+        return {}
+    motion, bounds = _first(flights(made, instants)) if isinstance(made, Scenes) else (found.truth.trajectory, found.own)
+    way, whole, apart = as_way("", motion, bounds), bounds, []
+    for witness in found.witnesses:
+        whole = whole.plus(excess(scene, motion, bounds, witness))
+        apart += [float(difference.max()) for name, difference in distances(way, witness).items() if name == "error"]
+    return {
+        **{column: float(getattr(whole, name).max()) for name, column in zip(NAMES, BOUND_COLUMNS, strict=True)},
+        "witnessed": True,
+        "witness_difference": max(apart, default=np.nan),
+    }
+
+
+def _vouched_mechanism(mechanism: Mechanism, instants: Array) -> dict[str, Any]:
+    """Return the columns of the truth of a mechanism, whose bounds are made with its witnesses."""
+    bounds = truth(mechanism, instants).bounds
+    largest = {column: float(getattr(bounds, name).max()) for name, column in zip(NAMES, BOUND_COLUMNS, strict=True)}
+    return {**largest, "witnessed": True}
+
+
+def _first(found: Flights) -> tuple[Trajectory, Bounds]:
+    """Return the motion of the first of several scenes, with the bounds of its errors."""
+    whole = found.trajectory
+    states = (whole.position[0], whole.quaternion[0], whole.velocity[0], whole.angular_velocity[0])
+    return Trajectory(whole.t, *states), Bounds(*(getattr(found.bounds, name)[0] for name in NAMES))
+
+
+#: What worker processes do that compare truths with witnesses.
+VOUCHER = Role(vouch, prepare)

@@ -1,0 +1,332 @@
+"""What the tables and the report of an ensemble are made of: counts, quantiles, histograms and tails of each method.
+
+Their size does not depend on the number of members. One column of all runs is in memory at a time.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.figures.columns import FIGURES
+from bodycheck.reference.trajectory import Array
+from bodycheck.studies.ensemble.findings.intervals import Share, quantile_interval, quantiles, share
+from bodycheck.studies.ensemble.findings.stored import OK, UNSUPPORTED, EngineMethod, Ensemble, Flags
+from bodycheck.studies.ensemble.rows import QUANTILES, Row
+
+#: The figures that methods are ranked by: the first of them in which any run has more than the truth's own error.
+RANKING = ("attitude_error", "position_error", "stop_position_error", "energy_drift", "energy_error")
+
+#: Bins of a histogram, and points of a tail, at most.
+BINS, POINTS = 48, 60
+
+#: The probabilities of the quantiles that have a confidence interval.
+WITH_INTERVALS = ("q50", "q99")
+
+#: The name of the way of failing of a run that completed but breaks an expectation.
+BROKEN = "breaks an expectation"
+
+
+@dataclass(frozen=True)
+class Way:
+    """A way in which members failed with a method.
+
+    Attributes
+    ----------
+    name
+        The status, or `BROKEN` for runs that completed but break an expectation.
+    count
+        The number of members.
+    first
+        The first of them.
+    reason
+        Why that one failed.
+    """
+
+    name: str
+    count: int
+    first: int
+    reason: str
+
+
+@dataclass(frozen=True)
+class Method:
+    """How the runs of a method ended.
+
+    Attributes
+    ----------
+    engine_method
+        The method.
+    members
+        The number of members that were run, without those that the engine does not support.
+    unsupported
+        Why the engine does not support other members; empty if it supports all.
+    failed
+        The share of the members that failed. None if no member was run.
+    ways
+        How they failed, the most frequent way first.
+    wall_time
+        The sum of the measured times of all runs (s).
+    """
+
+    engine_method: EngineMethod
+    members: int
+    unsupported: str
+    failed: Share | None
+    ways: tuple[Way, ...]
+    wall_time: float
+
+
+@dataclass(frozen=True, eq=False)
+class Distribution:
+    """The distribution of one figure of one method.
+
+    Attributes
+    ----------
+    method
+        The place of the method.
+    figure
+        The name of the figure.
+    count
+        The number of members that have the figure.
+    quantiles
+        Quantiles by the names of their columns.
+    intervals
+        Confidence intervals of some of them.
+    largest, worst
+        The largest value, and the member with it.
+    zeros
+        The number of members with the value zero, which log scales cannot show.
+    histogram
+        The number of members in each bin of `Figure.edges` (b,).
+    tail
+        Values (k,) in ascending order, and the share of the members that were run whose figure is at least as large, or that
+        have none (k,).
+    """
+
+    method: int
+    figure: str
+    count: int
+    quantiles: dict[str, float]
+    intervals: dict[str, tuple[float, float]]
+    largest: float
+    worst: int
+    zeros: int
+    histogram: NDArray[np.int64]
+    tail: tuple[Array, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Figure:
+    """The distributions of a figure of all methods that have it.
+
+    Attributes
+    ----------
+    name
+        The name of the figure.
+    edges
+        The ends of the bins of the histograms (b + 1,); empty if no method has a value other than zero.
+    distributions
+        The distributions by the places of the methods.
+    best
+        By the places of the methods, the share of the members in which the method has the smallest value of all methods; equal
+        ones share it. Empty if there is one method.
+    truth
+        The median and the largest bound of the truth's own error in the figure; None where it is not known.
+    """
+
+    name: str
+    edges: Array
+    distributions: dict[int, Distribution]
+    best: dict[int, float]
+    truth: tuple[float, float] | None
+
+
+@dataclass(frozen=True, eq=False)
+class Aggregates:
+    """What is known of an ensemble of one case.
+
+    Attributes
+    ----------
+    case
+        The name of the case.
+    members
+        The number of members.
+    methods
+        The methods.
+    figures
+        The figures by name.
+    ranking
+        The name of the figure that methods are ranked by; empty if there is none.
+    """
+
+    case: str
+    members: int
+    methods: tuple[Method, ...]
+    figures: dict[str, Figure]
+    ranking: str
+
+    @property
+    def ranked(self) -> list[int]:
+        """The places of the methods that were run, the best first: fewest failures, then the smallest 99 % quantile."""
+        figure = self.figures.get(self.ranking)
+
+        def badness(place: int) -> tuple[float, float]:
+            failed, own = self.methods[place].failed, figure.distributions.get(place) if figure else None
+            return (failed.value if failed else 1.0, own.quantiles["q99"] if own else np.inf)
+
+        return sorted((place for place, method in enumerate(self.methods) if method.members), key=badness)
+
+    def rows(self) -> list[Row]:
+        """Return the rows of ensemble.csv: method by method, and its figures in the order of results."""
+        found = []
+        for place, method in enumerate(self.methods):
+            if method.members:
+                names = [name for name, figure in self.figures.items() if place in figure.distributions]
+                found += [self.row(place, name) for name in names or ("",)]
+        return found
+
+    def row(self, place: int, name: str) -> Row:
+        """Return the row of a method that was run and a figure; that of the failures alone if it has no such figure."""
+        method, figure = self.methods[place], self.figures.get(name)
+        assert method.failed is not None  # it has members
+        shares = (method.failed.value, method.failed.low, method.failed.high)
+        alone = Row(self.case, *_names(method.engine_method), method.members, *shares)
+        own = figure.distributions.get(place) if figure is not None else None
+        if own is None:
+            return alone
+        found: dict[str, Any] = {"figure": name, **own.quantiles, "max": own.largest, "worst_member": own.worst}
+        return replace(alone, **found)
+
+
+def aggregate(ensemble: Ensemble) -> Aggregates:
+    """Return the aggregates of an ensemble."""
+    times = _wall_times(ensemble)
+    methods = tuple(_method(ensemble, place, times[place]) for place in range(len(ensemble.methods)))
+    names = [name for name in FIGURES if name in ensemble.figures and not FIGURES[name].of_truth]
+    figures = {name: figure for name in names if (figure := _figure(ensemble, name)).distributions}
+    named = [name for name in RANKING if name in figures]
+    known = [name for name in named if _is_measured(figures[name])] or named or [*figures]
+    return Aggregates(ensemble.case, len(ensemble.members), methods, figures, known[0] if known else "")
+
+
+def _is_measured(figure: Figure) -> bool:
+    """Return whether a figure has a value above the truth's own error, so that it is more than rounding."""
+    return max(own.largest for own in figure.distributions.values()) > (figure.truth[1] if figure.truth is not None else 0.0)
+
+
+def _names(by: EngineMethod) -> tuple[str, str, str, float]:
+    return by.engine, by.version, by.integrator, by.timestep
+
+
+def _wall_times(ensemble: Ensemble) -> list[float]:
+    if "wall_time" not in ensemble.figures:
+        return [0.0] * len(ensemble.methods)
+    return [float(np.nansum(row)) for row in ensemble.column("wall_time")]
+
+
+def _method(ensemble: Ensemble, place: int, wall_time: float) -> Method:
+    supported = ensemble.supported[place]
+    places = {way: np.flatnonzero(here) for way, here in _ways(ensemble, place).items() if here.any()}
+    reasons = ensemble.reasons(place, [int(own[0]) for own in places.values()])
+    told = {way: reasons.get(int(own[0]), "") for way, own in places.items()}
+    ways = [Way(way, len(own), int(ensemble.members[own[0]]), told[way]) for way, own in places.items() if way != UNSUPPORTED]
+    return Method(
+        engine_method=ensemble.methods[place],
+        members=int(np.count_nonzero(supported)),
+        unsupported=told.get(UNSUPPORTED, ""),
+        failed=share(ensemble.failed[place][supported], ensemble.sequence[supported]) if supported.any() else None,
+        ways=tuple(sorted(ways, key=lambda way: -way.count)),
+        wall_time=wall_time,
+    )
+
+
+def _ways(ensemble: Ensemble, place: int) -> dict[str, Flags]:
+    """Return whether each member (n,) failed with a method in some way, by its name; `UNSUPPORTED` is one of them."""
+    found = {status: ensemble.status[place] == code for code, status in enumerate(ensemble.statuses)}
+    ok = found.pop(OK, np.zeros(len(ensemble.members), np.bool_))
+    return {**found, BROKEN: ok & ensemble.broken[place]}
+
+
+def _figure(ensemble: Ensemble, name: str) -> Figure:
+    values = ensemble.column(name)
+    edges = _edges(values)
+    there = ~np.isnan(values)
+    distributions = {
+        place: _distribution(ensemble, place, name, values[place], edges)
+        for place in np.flatnonzero(there.any(axis=1)).tolist()
+    }
+    best = _best(values, [*distributions]) if len(distributions) > 1 else {}
+    bounded = FIGURES[name].bounded_by
+    return Figure(name, edges, distributions, best, _bound(ensemble, bounded) if bounded in ensemble.figures else None)
+
+
+def _bound(ensemble: Ensemble, name: str) -> tuple[float, float] | None:
+    """Return the median and the largest of the bounds of the truth's own error."""
+    values = ensemble.column(name)
+    known = values[~np.isnan(values)]
+    if not known.size:
+        return None
+    return float(quantiles(known, [0.5])[0]), float(known.max())
+
+
+def _distribution(ensemble: Ensemble, place: int, name: str, column: Array, edges: Array) -> Distribution:
+    """Return the distribution of a figure of a method, whose values (n,) are NaN where it has none."""
+    there = ~np.isnan(column)
+    values, members = column[there], ensemble.members[there]
+    found = dict(zip(QUANTILES, quantiles(values, [*QUANTILES.values()]).tolist(), strict=True))
+    sequence = ensemble.sequence[there]
+    positive = np.log10(values[np.isfinite(values) & (values > 0)])
+    return Distribution(
+        method=place,
+        figure=name,
+        count=len(values),
+        quantiles=found,
+        intervals={one: quantile_interval(values, sequence, QUANTILES[one]) for one in WITH_INTERVALS},
+        largest=float(values.max()),
+        worst=int(members[np.argmax(values)]),
+        zeros=int(np.count_nonzero(values == 0)),
+        histogram=np.histogram(positive, np.log10(edges))[0] if edges.size else np.zeros(0, np.int64),
+        tail=_tail(
+            values, int(np.count_nonzero(ensemble.supported[place])), int(np.count_nonzero(ensemble.failed[place] & ~there))
+        ),
+    )
+
+
+def _tail(values: Array, members: int, without: int) -> tuple[Array, Array]:
+    """Return values in ascending order, and the share of the members with one that is at least as large, or without one.
+
+    The points are close together in the tail: of the largest values every one, and then ever fewer.
+    """
+    ordered = np.sort(values)[::-1]
+    spread = np.concatenate([np.geomspace(1, len(ordered), POINTS), np.linspace(1, len(ordered), POINTS // 4)])
+    ranks = np.unique(spread.round().astype(np.intp))[::-1]
+    return ordered[ranks - 1], (ranks + without) / members
+
+
+def _edges(values: Array) -> Array:
+    """Return the ends of bins of the same width on a log scale, from the smallest positive value to the largest."""
+    positive = values[np.isfinite(values) & (values > 0)]
+    if not positive.size:
+        return np.empty(0)
+    low, high = float(positive.min()), float(positive.max())
+    edges = np.geomspace(low, high, BINS + 1) if low < high else np.array([low / 2, low * 2])
+    edges[0], edges[-1] = min(edges[0], low), max(edges[-1], high)  # the rounding of powers leaves no value outside
+    return edges
+
+
+def _best(values: Array, places: Sequence[int]) -> dict[int, float]:
+    """Return the share of the members in which each method has the smallest value (m, n) of all methods.
+
+    Members without a value of any method are not counted.
+    """
+    own = np.where(np.isnan(values[places]), np.inf, values[places])
+    smallest = own.min(axis=0)
+    counted = np.isfinite(smallest)
+    if not counted.any():
+        return {}
+    won = (own == smallest) & counted
+    shares = (won / np.maximum(won.sum(axis=0), 1)).sum(axis=1) / np.count_nonzero(counted)
+    return dict(zip(places, shares.tolist(), strict=True))

@@ -1,0 +1,205 @@
+"""Which of the drawn numbers a figure depends on, by two measures of each.
+
+Spearman's rank correlation says whether a figure rises or falls with a number. The first-order share of the variance says how
+much of the variance of the logarithm of a figure the number explains by itself, in whatever way the figure depends on it.
+Members are divided into bins of the number, and the variance of the means of the bins is compared with the variance of all.
+This is the first-order index of Sobol, estimated by the correlation ratio. What bins of so few members explain by chance is
+subtracted (the epsilon squared of Kelley, "An unbiased correlation ratio measure", Proc. Natl. Acad. Sci. 21 (1935)).
+"""
+
+import math
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import rankdata
+
+from bodycheck.reference.trajectory import Array
+from bodycheck.studies.ensemble.findings.stored import Ensemble
+
+#: Members that are looked at. More would change no digit that is shown; the first members are spread as evenly as all.
+MOST_MEMBERS = 1 << 17
+
+#: Members of a bin, at least, and bins, at most.
+LEAST_OF_BIN, MOST_BINS = 25, 32
+
+#: Fewest failed members, and as many that have not failed, whose dependence on a number is looked at.
+LEAST_FAILED = 5
+
+#: The name under which the failures of a method are looked at like a figure: 1 for a member that failed and 0 for others.
+FAILURE = "failure"
+
+#: The smallest share of the variance that is more than chance.
+RELEVANT = 0.02
+
+#: The relative spread below which numbers count as constant, such as the lengths of vectors on a sphere: far above rounding.
+CONSTANT = 1e-9
+
+
+@dataclass(frozen=True)
+class Dependence:
+    """How a figure of a method depends on a drawn number.
+
+    Attributes
+    ----------
+    method
+        The place of the method.
+    figure
+        The name of the figure, or `FAILURE`.
+    number
+        The name of the number; `|KEY|` is the length of a drawn vector.
+    rank_correlation
+        Spearman's rank correlation, from -1 to 1.
+    share
+        The first-order share of the variance, from 0 to 1.
+    """
+
+    method: int
+    figure: str
+    number: str
+    rank_correlation: float
+    share: float
+
+
+def numbers(ensemble: Ensemble, most: int = MOST_MEMBERS, only: Collection[str] = ()) -> dict[str, Array]:
+    """Return the drawn numbers of the first members by name, and the lengths of drawn vectors, without those that are constant.
+
+    Parameters
+    ----------
+    ensemble
+        The ensemble.
+    most
+        The number of members.
+    only
+        The names of the numbers that are wanted; all if it is empty. The length of a vector is named `|KEY|`; quaternions have
+        none.
+    """
+    vectors: dict[str, list[str]] = {}
+    for name in ensemble.drawn:
+        key, _, last = name.rpartition(".")
+        if last.isdecimal() and not key.endswith("quaternion"):
+            vectors.setdefault(f"|{key}|", []).append(name)
+    sources = {name: [name] for name in ensemble.drawn} | {name: own for name, own in vectors.items() if len(own) > 1}
+    found = {}
+    for name, own in sources.items():
+        if only and name not in only:
+            continue
+        components = [ensemble.values(one)[:most].copy() for one in own]
+        values = _length(components) if name in vectors else components[0]
+        if _varies(values):
+            found[name] = values
+    return found
+
+
+def dependences(ensemble: Ensemble, given: Mapping[str, Array], figures: tuple[str, ...]) -> list[Dependence]:
+    """Return how figures of all methods depend on numbers; `FAILURE` is looked at besides, where enough members failed.
+
+    Parameters
+    ----------
+    ensemble
+        The ensemble.
+    given
+        Numbers by name, each of the same first members (k,).
+    figures
+        The names of the figures.
+    """
+    if not given:
+        return []
+    members = len(next(iter(given.values())))
+    ranks = {name: rankdata(values) for name, values in given.items()}
+    found: list[Dependence] = []
+    for place in range(len(ensemble.methods)):
+        failed, made = ensemble.failed[place, :members], ensemble.supported[place, :members]
+        if LEAST_FAILED <= np.count_nonzero(failed) <= np.count_nonzero(made) - LEAST_FAILED:
+            found += _dependences(place, FAILURE, np.where(made, failed, np.nan), ranks)
+    for figure in figures:
+        values = logarithms(ensemble.column(figure)[:, :members])
+        for place, own in enumerate(values):
+            found += _dependences(place, figure, own, ranks)
+    return found
+
+
+def logarithms(values: Array) -> Array:
+    """Return the logarithms of figures (m, n), of which none is negative; NaN where there is none or it is infinite.
+
+    A zero counts as the smallest value of its row that is positive.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logs = np.log10(values)
+    least = np.min(np.where(np.isfinite(logs), logs, np.inf), axis=-1, keepdims=True)
+    logs = np.where(values == 0, least, logs)
+    return np.where(np.isfinite(logs), logs, np.nan)
+
+
+def strongest(found: Sequence[Dependence], most: int = 2) -> list[str]:
+    """Return the names of the numbers with the largest share of the variance, summed over methods and figures.
+
+    Of the length of a vector and its components, which say much of each other, there are not both.
+    """
+    shares: dict[str, float] = {}
+    for one in found:
+        shares[one.number] = shares.get(one.number, 0.0) + one.share
+    chosen: list[str] = []
+    for name in sorted(shares, key=lambda name: -shares[name]):
+        if len(chosen) < most and not any(_is_length_of(one, name) or _is_length_of(name, one) for one in chosen):
+            chosen.append(name)
+    return chosen
+
+
+def _is_length_of(name: str, component: str) -> bool:
+    """Return whether a number is the length of the vector that another one is a component of."""
+    return name == f"|{component.rpartition('.')[0]}|"
+
+
+def first_order(ranks: Array, values: Array) -> float:
+    """Return the share of the variance of values (n,) that a number explains by itself, given the ranks of the number (n,)."""
+    total = len(values)
+    bins = int(np.clip(total // LEAST_OF_BIN, 1, MOST_BINS))
+    where = binned(ranks, bins)
+    counts = np.bincount(where, minlength=bins)
+    used = int(np.count_nonzero(counts))
+    centred = values - values.mean()
+    whole = float(np.sum(centred * centred))
+    if used < 2 or total <= used or not whole > 0:
+        return 0.0
+    sums = np.bincount(where, centred, bins)
+    between = float(np.sum(sums**2 / np.maximum(counts, 1)))
+    return max(0.0, 1 - (1 - between / whole) * (total - 1) / (total - used))
+
+
+def binned(ranks: Array, bins: int) -> NDArray[np.int64]:
+    """Return the bin of each of n members, from 0 on, by their ranks (n,); equal values are in the same bin."""
+    return np.minimum((ranks - 0.5) * bins // len(ranks), bins - 1).astype(np.int64)
+
+
+def _dependences(place: int, figure: str, values: Array, ranks: Mapping[str, Array]) -> list[Dependence]:
+    there = np.isfinite(values)
+    own = values[there]
+    if np.count_nonzero(there) < 2 * LEAST_OF_BIN or not _varies(own):
+        return []
+    own_ranks = rankdata(own)
+    found = []
+    for name, whole in ranks.items():
+        of = whole if there.all() else rankdata(whole[there])
+        found.append(Dependence(place, figure, name, _correlation(of, own_ranks), first_order(of, own)))
+    return found
+
+
+def _correlation(one: Array, other: Array) -> float:
+    """Return Pearson's correlation of two rows (n,), 0 if one of them is constant."""
+    a, b = one - one.mean(), other - other.mean()
+    size = math.sqrt(float(np.sum(a * a)) * float(np.sum(b * b)))  # no BLAS, whose threads wait for each other
+    return float(np.sum(a * b)) / size if size > 0 else 0.0
+
+
+def _length(components: list[Array]) -> Array:
+    squares = np.zeros(len(components[0]))
+    for values in components:
+        squares += values**2
+    return np.asarray(np.sqrt(squares))
+
+
+def _varies(values: Array) -> bool:
+    finite = values[np.isfinite(values)]
+    return bool(finite.size) and float(np.ptp(finite)) > CONSTANT * float(np.abs(finite).max())

@@ -1,0 +1,85 @@
+"""Write the tables and the report of an ensemble, for which its worst members are run again."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bodycheck import reports
+from bodycheck.casefile.content import Case
+from bodycheck.files.temporary import temporary_folder
+from bodycheck.reports.study import Animation
+from bodycheck.running import compaction, csv_tables, origin
+from bodycheck.running.campaign import Advance
+from bodycheck.studies.ensemble.findings import stored
+from bodycheck.studies.ensemble.header import EnsembleHeader
+from bodycheck.studies.ensemble.report import kept, page
+from bodycheck.studies.ensemble.report.reporting import Made, material
+from bodycheck.studies.ensemble.rows import DependenceRow, Row
+from bodycheck.studies.ensemble.worst_members import playing, worst
+
+if TYPE_CHECKING:
+    from bodycheck.reports.plot_files import Format
+
+
+def write(
+    made: Made,
+    folder: Path,
+    case: Case,
+    header: EnsembleHeader,
+    text_of: Callable[[int], str] | None,
+    jobs: int,
+    progress: Advance,
+    formats: "Sequence[Format]" = (),
+) -> None:
+    """Write ensemble.csv and sensitivity.csv, the worst members as case files, and the report.
+
+    Parameters
+    ----------
+    made
+        What `reporting.read` returned.
+    folder
+        The folder of the runs.
+    case, header
+        The case, and the header of the results, which says where the members are from.
+    text_of
+        Function from the number of a member to its case file. If it is None, nothing is run: there are no files of worst
+        members, and no animations.
+    jobs
+        The number of processes.
+    progress
+        A function that is called after each worst member.
+    formats
+        Formats in which every plot is also written as a file of its own.
+
+    Raises
+    ------
+    NotWritten
+        A file cannot be written.
+    """
+    analysis, origins = made.analysis, [origin.origin(header, {case.name: case.text})]
+    records = made.records()
+    for name, rows, kind in (("ensemble", "rows", Row), ("sensitivity", "sensitivity", DependenceRow)):
+        csv_tables.write(folder / f"{name}.csv", [field.name for field in fields(kind)], records[rows], origins)
+    files, animations = ((), ()) if text_of is None else _run_worst(made, folder, case, header, text_of, jobs, progress)
+    kept.write(folder, files, animations)
+    reports.write_study(page.present(material(case, header, analysis, files, animations)), folder, formats)
+
+
+def _run_worst(
+    made: Made,
+    folder: Path,
+    case: Case,
+    header: EnsembleHeader,
+    text_of: Callable[[int], str],
+    jobs: int,
+    progress: Advance,
+) -> tuple[tuple[page.File, ...], tuple[Animation, ...]]:
+    """Write the worst members as case files, and return these and the animations. The parameters are those of `write`."""
+    compaction.remove(folder / worst.FOLDER, folder)  # the files of an earlier ensemble
+    ensemble = stored.read(folder, case.name, tuple(header["engines"]))
+    written = worst.write(folder, case, ensemble, text_of, header["source"], progress)
+    del ensemble  # it is large
+    files = tuple(page.File(one.way.member, one.path.name if one.path else "", one.title) for one in written)
+    with temporary_folder() as runs:
+        return files, playing.animations(made.analysis.aggregates, text_of, runs, header, jobs)

@@ -1,0 +1,98 @@
+"""Animations of the worst members of an ensemble, for which these few members are run again."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from bodycheck.casefile.case import parse
+from bodycheck.judging import judgement
+from bodycheck.reference.truth import Truth
+from bodycheck.reports.quantities import QUANTITIES
+from bodycheck.reports.runs.animation import animated
+from bodycheck.reports.study import Animation
+from bodycheck.running import campaign
+from bodycheck.running.header import Header
+from bodycheck.running.plan import Task
+from bodycheck.studies.ensemble.findings.aggregates import Aggregates
+from bodycheck.studies.ensemble.report.page_tables import method_lines
+
+#: Most members that are shown, and most methods that are run with each of them.
+MOST_MEMBERS, MOST_METHODS = 4, 4
+
+#: Most characters of the data of one animation.
+MOST_CHARACTERS = 200_000
+
+
+def chosen(ensemble: Aggregates) -> dict[int, list[int]]:
+    """Return the members that are shown, each with the places of the methods that are run with it.
+
+    They are the members with the largest value of the figure that methods are ranked by, those of the worst methods first. The
+    methods are the one that it is the worst member of, and the best others with the same time step.
+    """
+    figure = ensemble.figures.get(ensemble.ranking)
+    if figure is None:
+        return {}
+    found: dict[int, list[int]] = {}
+    for place in reversed(ensemble.ranked):
+        own = figure.distributions.get(place)
+        if own is None or own.worst in found or len(found) == MOST_MEMBERS:
+            continue
+        step = ensemble.methods[place].engine_method.timestep
+        others = [
+            other for other in ensemble.ranked if other != place and ensemble.methods[other].engine_method.timestep == step
+        ]
+        found[own.worst] = [place, *others[: MOST_METHODS - 1]]
+    return found
+
+
+def animations(
+    ensemble: Aggregates,
+    text_of: Callable[[int], str],
+    folder: Path,
+    header: Header,
+    jobs: int = 1,
+) -> tuple[Animation, ...]:
+    """Return the animations of the worst members.
+
+    Parameters
+    ----------
+    ensemble
+        The aggregates.
+    text_of
+        Function from the number of a member to its case file.
+    folder
+        An empty folder for the runs.
+    header
+        The header of the results.
+    jobs
+        The number of processes.
+    """
+    members, lines = chosen(ensemble), method_lines(ensemble)
+    cases = {member: parse(text_of(member), f"member {member}") for member in members}
+    keys = {place: ensemble.methods[place].engine_method.key("") for places in members.values() for place in places}
+    tasks = [
+        Task(cases[member], keys[place].engine, keys[place].method) for member, places in members.items() for place in places
+    ]
+    if not tasks:
+        return ()
+    with campaign.results(tasks, folder, header, jobs) as results:
+        verdicts = judgement.judge(results)
+        truths: dict[int, Mapping[float, Truth]] = {}
+        for member, places in members.items():
+            step = keys[places[0]].method.timestep
+            truth = results.truth(cases[member].name, step)
+            truths[member] = {step: truth} if isinstance(truth, Truth) else {}
+    title = QUANTITIES[ensemble.ranking].title.lower()
+    shown = []
+    for member, places in members.items():
+        own = {
+            lines[place]: verdict
+            for place in places
+            for verdict in verdicts
+            if (verdict.run.case, verdict.run.engine, verdict.run.method)
+            == (cases[member].name, keys[place].engine, keys[place].method)
+        }
+        played = animated(cases[member].scene, own, truths[member], MOST_CHARACTERS)
+        if played is not None:
+            heading = f"Member {member}, with the largest {title} of {lines[places[0]].label}"
+            shown.append(Animation(heading, played.data, played.alt, played.notes))
+    return tuple(shown)

@@ -1,0 +1,118 @@
+"""Try cases: run them with one method of an engine, and compare the runs with the truth, in worker processes.
+
+The engine and the truths have processes of their own. Cases are tried in blocks; where a block ends its process, it is divided
+until the case that did it is alone. A block that takes too long is not divided, so that a case that hangs costs the limit once.
+"""
+
+import contextlib
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from bodycheck.adapters.method import Method
+from bodycheck.casefile.content import Case
+from bodycheck.judging.discrepancy import compare
+from bodycheck.judging.expectation_writer import floors
+from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.truth import truth
+from bodycheck.running import engines, pool
+from bodycheck.running.campaign import TIME_LIMIT_S
+from bodycheck.running.halving import in_halves
+from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut, Unsupported
+from bodycheck.running.simulation import run
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What came of a case.
+
+    Attributes
+    ----------
+    status, reason
+        How its run ended, and why.
+    figures
+        The figures of the run by name; none unless the status is ok.
+    floors
+        The values below which they are nothing but rounding.
+    version
+        The version of the engine; empty where its process died.
+    """
+
+    status: str
+    reason: str = ""
+    figures: dict[str, float] = field(default_factory=dict)
+    floors: dict[str, float] = field(default_factory=dict)
+    version: str = ""
+
+
+@dataclass(frozen=True)
+class _Runs:
+    """What the process of an engine is asked: runs of some cases."""
+
+    engine: str
+    method: Method
+    cases: tuple[Case, ...]
+
+
+@dataclass(frozen=True)
+class _Comparisons:
+    """What the process of the truths is asked: figures of runs."""
+
+    runs: tuple[tuple[Case, Run], ...]
+
+
+#: A function that tries cases with a method of an engine.
+Trials = Callable[[str, Method, Sequence[Case]], list[Tried]]
+
+
+@contextlib.contextmanager
+def trials(limit: float = TIME_LIMIT_S) -> Iterator[Trials]:
+    """Provide a function that tries cases, whose processes are kept until the context ends. limit: of a block, in s."""
+    with pool.caller(_carry_out, limit, group=_group, home=engines.home) as ask:
+
+        def tried(engine: str, method: Method, cases: Sequence[Case]) -> list[Tried]:
+            made = _asked(ask, lambda some: _Runs(engine, method, tuple(some)), cases)
+            flown = [(place, one) for place, one in enumerate(made) if isinstance(one, Run)]
+            pairs = [(cases[place], one) for place, one in flown]
+            compared = _asked(ask, lambda some: _Comparisons(tuple(some)), pairs)
+            found = dict(zip((place for place, _ in flown), compared, strict=True))
+            answers = [found.get(place, one) for place, one in enumerate(made)]
+            return [one if isinstance(one, Tried) else Tried(one.status, one.reason) for one in answers]
+
+        yield tried
+
+
+def _asked(ask: Callable[[Any], Any], question: Callable[[Sequence[Any]], Any], items: Sequence[Any]) -> list[Any]:
+    """Return the answers about some items, which are asked together, and by halves if the process dies."""
+
+    def attempt(first: int, last: int) -> Any:
+        answer = ask(question(items[first:last]))
+        return [answer] * (last - first) if isinstance(answer, TimedOut) else answer
+
+    found: list[Any] = []
+    for _, answer in in_halves(attempt, 0, len(items)) if items else ():
+        found += [answer] if isinstance(answer, Crashed | TimedOut) else answer
+    return found
+
+
+def _group(question: _Runs | _Comparisons) -> str | None:
+    return question.engine if isinstance(question, _Runs) else None
+
+
+def _carry_out(question: _Runs | _Comparisons) -> list[Run] | list[Tried]:
+    """Answer a question; a worker process calls this."""
+    if isinstance(question, _Runs):
+        return [run(case, question.engine, question.method) for case in question.cases]
+    return [_compared(case, made) for case, made in question.runs]
+
+
+def _compared(case: Case, made: Run) -> Tried:
+    outcome = made.outcome
+    if not isinstance(outcome, Completed):
+        return Tried(outcome.status, outcome.reason, version=made.version)
+    try:
+        known = truth(case.scene, outcome.trajectory.t, vouched=False)
+    except (NotModelled, OutOfReach) as error:
+        return Tried(Unsupported.status, str(error), version=made.version)
+    figures = compare(known, made).maxima()
+    return Tried(outcome.status, "", figures, floors(known, figures), made.version)

@@ -1,0 +1,106 @@
+"""Files of robots as tests of pytest: those that match a pattern of `bodycheck_models` in pytest's configuration.
+
+A test of a file fails where an engine refuses it or differs. The engines are those of `--bodycheck-engine`, and otherwise all
+that are installed and read robot models; their processes live as long as the session.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from bodycheck.runner_log import harmless
+
+if TYPE_CHECKING:
+    from bodycheck.studies.parity.study import Parity
+
+#: Name of the test of a file.
+NAME = "parity"
+
+COMPARE_KEY = pytest.StashKey[Callable[[Path], "Parity"]]()
+
+
+def is_named(path: Path, root: Path, patterns: Sequence[str]) -> bool:
+    """Return whether a file in pytest's root folder matches a pattern, which is relative to that folder."""
+    return path.is_relative_to(root) and any(path.relative_to(root).match(pattern) for pattern in patterns)
+
+
+class ModelFile(pytest.File):
+    """The collector of one file of a robot."""
+
+    def collect(self) -> "Iterator[ModelItem]":
+        yield ModelItem.from_parent(self, name=NAME)
+
+
+class ModelItem(pytest.Item):
+    """The test of one file of a robot."""
+
+    def runtest(self) -> None:
+        from bodycheck.studies.parity.wording import differs
+
+        found = _compare(self.config)(self.path)
+        if differs(found):
+            raise Different(found)
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None) -> Any:
+        from bodycheck.errors import BadInput
+
+        match excinfo.value:
+            case Different(found=found):
+                return _printable(_explained(found))
+            case BadInput() as error:
+                return _printable(str(error))
+        return super().repr_failure(excinfo)
+
+    def reportinfo(self) -> tuple[Path, None, str]:
+        return Path(harmless(str(self.path))), None, harmless(f"{self.path.name}: {NAME}")
+
+
+class Different(Exception):
+    """Raised for a file that an engine refuses or takes otherwise."""
+
+    def __init__(self, found: "Parity") -> None:
+        super().__init__(found.name)
+        self.found = found
+
+
+def _explained(found: "Parity") -> str:
+    from bodycheck.studies.parity.rows import failed
+    from bodycheck.studies.parity.wording import engines_of, headline, of_engine, of_file
+
+    lines = [headline([found]), ""]
+    lines += [f"the file: {fault}" for fault in of_file(found)]
+    for engine, rows in engines_of(found).items():
+        if any(map(failed, rows)):
+            lines += [f"{engine} {rows[0].version}:", *(f"    {sentence}" for sentence in of_engine(rows))]
+    return "\n".join([*lines, "", f"All rows: bodycheck parity {found.path} --table"])
+
+
+def _compare(config: pytest.Config) -> "Callable[[Path], Parity]":
+    """Return the function that compares a file, with processes that live as long as the session."""
+    if COMPARE_KEY not in config.stash:
+        from bodycheck.console.arguments import load_engines
+        from bodycheck.files.temporary import temporary_folder
+        from bodycheck.studies.parity import study
+
+        stack = ExitStack()
+        config.add_cleanup(stack.close)
+        records = load_engines(tuple(config.getoption("--bodycheck-engine"))).records
+        folder = stack.enter_context(temporary_folder())
+        how = stack.enter_context(study.asking(records, 1))
+        made: list[Path] = []
+
+        def compare(path: Path) -> "Parity":
+            made.append(folder / str(len(made)))
+            made[-1].mkdir()
+            return study.one(records, path, study.Asking(), made[-1], how)
+
+        config.stash[COMPARE_KEY] = compare
+    return config.stash[COMPARE_KEY]
+
+
+def _printable(text: str) -> str:
+    """Return a text with control characters and commands to runners escaped: a file and an engine may contain them."""
+    return harmless("".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode("ascii") for c in text))

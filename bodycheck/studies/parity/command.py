@@ -1,0 +1,92 @@
+"""The command `bodycheck parity`.
+
+Its imports are inside the function, so that `--help` answers at once.
+"""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from bodycheck.console.options import AS_USUAL, Engines, Jobs, Json, Out, Quiet, Viewed
+from bodycheck.errors import FAILED, OK, BadInput
+
+
+def parity(
+    *models: Annotated[Path, Parameter(help="Files of robots: URDF, MJCF, or cases of format 2.")],
+    engine: Engines = (),
+    states: Annotated[int, Parameter(help="The number of states at which terms are compared. Default: 100.")] = 100,
+    seed: Annotated[int, Parameter(help="The seed of the states. Default: 0.")] = 0,
+    tolerance: Annotated[
+        float, Parameter(help="The largest relative difference that counts as agreement. Default: 1e-9.")
+    ] = 1e-9,
+    package_path: Annotated[
+        tuple[Path, ...], Parameter(help="A folder in which packages are found. May be given several times.")
+    ] = (),
+    motion: Annotated[
+        float, Parameter(help="A time in s: also say how far each difference takes a free motion within it.")
+    ] = 0.0,
+    out: Out = None,
+    junit: Annotated[Path | None, Parameter(help="A file (.xml) for the result of each model and engine as a test.")] = None,
+    jobs: Jobs = None,
+    json: Json = False,
+    table: bool = False,
+    view: Viewed = AS_USUAL,
+    quiet: Quiet = False,
+) -> int:
+    """Compare what engines make of the file of a robot with what the file says, term by term, and name the causes.
+
+    Each engine reads the file by its own reader. The truth is the file, read as its specification says, and bodycheck's own
+    algorithms; of an MJCF it is what MuJoCo makes of it. Differences of masses, inertias and joints, of the mass matrix and of
+    forces have a cause that was recomputed, or are called unexplained. The table is parity.csv.
+
+    Exit codes: 0 everything agrees; 1 something differs or is refused; 2 a file is not there or no model.
+
+    Parameters
+    ----------
+    table
+        Print all rows. --columns, --sort and --wide do so too.
+    """
+    from dataclasses import asdict
+
+    from bodycheck import reports
+    from bodycheck.console import tables, terminal
+    from bodycheck.console.arguments import check_writable, load_engines, make_folder, processes
+    from bodycheck.console.output import say_where
+    from bodycheck.running import campaign, origin
+    from bodycheck.studies.parity import printing, rows, study
+    from bodycheck.studies.parity.page import present
+
+    if not models:
+        raise BadInput("parity: give at least one file of a robot")
+    if states < 1:
+        raise BadInput(f"--states {states}: must be at least 1")
+    if not tolerance > 0:
+        raise BadInput(f"--tolerance {tolerance}: must be greater than 0")
+    if not 0 <= motion <= study.LONGEST_MOTION:
+        raise BadInput(f"--motion {motion}: must be from 0 to {study.LONGEST_MOTION:g} s")
+    tables.check(view, printing.ROWS)
+    check_writable("--junit", junit)
+    make_folder("--out", out)
+    loaded = load_engines(engine)
+    asks = study.Asking(states, seed, tolerance, package_path, motion)
+    with terminal.progress("comparing", len(models), quiet) as progress:
+        found = list(study.study(loaded.records, models, asks, processes(jobs), progress, only_readers=not engine))
+    head = campaign.header(sys.argv, loaded.records, loaded.missing)
+    every = [row for one in found for row in one.rows]
+    if out is not None:
+        rows.write(every, out, [origin.origin(head, {})])
+        reports.write_study(present(head, found), out)
+    if junit is not None:
+        from bodycheck.studies.parity import junit as as_tests
+
+        as_tests.write(found, head, junit)
+    if json:
+        terminal.print_json([asdict(row) for row in every])
+    elif not quiet:
+        printing.print_models(found)
+        if table or view != AS_USUAL:
+            printing.print_rows(every, view)
+    say_where(out, quiet)
+    return FAILED if any(map(rows.failed, every)) or loaded.failed() else OK

@@ -1,0 +1,199 @@
+"""Compare what an engine has read and computes with the model of the file: rows without causes."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bodycheck.adapters.robot_reading import RobotReading
+from bodycheck.reference.robots.model import RobotModel
+from bodycheck.reference.robots.state import RobotState
+from bodycheck.reference.scene import Vector
+from bodycheck.studies.parity import numbers, tree
+from bodycheck.studies.parity.aligning import Motion, accelerations, aligned, motion, reduced, selected, truth_of
+from bodycheck.studies.parity.conventions import Convention
+from bodycheck.studies.parity.matching import Match, match
+from bodycheck.studies.parity.quantities import MODEL, TERMS, Quantity, Status
+from bodycheck.studies.parity.rows import Compared
+from bodycheck.studies.parity.sizes import Apart, Sizes, apart, sizes
+from bodycheck.studies.parity.stacks import Stack, stacked
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What engines were asked about a model.
+
+    Attributes
+    ----------
+    model
+        The model of the file.
+    states, gravity
+        The states and the gravitational acceleration (m/s^2) at which terms are compared.
+    truth
+        The terms of the model at the states, for all of its velocities.
+    gravity_stated
+        Whether the file says what gravity is. That is an MJCF, in which dry friction is a constraint: a force of its full size
+        wherever less would not stop the joint.
+    """
+
+    model: RobotModel
+    states: tuple[RobotState, ...]
+    gravity: Vector
+    truth: Stack
+    gravity_stated: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """An engine's reading beside the model of the file.
+
+    Attributes
+    ----------
+    asked, reading, tolerance
+        What was asked, what the engine has read, and the largest relative difference that counts as agreement.
+    found
+        Which joints and bodies are which.
+    motion
+        The states of the velocities that are compared.
+    truth, engine
+        The terms for these velocities, in the conventions of the file.
+    convention
+        The conventions that the engine itself has.
+    sizes
+        The sizes of terms.
+    rows
+        The rows, without causes.
+    """
+
+    asked: Asked
+    reading: RobotReading
+    tolerance: float
+    found: Match
+    motion: Motion
+    truth: Stack
+    engine: Stack
+    convention: Convention
+    sizes: Sizes
+    rows: tuple[Compared, ...]
+
+
+def asked(model: RobotModel, states: Sequence[RobotState], gravity: Vector, gravity_stated: bool) -> Asked:
+    """Return what engines are asked about a model, with the truth, which is computed once for all engines."""
+    return Asked(model, tuple(states), gravity, truth_of(model, states, gravity), gravity_stated)
+
+
+def compare(given: Asked, reading: RobotReading, tolerance: float) -> Comparison:
+    """Compare an engine's reading with the model of a file.
+
+    Parameters
+    ----------
+    given
+        What the engine was asked.
+    reading
+        What it has read.
+    tolerance
+        The largest relative difference that counts as agreement.
+    """
+    found = match(given.model, reading)
+    moved = motion(found, given.states)
+    whole = truth_of(found.model, given.states, given.gravity) if found.lacking else given.truth
+    truth = reduced(whole, found, moved)
+    own = Stack() if found.otherwise else selected(stacked(reading.terms), found.columns.tolist())
+    if found.extra:  # the base is free, so that it gives way
+        own = replace(own, forward_dynamics=None)
+    engine, convention = aligned(own, truth, found, moved)
+    mass = float(np.sum([float(link.mass) for link in given.model.links]))
+    scale = sizes(truth, found.labels, moved.velocities, mass, float(np.linalg.norm(given.gravity)))
+    comparison = _with_followers(Comparison(given, reading, tolerance, found, moved, truth, engine, convention, scale, ()))
+    if given.gravity_stated:
+        comparison = _with_constraints(comparison)
+    return replace(comparison, rows=tuple(_rows(comparison)))
+
+
+def at(comparison: Comparison, states: Sequence[int]) -> Comparison:
+    """Return a comparison of some of the states, by their places, whose rows are still those of all states."""
+    return replace(
+        comparison,
+        motion=comparison.motion.at(states),
+        truth=comparison.truth.at(states),
+        engine=comparison.engine.at(states),
+        sizes=comparison.sizes.at(states),
+    )
+
+
+def with_engine(comparison: Comparison, engine: Stack) -> Comparison:
+    """Return a comparison with other terms of the engine, whose rows are those of the new terms."""
+    kept = tuple(row for row in comparison.rows if row.quantity not in TERMS)
+    changed = replace(comparison, engine=engine)
+    return replace(changed, rows=(*kept, *terms(changed)))
+
+
+def _with_constraints(own: Comparison) -> Comparison:
+    """Return a comparison in which the dry friction of the truth is that of the engine, where it is at most that of the file.
+
+    An engine whose friction has not its full size at most states has none, and is compared with that of the file.
+    """
+    passive, velocities = own.engine.passive_force, own.motion.velocities
+    joints = {joint.name: joint for joint in own.found.model.joints}
+    most = np.array([joints[name].friction for name, _ in own.found.labels])
+    if passive is None or own.truth.passive_force is None or own.found.reduced or not np.any(most > 0):
+        return own
+    without = own.truth.passive_force + most * np.sign(velocities)
+    friction = np.clip(passive - without, -most, most)
+    if np.mean(np.abs(friction[:, most > 0]) > 0.99 * most[most > 0]) < 0.5:
+        return own
+    truth = replace(own.truth, passive_force=without + friction)
+    return replace(own, truth=replace(truth, forward_dynamics=accelerations(truth, own.motion.efforts)))
+
+
+def _with_followers(own: Comparison) -> Comparison:
+    """Return a comparison whose joints that follow others in the engine have no efforts, if its accelerations are such.
+
+    A joint that is held to another one by a constraint may have no efforts of its own.
+    """
+    follow = [own.found.joints[name].mimic is not None for name, _ in own.found.labels]
+    gap = apart("forward_dynamics", own.engine, own.truth, own.sizes)
+    if not any(follow) or gap is None or gap.relative <= own.tolerance:
+        return own
+    efforts = np.where(follow, 0.0, own.motion.efforts)
+    truth = replace(own.truth, forward_dynamics=accelerations(own.truth, efforts))
+    better = apart("forward_dynamics", own.engine, truth, own.sizes)
+    if better is None or better.relative >= gap.relative / 2:
+        return own
+    return replace(own, truth=truth, motion=replace(own.motion, efforts=efforts))
+
+
+def _rows(own: Comparison) -> Iterator[Compared]:
+    given, reading, found = own.asked, own.reading, own.found
+    yield from tree.order(found, given.model, reading)
+    yield from tree.parents(found, reading)
+    yield from tree.joint_types(found, given.model, own.tolerance)
+    yield from tree.gravity(given.model, reading, given.gravity_stated, own.tolerance)
+    yield from numbers.total_mass(found, reading, own.tolerance)
+    yield from numbers.bodies(found, reading, own.sizes.length, own.tolerance)
+    yield from numbers.joints(found, given.model, own.tolerance)
+    yield from terms(own)
+
+
+def terms(own: Comparison) -> Iterator[Compared]:
+    """Yield a row for each quantity that is compared at states. Where the truth has none, there is no row."""
+    for quantity in TERMS:
+        gap = apart(quantity, own.engine, own.truth, own.sizes)
+        if gap is not None:
+            yield term(quantity, gap, own.tolerance)
+        elif not _has(own.engine, quantity) and _has(own.truth, quantity):
+            yield Compared("not-modelled", quantity, MODEL)
+
+
+def term(quantity: Quantity, gap: Apart, tolerance: float) -> Compared:
+    """Return the row of a quantity that is compared at states."""
+    status: Status = "agrees" if gap.relative <= tolerance else "differs"
+    return Compared(status, quantity, MODEL, gap.engine, gap.truth, gap.difference, gap.relative)
+
+
+def _has(stack: Stack, quantity: Quantity) -> bool:
+    own = {"pose": stack.poses, "jacobian": stack.jacobians}.get(quantity)
+    if own is not None:
+        return bool(own)
+    array = getattr(stack, quantity)
+    return array is not None and array.size > 0 and bool(np.isfinite(array).any())

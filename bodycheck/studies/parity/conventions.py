@@ -1,0 +1,301 @@
+"""How an engine writes the velocities of joints that have several, and its Jacobians, found by trying.
+
+An engine may write the velocity of a floating joint with the angular part first, along the axes of the joint's frame, of the
+child or of the parent, which is often the world, and of one of three points. None of this is a difference in mechanics. The
+Jacobians of the bodies decide, and where an engine has none, the block of the mass matrix that belongs to the joint.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from typing import Literal, get_args
+
+import numpy as np
+
+from bodycheck.reference.robots.model import RobotModel
+from bodycheck.reference.robots.state import RobotState
+from bodycheck.reference.trajectory import Array
+from bodycheck.studies.parity.rotations import crossing, matrices
+from bodycheck.studies.parity.stacks import Stack
+
+Frame = Literal["joint", "child", "parent"]
+Point = Literal["origin", "center of mass", "origin of the joint"]
+Axes = Literal["world", "body"]
+BodyPoint = Literal["origin", "center of mass", "world"]
+
+#: Difference, relative to the size of a Jacobian or mass matrix, up to which a convention counts as that of the engine.
+ALIKE = 1e-6
+
+#: States at which conventions are tried.
+STATES = 3
+
+
+@dataclass(frozen=True)
+class Written:
+    """How the velocity of a joint is written: the default is how `RobotState` has it.
+
+    Parameters
+    ----------
+    linear, angular
+        The axes of the components: those of the joint's frame in the parent, those of the child, or those of the parent.
+    point
+        The point whose velocity it is.
+    angular_first
+        Whether the angular part comes first.
+    """
+
+    linear: Frame = "joint"
+    angular: Frame = "child"
+    point: Point = "origin"
+    angular_first: bool = False
+
+
+#: The axes that are tried for linear and for angular parts, those of `RobotState` first.
+_LINEAR: tuple[Frame, ...] = ("joint", "child", "parent")
+_ANGULAR: tuple[Frame, ...] = ("child", "joint", "parent")
+
+#: What may be found for each type of joint with several velocities, the form of `RobotState` first.
+CANDIDATES: Mapping[str, tuple[Written, ...]] = {
+    "floating": tuple(
+        Written(linear, angular, point, first)
+        for point, first, linear, angular in product(get_args(Point), (False, True), _LINEAR, _ANGULAR)
+    ),
+    "spherical": tuple(Written(angular=angular) for angular in _ANGULAR),
+    "planar": tuple(Written(linear, angular_first=first) for first, linear in product((False, True), _LINEAR[:2])),
+}
+
+
+@dataclass(frozen=True)
+class JacobianFrame:
+    """How the Jacobian of a body is written: the default is how `Terms` has it.
+
+    Parameters
+    ----------
+    axes
+        The axes of the components.
+    point
+        The point of the body whose velocity it is, or the point of the body that is at the world's origin.
+    angular_first
+        Whether the rows of the angular velocity come first.
+    """
+
+    axes: Axes = "world"
+    point: BodyPoint = "origin"
+    angular_first: bool = False
+
+
+JACOBIAN_FRAMES = tuple(
+    JacobianFrame(axes, point, first) for point, first, axes in product(get_args(BodyPoint), (False, True), get_args(Axes))
+)
+
+
+@dataclass(frozen=True)
+class Convention:
+    """How an engine writes velocities, by the name of the joint, and Jacobians."""
+
+    joints: Mapping[str, Written] = field(default_factory=dict)
+    jacobians: JacobianFrame = field(default_factory=JacobianFrame)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What it is, in sentences; empty where it is the form that bodycheck uses."""
+        told = [f"it writes the velocity of {name} as {_words(own)}" for name, own in self.joints.items() if own != Written()]
+        if self.jacobians != JacobianFrame():
+            own = self.jacobians
+            point = {"origin": "the frame's origin", "center of mass": "the centre of mass", "world": "the world's origin"}
+            rows = "angular rows first, " if own.angular_first else ""
+            told.append(f"its Jacobians are along the axes of the {own.axes}, {rows}for {point[own.point]}")
+        return tuple(told)
+
+
+def _words(own: Written) -> str:
+    first = "the angular part first, " if own.angular_first else ""
+    return f"{first}the linear part of the {own.point} along the {own.linear}'s axes, the angular one along the {own.angular}'s"
+
+
+def written(model: RobotModel, name: str, states: Sequence[RobotState], how: Written) -> tuple[Array, Array]:
+    """Return the matrices (s, k, k) that make a joint's velocity in an engine of that of `RobotState`, and their derivatives.
+
+    model: the bodies of the engine, whose centres of mass count.
+    """
+    joint = next(one for one in model.joints if one.name == name)
+    position = np.array([state.positions[name] for state in states])
+    velocity, socket = np.array([state.velocities[name] for state in states]), np.asarray(joint.rotation, np.float64)
+    match joint.type:
+        case "spherical":
+            return _turning(how.angular, socket, matrices(position), velocity)
+        case "planar":
+            return _planar(position, velocity, how)
+        case _:
+            centre = np.asarray(model.links[joint.child].center_of_mass, np.float64)
+            return _floating(position, velocity, centre, socket, how)
+
+
+def _turning(axes: Frame, socket: Array, turn: Array, spin: Array) -> tuple[Array, Array]:
+    """Return the matrices (s, 3, 3) from components along the child's axes to those along others, and their derivatives.
+
+    socket (3, 3) is the joint's frame in the parent's, turn (s, 3, 3) the child's in the joint's, and spin (s, 3) its rate.
+    """
+    match axes:
+        case "child":
+            return np.broadcast_to(np.eye(3), turn.shape), np.zeros_like(turn)
+        case "joint":
+            return turn, turn @ crossing(spin)
+        case "parent":
+            return socket @ turn, socket @ turn @ crossing(spin)
+
+
+def _planar(position: Array, velocity: Array, how: Written) -> tuple[Array, Array]:
+    angle, rate = position[:, 2], velocity[:, 2]
+    matrix, change = np.zeros((len(angle), 3, 3)), np.zeros((len(angle), 3, 3))
+    matrix[:, 2, 2] = 1.0
+    if how.linear == "joint":
+        matrix[:, 0, 0] = matrix[:, 1, 1] = 1.0
+    else:
+        cosine, sine = np.cos(angle), np.sin(angle)
+        matrix[:, :2, :2] = np.stack([cosine, sine, -sine, cosine], axis=-1).reshape(-1, 2, 2)
+        change[:, :2, :2] = (np.stack([-sine, cosine, -cosine, -sine], axis=-1) * rate[:, None]).reshape(-1, 2, 2)
+    order = [2, 0, 1] if how.angular_first else [0, 1, 2]
+    return matrix[:, order], change[:, order]
+
+
+def _floating(position: Array, velocity: Array, centre: Array, socket: Array, how: Written) -> tuple[Array, Array]:
+    turn = matrices(position[:, 3:])
+    spin, spun = velocity[:, 3:], turn @ crossing(velocity[:, 3:])
+    zero = np.zeros_like(turn)
+    match how.point:
+        case "origin":
+            arm, moves = np.zeros_like(spin), np.zeros_like(spin)
+        case "center of mass":
+            arm, moves = turn @ centre, spun @ centre
+        case "origin of the joint":
+            arm, moves = -position[:, :3], -velocity[:, :3]
+    lever, levers = -crossing(arm) @ turn, -crossing(moves) @ turn - crossing(arm) @ spun
+    axes, axes_change = (_t(turn), _t(spun)) if how.linear == "child" else (np.broadcast_to(np.eye(3), turn.shape), zero)
+    if how.linear == "parent":
+        axes = np.broadcast_to(socket, turn.shape)
+    own, own_change = _turning(how.angular, socket, turn, spin)
+    matrix = np.block([[axes, axes @ lever], [zero, own]])
+    change = np.block([[axes_change, axes_change @ lever + axes @ levers], [zero, own_change]])
+    order = [3, 4, 5, 0, 1, 2] if how.angular_first else [0, 1, 2, 3, 4, 5]
+    return matrix[:, order], change[:, order]
+
+
+def in_world(jacobian: Array, poses: Array, centre: Array, how: JacobianFrame) -> Array:
+    """Return the Jacobians (s, 6, n) of a body's origin along the world's axes, linear rows first, from those of an engine.
+
+    poses (s, 7) are those of the body, and centre (3,) is its centre of mass in its frame.
+    """
+    linear, angular = (jacobian[:, 3:], jacobian[:, :3]) if how.angular_first else (jacobian[:, :3], jacobian[:, 3:])
+    turn = matrices(poses[:, 3:])
+    if how.axes == "body":
+        linear, angular = turn @ linear, turn @ angular
+    if how.point == "center of mass":
+        linear = linear + crossing(turn @ centre) @ angular
+    elif how.point == "world":
+        linear = linear - crossing(poses[:, :3]) @ angular
+    return np.concatenate([linear, angular], axis=1)
+
+
+def _t(matrix: Array) -> Array:
+    return np.swapaxes(matrix, -1, -2)
+
+
+def find(
+    model: RobotModel, places: Mapping[str, Sequence[int]], states: Sequence[RobotState], engine: Stack, truth: Stack
+) -> Convention:
+    """Return the convention of an engine.
+
+    Parameters
+    ----------
+    model
+        The model of the file with the bodies of the engine.
+    places
+        The places of the velocities of each joint that has several, among those that are compared.
+    states
+        The states.
+    engine, truth
+        What the engine computes, in its own conventions and in the order of the file, and the truth.
+    """
+    few = range(min(STATES, len(states)))
+    engine, truth, some = engine.at(few), truth.at(few), states[: len(few)]
+    centres = {link.name: np.asarray(link.center_of_mass, np.float64) for link in model.links}
+    known = [name for name in centres if name in engine.jacobians and name in truth.jacobians]
+    if not known:
+        return Convention({name: _by_mass(model, name, own, some, engine, truth) for name, own in places.items()})
+    best, chosen = (-1, 0.0, 0.0), Convention()
+    for frame in JACOBIAN_FRAMES:
+        found = {name: in_world(engine.jacobians[name], truth.poses[name], centres[name], frame) for name in known}
+        joints = {name: _by_jacobian(model, name, own, some, found, truth) for name, own in places.items()}
+        changes = {name: (places[name], written(model, name, some, how)[0]) for name, how in joints.items()}
+        errors = np.array([_error(_rewritten(found[name], changes), truth.jacobians[name]) for name in known])
+        left = float(np.sum(np.where(errors < ALIKE, 0.0, np.minimum(errors, 1.0))))
+        score = (int(np.sum(errors < ALIKE)), -left, -_of_masses(engine, truth, changes))
+        if score > best:
+            best, chosen = score, Convention(joints, frame)
+    return chosen
+
+
+def _rewritten(jacobian: Array, changes: Mapping[str, tuple[Sequence[int], Array]]) -> Array:
+    """Return matrices whose columns are for the velocities of the file, from those for the velocities of an engine."""
+    found = jacobian.copy()
+    for places, matrix in changes.values():
+        found[:, :, places] = jacobian[:, :, places] @ matrix
+    return found
+
+
+def _of_masses(engine: Stack, truth: Stack, changes: Mapping[str, tuple[Sequence[int], Array]]) -> float:
+    """Return the error of mass matrices with given conventions of joints, 0 up to rounding.
+
+    It decides where Jacobians do not: the velocity of a single body and its Jacobian may both be of any point.
+    """
+    if engine.mass_matrix is None or truth.mass_matrix is None or not truth.mass_matrix.size:
+        return 0.0
+    found = _rewritten(_t(_rewritten(engine.mass_matrix, changes)), changes)
+    error = _error(found, truth.mass_matrix)
+    return error if error >= ALIKE else 0.0
+
+
+def _by_jacobian(
+    model: RobotModel,
+    name: str,
+    places: Sequence[int],
+    states: Sequence[RobotState],
+    found: Mapping[str, Array],
+    truth: Stack,
+) -> Written:
+    """Return how a joint's velocity is written, by the columns of the Jacobian of the body that it moves."""
+    joint = next(one for one in model.joints if one.name == name)
+    child = model.links[joint.child].name
+    if child not in found:
+        return Written()
+    own, expected = found[child][:, :, places], truth.jacobians[child][:, :, places]
+    errors = [_error(own @ written(model, name, states, how)[0], expected) for how in CANDIDATES[joint.type]]
+    return CANDIDATES[joint.type][_least(errors)]
+
+
+def _by_mass(
+    model: RobotModel, name: str, places: Sequence[int], states: Sequence[RobotState], engine: Stack, truth: Stack
+) -> Written:
+    """Return how a joint's velocity is written, by its block of the mass matrix."""
+    if engine.mass_matrix is None or truth.mass_matrix is None:
+        return Written()
+    joint = next(one for one in model.joints if one.name == name)
+    block = np.ix_(range(len(states)), places, places)
+    own, expected = engine.mass_matrix[block], truth.mass_matrix[block]
+    errors = []
+    for how in CANDIDATES[joint.type]:
+        matrix = written(model, name, states, how)[0]
+        errors.append(_error(_t(matrix) @ own @ matrix, expected))
+    return CANDIDATES[joint.type][_least(errors)]
+
+
+def _least(errors: Sequence[float]) -> int:
+    """Return the place of the first error that is as small as the least, up to rounding."""
+    return next(place for place, error in enumerate(errors) if error <= min(errors) + ALIKE)
+
+
+def _error(found: Array, expected: Array) -> float:
+    """Return the largest difference relative to the largest entry; infinite where it is not a number."""
+    error = np.max(np.abs(found - expected), initial=0.0) / max(np.max(np.abs(expected), initial=0.0), 1e-300)
+    return float(error) if np.isfinite(error) else np.inf

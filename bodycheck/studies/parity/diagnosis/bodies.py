@@ -1,0 +1,227 @@
+"""Causes of differences in masses, centres of mass and inertias that an engine tells of."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from bodycheck.adapters.robot_reading import ReadBody
+from bodycheck.reference.robots.model import RobotLink, RobotModel
+from bodycheck.studies.parity.comparing import Comparison
+from bodycheck.studies.parity.diagnosis.fault import Fault
+from bodycheck.studies.parity.diagnosis.inertias import (
+    SAME,
+    Inertial,
+    Part,
+    is_balanced,
+    is_dropped,
+    is_turned,
+    joined_wrongly,
+    placed,
+    same,
+    size_of,
+    steiner,
+)
+from bodycheck.studies.parity.diagnosis.inertias import joined as joined_inertials
+from bodycheck.studies.parity.numbers import tensor
+from bodycheck.studies.parity.quantities import Cause, Quantity
+from bodycheck.studies.parity.rows import Compared
+
+#: Difference of traces, relative to the tensors, that is rounding. It is small because a trace is one number alone.
+TRACE = 1e-11
+
+#: The quantities of a body, which are attributes of links.
+OF_BODIES: tuple[Quantity, ...] = ("mass", "center_of_mass", "inertia")
+
+
+def faults(own: Comparison) -> Iterator[Fault]:
+    """Yield a fault for each number of a body that differs from the file."""
+    told = {body.name: body for body in own.reading.bodies}
+    for link in own.found.bodies.links:
+        rows = {row.quantity: row for row in own.rows if row.subject == link.name and row.quantity in OF_BODIES}
+        wrong = [quantity for quantity, row in rows.items() if row.status == "differs" and quantity is not None]
+        if wrong:
+            yield from of_body(own.found.model, link, told[link.name], wrong, set(told), max(SAME, own.tolerance))
+
+
+def of_body(
+    model: RobotModel, link: RobotLink, body: ReadBody, wrong: list[Quantity], kept: set[str], near: float
+) -> Iterator[Fault]:
+    """Yield the faults of a body.
+
+    Parameters
+    ----------
+    model
+        The model of the file.
+    link
+        The body as the file has it, with all links that the engine has joined to it.
+    body
+        The body as the engine has it.
+    wrong
+        Its quantities that differ.
+    kept
+        The names of the bodies that the engine keeps.
+    near
+        The relative difference up to which numbers are the same in the engine's precision.
+    """
+    truth, engine = _inertial(link), _read(body, link)
+    values, joined = _wide(engine), parts(model, link.name, kept)
+    fused = len(joined) > 1 and _is_joined_wrongly(engine, truth, joined, body, near)
+    filled = not fused and _is_filled(engine, truth, joined, near)
+    turned = None if fused or filled else _turned_part(engine, truth, joined, near)
+    for quantity in wrong:
+        cause: Cause = "inertia-fused" if fused else "mass" if filled else _cause(quantity, engine, truth, wrong, near)
+        row = None
+        if turned is not None and quantity == "inertia" and not fused:
+            cause = "inertia-turned"
+            if turned != link.name:
+                row = Compared("differs", "inertia", turned, cause=cause)
+        yield Fault(cause, quantity, link.name, link={quantity: values[quantity]}, row=row)
+
+
+def parts(model: RobotModel, body: str, kept: set[str]) -> tuple[Part, ...]:
+    """Return the links of the file that belong to a body of the engine, itself first."""
+    names = [link.name for link in model.links]
+    found: list[Part] = []
+    waiting: list[tuple[int, tuple[tuple[np.ndarray, np.ndarray], ...]]] = [(names.index(body), ())]
+    while waiting:
+        place, welds = waiting.pop(0)
+        found.append(Part(names[place], _inertial(model.links[place]), welds))
+        for joint in model.joints:
+            if joint.parent == place and joint.type == "fixed" and names[joint.child] not in kept:
+                weld = (np.asarray(joint.rotation, np.float64), np.asarray(joint.position, np.float64))
+                waiting.append((joint.child, (*welds, weld)))
+    return tuple(found)
+
+
+def _cause(quantity: Quantity, engine: Inertial, truth: Inertial, wrong: list[Quantity], near: float) -> Cause:
+    if engine.mass and not truth.mass:  # what the file gives no mass has one in the engine, such as that of its shape
+        return "mass"
+    nothing = not engine.mass and not np.any(engine.tensor)
+    if nothing and truth.mass and np.any(truth.tensor):
+        return "inertia-dropped"
+    if quantity == "mass":
+        return "mass"
+    if quantity == "center_of_mass":
+        return "center-of-mass"
+    return inertia_cause(engine, truth, "mass" in wrong, "center_of_mass" in wrong, near)
+
+
+def inertia_cause(engine: Inertial, truth: Inertial, mass_differs: bool, centre_differs: bool, near: float = SAME) -> Cause:
+    """Return why the inertia of a body differs, where the body consists of one link or its links are joined rightly.
+
+    near: the relative difference up to which numbers are the same.
+    """
+    scaled = [truth.tensor]
+    if mass_differs and truth.mass:
+        scaled.append(truth.tensor * (engine.mass / truth.mass))
+        if same(engine.tensor, scaled[1], size_of(engine.tensor, scaled[1]), near):
+            return "mass"
+    for expected in scaled:
+        if is_dropped(engine.tensor, expected, near):
+            return "inertia-dropped"
+        if is_turned(engine.tensor, expected, near):
+            return "inertia-turned"
+        if is_balanced(engine.tensor, expected, near):
+            return "inertia-balanced"
+    size = size_of(engine.tensor, truth.tensor)
+    for mass in {engine.mass, truth.mass}:
+        for shift in (steiner(mass, truth.centre), steiner(mass, engine.centre), steiner(mass, engine.centre - truth.centre)):
+            for sign in (1, -1):
+                if same(engine.tensor, truth.tensor + sign * shift, size, near):
+                    return "center-of-mass" if centre_differs else "frame"
+    return "unexplained"
+
+
+def _is_joined_wrongly(engine: Inertial, truth: Inertial, joined: tuple[Part, ...], body: ReadBody, near: float) -> bool:
+    """Return whether a body has the numbers of its links joined with a usual mistake; what the engine does not tell fits.
+
+    The tensors of the links may be turned besides, which leaves the trace of their sum as it is.
+    """
+    reach = max(float(np.linalg.norm(own.own.centre)) + sum(float(np.linalg.norm(at)) for _, at in own.welds) for own in joined)
+    for wrong in joined_wrongly(joined):
+        size = size_of(wrong.tensor, engine.tensor)
+        if (
+            (body.mass is None or abs(wrong.mass - engine.mass) <= near * abs(engine.mass))
+            and (body.center_of_mass is None or same(wrong.centre, engine.centre, reach, near))
+            and (
+                body.inertia is None
+                or same(wrong.tensor, engine.tensor, size, near)
+                or (_same_trace(wrong, engine) and not same(wrong.centre, truth.centre, reach, near))
+            )
+        ):
+            return True
+    return _is_moved_and_turned(engine, truth, joined, reach, near)
+
+
+def _is_moved_and_turned(engine: Inertial, truth: Inertial, joined: tuple[Part, ...], reach: float, near: float) -> bool:
+    """Return whether a body is that of its links with one of them at another place and tensors turned.
+
+    The place follows from the centre of mass of the body, and the trace of its tensor says whether it is that.
+    """
+    if same(engine.centre, truth.centre, reach, near) or abs(engine.mass - truth.mass) > near * truth.mass:
+        return False
+    right = [placed(part) for part in joined]
+    for place, part in enumerate(right[1:], start=1):
+        if part.mass:
+            others = np.sum([own.mass * own.centre for own in right if own is not part], axis=0)
+            moved = Inertial(part.mass, (engine.mass * engine.centre - others) / part.mass, part.tensor)
+            made = joined_inertials([*right[:place], moved, *right[place + 1 :]])
+            if _same_trace(made, engine) and not same(made.tensor, engine.tensor, size_of(made.tensor), near):
+                return True
+    return False
+
+
+def _is_filled(engine: Inertial, truth: Inertial, joined: tuple[Part, ...], near: float) -> bool:
+    """Return whether an engine has given mass to links that have none in the file, such as that of their shapes.
+
+    What it has more is then a body by itself.
+    """
+    mass = engine.mass - truth.mass
+    if mass <= near * engine.mass or all(part.own.mass for part in joined):
+        return False
+    centre = (engine.mass * engine.centre - truth.mass * truth.centre) / mass
+    about = [own.tensor + steiner(own.mass, own.centre) for own in (engine, truth)]
+    low, middle, high = np.linalg.eigvalsh(about[0] - about[1] - steiner(mass, centre))
+    return bool(low >= -near * high and low + middle >= (1 - near) * high)
+
+
+def _turned_part(engine: Inertial, truth: Inertial, joined: tuple[Part, ...], near: float) -> str | None:
+    """Return the link whose own tensor, turned, makes the body that of the engine; None if there is none.
+
+    It is the body itself where several links are turned: that leaves the trace of the sum of their tensors as it is.
+    """
+    if not same(engine.centre, truth.centre, max(1.0, size_of(truth.centre)), near):
+        return None
+    size = size_of(engine.tensor, truth.tensor)
+    for part in joined:
+        ours = placed(part).tensor
+        theirs = ours + engine.tensor - truth.tensor
+        if not same(theirs, ours, size, near) and is_turned(theirs, ours, near) and size_of(ours) > near * size:
+            return part.name
+    return joined[0].name if len(joined) > 1 and _same_trace(engine, truth) else None
+
+
+def _same_trace(one: Inertial, other: Inertial) -> bool:
+    """Return whether the traces of two tensors are the same, up to rounding."""
+    return bool(abs(np.trace(one.tensor) - np.trace(other.tensor)) <= TRACE * size_of(one.tensor, other.tensor))
+
+
+def _inertial(link: RobotLink) -> Inertial:
+    return Inertial(float(link.mass), np.asarray(link.center_of_mass, np.float64), np.asarray(link.inertia, np.float64))
+
+
+def _read(body: ReadBody, link: RobotLink) -> Inertial:
+    """Return the numbers of an engine; those of the file where the engine tells none."""
+    truth = _inertial(link)
+    return Inertial(
+        truth.mass if body.mass is None else body.mass,
+        truth.centre if body.center_of_mass is None else np.array(body.center_of_mass),
+        truth.tensor if body.inertia is None else tensor(body.inertia),
+    )
+
+
+def _wide(own: Inertial) -> dict[str, Any]:
+    """Return the attributes of a link, which have the names of the quantities."""
+    centre, tensor_ = (np.asarray(part, np.longdouble) for part in (own.centre, own.tensor))
+    return {"mass": own.mass, "center_of_mass": centre, "inertia": tensor_}

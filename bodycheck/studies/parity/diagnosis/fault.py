@@ -1,0 +1,45 @@
+"""Suspected faults of a reader, and the model that a file would be if it had them."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from bodycheck.reference.robots.changed import with_joint, with_link
+from bodycheck.reference.robots.model import RobotModel
+from bodycheck.studies.parity.quantities import Cause, Quantity
+from bodycheck.studies.parity.rows import Compared
+
+Changes = Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Fault:
+    """Something that an engine has taken otherwise than the file says it.
+
+    Attributes
+    ----------
+    cause, quantity, subject
+        Why, which quantity of which body or joint it is, and whose.
+    link, joint
+        The attributes of the link or joint of that name, as the engine has them; empty where the subject is the other.
+    row
+        A row that names the subject, where no number that the engine tells does so.
+    """
+
+    cause: Cause
+    quantity: Quantity
+    subject: str
+    link: Changes = field(default_factory=dict)
+    joint: Changes = field(default_factory=dict)
+    row: Compared | None = None
+
+
+def changed(model: RobotModel, faults: Iterable[Fault]) -> RobotModel:
+    """Return a model with faults put into it. Those of links and joints that the model does not have are left out."""
+    links, joints = {link.name for link in model.links}, {joint.name for joint in model.joints}
+    for fault in faults:
+        if fault.link and fault.subject in links:
+            model = with_link(model, fault.subject, **fault.link)
+        if fault.joint and fault.subject in joints:
+            model = with_joint(model, fault.subject, **fault.joint)
+    return model

@@ -1,0 +1,170 @@
+"""Why a body of an engine has another mass, centre of mass or inertia than the links of the file that it is made of."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.trajectory import Array
+
+#: Difference, relative to the size, up to which recomputed numbers are those of an engine in double precision; the part of the
+#: difference to be explained that may be left where that is small; and the rounding of doubles.
+SAME, PART, ROUNDING = 1e-7, 1e-2, 1e-14
+
+
+@dataclass(frozen=True, eq=False)
+class Inertial:
+    """A mass (kg), a centre of mass (3,) and an inertia (3, 3) about it, in one frame."""
+
+    mass: float
+    centre: Array
+    tensor: Array
+
+
+def same(one: Array, other: Array, size: float, near: float = SAME) -> bool:
+    """Return whether two arrays are the same up to rounding, which is `near` of a size."""
+    return within(one, other, near * size)
+
+
+def within(one: Array, other: Array, limit: float) -> bool:
+    """Return whether no component of two arrays differs by more than a limit."""
+    return bool(np.all(np.abs(one - other) <= limit))
+
+
+def _limit(engine: Array, truth: Array, near: float) -> float:
+    """Return the difference of tensors that is rounding: a part `near` of their size, and of the difference to be explained."""
+    change = float(np.max(np.abs(engine - truth)))
+    return max(min(near * size_of(engine, truth), PART * change), ROUNDING * size_of(engine, truth))
+
+
+def size_of(*tensors: Array) -> float:
+    """Return the largest entry of tensors."""
+    return float(max((np.max(np.abs(own)) for own in tensors), default=0.0))
+
+
+def is_dropped(engine: Array, truth: Array, near: float = SAME) -> bool:
+    """Return whether an inertia is nothing, or has lost its products."""
+    limit, diagonal = _limit(engine, truth, near), np.diag(np.diag(truth))
+    lost = np.any(np.abs(truth - diagonal) > limit) and within(engine, diagonal, limit)
+    return bool(lost or (size_of(truth) > 0 and within(engine, np.zeros((3, 3)), limit)))
+
+
+def is_turned(engine: Array, truth: Array, near: float = SAME) -> bool:
+    """Return whether an inertia has the same principal moments along other axes."""
+    if not (np.all(np.isfinite(engine)) and np.all(np.isfinite(truth))):
+        return False
+    moments = [np.asarray(np.linalg.eigvalsh(own), float) for own in (engine, truth)]
+    limit = _limit(engine, truth, near)
+    return within(moments[0], moments[1], limit) and not within(engine, truth, limit)
+
+
+def is_balanced(engine: Array, truth: Array, near: float = SAME) -> bool:
+    """Return whether an inertia was made one that a body can have, or larger than some least moment.
+
+    An engine may replace an inertia that cannot be, such as by the mean of its moments or that of a ball, raise the moments of
+    any to some least one, or add one number to all of them.
+    """
+    if not (np.all(np.isfinite(engine)) and np.all(np.isfinite(truth))):
+        return False
+    if not _can_be(truth) and _can_be(engine):
+        return True
+    moments, axes = np.linalg.eigh(truth)
+    along, limit = axes.T @ engine @ axes, _limit(engine, truth, near)
+    if within(engine, np.mean(moments) * np.eye(3), limit):
+        return True
+    if not within(along, np.diag(np.diag(along)), limit):
+        return False
+    found = np.diag(along)
+    options = [np.maximum(moments, np.min(found)), moments + (found[0] - moments[0])]
+    return any(within(np.sort(found), np.sort(option), limit) for option in options)
+
+
+def _can_be(own: Array) -> bool:
+    """Return whether a body can have an inertia, up to rounding."""
+    low, middle, high = np.linalg.eigvalsh(own)
+    return bool(high > 0 and low >= -SAME * high and low + middle >= (1 - SAME) * high)
+
+
+def steiner(mass: float, centre: Array) -> Array:
+    """Return the inertia (3, 3) that a point mass at a place has about the origin."""
+    return mass * (float(centre @ centre) * np.eye(3) - np.outer(centre, centre))
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A link that an engine has joined to a body: its inertial in its own frame, and its frame in that of the body.
+
+    welds: the rotations (3, 3) and places (3,) of the welds from the body to the link, each in the frame before it.
+    """
+
+    name: str
+    own: Inertial
+    welds: tuple[tuple[Array, Array], ...]
+
+
+def frame(welds: tuple[tuple[Array, Array], ...]) -> tuple[Array, Array]:
+    """Return the rotation (3, 3) and the place (3,) of a frame at the end of welds."""
+    turn, place = np.eye(3), np.zeros(3)
+    for rotation, position in welds:
+        turn, place = turn @ rotation, place + turn @ position
+    return turn, place
+
+
+def joined(placed: list[Inertial]) -> Inertial:
+    """Return several inertials in one frame as one."""
+    mass = math.fsum(own.mass for own in placed)
+    if not mass:
+        return Inertial(0.0, np.zeros(3), np.sum([own.tensor for own in placed], axis=0))
+    centre = np.sum([own.mass * own.centre for own in placed], axis=0) / mass
+    tensors = [own.tensor + steiner(own.mass, own.centre - centre) for own in placed]
+    return Inertial(mass, centre, np.sum(tensors, axis=0))
+
+
+def placed(part: Part) -> Inertial:
+    """Return the inertial of a part in the frame of the body."""
+    turn, place = frame(part.welds)
+    return Inertial(part.own.mass, place + turn @ part.own.centre, turn @ part.own.tensor @ turn.T)
+
+
+def joined_wrongly(parts: tuple[Part, ...]) -> Iterator[Inertial]:
+    """Yield what a body would be if its parts were joined with a usual mistake in one of them, or in all that have a weld."""
+    right = [placed(part) for part in parts]
+    welded = [place for place, part in enumerate(parts) if part.welds]
+    for ways in zip(*(_mistaken(parts[place]) for place in welded), strict=False):
+        yield joined([*(own for place, own in enumerate(right) if place not in welded), *(way for way in ways if way)])
+    for place in welded:
+        others = [own for other, own in enumerate(right) if other != place]
+        for way in _mistaken(parts[place]):
+            yield joined([*others, way] if way else others)
+    yield from _without_shift(right)
+
+
+def _mistaken(part: Part) -> Iterator[Inertial | None]:
+    """Yield the inertial of a part in the frame of its body with each mistake; None where it is left out."""
+    own, right = part.own, placed(part)
+    turn, place = frame(part.welds)
+    yield None
+    yield Inertial(right.mass, right.centre, np.zeros((3, 3)))
+    yield Inertial(right.mass, right.centre, own.tensor)
+    yield Inertial(right.mass, place + own.centre, right.tensor)
+    yield Inertial(right.mass, place + own.centre, own.tensor)
+    yield Inertial(right.mass, turn @ own.centre, right.tensor)
+    yield Inertial(right.mass, place, right.tensor)
+    yield Inertial(right.mass, right.centre, turn.T @ own.tensor @ turn)
+    yield Inertial(right.mass, place + turn.T @ own.centre, turn.T @ own.tensor @ turn)
+    for lost in range(len(part.welds)):
+        rotation, position = part.welds[lost]
+        for weld in ((np.eye(3), position), (rotation, np.zeros(3)), (np.eye(3), np.zeros(3)), (rotation.T, position)):
+            yield placed(Part(part.name, own, (*part.welds[:lost], weld, *part.welds[lost + 1 :])))
+
+
+def _without_shift(right: list[Inertial]) -> Iterator[Inertial]:
+    """Yield bodies whose tensors were added as they are, or whose centre of mass or mass is that of the first part alone."""
+    whole, first = joined(right), right[0]
+    added = np.sum([own.tensor for own in right], axis=0)
+    yield Inertial(whole.mass, whole.centre, added)
+    yield Inertial(whole.mass, first.centre, added)
+    yield Inertial(whole.mass, first.centre, first.tensor)
+    yield Inertial(whole.mass, whole.centre, first.tensor)
+    yield Inertial(whole.mass, first.centre, whole.tensor)

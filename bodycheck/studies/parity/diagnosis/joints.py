@@ -1,0 +1,79 @@
+"""Causes of differences in what an engine tells of its joints."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from bodycheck.adapters.robot_reading import ReadJoint
+from bodycheck.reference.robots.model import RobotJoint
+from bodycheck.studies.parity.comparing import Comparison
+from bodycheck.studies.parity.diagnosis.fault import Fault
+from bodycheck.studies.parity.diagnosis.inertias import same
+from bodycheck.studies.parity.numbers import none_if_unlimited
+from bodycheck.studies.parity.quantities import Cause, Quantity
+from bodycheck.studies.parity.rows import Compared
+from bodycheck.studies.parity.tree import SYNONYMS, same_mimic
+
+#: What one number is of another where radians were taken for degrees, or the reverse.
+DEGREES = (180 / math.pi, math.pi / 180)
+
+#: The causes of a number that is ignored. A joint without its spring is another joint.
+IGNORED: dict[Quantity, Cause] = {
+    "damping": "damping-ignored",
+    "friction": "friction-ignored",
+    "stiffness": "representation",
+}
+
+
+def faults(own: Comparison) -> Iterator[Fault]:
+    """Yield a fault for each number or word of a joint that differs from the file."""
+    model = own.asked.model
+    joints = {joint.name: joint for joint in model.joints}
+    for row in own.rows:
+        joint, told = joints.get(row.subject), own.found.joints.get(row.subject)
+        if row.status != "differs" or joint is None:
+            continue
+        if row.quantity == "joint_type":
+            yield Fault(_type_cause(joint, told), "joint_type", joint.name)
+        elif told is not None and (fault := _number(row, joint, told)) is not None:
+            yield fault
+
+
+def _number(row: Compared, joint: RobotJoint, told: ReadJoint) -> Fault | None:
+    match row.quantity:
+        case "armature":
+            return Fault("armature", "armature", joint.name, joint={"armature": told.armature})
+        case "damping" | "friction" | "stiffness" as quantity:
+            value, expected = float(getattr(told, quantity)), float(getattr(joint, quantity))
+            return Fault(number_cause(quantity, value, expected), quantity, joint.name, joint={quantity: value})
+        case "axis":
+            assert told.axis is not None  # there is no row without it
+            axis = np.array(told.axis)
+            return Fault(_axis_cause(axis, joint), "axis", joint.name, joint={"axis": np.asarray(axis, np.longdouble)})
+        case "effort_limit":
+            unlimited = not joint.effort_limit and none_if_unlimited(told.effort_limit) is None
+            return Fault("representation" if unlimited else "unexplained", "effort_limit", joint.name)
+    return None
+
+
+def number_cause(quantity: Quantity, engine: float, truth: float) -> Cause:
+    """Return why the damping, friction or stiffness of a joint differs."""
+    if not engine and truth:
+        return IGNORED.get(quantity, "unexplained")
+    if truth and any(math.isclose(engine / truth, factor, rel_tol=1e-6) for factor in DEGREES):
+        return "representation"
+    return "unexplained"
+
+
+def _axis_cause(engine: np.ndarray, joint: RobotJoint) -> Cause:
+    truth = np.asarray(joint.axis, np.float64)
+    return "representation" if same(engine, -truth, 1.0) else "frame"
+
+
+def _type_cause(joint: RobotJoint, told: ReadJoint | None) -> Cause:
+    if told is None or SYNONYMS.get(told.type, told.type) != joint.type:
+        return "representation"
+    if not same_mimic(joint.mimic, told.mimic):
+        return "mimic-ignored" if told.mimic is None else "unexplained"
+    return "representation"

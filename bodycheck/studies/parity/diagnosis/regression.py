@@ -1,0 +1,100 @@
+"""The mass matrix and the gravity forces of a robot as linear functions of the inertial parameters of its bodies.
+
+The ten parameters of a body are its mass, its mass times its centre of mass, and the components xx, yy, zz, xy, xz, yz of its
+inertia about the origin of its frame (Atkeson, An and Hollerbach 1986).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
+from bodycheck.studies.parity.diagnosis.inertias import Inertial, steiner
+from bodycheck.studies.parity.rotations import crossing, matrices
+from bodycheck.studies.parity.stacks import Stack
+
+#: Places of the components of an inertia in its matrix.
+ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
+
+
+@dataclass(frozen=True, eq=False)
+class Regression:
+    """What is to be explained, and what parameters make of it, both relative to the sizes of their rows.
+
+    Attributes
+    ----------
+    left
+        What an engine's mass matrix and gravity forces have at some states more than a model (r,).
+    bodies
+        For each body, what a unit of each of its parameters adds (r, 10).
+    armatures
+        What a unit of armature at each velocity adds (r, n).
+    """
+
+    left: Array
+    bodies: dict[str, Array]
+    armatures: Array
+
+
+def regression(engine: Stack, model: Stack, names: Sequence[str], gravity: Vector) -> Regression | None:
+    """Return the regression of what an engine's terms have more than those of a model, at the same states.
+
+    names: the bodies whose parameters may differ. None if a mass matrix is missing.
+    """
+    mass, expected = engine.mass_matrix, model.mass_matrix
+    if mass is None or expected is None or not np.all(np.isfinite(mass)) or not np.all(np.isfinite(expected)):
+        return None
+    n = expected.shape[1]
+    upper = np.triu_indices(n)
+    roots = np.sqrt(np.maximum(np.diagonal(expected, axis1=1, axis2=2), 1e-300))
+    weights = 1 / (roots[:, :, None] * roots[:, None, :])
+    pulls = engine.gravity_force is not None and model.gravity_force is not None
+    size = float(np.max(np.abs(model.gravity_force) / roots, initial=0.0)) if model.gravity_force is not None else 0.0
+    pulls = pulls and size > 0
+
+    def rows(matrices_: Array, forces: Array | None) -> Array:
+        found = [(matrices_ * weights)[:, upper[0], upper[1]].ravel()]
+        if pulls:
+            found.append(np.zeros(roots.size) if forces is None else (forces / roots / size).ravel())
+        return np.concatenate(found)
+
+    more = engine.gravity_force - model.gravity_force if pulls else None  # type: ignore[operator]
+    bodies = {
+        name: np.stack([rows(*unit) for unit in _units(model.jacobians[name], model.poses[name], np.array(gravity))], axis=1)
+        for name in names
+        if name in model.jacobians
+    }
+    identity = np.eye(n)
+    units = [rows(np.broadcast_to(np.outer(identity[i], identity[i]), mass.shape), None) for i in range(n)]
+    return Regression(rows(mass - expected, more), bodies, np.stack(units, axis=1))
+
+
+def _units(jacobian: Array, poses: Array, gravity: Array) -> list[tuple[Array, Array]]:
+    """Return the mass matrix (s, n, n) and the gravity forces (s, n) that a unit of each parameter of a body makes."""
+    turn = matrices(poses[:, 3:])
+    back = np.swapaxes(turn, 1, 2)
+    linear, angular = back @ jacobian[:, :3], back @ jacobian[:, 3:]  # along the axes of the body
+    pull = back @ gravity
+    found = [(_t(linear) @ linear, -(_t(linear) @ pull[..., None])[..., 0])]
+    for axis in np.eye(3):
+        cross = crossing(axis)
+        mixed = _t(linear) @ (-cross) @ angular  # linear velocity of the centre of mass: v - h x w
+        torque = np.cross(np.broadcast_to(axis, pull.shape), pull)
+        found.append((mixed + _t(mixed), -(_t(angular) @ torque[..., None])[..., 0]))
+    for i, j in ENTRIES:
+        unit = np.zeros((3, 3))
+        unit[i, j] = unit[j, i] = 1.0
+        found.append((_t(angular) @ unit @ angular, np.zeros(linear.shape[::2])))
+    return found
+
+
+def _t(matrix: Array) -> Array:
+    return np.swapaxes(matrix, -1, -2)
+
+
+def parameters(own: Inertial) -> Array:
+    """Return the ten parameters of a body."""
+    about = own.tensor + steiner(own.mass, own.centre)
+    return np.array([own.mass, *(own.mass * own.centre), *(about[i, j] for i, j in ENTRIES)])

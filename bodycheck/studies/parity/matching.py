@@ -1,0 +1,108 @@
+"""Which joints and bodies of an engine are which of the file, and which velocities of both belong together."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.adapters.robot_reading import ReadJoint, RobotReading
+from bodycheck.reference.robots.dynamics import velocity_labels
+from bodycheck.reference.robots.fusing import fused
+from bodycheck.reference.robots.model import RobotJoint, RobotModel
+from bodycheck.reference.robots.state import VELOCITIES
+from bodycheck.reference.trajectory import Array
+from bodycheck.studies.parity.stacks import Label
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """How an engine's reading and the model of the file belong together.
+
+    Attributes
+    ----------
+    model
+        The model of the file, with those joints fixed that the engine does not have.
+    bodies
+        The same model with the bodies that the engine keeps; others are joined to them.
+    joints
+        The engine's joints by their names in the file.
+    lacking
+        The joints that move in the file and that the engine does not have.
+    otherwise
+        Joints that have another number of velocities in the engine than in the file.
+    extra
+        The engine's joints that the file does not have, such as the joint of a base that the engine leaves free.
+    labels
+        The n velocities that are compared, in the order of the file. A joint that follows another, and has no velocity of
+        its own in the engine, has none here.
+    columns
+        The places (n,) of these velocities among those of the engine.
+    expansion
+        The matrix that makes all velocities of `model` of those that are compared.
+    """
+
+    model: RobotModel
+    bodies: RobotModel
+    joints: Mapping[str, ReadJoint]
+    lacking: tuple[str, ...]
+    otherwise: tuple[str, ...]
+    extra: tuple[ReadJoint, ...]
+    labels: tuple[Label, ...]
+    columns: NDArray[np.intp]
+    expansion: Array
+
+    @property
+    def reduced(self) -> bool:
+        """Whether joints that follow others have no velocities of their own in the engine."""
+        return bool(self.expansion.shape[0] != self.expansion.shape[1])
+
+
+def match(model: RobotModel, reading: RobotReading) -> Match:
+    """Return how an engine's reading and the model of a file belong together."""
+    named = {joint.name: joint for joint in reading.joints}
+    by_child = {joint.child: joint for joint in reading.joints}
+    moving = [joint for joint in model.joints if VELOCITIES[joint.type]]
+    children = {joint.name: model.links[joint.child].name for joint in moving}
+    known = {joint.name for joint in moving}
+    joints = {name: found for name in children if (found := named.get(name)) is not None}
+    for name, child in children.items():  # an engine may give joints names of its own
+        other = by_child.get(child)
+        if name not in joints and other is not None and other.name not in known:
+            joints[name] = other
+    joints = {name: own for name, own in joints.items() if own.count or own.mimic is not None}
+    lacking = tuple(name for name in children if name not in joints)
+    fixed = replace(model, joints=tuple(_fixed(joint) if joint.name in lacking else joint for joint in model.joints))
+    used = {id(joint) for joint in joints.values()}
+    counts = {joint.name: VELOCITIES[joint.type] for joint in moving}
+    follows = {name for name, own in joints.items() if not own.count}
+    otherwise = tuple(name for name, own in joints.items() if name not in follows and own.count != counts[name])
+    full = velocity_labels(fixed)
+    labels = tuple(label for label in full if label[0] not in follows and label[0] not in otherwise)
+    columns = np.array([joints[name].first + component for name, component in labels], np.intp)
+    kept = {body.name for body in reading.bodies}
+    return Match(
+        *(fixed, fused(fixed, kept), joints, lacking, otherwise),
+        tuple(joint for joint in reading.joints if id(joint) not in used and joint.count),
+        *(labels, columns, _expansion(fixed, full, labels)),
+    )
+
+
+def _fixed(joint: RobotJoint) -> RobotJoint:
+    return RobotJoint(
+        joint.name, "fixed", joint.parent, joint.child, joint.position, joint.rotation, np.zeros(3, np.longdouble)
+    )
+
+
+def _expansion(model: RobotModel, full: tuple[Label, ...], labels: tuple[Label, ...]) -> Array:
+    """Return the matrix that makes all velocities of those that are compared: what follows has a multiple of its leader."""
+    matrix = np.zeros((len(full), len(labels)))
+    joints = {joint.name: joint for joint in model.joints}
+    for row, (name, component) in enumerate(full):
+        factor, passed = 1.0, {name}
+        while (name, component) not in labels and (mimic := joints[name].mimic) is not None and mimic.joint not in passed:
+            name, factor = mimic.joint, factor * mimic.multiplier
+            passed.add(name)
+        if (name, component) in labels:
+            matrix[row, labels.index((name, component))] = factor
+    return matrix

@@ -1,0 +1,145 @@
+"""What differences of an engine do to a motion: the free motion of the model that it has, beside that of the file.
+
+Both motions are of exact mechanics, so that nothing but the differences between the models tells them apart: the model of the
+engine is that of the file with the faults that were found. Joints that follow others move by themselves in both.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.kinematics import conjugate, multiply, normalise
+from bodycheck.reference.robots.dynamics import terms, velocity_labels
+from bodycheck.reference.robots.model import RobotModel
+from bodycheck.reference.robots.state import VELOCITIES, RobotState
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
+
+#: Tolerances of the integration, far below the differences that are shown.
+RELATIVE, ABSOLUTE = 1e-6, 1e-7
+
+#: Most evaluations of the accelerations. Dry friction in a joint that comes to rest takes ever shorter steps.
+MOST_EVALUATIONS = 4000
+
+#: Places of the quaternion among the positions of a joint.
+QUATERNIONS = {"spherical": 0, "floating": 3}
+
+
+@dataclass(frozen=True)
+class Drift:
+    """How far apart two motions are at their end.
+
+    Attributes
+    ----------
+    joint
+        The joint that is farthest.
+    amount, unit
+        Its difference: an angle in degrees, or a length in mm.
+    """
+
+    joint: str
+    amount: float
+    unit: str
+
+
+class NoMotion(Exception):
+    """A motion cannot be computed; the text says why."""
+
+
+def sentence(file: RobotModel, engine: RobotModel, state: RobotState, gravity: Vector, seconds: float) -> str:
+    """Return what differences between two models with the same joints do to a motion, as a sentence without a full stop.
+
+    Parameters
+    ----------
+    file, engine
+        The models.
+    state
+        Where both begin. There are no efforts.
+    gravity
+        The gravitational acceleration (m/s^2).
+    seconds
+        The time (s).
+    """
+    try:
+        found = drift(file, engine, state, gravity, seconds)
+    except NoMotion as error:
+        return f"the motion that follows cannot be compared: {error}"
+    return f"after {seconds:g} s of free motion, {found.joint} is {found.amount:.3g} {found.unit} from where it should be"
+
+
+def drift(file: RobotModel, engine: RobotModel, state: RobotState, gravity: Vector, seconds: float) -> Drift:
+    """Return how far the motions of two models are apart; parameters are those of `sentence`. Raises `NoMotion`."""
+    ends = [moved(model, state, gravity, seconds) for model in (file, engine)]
+    found = [_apart(joint.name, joint.type, ends[0], ends[1]) for joint in file.joints if VELOCITIES[joint.type]]
+    return max(found, key=lambda one: one.amount, default=Drift("", 0.0, "°"))
+
+
+def moved(model: RobotModel, state: RobotState, gravity: Vector, seconds: float) -> dict[str, Array]:
+    """Return the positions of the joints of a model after some time of free motion. Raises `NoMotion`."""
+    from scipy.integrate import DOP853
+
+    names = list(dict.fromkeys(name for name, _ in velocity_labels(model)))
+    kinds = {joint.name: joint.type for joint in model.joints}
+    lengths = [len(state.positions[name]) for name in names]
+    rates = [VELOCITIES[kinds[name]] for name in names]
+    none = {name: (0.0,) * rate for name, rate in zip(names, rates, strict=True)}
+
+    def parts(numbers: Array) -> tuple[dict[str, Array], dict[str, Array]]:
+        position, velocity = numbers[: sum(lengths)], numbers[sum(lengths) :]
+        return _cut(names, lengths, position), _cut(names, rates, velocity)
+
+    def change(_: float, numbers: Array) -> Array:
+        position, velocity = parts(numbers)
+        at = {name: _normalised(kinds[name], own) for name, own in position.items()}
+        now = RobotState(_tuples(at), _tuples(velocity), none, none)
+        acceleration = terms(model, now, gravity).forward_dynamics
+        if acceleration is None:
+            raise NoMotion("its accelerations are not determined")
+        turned = [_rate(kinds[name], at[name], velocity[name]) for name in names]
+        return np.concatenate([*turned, np.asarray(acceleration, np.float64)])
+
+    start = [*(state.positions[name] for name in names), *(state.velocities[name] for name in names)]
+    solver = DOP853(change, 0.0, np.concatenate(list(map(np.array, start))), seconds, rtol=RELATIVE, atol=ABSOLUTE)
+    while solver.status == "running":
+        solver.step()
+        if solver.nfev > MOST_EVALUATIONS:
+            raise NoMotion(f"it takes more than {MOST_EVALUATIONS} evaluations")
+    if solver.status != "finished":
+        raise NoMotion("its motion cannot be integrated")
+    return {name: _normalised(kinds[name], own) for name, own in parts(solver.y)[0].items()}
+
+
+def _cut(names: list[str], lengths: list[int], numbers: Array) -> dict[str, Array]:
+    return dict(zip(names, np.split(numbers, np.cumsum(lengths)[:-1]), strict=True)) if names else {}
+
+
+def _tuples(values: Mapping[str, Array]) -> dict[str, tuple[float, ...]]:
+    return {name: tuple(map(float, own)) for name, own in values.items()}
+
+
+def _normalised(kind: str, position: Array) -> Array:
+    if (first := QUATERNIONS.get(kind)) is None:
+        return position
+    return np.concatenate([position[:first], normalise(position[first:])])
+
+
+def _rate(kind: str, position: Array, velocity: Array) -> Array:
+    """Return the derivative of the positions of a joint."""
+    if (first := QUATERNIONS.get(kind)) is None:
+        return velocity
+    spin = np.concatenate([[0.0], velocity[first:]])
+    return np.concatenate([velocity[:first], multiply(position[first:], spin) / 2])
+
+
+def _apart(name: str, kind: str, one: Mapping[str, Array], other: Mapping[str, Array]) -> Drift:
+    """Return how far a joint is apart; of a joint that has both, the angle."""
+    gap = np.abs(one[name] - other[name])
+    if kind == "prismatic":
+        return Drift(name, float(gap[0]) * 1e3, "mm")
+    if (first := QUATERNIONS.get(kind)) is not None:
+        between = multiply(conjugate(one[name][first:]), other[name][first:])
+        angle = 2 * math.atan2(float(np.linalg.norm(between[1:])), abs(float(between[0])))
+        return Drift(name, math.degrees(angle), "°")
+    return Drift(name, math.degrees(float(gap[-1])), "°")

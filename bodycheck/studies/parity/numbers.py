@@ -1,0 +1,154 @@
+"""Compare what an engine tells of its bodies and joints with the numbers of the file."""
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from bodycheck.adapters.robot_reading import Components, ReadBody, ReadJoint, RobotReading
+from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, Wide
+from bodycheck.reference.trajectory import Array
+from bodycheck.studies.parity.matching import Match
+from bodycheck.studies.parity.quantities import MODEL, Quantity, Status
+from bodycheck.studies.parity.rows import Compared
+
+#: The part of mass times squared distance from the link's origin that counts as size of an inertia: an engine may keep the
+#: tensor about the origin, of which rounding leaves as much.
+OFFSET_PART = 1e-5
+
+#: A limit beyond which there is none.
+NO_LIMIT = 1e9
+
+
+def components(tensor: Array | Wide) -> Components:
+    """Return the components xx, yy, zz, xy, xz, yz of a tensor (3, 3)."""
+    xx, yy, zz, xy, xz, yz = (float(tensor[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
+    return (xx, yy, zz, xy, xz, yz)
+
+
+def tensor(own: Components) -> Array:
+    """Return the tensor (3, 3) of components xx, yy, zz, xy, xz, yz."""
+    xx, yy, zz, xy, xz, yz = own
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def text(numbers: Sequence[float] | Array | Wide) -> str:
+    """Return numbers as text, with all their digits."""
+    return " ".join(repr(float(number)) for number in numbers)
+
+
+def bodies(found: Match, reading: RobotReading, length: float, tolerance: float) -> Iterator[Compared]:
+    """Yield rows for the masses, centres of mass and inertias of the bodies that the engine tells of.
+
+    length: the reach of the robot (m), to which centres of mass are relative.
+    """
+    told = {body.name: body for body in reading.bodies}
+    for link in found.bodies.links:
+        body = told.get(link.name)
+        # The mass of a root that is welded to the world counts nowhere, and many engines have none, or one of their own.
+        counts = link is not found.bodies.links[found.bodies.root] or (link.mass and _tells_mass(reading, link.name))
+        if body is not None and counts:
+            yield from _body(link, body, length, tolerance)
+
+
+def _body(link: RobotLink, body: ReadBody, length: float, tolerance: float) -> Iterator[Compared]:
+    if body.mass is not None:
+        yield scalar("mass", link.name, body.mass, float(link.mass), tolerance)
+    massless = not link.mass and not body.mass
+    if body.center_of_mass is not None and not massless:
+        yield vector("center_of_mass", link.name, body.center_of_mass, link.center_of_mass, length, tolerance)
+    if body.inertia is not None:
+        expected = components(link.inertia)
+        offset = OFFSET_PART * abs(float(link.mass)) * float(np.sum(np.asarray(link.center_of_mass, np.float64) ** 2))
+        size = max((abs(number) for number in (*expected, *body.inertia) if math.isfinite(number)), default=0.0)
+        yield vector("inertia", link.name, body.inertia, expected, size + offset, tolerance)
+
+
+def total_mass(found: Match, reading: RobotReading, tolerance: float) -> Iterator[Compared]:
+    """Yield the row of the mass of all bodies.
+
+    A base that is welded to the world may be missing in it, which is no difference; if others are missing too, a second row is
+    about the mass of all bodies but the base. The mass that an engine gives to a base that has none in the file does not count.
+    """
+    known = {link.name for link in found.bodies.links}
+    links, root = found.bodies.links, found.bodies.links[found.bodies.root]
+    told = [
+        body.mass
+        for body in reading.bodies
+        if body.mass is not None and body.name in known and (root.mass or body.name != root.name)
+    ]
+    if not told:
+        return
+    everything = math.fsum(float(link.mass) for link in links)
+    if not root.mass or _tells_mass(reading, root.name):
+        yield scalar("total_mass", MODEL, math.fsum(told), everything, tolerance)
+        return
+    missing = scalar("total_mass", MODEL, math.fsum(told), everything, tolerance)
+    yield Compared(
+        "agrees", "total_mass", MODEL, missing.engine_value, missing.truth_value, missing.difference, cause="base-welded"
+    )
+    rest = scalar(
+        "total_mass", MODEL, math.fsum(told), math.fsum(float(own.mass) for own in links if own is not root), tolerance
+    )
+    if rest.status == "differs":
+        yield rest
+
+
+def _tells_mass(reading: RobotReading, name: str) -> bool:
+    return any(body.name == name and body.mass for body in reading.bodies)
+
+
+def joints(found: Match, model: RobotModel, tolerance: float) -> Iterator[Compared]:
+    """Yield rows for the numbers of the joints that the engine tells of."""
+    own = {joint.name: joint for joint in model.joints}
+    for name, told in found.joints.items():
+        yield from _joint(own[name], told, tolerance)
+
+
+def _joint(joint: RobotJoint, told: ReadJoint, tolerance: float) -> Iterator[Compared]:
+    if joint.type in ("revolute", "prismatic", "planar") and told.axis is not None:
+        yield vector("axis", joint.name, told.axis, joint.axis, 1.0, tolerance)
+    for quantity in ("armature", "damping", "friction", "stiffness"):
+        expected, value = float(getattr(joint, quantity)), getattr(told, quantity)
+        if value is not None:
+            yield scalar(quantity, joint.name, value, expected, tolerance)
+        elif expected:
+            yield Compared("not-modelled", quantity, joint.name, "", text([expected]))
+    limit, read = (none_if_unlimited(value) for value in (joint.effort_limit, told.effort_limit))
+    if limit is None and not read:  # an engine may have 0 where there is no limit
+        return
+    if limit is not None and told.effort_limit is None:
+        yield Compared("not-modelled", "effort_limit", joint.name, "", text([limit]))
+    elif limit is not None and read is not None:
+        yield scalar("effort_limit", joint.name, read, limit, tolerance)
+    elif limit is not None or read is not None:
+        engine, file = ("none" if value is None else text([value]) for value in (read, limit))
+        yield Compared("differs", "effort_limit", joint.name, engine, file)
+
+
+def none_if_unlimited(limit: float | None) -> float | None:
+    """Return a limit; None where it is so large that there is none."""
+    return None if limit is None or not abs(limit) < NO_LIMIT else limit
+
+
+def scalar(quantity: Quantity, subject: str, engine: float, truth: float, tolerance: float) -> Compared:
+    """Return the row of one number of both sides, relative to the larger."""
+    return vector(quantity, subject, [engine], [truth], max(abs(engine), abs(truth)), tolerance)
+
+
+def vector(
+    quantity: Quantity,
+    subject: str,
+    engine: Sequence[float] | Array,
+    truth: Sequence[float] | Wide,
+    size: float,
+    tolerance: float,
+) -> Compared:
+    """Return the row of some numbers of both sides, relative to a size. Numbers that are none on both sides agree."""
+    ours, theirs = np.asarray(truth, np.float64), np.asarray(engine, np.float64)
+    same = (ours == theirs) | (np.isnan(ours) & np.isnan(theirs))
+    gaps = np.where(same, 0.0, np.abs(np.where(same, 0.0, theirs) - np.where(same, 0.0, ours)))
+    difference = float(np.max(np.where(np.isnan(gaps), np.inf, gaps), initial=0.0))
+    relative = 0.0 if not difference else difference / size if size > 0 and math.isfinite(size) else math.inf
+    status: Status = "agrees" if relative <= tolerance else "differs"
+    return Compared(status, quantity, subject, text(theirs), text(ours), difference, relative)

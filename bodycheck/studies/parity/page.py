@@ -1,0 +1,165 @@
+"""The report of a parity study: the verdict, a matrix of robots and quantities, and a part for each robot."""
+
+import re
+from collections.abc import Iterable, Sequence
+
+from bodycheck.reports.finding import Finding
+from bodycheck.reports.notices import missing_engines
+from bodycheck.reports.quantities import count, number
+from bodycheck.reports.study import Part, StudyReport
+from bodycheck.reports.tables import Entry, Table
+from bodycheck.running.header import Header
+from bodycheck.studies.parity.quantities import FILE, MEANINGS, MODEL, QUANTITIES, TERMS, Status
+from bodycheck.studies.parity.rows import ParityRow, failed
+from bodycheck.studies.parity.study import Parity
+from bodycheck.studies.parity.wording import brief, differs, engines_of, headline, name_of, of_engine, of_file
+
+#: The name of the part with all robots beside each other.
+MATRIX = "matrix"
+
+#: The statuses, those first that a cell has if any of its rows has them, and what stands for them.
+WORST: tuple[Status, ...] = ("refused", "differs", "accepted-unphysical", "agrees", "not-modelled")
+SIGNS: dict[Status, str] = {"agrees": "=", "not-modelled": "–", "accepted-unphysical": "accepted"}
+
+#: Explanations for readers.
+READING = (
+    "Each engine reads the file by its own reader, as its users do. The truth is the file, read as its specification says, "
+    "with bodycheck's own algorithms for the mass matrix and the forces in 80-bit arithmetic; of an MJCF it is the model that "
+    "MuJoCo makes of it. The terms are compared at seeded states.",
+    "The mass matrix is compared entry by entry relative to the roots of its diagonal. Forces are divided by the same roots, "
+    "which makes joints of all kinds comparable, and are relative to the largest of their kind. Accelerations are compared as "
+    "the forces that their difference takes. Lengths are relative to the reach of the robot.",
+    "A cause is named only if the file, with that fault put into it, has the engine's numbers. What is not explained in this "
+    "way is called unexplained. The conventions in which an engine writes velocities and Jacobians are found by trying and are "
+    "no difference. A base that an engine welds to the world and whose mass it forgets is no difference either.",
+)
+
+
+def present(header: Header, found: Sequence[Parity]) -> StudyReport:
+    """Return the contents of the report.
+
+    Parameters
+    ----------
+    header
+        Versions, machine and command.
+    found
+        What was found of each model, in the order of the study.
+    """
+    return StudyReport(
+        title="Do engines mean the same by one file?",
+        headline=headline(found),
+        header=header,
+        notices=tuple(missing_engines(header)),
+        findings=tuple(_findings(found)),
+        parts=(_matrix(found), *(_robot(anchor, one) for anchor, one in zip(_anchors(found), found, strict=True))),
+        reading=READING,
+    )
+
+
+def _anchors(found: Sequence[Parity]) -> list[str]:
+    """Return names of anchors, which look like those of the models and are different."""
+    names = [re.sub(r"[^A-Za-z0-9]+", "-", one.name).strip("-") for one in found]
+    return [name if names.count(name) == 1 else f"{name}-{place + 1}" for place, name in enumerate(names)]
+
+
+def _findings(found: Sequence[Parity]) -> Iterable[Finding]:
+    for anchor, one in zip(_anchors(found), found, strict=True):
+        if differs(one):
+            told = [f"{engine}: {brief(rows)}" for engine, rows in engines_of(one).items() if any(map(failed, rows))]
+            faults = of_file(one)
+            told += [f"the file has {count(len(faults), 'fault')}, the first: {faults[0]}"] if faults else []
+            yield Finding(anchor, f"{'. '.join(told)}.")
+
+
+def _matrix(found: Sequence[Parity]) -> Part:
+    """Return the part with a row for each robot and engine and a column for each quantity."""
+    rows, marks = [], []
+    for anchor, one in zip(_anchors(found), found, strict=True):
+        for engine, own in (*_file_rows(one), *engines_of(one).items()):
+            cells = [_cell([row for row in own if row.quantity == quantity]) for quantity in QUANTITIES]
+            verdict = of_engine(own)[0] if engine != FILE else "refused"
+            rows.append((Entry(one.name, link=f"part-{anchor}"), Entry(engine), Entry(verdict), *cells))
+            marks.append(any(map(failed, own)))
+    table = Table(
+        columns=("Robot", "Engine", "Reason", *(name_of(quantity) for quantity in QUANTITIES)),
+        numeric=(False,) * (3 + len(QUANTITIES)),
+        rows=tuple(rows),
+        failed=tuple(marks),
+        notes=("= agrees, – is not modelled or not told. A cell that differs has the cause.",),
+    )
+    return Part(MATRIX, "All robots", (), (), (("Robots and quantities", table),))
+
+
+def _file_rows(one: Parity) -> list[tuple[str, list[ParityRow]]]:
+    own = [row for row in one.rows if row.engine == FILE]
+    return [(FILE, own)] if own else []
+
+
+def _cell(rows: Sequence[ParityRow]) -> Entry:
+    if not rows:
+        return Entry("")
+    status = next(one for one in WORST if any(row.status == one for row in rows))
+    worst = [row for row in rows if row.status == status]
+    causes = list(dict.fromkeys(row.cause for row in worst if row.cause))
+    text = ", ".join(causes) if status == "differs" and causes else SIGNS.get(status, status)
+    largest = max((row.relative for row in worst if row.relative is not None), default=None)
+    return Entry(text, largest, meaning="" if largest is None else f"largest relative difference {number(largest, 2)}")
+
+
+def _robot(anchor: str, one: Parity) -> Part:
+    """Return the part of a robot: what was found of each engine, and tables of what each side has."""
+    texts = [f"Read from {one.path}."]
+    texts += [f"The file: {fault}." for fault in of_file(one)]
+    if one.removed:
+        texts.append(f"What engines read is a copy without what names other files: {', '.join(one.removed)}.")
+    tables = []
+    for engine, rows in engines_of(one).items():
+        texts.append(f"{engine} {rows[0].version}: {'; '.join(of_engine(rows))}.")
+        texts += [f"{engine}: {note}." for note in one.notes.get(engine, ())]
+        different = [row for row in rows if failed(row) or row.status == "accepted-unphysical"]
+        if different:
+            tables.append((f"{engine}: what is not as in the file", _rows(different)))
+    terms = [row for rows in engines_of(one).values() for row in rows if row.quantity in TERMS and row.subject == MODEL]
+    if terms:
+        tables.append(("Terms at the states", _terms(terms)))
+    return Part(anchor, one.name, tuple(texts), (), tuple(tables))
+
+
+def _rows(rows: Sequence[ParityRow]) -> Table:
+    return Table(
+        columns=("Quantity", "Subject", "Engine has", "File has", "Relative", "Cause"),
+        numeric=(False, False, False, False, True, False),
+        rows=tuple(
+            (
+                Entry(name_of(row.quantity), meaning="" if row.quantity is None else MEANINGS[row.quantity]),
+                *(Entry(row.subject), Entry(row.engine_value), Entry(row.truth_value)),
+                *(Entry(number(row.relative, 3), row.relative), Entry(row.cause or row.status)),
+            )
+            for row in rows
+        ),
+        failed=tuple(map(failed, rows)),
+        notes=(),
+    )
+
+
+def _terms(rows: Sequence[ParityRow]) -> Table:
+    engines = list(dict.fromkeys(row.engine for row in rows))
+    by_place = {(row.quantity, row.engine): row for row in rows}
+    cells = []
+    for quantity in TERMS:
+        own = [by_place.get((quantity, engine)) for engine in engines]
+        cells.append((Entry(name_of(quantity), meaning=MEANINGS[quantity]), *map(_relative, own)))
+    return Table(
+        columns=("Quantity", *engines),
+        numeric=(False, *(True for _ in engines)),
+        rows=tuple(cells),
+        failed=(False,) * len(cells),
+        notes=("The largest difference at all states, relative to the size of the quantity.",),
+        keys=1,
+    )
+
+
+def _relative(row: ParityRow | None) -> Entry:
+    if row is None or row.relative is None:
+        return Entry("–")
+    return Entry(number(row.relative, 2), row.relative, meaning=row.cause)

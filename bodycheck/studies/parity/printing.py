@@ -1,0 +1,78 @@
+"""Print what a parity study found to the terminal."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from bodycheck.console.options import View
+from bodycheck.console.output import bold, say, tell
+from bodycheck.console.tables import Column, attribute, show
+from bodycheck.reports.quantities import count, listing
+from bodycheck.studies.parity.quantities import MODEL
+from bodycheck.studies.parity.rows import ParityRow
+from bodycheck.studies.parity.study import Parity
+from bodycheck.studies.parity.wording import engines_of, headline, of_engine, of_file
+
+if TYPE_CHECKING:
+    from bodycheck.studies.parity.releases import Meaning
+
+#: Most bodies and joints that the line of a change names.
+MOST_SUBJECTS = 4
+
+#: Most faults of a file that are printed.
+MOST_FAULTS = 4
+
+#: The columns of the table of rows.
+ROWS: tuple[Column[ParityRow], ...] = (
+    attribute("model", goes=5),
+    attribute("engine", goes=1),
+    attribute("version", goes=7),
+    attribute("status"),
+    attribute("quantity"),
+    attribute("subject"),
+    attribute("engine_value", "engine has", goes=3, wraps=True),
+    attribute("truth_value", "file has", goes=3, wraps=True),
+    attribute("difference", goes=4),
+    attribute("relative", goes=2),
+    attribute("cause"),
+)
+
+
+def print_models(found: Sequence[Parity]) -> None:
+    """Print the verdict on each model and engine in sentences, and at the end the verdict on all."""
+    for place, one in enumerate(found):
+        if place:
+            say("")
+        bold(one.name)
+        faults = of_file(one)
+        for fault in faults[:MOST_FAULTS]:
+            tell(f"  the file: {fault}", "    ")
+        if len(faults) > MOST_FAULTS:
+            tell(f"  the file: {count(len(faults) - MOST_FAULTS, 'more fault')} in the table (--table)", "    ")
+        for engine, rows in engines_of(one).items():
+            verdict, *more = of_engine(rows)
+            tell(f"  {engine} {rows[0].version}: {verdict}", "    ")
+            for sentence in more:
+                tell(f"    {sentence}", "      ")
+            for note in one.notes.get(engine, ()):
+                tell(f"    note: {note}", "      ")
+    if len(found) > 1:
+        say("")
+        tell(headline(found))
+
+
+def print_changes(changes: "Sequence[Meaning]") -> None:
+    """Print which releases changed what files mean."""
+    say("")
+    alike: dict[tuple[str, str], list[str]] = {}
+    for change in changes:
+        if change.quantity is None or change.subject != MODEL:
+            alike.setdefault((change.model, change.text), []).append(change.subject)
+    for (model, text), subjects in alike.items():
+        tell(f"{model}: {text}: {listing(subjects, MOST_SUBJECTS, 'subject')}", "    ")
+    if not changes:
+        tell("No release changed what a file means.")
+
+
+def print_rows(rows: Sequence[ParityRow], view: View) -> None:
+    """Print one line for each row of the table."""
+    show(ROWS, rows, view)

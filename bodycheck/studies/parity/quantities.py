@@ -1,0 +1,62 @@
+"""The quantities that are compared, and the words for what comes of it."""
+
+from typing import Literal, get_args
+
+Quantity = Literal[
+    "total_mass", "mass", "center_of_mass", "inertia",
+    "armature", "damping", "friction", "stiffness", "effort_limit",
+    "joint_type", "axis", "parent", "order", "gravity",
+    "pose", "jacobian", "mass_matrix", "gravity_force", "coriolis_force", "passive_force", "forward_dynamics",
+    "inverse_dynamics",
+]  # fmt: skip
+
+#: What comes of a comparison. "accepted-unphysical" is said where an engine has taken what no body can have.
+Status = Literal["agrees", "differs", "refused", "accepted-unphysical", "not-modelled"]
+
+#: Why something differs; empty where it does not. "base-welded" alone is no difference.
+Cause = Literal[
+    "armature", "inertia-turned", "inertia-dropped", "inertia-fused", "inertia-balanced", "mass", "center-of-mass",
+    "damping-ignored", "friction-ignored", "mimic-ignored", "frame", "coordinate-order", "representation", "base-welded",
+    "unexplained", "",
+]  # fmt: skip
+
+QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
+CAUSES: tuple[Cause, ...] = get_args(Cause)
+
+#: Forces and accelerations that are compared at states: vectors with one number a velocity.
+FORCES: tuple[Quantity, ...] = ("gravity_force", "coriolis_force", "passive_force", "forward_dynamics", "inverse_dynamics")
+
+#: Everything that is compared at states.
+TERMS: tuple[Quantity, ...] = ("pose", "jacobian", "mass_matrix", *FORCES)
+
+#: The subject of a row about the whole model.
+MODEL = "model"
+
+#: The engine of a row about the file itself.
+FILE = "file"
+
+#: What each quantity is, for readers.
+MEANINGS: dict[Quantity, str] = {
+    "total_mass": "mass of all bodies, kg",
+    "mass": "mass of a body, kg",
+    "center_of_mass": "centre of mass in the link's frame, m",
+    "inertia": "inertia about the centre of mass along the link's axes: xx yy zz xy xz yz, kg m²",
+    "armature": "inertia added to that of a coordinate, kg m² or kg",
+    "damping": "viscous damping, N m s/rad or N s/m",
+    "friction": "dry friction, N m or N",
+    "stiffness": "stiffness of a joint's spring, N m/rad or N/m",
+    "effort_limit": "largest effort of a joint, N m or N",
+    "joint_type": "type of a joint, its limits and what it mimics; of the model: its number of velocities",
+    "axis": "axis of a joint in its frame",
+    "parent": "body that a body hangs on",
+    "order": "order of the joints",
+    "gravity": "gravity that the engine uses if the user sets none, m/s²",
+    "pose": "positions and attitudes of all bodies",
+    "jacobian": "Jacobians of all bodies",
+    "mass_matrix": "mass matrix, relative to the roots of its diagonal",
+    "gravity_force": "efforts that hold the robot still",
+    "coriolis_force": "Coriolis and centrifugal forces",
+    "passive_force": "forces of springs, damping and friction",
+    "forward_dynamics": "accelerations under given efforts",
+    "inverse_dynamics": "efforts for given accelerations",
+}

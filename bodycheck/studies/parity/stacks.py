@@ -1,0 +1,81 @@
+"""Terms at several states as arrays with a leading axis, in double precision."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.robots.state import RobotState, Values
+from bodycheck.reference.robots.terms import Terms
+from bodycheck.reference.trajectory import Array
+
+#: A velocity: the name of its joint, and which of the joint's components it is.
+Label = tuple[str, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """Terms at s states with n velocities; what is not known is None or missing. The parts are those of `Terms`.
+
+    poses are (s, 7), jacobians (s, 6, n), the mass matrix (s, n, n) and the others (s, n).
+    """
+
+    poses: Mapping[str, Array] = field(default_factory=dict)
+    jacobians: Mapping[str, Array] = field(default_factory=dict)
+    mass_matrix: Array | None = None
+    gravity_force: Array | None = None
+    coriolis_force: Array | None = None
+    passive_force: Array | None = None
+    forward_dynamics: Array | None = None
+    inverse_dynamics: Array | None = None
+
+    def at(self, states: Sequence[int]) -> "Stack":
+        """Return the terms at some of the states, by their places."""
+        own = list(states)
+        poses, jacobians = ({name: array[own] for name, array in part.items()} for part in (self.poses, self.jacobians))
+        return Stack(poses, jacobians, *(_at(getattr(self, one.name), own) for one in fields(self)[2:]))
+
+
+def stacked(terms: Sequence[Terms]) -> Stack:
+    """Return terms at states as one stack. A term that is missing at some state is NaN there, or None if missing at all."""
+    if not terms:
+        return Stack()
+    vectors = {one.name: _vectors([getattr(own, one.name) for own in terms]) for one in fields(Stack)[2:]}
+    return Stack(
+        {name: np.array([own.poses[name] for own in terms], np.float64) for name in _common(own.poses for own in terms)},
+        {
+            name: np.array([own.jacobians[name] for own in terms], np.float64)
+            for name in _common(own.jacobians for own in terms)
+        },
+        **vectors,
+    )
+
+
+def values(states: Sequence[RobotState], labels: Sequence[Label], part: Callable[[RobotState], Values]) -> Array:
+    """Return the numbers (s, n) of a part of states, such as the velocities, in the order of labels; 0 where they have none."""
+    found = [[_value(part(state), label) for label in labels] for state in states]
+    return np.array(found, np.float64).reshape(len(states), len(labels))
+
+
+def _value(known: Values, label: Label) -> float:
+    name, component = label
+    return known[name][component] if name in known else 0.0
+
+
+def _at(array: Array | None, states: list[int]) -> Array | None:
+    return None if array is None else array[states]
+
+
+def _common(mappings: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Return the names that all mappings have, in the order of the first."""
+    first, *others = mappings
+    return [name for name in first if all(name in other for other in others)]
+
+
+def _vectors(parts: Sequence[Any]) -> Array | None:
+    shape = next((np.shape(part) for part in parts if part is not None), None)
+    if shape is None:
+        return None
+    missing = np.full(shape, np.nan)
+    return np.array([missing if part is None else np.asarray(part, np.float64) for part in parts])

@@ -1,0 +1,224 @@
+"""Compare files of robots with what engines make of them."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from bodycheck.adapters.contract import Engine
+from bodycheck.adapters.robot_reading import RobotReading
+from bodycheck.files.temporary import temporary_folder
+from bodycheck.reference.robots.model import RobotModel
+from bodycheck.reference.robots.physical import Unphysical, unphysical
+from bodycheck.reference.robots.state import VELOCITIES
+from bodycheck.reference.robots.states import seeded_states
+from bodycheck.robots.elements import printable
+from bodycheck.running import robot_readings
+from bodycheck.running.robot_readings import Answer, FormatMissing, Reader
+from bodycheck.studies.parity.comparing import Asked, asked, compare
+from bodycheck.studies.parity.diagnosis.explaining import diagnosed
+from bodycheck.studies.parity.models import Compile, Robot, named, robot
+from bodycheck.studies.parity.motion import sentence
+from bodycheck.studies.parity.quantities import FILE, MODEL, QUANTITIES, Quantity
+from bodycheck.studies.parity.rows import Compared, ParityRow, row
+
+if TYPE_CHECKING:
+    from bodycheck.running.campaign import Advance
+
+#: The tolerance of an engine that computes in single precision is at least this.
+SINGLE_PRECISION = 1e-4
+
+#: The gravitational acceleration at which a URDF is compared (m/s^2): that of a model that states none.
+GRAVITY = (0.0, 0.0, -9.81)
+
+
+#: The longest motion that is compared (s). Chains that fall are chaotic, so that longer ones say nothing more.
+LONGEST_MOTION = 10.0
+
+
+#: The most numbers in the Jacobians of all links at all states, of which there are several copies of 8 or 16 bytes a number. A
+#: robot of 200 links on 200 joints has as many at a hundred states.
+LARGEST = 24_000_000
+
+
+@dataclass(frozen=True)
+class Asking:
+    """What is asked of each model.
+
+    Parameters
+    ----------
+    states
+        The number of states. Robots of more than some two hundred links have fewer.
+    seed
+        The seed of the states.
+    tolerance
+        The largest relative difference that counts as agreement.
+    packages
+        The folders in which packages may be found.
+    motion
+        The time (s) after which free motions are compared; 0 for none.
+    """
+
+    states: int = 100
+    seed: int = 0
+    tolerance: float = 1e-9
+    packages: tuple[Path, ...] = ()
+    motion: float = 0.0
+
+
+@dataclass(frozen=True)
+class Parity:
+    """What was found of one model.
+
+    Attributes
+    ----------
+    name, path
+        The name of the model, and the path of its file.
+    rows
+        The rows about the file, and then those of each engine.
+    notes
+        What a user should know of each engine's reading, by the name of the engine.
+    removed
+        What the copy that engines read does not have.
+    """
+
+    name: str
+    path: str
+    rows: tuple[ParityRow, ...]
+    notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    removed: tuple[str, ...] = ()
+
+
+@contextmanager
+def asking(engines: Mapping[str, Engine], jobs: int) -> Iterator[tuple[Reader, Compile]]:
+    """Provide how engines read files, in processes that live as long as the context."""
+    with robot_readings.reader(tuple(engines), jobs) as reader, robot_readings.compiler() as compile_:
+        yield reader, compile_
+
+
+def study(
+    engines: Mapping[str, Engine],
+    paths: Sequence[Path],
+    asks: Asking,
+    jobs: int,
+    progress: "Advance",
+    only_readers: bool = False,
+) -> Iterator[Parity]:
+    """Yield what was found of each model, in the order of the files.
+
+    Parameters
+    ----------
+    engines
+        The records of the engines by name.
+    paths
+        The files.
+    asks
+        What is asked of them.
+    jobs
+        The number of engines that read at the same time.
+    progress
+        A function that is called with a text after each model.
+    only_readers
+        Whether engines that read no robot models of any format have no rows.
+
+    Raises
+    ------
+    BadInput
+        If a path is no file, or a file is no model.
+    """
+    files = named(paths)
+    with temporary_folder() as folder, asking(engines, jobs) as (reader, compile_):
+        robots = {}
+        for place, (name, path) in enumerate(files.items()):
+            into = folder / str(place)
+            into.mkdir()
+            robots[name] = robot(name, path, asks.packages, into, compile_)
+        for name, one in robots.items():
+            yield _of_robot(engines, one, asks, reader, only_readers)
+            progress(name)
+
+
+def one(engines: Mapping[str, Engine], path: Path, asks: Asking, into: Path, how: tuple[Reader, Compile]) -> Parity:
+    """Return what was found of one model, whose copy is made in an empty folder. how: what `asking` provides."""
+    ((name, path),) = named([path]).items()
+    return _of_robot(engines, robot(name, path, asks.packages, into, how[1]), asks, how[0], only_readers=True)
+
+
+def _of_robot(engines: Mapping[str, Engine], own: Robot, asks: Asking, reader: Reader, only_readers: bool) -> Parity:
+    impossible = () if own.model is None else unphysical(own.model)
+    rows = [row(own.name, FILE, "", one) for one in file_rows(own, impossible)]
+    notes: dict[str, tuple[str, ...]] = {}
+    gravity = GRAVITY if own.model is None else own.model.gravity
+    states = () if own.model is None else seeded_states(own.model, fitting(own.model, asks.states), asks.seed)
+    answers = reader(own.file, states, gravity)
+    if only_readers:
+        answers = robot_readings.readable(answers)
+    given = None if own.model is None else asked(own.model, states, gravity, own.stated_gravity)
+    for name, answer in answers.items():
+        found, told = of_answer(answer, given, engines[name], asks)
+        notes[name] = tuple(map(printable, told))
+        rows += [row(own.name, name, engines[name].version, one) for one in judged(found, answer, own, impossible)]
+    return Parity(printable(own.name), own.path, tuple(rows), notes, own.removed)
+
+
+def fitting(model: RobotModel, states: int) -> int:
+    """Return how many of some states a model is compared at: fewer where Jacobians would take too much memory."""
+    velocities = sum(VELOCITIES[joint.type] for joint in model.joints)
+    return max(1, min(states, LARGEST // max(1, 6 * velocities * len(model.links))))
+
+
+def of_answer(
+    answer: Answer, given: Asked | None, engine: Engine, asks: Asking
+) -> tuple[tuple[Compared, ...], tuple[str, ...]]:
+    """Return the rows of an engine's answer about a model, and notes for users.
+
+    given: what it was asked; None for a file of which no model can be made, about which engines are asked all the same.
+    """
+    if isinstance(answer, FormatMissing):
+        return (Compared("not-modelled", None, MODEL, answer.reason),), ()
+    if not isinstance(answer, RobotReading):
+        return (Compared("refused", None, MODEL, answer.reason),), ()
+    if given is None:
+        told = f"{len(answer.bodies)} bodies, {len(answer.joints)} joints"
+        return (Compared("accepted-unphysical", None, MODEL, told),), answer.notes
+    least = SINGLE_PRECISION if engine.precision == "float32" else 0.0
+    compared = compare(given, answer, max(asks.tolerance, least, answer.rounding))
+    found = diagnosed(compared)
+    notes = [*answer.notes, *compared.convention.notes]
+    if asks.motion and found.model is not None:
+        notes.append(sentence(compared.found.bodies, found.model, given.states[0], given.gravity, asks.motion))
+    return found.rows, tuple(notes)
+
+
+def file_rows(own: Robot, impossible: Sequence[Unphysical]) -> Iterator[Compared]:
+    """Yield the rows about the file itself: what its specification refuses, and what no body can have."""
+    for fault in own.faults:
+        yield Compared("refused", _quantity(fault.quantity), fault.subject, fault.text)
+    told = {(fault.quantity, fault.subject) for fault in own.faults}
+    for one in impossible:
+        if (one.quantity, one.subject) not in told:
+            yield Compared("refused", _quantity(one.quantity), one.subject, one.text)
+
+
+def judged(rows: Sequence[Compared], answer: Answer, own: Robot, impossible: Sequence[Unphysical]) -> Iterator[Compared]:
+    """Yield the rows of an engine, those about what cannot be as accepted where the engine has it as the file does."""
+    if not isinstance(answer, RobotReading) or own.model is None:
+        yield from rows
+        return
+    left = {(_quantity(one.quantity), one.subject): one.text for one in impossible}
+    left |= {("parent", fault.subject): fault.text for fault in own.faults if fault.quantity == "parent"}
+    for one in rows:
+        text = left.pop((one.quantity, one.subject), None)
+        if text is not None and one.status == "agrees":
+            yield Compared("accepted-unphysical", one.quantity, one.subject, one.engine_value, text)
+        else:
+            yield one
+    names = {*answer.links, *(joint.name for joint in answer.joints), MODEL}
+    for (quantity, subject), text in left.items():
+        if subject in names:
+            yield Compared("accepted-unphysical", quantity, subject, "", text)
+
+
+def _quantity(name: str) -> Quantity | None:
+    return next((known for known in QUANTITIES if known == name), None)

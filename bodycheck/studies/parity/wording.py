@@ -1,0 +1,133 @@
+"""What was found of a model, in sentences that the terminal and the report share."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+
+from bodycheck.reports.quantities import count, listing
+from bodycheck.studies.parity.quantities import FILE, MODEL, Cause, Quantity
+from bodycheck.studies.parity.rows import ParityRow, failed
+from bodycheck.studies.parity.study import Parity
+
+#: What is said of each cause, with the subjects after it.
+SAYS: dict[Cause, str] = {
+    "armature": "armature differs",
+    "inertia-turned": "inertia about other axes",
+    "inertia-dropped": "inertia dropped, wholly or its products",
+    "inertia-fused": "inertia of welded links put together wrongly",
+    "inertia-balanced": "inertia changed to one that a body can have",
+    "mass": "mass differs",
+    "center-of-mass": "centre of mass differs",
+    "damping-ignored": "damping ignored",
+    "friction-ignored": "friction ignored",
+    "mimic-ignored": "mimic ignored",
+    "frame": "frame or axis elsewhere",
+    "coordinate-order": "coordinates in another order than told",
+    "representation": "represented otherwise",
+    "base-welded": "base welded to the world",
+    "unexplained": "unexplained",
+}
+
+#: Most subjects that a sentence names.
+MOST = 4
+
+
+def name_of(quantity: Quantity | None) -> str:
+    """Return the name of a quantity as words."""
+    return "" if quantity is None else quantity.replace("_", " ")
+
+
+def engines_of(found: Parity) -> dict[str, list[ParityRow]]:
+    """Return the rows of each engine, in the order of the study, without those about the file."""
+    by_engine: dict[str, list[ParityRow]] = defaultdict(list)
+    for row in found.rows:
+        if row.engine != FILE:
+            by_engine[row.engine].append(row)
+    return by_engine
+
+
+def differs(found: Parity) -> bool:
+    """Return whether anything differs or is refused."""
+    return any(map(failed, found.rows))
+
+
+def of_file(found: Parity) -> tuple[str, ...]:
+    """Return what is wrong with the file itself, behind the name of the link or joint that is at fault."""
+    told = (row for row in found.rows if row.engine == FILE)
+    return tuple(row.engine_value if row.subject == MODEL else f"{row.subject}: {row.engine_value}" for row in told)
+
+
+def of_engine(rows: Sequence[ParityRow]) -> tuple[str, ...]:
+    """Return what was found of an engine, the verdict first."""
+    refusal = next((row for row in rows if row.quantity is None), None)
+    if refusal is not None:
+        verb = {"refused": "refuses the file", "not-modelled": "does not read it"}.get(refusal.status, "reads it all the same")
+        return (f"{verb}: {refusal.engine_value.rstrip('.')}",)
+    told = [f"{SAYS[cause]}: {_subjects(own)}" for cause, own in _by_cause(rows).items()]
+    accepted = list(dict.fromkeys(row.subject for row in rows if row.status == "accepted-unphysical"))
+    missing = list(dict.fromkeys(row.subject for row in rows if row.status == "not-modelled" and row.quantity == "joint_type"))
+    more = [f"accepts what cannot be: {listing(accepted, MOST, 'subject')}"] if accepted else []
+    more += [f"does not model: {listing(missing, MOST, 'joint')}"] if missing else []
+    if not told:
+        return (f"agrees{_largest(rows)}", *more)
+    return ("differs", *told, *more)
+
+
+def brief(rows: Sequence[ParityRow]) -> str:
+    """Return what differs in an engine in few words: its causes, each with the number of bodies and joints."""
+    sentences = of_engine(rows)
+    if len(sentences) == 1:
+        return sentences[0]
+    causes = _by_cause(rows)
+    told = [f"{SAYS[cause]} ({_number(own)})" if _number(own) > 1 else SAYS[cause] for cause, own in causes.items()]
+    return "; ".join(told) or sentences[0]
+
+
+def _number(rows: Sequence[ParityRow]) -> int:
+    return len({row.subject for row in rows})
+
+
+def headline(found: Sequence[Parity]) -> str:
+    """Return the verdict on all models in one sentence."""
+    different = [one for one in found if differs(one)]
+    if not different:
+        return f"{count(len(found), 'robot')}: all agree" if len(found) > 1 else f"{found[0].name}: all agree"
+    told = f"{len(different)} of {count(len(found), 'robot')} {'differs' if len(different) == 1 else 'differ'}"
+    first = different[0]
+    return f"{told}; {first.name}: {_shortest(first)}"
+
+
+def _shortest(found: Parity) -> str:
+    for engine, rows in engines_of(found).items():
+        if any(map(failed, rows)):
+            return f"{engine}, {brief(rows)}"
+    return f"the file has {count(len(of_file(found)), 'fault')}"
+
+
+def _by_cause(rows: Sequence[ParityRow]) -> dict[Cause, list[ParityRow]]:
+    """Return the rows that differ by their cause; those about the whole model only where no other names the cause."""
+    causes: dict[Cause, list[ParityRow]] = defaultdict(list)
+    for row in rows:
+        if row.status == "differs":
+            causes[row.cause].append(row)
+    return {
+        cause: [row for row in own if row.subject != MODEL] or own if cause != "unexplained" else own
+        for cause, own in causes.items()
+    }
+
+
+def _subjects(rows: Sequence[ParityRow]) -> str:
+    """Return the subjects of rows, of one of them with the numbers of both sides."""
+    if len(rows) == 1 and rows[0].subject != MODEL:
+        (row,) = rows
+        return f"{row.subject} ({name_of(row.quantity)} {row.engine_value or 'none'} instead of {row.truth_value or 'none'})"
+    told = dict.fromkeys(name_of(row.quantity) if row.subject == MODEL else row.subject for row in rows)
+    return listing(list(told), MOST, "subject")
+
+
+def _largest(rows: Sequence[ParityRow]) -> str:
+    """Return the largest relative difference of what agrees, for a sentence."""
+    known = [row for row in rows if row.relative is not None and row.status == "agrees"]
+    if not known:
+        return ""
+    worst = max(known, key=lambda row: row.relative or 0.0)
+    return f" to {worst.relative:.1e} ({name_of(worst.quantity)})" if worst.relative else " to the last bit"

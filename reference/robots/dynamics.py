@@ -1,0 +1,204 @@
+"""The terms of the equations of motion of a robot model, by the recursive Newton-Euler and composite-rigid-body algorithms.
+
+See Featherstone, Rigid Body Dynamics Algorithms, 2008, chapters 5 and 6. All components are along the world's axes, and the
+motion and the forces of a link are about the origin of its frame. Numbers are of the 80-bit type where NumPy has it.
+
+The velocities are those of the joints in the order of the file, each with the components of `state`. A joint that mimics
+another one is independent here; states have it where it belongs.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.robots.cholesky import solved
+from bodycheck.reference.robots.model import RobotModel, Wide
+from bodycheck.reference.robots.motion import PlacedLink, cross, each, jacobians, placed, poses, rows, velocity_maps
+from bodycheck.reference.robots.passive import passive_force
+from bodycheck.reference.robots.state import VELOCITIES, RobotState, Values
+from bodycheck.reference.robots.terms import Terms
+from bodycheck.reference.scene import Vector
+
+
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """The motion (n, 3) of a link: angular velocity, angular acceleration, and the acceleration of its origin."""
+
+    spin: Wide
+    angular: Wide
+    linear: Wide
+
+
+def velocity_labels(model: RobotModel) -> tuple[tuple[str, int], ...]:
+    """The name of the joint of each velocity, and which of the joint's components it is."""
+    return tuple((joint.name, component) for joint in model.joints for component in range(VELOCITIES[joint.type]))
+
+
+def terms(model: RobotModel, state: RobotState, gravity: Vector) -> Terms:
+    """The terms of the equations of motion of a robot model at a state: see `terms_at`, which is faster for many states."""
+    return terms_at(model, [state], gravity)[0]
+
+
+def terms_at(model: RobotModel, states: Sequence[RobotState], gravity: Vector) -> tuple[Terms, ...]:
+    """The terms of the equations of motion of a robot model at each of some states.
+
+    The states are computed together, as a leading axis of all arrays, which takes hardly longer than one of them.
+
+    Parameters
+    ----------
+    model
+        The model. Its masses and inertias may be unphysical; its joints are a tree.
+    states
+        The states.
+    gravity
+        The gravitational acceleration, world frame (m/s^2).
+
+    Returns
+    -------
+    tuple of Terms
+        All terms for each state, in `numpy.longdouble`. The Jacobians are those of the origin of each link's frame along the
+        world's axes. `forward_dynamics` is None where the mass matrix is not positive definite beyond rounding.
+
+    Raises
+    ------
+    ValueError
+        If the joints are no tree.
+    KeyError
+        If a state lacks a joint that is not fixed.
+    """
+    if not states:
+        return ()
+    with np.errstate(invalid="ignore", over="ignore"):  # a mass in the file may be infinite or not a number
+        return _terms(model, states, np.array(gravity, np.longdouble))
+
+
+def _terms(model: RobotModel, states: Sequence[RobotState], gravity: Wide) -> tuple[Terms, ...]:
+    links, armature = placed(model, states), _armature(model)
+    velocity, acceleration, effort = (
+        _stacked(model, states, part)
+        for part in (lambda state: state.velocities, lambda state: state.accelerations, lambda state: state.efforts)
+    )
+    rest, weightless = np.zeros_like(velocity), np.zeros(3, np.longdouble)
+    maps = velocity_maps(links, len(armature))
+    mass = _mass_matrix(links, maps, armature)
+    holding = _forces(links, rest, rest, gravity)
+    coriolis = _forces(links, velocity, rest, weightless)
+    passive = passive_force(model, states)
+    inverse = _forces(links, velocity, acceleration, gravity) + armature * acceleration
+    forward, definite = solved(mass, effort + passive - coriolis - holding)
+    names = [link.name for link in model.links]
+    frames, velocities = poses(links, names), jacobians(links, maps, names)
+    return tuple(
+        Terms(
+            poses={name: frames[name][row] for name in names},
+            jacobians={name: velocities[name][row] for name in names},
+            mass_matrix=mass[row],
+            gravity_force=holding[row],
+            coriolis_force=coriolis[row],
+            passive_force=passive[row],
+            forward_dynamics=forward[row] if definite[row] else None,
+            inverse_dynamics=inverse[row],
+        )
+        for row in range(len(states))
+    )
+
+
+def _stacked(model: RobotModel, states: Sequence[RobotState], part: Callable[[RobotState], Values]) -> Wide:
+    """The numbers (n, k) of all joints at n states, in the order of the file."""
+    nothing = np.zeros((len(states), 0), np.longdouble)
+    return np.concatenate([nothing, *(rows(states, joint, part) for joint in model.joints)], axis=1)
+
+
+def _armature(model: RobotModel) -> Wide:
+    """The armature (k,) at each velocity."""
+    return np.array([joint.armature for joint in model.joints for _ in range(VELOCITIES[joint.type])], np.longdouble)
+
+
+def _forces(links: Sequence[PlacedLink], velocity: Wide, acceleration: Wide, gravity: Wide) -> Wide:
+    """The efforts (n, k) that a motion takes, without armature: the recursive Newton-Euler algorithm.
+
+    velocity, acceleration: (n, k). gravity: (3,), against which the world is accelerated instead.
+    """
+    zero = np.zeros((len(velocity), 3), np.longdouble)
+    motions: list[_Motion] = []
+    for link in links:
+        before = motions[link.parent] if link.parent >= 0 else _Motion(zero, zero, zero - gravity)
+        motions.append(_moved(link, before, velocity[:, link.columns], acceleration[:, link.columns]))
+    needed = [_needed(link, motion) for link, motion in zip(links, motions, strict=True)]
+    pushes, torques = [push for push, _ in needed], [torque for _, torque in needed]
+    efforts = np.zeros_like(velocity)
+    for place, link in reversed(list(enumerate(links))):
+        push, torque = pushes[place], torques[place]
+        efforts[:, link.columns] = each(link.slides, push) + each(link.spins, torque)
+        if link.parent >= 0:
+            pushes[link.parent] = pushes[link.parent] + push
+            torques[link.parent] = torques[link.parent] + torque + cross(link.arm, push)
+    return efforts
+
+
+def _moved(link: PlacedLink, before: _Motion, rate: Wide, change: Wide) -> _Motion:
+    """The motion of a link from that of its parent. rate, change: velocities and accelerations (n, k) of its joint.
+
+    What a joint adds to the angular velocity turns with the parent, or with the child about itself; what it adds to the
+    velocity of the origin turns with the parent.
+    """
+    spin, slide = _combined(link.spins, rate), _combined(link.slides, rate)
+    centripetal = cross(before.spin, cross(before.spin, link.arm) + 2 * slide)
+    return _Motion(
+        before.spin + spin,
+        before.angular + cross(before.spin, spin) + _combined(link.spins, change),
+        before.linear + cross(before.angular, link.arm) + centripetal + _combined(link.slides, change),
+    )
+
+
+def _needed(link: PlacedLink, motion: _Motion) -> tuple[Wide, Wide]:
+    """The force and the torque (n, 3) about its origin that the motion of a link takes."""
+    swung = cross(motion.angular, link.centre) + cross(motion.spin, cross(motion.spin, link.centre))
+    push = link.mass * (motion.linear + swung)
+    gyroscopic = cross(motion.spin, each(link.tensor, motion.spin))
+    return push, cross(link.centre, push) + each(link.tensor, motion.angular) + gyroscopic
+
+
+def _combined(along: Wide, rates: Wide) -> Wide:
+    """The sums (n, 3) of velocities (n, k, 3) times rates (n, k)."""
+    return np.asarray((rates[:, None, :] @ along)[:, 0])
+
+
+def _mass_matrix(links: Sequence[PlacedLink], maps: Sequence[tuple[Wide, Wide]], armature: Wide) -> Wide:
+    """The mass matrices (n, k, k), armature included: the composite-rigid-body algorithm. maps: those of `velocity_maps`."""
+    masses = [link.mass for link in links]
+    moments = [link.mass * link.centre for link in links]
+    tensors = [link.tensor + link.mass * _squared(link.centre, link.centre) for link in links]
+    found = np.zeros((len(links[0].turn), len(armature), len(armature)), np.longdouble)
+    for place, link in reversed(list(enumerate(links))):
+        push, torque = _momentum(link, masses[place], moments[place], tensors[place])
+        linear, angular = maps[place]
+        # The power of this force along the velocity that each joint gives to the link, which only those that carry it do.
+        rows = push @ np.swapaxes(linear, 1, 2) + torque @ np.swapaxes(angular, 1, 2)
+        found[:, link.columns] += rows
+        found[:, :, link.columns] += np.swapaxes(rows, 1, 2)
+        own = rows[:, :, link.columns]
+        found[:, link.columns, link.columns] = (own + np.swapaxes(own, 1, 2)) / 2
+        if link.parent >= 0:
+            arm, moment = link.arm, moments[place]
+            shifted = _squared(arm, moment) + _squared(moment, arm) + masses[place] * _squared(arm, arm)
+            masses[link.parent] = masses[link.parent] + masses[place]
+            moments[link.parent] = moments[link.parent] + moment + masses[place] * arm
+            tensors[link.parent] = tensors[link.parent] + tensors[place] + shifted
+    return found + np.diag(armature)
+
+
+def _momentum(link: PlacedLink, mass: np.longdouble, moment: Wide, tensor: Wide) -> tuple[Wide, Wide]:
+    """The force and the torque (n, k, 3) that accelerations of 1 of a joint take, of all that it moves as one rigid body.
+
+    mass, moment, tensor: those of this body, about the origin of the link.
+    """
+    push = mass * link.slides + cross(link.spins, moment[:, None])
+    return push, cross(moment[:, None], link.slides) + link.spins @ tensor
+
+
+def _squared(a: Wide, b: Wide) -> Wide:
+    """The matrices (n, 3, 3) a.b E - a b^T of vectors (n, 3)."""
+    identity = np.eye(3, dtype=np.longdouble)
+    return np.asarray((a * b).sum(axis=1)[:, None, None] * identity - a[:, :, None] * b[:, None, :])

@@ -1,0 +1,91 @@
+"""Joining links that are welded together, as readers of robot models do."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, Wide
+from bodycheck.reference.robots.order import from_the_root
+
+#: The place of the link that carries another one, and the origin (3,) and the rotation (3, 3) of that in the carrier's frame.
+_Place = tuple[int, Wide, Wide]
+
+
+def fused(model: RobotModel, kept: Collection[str]) -> RobotModel:
+    """The model without fixed joints to links other than those that are kept, whose masses their carriers take over.
+
+    The carrier of a link is its nearest ancestor that is the root, is kept, or moves against its parent. The root carries what
+    is welded to the world.
+
+    Parameters
+    ----------
+    model
+        The model.
+    kept
+        The names of fixed links that stay links of their own.
+
+    Raises
+    ------
+    ValueError
+        If the joints are no tree.
+    """
+    places: dict[int, _Place] = {model.root: _own(model.root)}
+    for joint in from_the_root(model):
+        if joint.type != "fixed" or model.links[joint.child].name in kept:
+            places[joint.child] = _own(joint.child)
+        else:
+            places[joint.child] = _carried(places[joint.parent], joint)
+    staying = [place for place in range(len(model.links)) if places[place][0] == place]
+    parts: dict[int, list[RobotLink]] = {place: [] for place in staying}
+    for place, link in enumerate(model.links):
+        carrier, origin, rotation = places[place]
+        parts[carrier].append(link if carrier == place else in_frame(link, origin, rotation))
+    new = {old: place for place, old in enumerate(staying)}
+    links = tuple(replace(joined(parts[place]), name=model.links[place].name) for place in staying)
+    joints = tuple(_hung(joint, places[joint.parent], new) for joint in model.joints if joint.child in new)
+    return replace(model, links=links, joints=joints)
+
+
+def in_frame(link: RobotLink, origin: Wide, rotation: Wide) -> RobotLink:
+    """A link given in a frame that has an origin (3,) and a rotation (3, 3) in another one, in that one."""
+    centre, tensor = origin + rotation @ link.center_of_mass, rotation @ link.inertia @ rotation.T
+    return replace(link, center_of_mass=centre, inertia=tensor)
+
+
+def joined(parts: Sequence[RobotLink]) -> RobotLink:
+    """One rigid link of the masses of several, given in one frame, with the name of the first, by the parallel-axis theorem.
+
+    Where the masses sum to zero there is no centre of mass, and the inertia is about the origin of the frame.
+    """
+    first, *others = parts
+    if not others:
+        return first
+    mass = sum(part.mass for part in parts)
+    with np.errstate(invalid="ignore"):  # a mass in the file may be infinite
+        moment = sum((part.mass * part.center_of_mass for part in parts), np.zeros(3, np.longdouble))
+        centre = moment / np.longdouble(mass) if mass else np.zeros(3, np.longdouble)
+        tensor = sum((_about(part, centre) for part in parts), np.zeros((3, 3), np.longdouble))
+    return RobotLink(first.name, mass, centre, tensor)
+
+
+def _own(place: int) -> _Place:
+    return place, np.zeros(3, np.longdouble), np.eye(3, dtype=np.longdouble)
+
+
+def _carried(parent: _Place, joint: RobotJoint) -> _Place:
+    """Where the frame of a joint is in the carrier of its parent."""
+    carrier, origin, rotation = parent
+    return carrier, origin + rotation @ joint.position, rotation @ joint.rotation
+
+
+def _hung(joint: RobotJoint, parent: _Place, new: dict[int, int]) -> RobotJoint:
+    """A joint on the carrier of its parent. new: the places of the links that stay."""
+    carrier, origin, rotation = _carried(parent, joint)
+    return replace(joint, parent=new[carrier], child=new[joint.child], position=origin, rotation=rotation)
+
+
+def _about(part: RobotLink, point: Wide) -> Wide:
+    """The inertia of a link about a point (3,)."""
+    arm = part.center_of_mass - point
+    return np.asarray(part.inertia + part.mass * (arm @ arm * np.eye(3, dtype=np.longdouble) - np.outer(arm, arm)))

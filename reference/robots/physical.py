@@ -1,0 +1,95 @@
+"""What of a robot model no bodies can have: masses, moments of inertia and joints that contradict mechanics."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel
+from bodycheck.reference.robots.order import from_the_root
+
+#: How far moments may be beyond what is possible, relative to the largest: some thousand roundings of the double precision of
+#: decimals in a file and of their principal moments. Moments of a link with a radius of gyration below this (m) are zero.
+MARGIN = 1e-12
+
+
+@dataclass(frozen=True)
+class Unphysical:
+    """What cannot be.
+
+    Attributes
+    ----------
+    subject
+        The name of the link or joint.
+    quantity
+        Which of its numbers it is: mass, inertia, armature, damping or friction.
+    text
+        What is read, and why it cannot be.
+    """
+
+    subject: str
+    quantity: str
+    text: str
+
+
+def unphysical(model: RobotModel) -> tuple[Unphysical, ...]:
+    """What of a model cannot be: first of links, then of joints, in the order of the file.
+
+    - A mass, a component of inertia or a coefficient that is negative or not a number.
+    - Principal moments A <= B <= C with A < 0 or A + B < C, beyond `MARGIN`: no distribution of mass has them. Moments of zero,
+      as a point has them, and a thin rod about itself, are possible.
+    - Inertia without mass.
+    - A joint that moves nothing that has mass, and has no armature: its acceleration is undetermined.
+
+    Raises `ValueError` if the joints are no tree.
+    """
+    found = [fault for link in model.links for fault in _of_link(link)]
+    found += [fault for joint in model.joints for fault in _of_joint(joint)]
+    return (*found, *_of_subtrees(model))
+
+
+def _of_link(link: RobotLink) -> Iterator[Unphysical]:
+    def fault(quantity: str, text: str) -> Unphysical:
+        return Unphysical(link.name, quantity, text)
+
+    if not np.isfinite(link.mass):
+        yield fault("mass", f"the mass is {link.mass:g}, which is not a number of kilograms")
+    elif link.mass < 0:
+        yield fault("mass", f"the mass is {link.mass:.6g} kg; no mass is negative")
+    if not np.isfinite(link.center_of_mass).all():
+        yield fault("center_of_mass", "a component of the centre of mass is not a number of metres")
+    if not np.isfinite(link.inertia).all():
+        yield fault("inertia", "a component of the inertia is not a number")
+        return
+    # The numbers of a file may be so large that their sums are no doubles.
+    scale = np.abs(link.inertia).max() or np.longdouble(1)
+    a, b, c = scale * np.linalg.eigvalsh((link.inertia / scale).astype(float))
+    told = f"the principal moments are {a:.6g}, {b:.6g} and {c:.6g} kg m^2"
+    margin = MARGIN * max(abs(a), abs(c), np.longdouble(MARGIN) * abs(link.mass))
+    if a < -margin:
+        yield fault("inertia", f"{told}; no moment is negative")
+    elif a + b < c - margin:
+        yield fault("inertia", f"{told}; the largest exceeds the sum of the others by {c - a - b:.3g}")
+    if link.mass == 0 and c > 0:
+        yield fault("inertia", f"{told}, but the mass is zero")
+
+
+def _of_joint(joint: RobotJoint) -> Iterator[Unphysical]:
+    for quantity in ("armature", "damping", "friction"):
+        value = getattr(joint, quantity)
+        if not value >= 0:
+            yield Unphysical(joint.name, quantity, f"the {quantity} is {value:.6g}; allowed: zero or a positive number")
+
+
+def _of_subtrees(model: RobotModel) -> Iterator[Unphysical]:
+    joints = from_the_root(model)
+    heavy = {place for place, link in enumerate(model.links) if link.mass != 0 or link.inertia.any()}
+    for joint in reversed(joints):
+        if joint.child in heavy:
+            heavy.add(joint.parent)
+    for joint in model.joints:
+        if joint.type != "fixed" and joint.child not in heavy and not joint.armature:
+            text = (
+                f"nothing that this {joint.type} joint moves has mass, and it has no armature: its acceleration is undetermined"
+            )
+            yield Unphysical(joint.name, "mass", text)

@@ -1,0 +1,123 @@
+"""Faults of readers are named rightly, alone and two at once, by what an engine tells and by what it computes alone."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from itertools import combinations
+from random import Random
+
+import numpy as np
+import pytest
+
+from bodycheck.reference.robots.dynamics import velocity_labels
+from bodycheck.reference.robots.model import RobotModel
+from bodycheck.reference.robots.states import seeded_states
+from bodycheck.studies.parity.comparing import asked, compare
+from bodycheck.studies.parity.conventions import CANDIDATES, Frame, Point, Written
+from bodycheck.studies.parity.diagnosis.explaining import diagnosed
+from bodycheck.studies.parity.rows import Compared
+from tests.support.engine_readings import GRAVITY, reading
+from tests.support.robot_faults import FAULTS, PlantedFault, planted
+from tests.support.robot_trees import random_tree
+
+#: Differences that are no rounding: the reference computes both sides, in which rounding leaves some 1e-16.
+TOLERANCE = 1e-10
+
+#: Faults in what an engine tells of its joints alone, which an engine that tells nothing of them shows by its forces.
+BY_NAME = {fault.name: fault for fault in FAULTS}
+
+
+def rows(file: RobotModel, engine: RobotModel, count: int = 12, **options: object) -> tuple[Compared, ...]:
+    states = seeded_states(file, count, 0)
+    given = asked(file, states, GRAVITY, False)
+    return diagnosed(compare(given, reading(engine, states, **options), TOLERANCE)).rows  # type: ignore[arg-type]
+
+
+def named(found: tuple[Compared, ...]) -> set[tuple[str, str]]:
+    """The causes with the bodies and joints that rows name."""
+    return {(row.cause, row.subject) for row in found if row.cause}
+
+
+def causes(found: tuple[Compared, ...]) -> set[str]:
+    return {row.cause for row in found if row.cause}
+
+
+def expected(*faults: PlantedFault) -> set[tuple[str, str]]:
+    return {(fault.cause, fault.subject) for fault in faults}
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
+def test_a_fault_is_named_with_its_subject_and_no_other_cause(fault: PlantedFault) -> None:
+    found = rows(*planted(fault))
+    assert expected(fault) <= named(found)
+    assert causes(found) == {fault.cause}
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
+def test_a_fault_is_named_by_what_an_engine_computes_that_tells_no_numbers(fault: PlantedFault) -> None:
+    if fault.cause == "base-welded":
+        pytest.skip("the mass of a welded base is in nothing that an engine computes")
+    found = rows(*planted(fault), tells=False)
+    assert expected(fault) <= named(found)
+    assert causes(found) == {fault.cause}
+
+
+def missed(pairs: Iterable[tuple[PlantedFault, PlantedFault]]) -> list[tuple[str, str, list[tuple[str, str]]]]:
+    """The pairs of faults of different subjects that are not named both, or with a cause that neither has."""
+    wrong = []
+    for one, other in pairs:
+        if one.subject == other.subject:
+            continue  # two faults of one body may be one of another kind, or cancel
+        file, engine = planted(one, other)
+        found = rows(file, engine, 6)
+        if not (expected(one, other) <= named(found) and causes(found) == {one.cause, other.cause}):
+            wrong.append((one.name, other.name, sorted(named(found))))
+    return wrong
+
+
+def test_two_faults_at_once_are_named_both_and_nothing_else() -> None:
+    assert not missed(list(combinations(FAULTS, 2))[::4])  # every fault is in some pair
+
+
+@pytest.mark.slow
+def test_any_two_faults_at_once_are_named_both_and_nothing_else() -> None:
+    assert not missed(combinations(FAULTS, 2))
+
+
+@pytest.mark.parametrize("how", CANDIDATES["floating"][::5], ids=str)  # every axis, point and order among them
+def test_a_clean_model_has_no_cause_however_a_floating_base_is_written(how: Written) -> None:
+    random = Random(str(how))
+    model = random_tree(random, 6, floating=True)
+    floating = next(joint.name for joint in model.joints if joint.type == "floating")
+    found = rows(model, model, how={floating: how}, order=_shuffled(random, model))
+    assert not named(found)
+    assert {row.status for row in found} <= {"agrees"}
+
+
+@pytest.mark.parametrize("point", ["origin", "center of mass"])
+def test_the_mass_matrix_tells_the_point_of_a_single_body(point: Point) -> None:
+    model = random_tree(Random(513), 1, floating=True)
+    how = Written("child", "child", point, True)
+    states = seeded_states(model, 6, 0)
+    told = reading(model, states, how={"joint_0": how})
+    # The Jacobian of the body is of the same point and along the same axes as its velocity.
+    own = tuple(replace(terms, jacobians={"link_0": np.roll(np.eye(6), 3, axis=1)}) for terms in told.terms)
+    given = asked(model, states, GRAVITY, False)
+    found = compare(given, replace(told, terms=own), TOLERANCE)
+    assert "mass_matrix" not in {row.quantity for row in found.rows if row.status != "agrees"}
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_clean_tree_has_no_cause_in_any_order_of_its_joints(seed: int) -> None:
+    random = Random(seed)
+    model = random_tree(random, 12, types=("revolute", "prismatic", "fixed", "spherical"))
+    angular: Frame = "parent" if seed % 2 else "joint"
+    spherical = {joint.name: Written(angular=angular) for joint in model.joints if joint.type == "spherical"}
+    found = rows(model, model, how=spherical, order=_shuffled(random, model))
+    assert not named(found)
+    assert {row.status for row in found} <= {"agrees"}
+
+
+def _shuffled(random: Random, model: RobotModel) -> list[str]:
+    names = list(dict.fromkeys(name for name, _ in velocity_labels(model)))
+    random.shuffle(names)
+    return names
