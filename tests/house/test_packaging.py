@@ -67,7 +67,7 @@ def test_a_normal_install_runs(wheel: Path, tmp_path: Path) -> None:
 
 
 #: What a user of the package writes.
-SCRIPT = "from bodycheck.casefile.case import Case\nfrom bodycheck.adapters.contract import Engine\nreveal_type(Case)\nEngine\n"
+SCRIPT = "from bodycheck.casefile.content import Case\nfrom bodycheck.adapters.contract import Engine\nreveal_type(Case)\nEngine\n"
 
 
 @pytest.fixture(scope="module", params=["wheel", "editable"])
@@ -96,13 +96,13 @@ def test_mypy_knows_the_types_of_an_install(python: Path, script: Path) -> None:
     done = subprocess.run(list(map(str, command)), capture_output=True, text=True, cwd=script.parent, env=outside())
     (revealed,) = (line for line in done.stdout.splitlines() if "Revealed type" in line)
     assert "scene: bodycheck.reference.scene.Scene" in revealed
-    assert "-> bodycheck.casefile.case.Case" in revealed
+    assert "-> bodycheck.casefile.content.Case" in revealed
 
 
 def test_jedi_finds_the_source_of_an_install(python: Path, script: Path) -> None:
     environment = jedi.create_environment(str(python), safe=False, env_vars=outside())
     source = jedi.Script(SCRIPT, path=script, environment=environment)
-    for line, module, name in ((1, "casefile/case.py", "Case"), (4, "adapters/contract.py", "Engine")):
+    for line, module, name in ((1, "casefile/content.py", "Case"), (4, "adapters/contract.py", "Engine")):
         (found,) = source.goto(line, SCRIPT.splitlines()[line - 1].index(name), follow_imports=True)
         assert (found.name, found.type) == (name, "class")
         assert found.module_path is not None
