@@ -67,7 +67,12 @@ def test_a_normal_install_runs(wheel: Path, tmp_path: Path) -> None:
 
 
 #: What a user of the package writes.
-SCRIPT = "from bodycheck.casefile.content import Case\nfrom bodycheck.adapters.contract import Engine\nreveal_type(Case)\nEngine\n"
+SCRIPT = """\
+from bodycheck.casefile.content import Case
+from bodycheck.adapters.contract import Engine
+reveal_type(Case)
+Engine
+"""
 
 
 @pytest.fixture(scope="module", params=["wheel", "editable"])
