@@ -5,9 +5,10 @@ They are computed from a trajectory alone, with the same formulas for the truth 
 
 import numpy as np
 
-from bodycheck.reference.kinematics import conjugate, euler_from_quaternion, rotate
+from bodycheck.reference.kinematics import euler_from_quaternion
 from bodycheck.reference.planar import Stop, yaw
-from bodycheck.reference.scene import Brick, Cylinder, Scene
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.support import reach
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: Fraction of the initial speed below which a body counts as stopped; bodies on soft contacts keep creeping below it.
@@ -21,20 +22,14 @@ def tilt(trajectory: Trajectory) -> Array:
 
 
 def penetration(scene: Scene, trajectory: Trajectory) -> Array:
-    """Depth (n,), m, of the lowest point of the body below the plane z = 0; zero where the body is above the plane.
+    """Depth (n,), m, of the lowest point of the body below the plane, along its normal; zero where the body is above it.
 
-    It is zero for every shape other than a brick or a cylinder, since only these have a face to lie on.
+    It is zero for a body without a shape.
     """
-    # Components of the vertical along the axes of the body.
-    down = rotate(conjugate(trajectory.quaternion), np.tile([0.0, 0.0, 1.0], (len(trajectory), 1)))
-    match scene.body.shape:
-        case Brick(semi_axes):
-            reach = np.abs(down) @ np.array(semi_axes)
-        case Cylinder(radius, half_length):
-            reach = half_length * np.abs(down[:, 2]) + radius * np.hypot(down[:, 0], down[:, 1])
-        case _:
-            return np.zeros(len(trajectory))
-    return np.asarray(np.maximum(reach - trajectory.position[:, 2], 0.0))
+    if scene.plane is None or scene.body.shape is None:
+        return np.zeros(len(trajectory))
+    height = trajectory.position @ np.array(scene.plane.normal)
+    return np.asarray(np.maximum(reach(scene.body.shape, trajectory.quaternion, scene.plane.normal) - height, 0.0))
 
 
 def measured_stop(scene: Scene, trajectory: Trajectory) -> Stop:

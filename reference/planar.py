@@ -1,7 +1,7 @@
-"""The planar state of a body that lies flat on the plane z = 0: three coordinates, x, y and yaw.
+"""The planar state of a body that lies flat on the plane: three coordinates, x, y and yaw, along the axes of the plane.
 
-A body lies flat if its axis K is vertical, if the face across K touches the plane, and if it neither moves vertically nor
-rotates about another axis than K.
+A body lies flat if its axis K is along the normal, if the face across K touches the plane, and if it neither moves
+along the normal nor rotates about another axis than K.
 """
 
 import math
@@ -10,7 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.reference.errors import NotFlat
-from bodycheck.reference.scene import Brick, Cylinder, Scene, Shape, Vector
+from bodycheck.reference.kinematics import multiply, rotate
+from bodycheck.reference.scene import Brick, Cylinder, Scene, Shape, State, Vector
 from bodycheck.reference.trajectory import Array
 
 #: How far a body may deviate from lying flat: an angle (rad), and a fraction of its height and of its speeds. It allows for
@@ -38,11 +39,11 @@ class Stop:
 
 
 def planar_state(scene: Scene) -> Array:
-    """Initial x, y (m), psi (rad), dx/dt, dy/dt (m/s), dpsi/dt (rad/s), world frame, as an array (6,).
+    """Initial x, y (m), psi (rad), dx/dt, dy/dt (m/s), dpsi/dt (rad/s) along the axes of the plane, as an array (6,).
 
     Raises `NotFlat` for a body that does not lie flat, with a list of the deviations, and for one that has no face to lie on.
     """
-    initial, resting = scene.initial, resting_height(scene.body.shape)
+    initial, resting = along_plane(scene), resting_height(scene.body.shape)
     (x, y, z), (vx, vy, vz), (p, q, r) = initial.position, initial.velocity, initial.angular_velocity
     qw, qx, qy, qz = initial.quaternion
     theta = 2 * math.atan2(math.hypot(qx, qy), math.hypot(qw, qz))
@@ -58,6 +59,19 @@ def planar_state(scene: Scene) -> Array:
     if faults:
         raise NotFlat("the body does not lie flat: " + "; ".join(faults))
     return np.array([x, y, yaw(np.array(initial.quaternion)), vx, vy, r])
+
+
+def along_plane(scene: Scene) -> State:
+    """The initial state along the axes of the scene's plane, in which the plane is z = 0."""
+    initial = scene.initial
+    if scene.plane is None or not scene.plane.incline:
+        return initial
+    half = scene.plane.incline / 2
+    back = np.array([math.cos(half), 0.0, -math.sin(half), 0.0])
+    x, y, z = rotate(back, np.array(initial.position)).tolist()
+    u, v, w = rotate(back, np.array(initial.velocity)).tolist()
+    a, b, c, d = multiply(back, np.array(initial.quaternion)).tolist()
+    return State((x, y, z), (a, b, c, d), (u, v, w), initial.angular_velocity)
 
 
 def yaw(quaternion: Array) -> Array:

@@ -35,8 +35,16 @@ class Requirements:
         Whether there is a plane; it counts as touched.
     friction
         Whether friction acts on the plane.
+    incline
+        Whether the plane is inclined.
+    restitution
+        Whether impacts give back a part of the velocity.
+    rolling
+        Whether the body does not lie flat: it is round, lies on an edge or a corner, or falls on the plane.
     drag
         Whether drag acts on a body that moves.
+    pushes
+        Whether constant forces act on the body.
     degrees_of_freedom
         Number of coordinates of the model: three for a translation, three for a rotation in space, even one about a fixed axis,
         and three in all (x, y and yaw) for a body that lies flat.
@@ -49,6 +57,10 @@ class Requirements:
     friction: bool
     drag: bool
     degrees_of_freedom: int
+    incline: bool = False
+    restitution: bool = False
+    rolling: bool = False
+    pushes: bool = False
 
     @property
     def kind(self) -> Kind:
@@ -61,7 +73,18 @@ class Requirements:
 
     def names(self) -> tuple[str, ...]:
         """The names of the fields that state a required effect."""
-        kinds = ("gravity", "translation", "rotation", "contact", "friction", "drag")
+        kinds = (
+            "gravity",
+            "translation",
+            "rotation",
+            "contact",
+            "friction",
+            "incline",
+            "restitution",
+            "rolling",
+            "drag",
+            "pushes",
+        )
         return tuple(kind for kind in kinds if getattr(self, kind) not in (False, "none"))
 
 
@@ -77,8 +100,12 @@ def requirements(scene: Scene) -> Requirements:
             friction=scene.plane.friction * scene.gravity > 0,
             drag=scene.drag > 0,
             degrees_of_freedom=3 if flat else 6,
+            incline=bool(scene.plane.incline),
+            restitution=bool(scene.plane.restitution),
+            rolling=not flat,
+            pushes=bool(scene.pushes),
         )
-    translation = bool(scene.gravity) or any(scene.initial.velocity)
+    translation = bool(scene.gravity) or any(scene.initial.velocity) or bool(scene.pushes)
     rotation = symmetry(scene.body.moments) if any(scene.initial.angular_velocity) else "none"
     return Requirements(
         gravity=bool(scene.gravity),
@@ -88,6 +115,7 @@ def requirements(scene: Scene) -> Requirements:
         friction=False,
         drag=translation and scene.drag > 0,
         degrees_of_freedom=3 * translation + 3 * (rotation != "none"),
+        pushes=bool(scene.pushes),
     )
 
 

@@ -5,6 +5,7 @@ axes unless `Body.axes` says otherwise. Scenes are made of plain tuples of float
 cheap to send to another process.
 """
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -97,23 +98,57 @@ class State:
 
 @dataclass(frozen=True)
 class Plane:
-    """The plane z = 0 with Coulomb friction.
+    """A plane through the origin with Coulomb friction: z = 0, or this turned about y.
 
     Attributes
     ----------
     friction
-        Coefficient of friction mu.
+        Coefficient of friction mu; infinite where nothing slips.
     law
         The law of friction of the truth: over the whole face of the body ("area"), at its corners alone ("corners"), or the
         book's law, in which translation and spin are braked independently of each other ("decoupled").
     pressure
         The distribution of the load over the face: the same everywhere ("uniform"), or shifted so that it balances the moment
         of friction about the centre of mass ("balanced").
+    incline
+        The angle by which z = 0 is turned about y (rad): x points downhill.
+    restitution
+        Coefficient of restitution e: the ratio of the normal velocities after and before an impact.
     """
 
     friction: float = 0.0
     law: Literal["area", "corners", "decoupled"] = "area"
     pressure: Literal["uniform", "balanced"] = "uniform"
+    incline: float = 0.0
+    restitution: float = 0.0
+
+    @property
+    def normal(self) -> Vector:
+        """The unit normal of the plane, out of it."""
+        return math.sin(self.incline), 0.0, math.cos(self.incline)
+
+
+@dataclass(frozen=True)
+class Push:
+    """A constant force on a body for some time.
+
+    Attributes
+    ----------
+    force
+        The force, world frame (N).
+    point
+        Where it acts, from the centre of mass along the axes of the body's frame (m).
+    start, end
+        From when until when it acts (s).
+    body
+        The place of the body among those of the scene.
+    """
+
+    force: Vector
+    point: Vector = (0.0, 0.0, 0.0)
+    start: float = 0.0
+    end: float = math.inf
+    body: int = 0
 
 
 @dataclass(frozen=True)
@@ -132,6 +167,8 @@ class Scene:
         The plane that the body lies on, or None for free flight.
     drag
         Coefficient c (kg/m) of the quadratic drag F = -c |v| v at the centre of mass.
+    pushes
+        Constant forces on the body.
     definition
         What the case file says of the body and its initial rotation, of which the doubles of `body` and `initial` are the
         nearest; None where these are all that is known. It counts only as long as they are the ones that follow from it, so
@@ -143,9 +180,10 @@ class Scene:
     gravity: float = 0.0
     plane: Plane | None = None
     drag: float = 0.0
+    pushes: tuple[Push, ...] = ()
     definition: "Definition | None" = None
 
     @property
     def conserves(self) -> bool:
-        """Whether energy and angular momentum about the centre of mass are conserved: there is neither a plane nor drag."""
-        return self.plane is None and not self.drag
+        """Whether energy and angular momentum about the centre of mass are conserved: there are no plane, drag and pushes."""
+        return self.plane is None and not self.drag and not self.pushes

@@ -6,6 +6,7 @@ Drag on the translation leads to quadratures, whose witness is an integration in
 plane has three coordinates; see `sliding`.
 """
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -137,8 +138,16 @@ class NoTruth:
 
 def missing_model(scene: AnyScene) -> str | None:
     """The feature of a scene that the reference has no model of, in words, or None where it can model the scene."""
-    if isinstance(scene, Mechanism) or scene.plane is None:
+    if isinstance(scene, Mechanism):
+        return "bodies that touch" if scene.plane is not None else "pushes on bodies" if scene.pushes else None
+    if scene.pushes:
+        return "pushes on a body"
+    if scene.plane is None:
         return None
+    if scene.plane.incline:
+        return "an inclined plane"
+    if math.isinf(scene.plane.friction):
+        return "a plane on which nothing slips"
     if scene.drag:
         return "drag on a body that slides"
     if scene.body.axes != IDENTITY:

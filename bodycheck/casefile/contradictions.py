@@ -11,6 +11,7 @@ from bodycheck.casefile.ensemble_faults import ensemble_faults
 from bodycheck.casefile.expectation import ORDER, REFINEMENTS
 from bodycheck.casefile.grammar import Status, with_shape
 from bodycheck.casefile.raw_values import mapping, number, numbers
+from bodycheck.casefile.surroundings import BODY, surroundings_faults
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import MAX_INSTANTS, MAX_POINTS, MAX_SAMPLES
 from bodycheck.figures.columns import LIMITED
@@ -22,9 +23,7 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
         yield ("body", *path), message
     for path, message in start_faults(mapping(document.get("initial"))):
         yield ("initial", *path), message
-    plane = mapping(mapping(document.get("scene")).get("plane"))
-    if plane.get("law") == "decoupled" and plane.get("pressure") == "balanced":
-        yield ("scene", "plane", "pressure"), "the decoupled law does not depend on where the load is; allowed: uniform"
+    yield from surroundings_faults(document, [BODY])
     yield from run_faults(document)
 
 

@@ -4,6 +4,7 @@ The module `contradictions` checks rules that connect several keys. It checks th
 reported together with the faults of single keys.
 """
 
+import math
 from datetime import date
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -13,11 +14,15 @@ from bodycheck.casefile.axes import AXES
 from bodycheck.casefile.ensemble_grammar import DISTRIBUTIONS, FORMS, EnsembleTable, distribution_of
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import (
+    MAX_CONTACTS,
     MAX_EXPECTATIONS,
     MAX_PARTS,
+    MAX_PUSHES,
     MAX_SAMPLES,
     MAX_TAGS,
+    BodyPattern,
     EngineName,
+    Finite,
     Label,
     Name,
     NonNegative,
@@ -156,10 +161,28 @@ class InitialTable(Table):
     angular_velocity: Vector | None = Field(default=None, description="X, Y, Z in the body frame, rad/s")
 
 
-class PlaneTable(Table):
-    """The plane z = 0."""
+#: What `friction` says where nothing slips.
+NO_SLIP = "no-slip"
 
-    friction: NonNegative = Field(default=0.0, description="Coulomb's coefficient")
+
+def _kind_of_friction(value: Any) -> str:
+    return "word" if isinstance(value, str) else "coefficient"
+
+
+Friction = Annotated[
+    Annotated[NonNegative, Tag("coefficient")] | Annotated[Literal["no-slip"], Tag("word")], Discriminator(_kind_of_friction)
+]
+Restitution = Annotated[Finite, Field(ge=0, le=1)]
+
+
+class PlaneTable(Table):
+    """The plane z = 0, or one through the origin that is turned about y."""
+
+    friction: Friction = Field(default=0.0, description="Coulomb's coefficient, or no-slip where nothing slips")
+    incline: Annotated[Finite, Field(ge=0, lt=math.pi / 2)] = Field(
+        default=0.0, description="turns the plane about y, so that x points downhill, rad"
+    )
+    restitution: Restitution = Field(default=0.0, description="ratio of the normal velocities after and before an impact")
     law: Literal["area", "corners", "decoupled"] = Field(
         default="area", description="where it touches: the whole face, its corners, or as if slide and spin were each alone"
     )
@@ -174,12 +197,53 @@ class DragTable(Table):
     quadratic: NonNegative = Field(description="k in F = -k |v| v at the centre of mass, kg/m")
 
 
+class ForceTable(Table):
+    """A constant force on a body."""
+
+    force: Vector = Field(description="world frame, N")
+    point: Vector = Field(default=(0.0, 0.0, 0.0), description="where it acts, from the centre of mass along I, J, K, m")
+
+
+def with_times(force: type[ForceTable], name: str) -> Any:
+    """Return the table of a constant force on a body for some time; Python has no attribute of the name of its key `from`."""
+    begins = NonNegative, Field(default=0.0, description="when it begins, s")
+    ends = optional(NonNegative, "when it ends, s; default never")
+    return create_model(
+        name, __base__=force, __doc__="A constant force on a body for some time.", **{"from": begins, "until": ends}
+    )
+
+
+def optional(kind: Any, description: str) -> Any:
+    """Return the definition of a key that may be absent, as `pydantic.create_model` wants it."""
+    return kind | None, Field(default=None, description=description)
+
+
+if TYPE_CHECKING:  # type checkers cannot see the keys of a table that is made while the program runs
+    PushTable = ForceTable
+else:
+    PushTable = with_times(ForceTable, "PushTable")
+
+
+class ContactTable(Table):
+    """How two bodies touch, or a body and the plane. What no table names touches as the plane says."""
+
+    bodies: tuple[BodyPattern, BodyPattern] = Field(description="names; plane is the plane, and * stands for any characters")
+    friction: Friction | None = Field(default=None, description="as that of the plane, which is the default")
+    restitution: Restitution | None = Field(default=None, description="as that of the plane, which is the default")
+
+
+Pushes = Annotated[tuple[PushTable, ...], Field(max_length=MAX_PUSHES)]
+Contacts = Annotated[tuple[ContactTable, ...], Field(max_length=MAX_CONTACTS)]
+
+
 class SceneTable(Table):
     """The surroundings."""
 
     gravity: NonNegative = Field(default=0.0, description="along -z, m/s^2")
     plane: PlaneTable | None = None
     drag: DragTable | None = None
+    contacts: Contacts = Field(default=(), description="how pairs touch, a table a pair; the body is called body")
+    push: Pushes = Field(default=(), description="constant forces, a table a force")
 
 
 class RunTable(Table):
@@ -214,11 +278,6 @@ AnyLimit = Annotated[Annotated[NonNegative, Tag("limit")] | Annotated[RangeTable
 Status = Literal["ok", "unsupported", "diverged", "crashed", "timeout"]
 
 
-def optional(kind: Any, description: str) -> Any:
-    """Return the definition of a key that may be absent, as `pydantic.create_model` wants it."""
-    return kind | None, Field(default=None, description=description)
-
-
 class MethodTable(Table):
     """The method of which something is expected, and how its run must end."""
 
@@ -231,7 +290,7 @@ class MethodTable(Table):
     status: Status | None = Field(default=None, description="how the run must end; default ok")
 
 
-if TYPE_CHECKING:  # type checkers cannot see the keys of a table that is made while the program runs
+if TYPE_CHECKING:
     LimitsTable = MethodTable
     AxesTable = Table
 else:
@@ -286,6 +345,8 @@ TABLES: dict[Path, type[Table]] = {
     ("scene",): SceneTable,
     ("scene", "plane"): PlaneTable,
     ("scene", "drag"): DragTable,
+    ("scene", "contacts"): ContactTable,
+    ("scene", "push"): PushTable,
     ("run",): RunTable,
     ("extremes",): ExtremesTable,
     ("ensemble",): EnsembleTable,
@@ -315,6 +376,8 @@ def untagged(path: Path) -> Path:
     match path:
         case ("body", *rest):
             return ("body", *(key for key in rest if key not in (*SHAPE_TABLES, "moments", "tensor")))
+        case ("scene", *rest):
+            return ("scene", *(key for key in rest if key not in ("coefficient", "word")))
         case ("expect", *rest):
             return ("expect", *(key for key in rest if key not in ("limit", "range")))
         case ("ensemble", "vary", index, _, *rest):

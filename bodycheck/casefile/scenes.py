@@ -4,11 +4,11 @@ from dataclasses import replace
 from typing import Protocol
 
 from bodycheck.casefile import grammar
+from bodycheck.casefile.surroundings import BODY, attitude_on, build_contacts, build_plane, build_push, position_on
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.reference.definition import Attitude, Definition, EulerAngles, EulerRates, Given, Particle, Solid, Tensor
 from bodycheck.reference.exact.numbers import MP, Real, real
 from bodycheck.reference.exact.start import defined_scene, start
-from bodycheck.reference.planar import resting_height
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Quaternion, Scene, Shape, Sphere, Vector
 
 #: Smallest allowed ratio of the principal moments of particles or parts; a smaller ratio is rounding error.
@@ -32,30 +32,41 @@ def build_scene(table: grammar.CaseTable) -> Scene:
 
     Raises `Inconsistent` for particles or parts that lie on a line, and for a motion with a quantity above `MAX_SIZE`.
 
-    If no position is given, a body with a flat face lies on the plane.
+    If neither position nor attitude is given, a body lies on the plane at the origin, along the axes of the plane.
     """
-    scene = defined_scene(_definition(table), solid_shape(table.body))
-    body, initial, surroundings = scene.body, table.initial, table.scene
+    surroundings, initial = table.scene, table.initial
+    plane = _plane(surroundings)
+    scene = defined_scene(_definition(table, plane), solid_shape(table.body))
+    body = scene.body
     if _composed(table.body):
         _check_extent(body)
-    lying = surroundings.plane is not None and isinstance(body.shape, Brick | Cylinder)
     made = replace(
         scene,
         initial=replace(
             scene.initial,
-            position=initial.position or (0.0, 0.0, resting_height(body.shape) if lying else 0.0),
+            position=initial.position or position_on(plane, body.shape, scene.initial.quaternion),
             velocity=initial.velocity,
         ),
         gravity=surroundings.gravity,
-        plane=Plane(**surroundings.plane.model_dump()) if surroundings.plane else None,
+        plane=plane,
         drag=surroundings.drag.quadratic if surroundings.drag else 0.0,
+        pushes=tuple(build_push(push) for push in surroundings.push),
     )
     _check_size(made, table.run.duration)
     return made
 
 
-def _definition(table: grammar.CaseTable) -> Definition:
-    return Definition(inertia_of(table.body), attitude_of(table.initial), rotation_of(table.initial))
+def _plane(table: grammar.SceneTable) -> Plane | None:
+    """Return the plane, which touches the only body as the contact of the two says."""
+    plane = build_plane(table.plane)
+    for pair in build_contacts(table.contacts, [BODY], plane):
+        assert plane is not None  # without one there is no pair
+        plane = replace(plane, friction=pair.friction, restitution=pair.restitution)
+    return plane
+
+
+def _definition(table: grammar.CaseTable, plane: Plane | None) -> Definition:
+    return Definition(inertia_of(table.body), attitude_of(table.initial, attitude_on(plane)), rotation_of(table.initial))
 
 
 def rotation_of(initial: grammar.InitialTable) -> Vector | EulerRates:
@@ -157,8 +168,8 @@ class Turned(Protocol):
         """The quaternion w, x, y, z."""
 
 
-def attitude_of(table: Turned) -> Attitude:
-    """Return the attitude that a table gives, or that of no rotation."""
+def attitude_of(table: Turned, default: Quaternion = (1.0, 0.0, 0.0, 0.0)) -> Attitude:
+    """Return the attitude that a table gives, or a default one."""
     if table.quaternion is not None:
         return table.quaternion
-    return EulerAngles(*table.euler_zxz) if table.euler_zxz else (1.0, 0.0, 0.0, 0.0)
+    return EulerAngles(*table.euler_zxz) if table.euler_zxz else default

@@ -14,6 +14,8 @@ MAX_PARTS = 1000
 MAX_NAME_LENGTH = 100
 MAX_TEXT_LENGTH = 1000
 MAX_TAGS = 50
+MAX_PUSHES = 50
+MAX_CONTACTS = 1000
 MAX_EXPECTATIONS = 1000
 #: Instants of the truth, of all time steps that the expectations of a file need: the truth takes 20 to 100 us for each.
 MAX_INSTANTS = 50 * MAX_SAMPLES
@@ -71,6 +73,8 @@ Factor = Annotated[Finite, Field(ge=1e-10, le=1e10)]
 Text = Annotated[str, Field(strict=True, max_length=MAX_TEXT_LENGTH), AfterValidator(_printable)]
 Name = Annotated[str, Field(strict=True, pattern=r"^[a-z0-9-]+$", max_length=MAX_NAME_LENGTH)]
 Label = Annotated[str, Field(strict=True, min_length=1, max_length=MAX_NAME_LENGTH), AfterValidator(_printable)]
+#: The name of a body, in which * stands for any characters.
+BodyPattern = Annotated[str, Field(strict=True, pattern=r"^[A-Za-z0-9_.:/*-]+$", max_length=MAX_NAME_LENGTH)]
 Spelling = Annotated[Label, AfterValidator(_spelling)]
 EngineName = Annotated[Label, AfterValidator(_engine)]
 Vector = tuple[Number, Number, Number]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from bodycheck.reference.definition import Attitude, EulerRates, Given
-from bodycheck.reference.scene import Scene, Shape, Vector
+from bodycheck.reference.scene import Plane, Push, Scene, Shape, Vector
 
 #: The place of the world where the place of a body is meant.
 WORLD = -1
@@ -52,12 +52,15 @@ class JointedBody:
         The centre of mass in the body's frame (m). It counts for a tensor alone; solids and particles have their positions.
     start
         Its initial state; None where it is the child of a joint.
+    shape
+        Its shape about the centre of mass, along the axes of its frame, where it is not that of a solid that it is made of.
     """
 
     name: str
     inertia: Given
     center_of_mass: Vector = (0.0, 0.0, 0.0)
     start: BodyStart | None = None
+    shape: Shape | None = None
 
 
 @dataclass(frozen=True)
@@ -123,8 +126,25 @@ class Loop:
 
 
 @dataclass(frozen=True)
+class PairContact:
+    """How two bodies touch each other, where it is otherwise than they touch the plane.
+
+    Attributes
+    ----------
+    bodies
+        The places of the two bodies; one may be `WORLD`, which is the plane.
+    friction, restitution
+        As those of `scene.Plane`.
+    """
+
+    bodies: tuple[int, int]
+    friction: float
+    restitution: float
+
+
+@dataclass(frozen=True)
 class Mechanism:
-    """Bodies on joints.
+    """Bodies on joints, or free bodies that touch each other and a plane.
 
     Attributes
     ----------
@@ -134,17 +154,26 @@ class Mechanism:
         What closes chains.
     gravity
         Magnitude of the gravitational acceleration, along -z (m/s^2).
+    plane
+        The plane that bodies lie on or fall on; None where bodies pass through each other and there is no plane.
+    contacts
+        The pairs that touch otherwise than as the plane says.
+    pushes
+        Constant forces on bodies.
     """
 
     bodies: tuple[JointedBody, ...]
     joints: tuple[Joint, ...] = ()
     loops: tuple[Loop, ...] = ()
     gravity: float = 0.0
+    plane: Plane | None = None
+    contacts: tuple[PairContact, ...] = ()
+    pushes: tuple[Push, ...] = ()
 
     @property
     def conserves(self) -> bool:
-        """Whether energy is conserved: no joint has damping or dry friction."""
-        return not any(joint.damping or joint.friction for joint in self.joints)
+        """Whether energy is conserved: there are no damping, dry friction, plane and pushes."""
+        return not (any(joint.damping or joint.friction for joint in self.joints) or self.plane is not None or self.pushes)
 
     @property
     def joint_of(self) -> tuple[Joint | None, ...]:
@@ -165,5 +194,5 @@ def alone(scene: AnyScene) -> Scene:
 
 
 def shape_of(body: JointedBody) -> Shape | None:
-    """The shape of a body that is one solid, or None."""
-    return getattr(body.inertia, "shape", None)
+    """The shape of a body, or that of the one solid that it is made of; None if it has none."""
+    return body.shape or getattr(body.inertia, "shape", None)

@@ -29,7 +29,8 @@ class MechanismRequirements:
     ----------
     effects
         The names of the effects: "mechanisms", "gravity", the types of its joints as in `JOINTS`, "armature", "joint damping",
-        "joint springs", "joint friction", "joint efforts", "loops", and "point masses" where a body has a moment of zero.
+        "joint springs", "joint friction", "joint efforts", "loops", "point masses" where a body has a moment of zero,
+        "contacts" where there is a plane, and "pushes".
     degrees_of_freedom
         Number of velocities of its joints and free bodies. Loops, which take some of them away, are not counted.
     """
@@ -58,6 +59,8 @@ def of_mechanism(mechanism: Mechanism) -> MechanismRequirements:
         "joint efforts": any(joint.effort for joint in joints),
         "loops": bool(mechanism.loops),
         "point masses": any(_has_zero_moment(body) for body in mechanism.bodies),
+        "contacts": mechanism.plane is not None,
+        "pushes": bool(mechanism.pushes),
     }
     free = sum(joint is None for joint in mechanism.joint_of)
     velocities = sum(VELOCITIES[joint.type] for joint in joints) + 6 * free

@@ -17,7 +17,7 @@ from bodycheck.judging.attribution import Attribution, attribute
 from bodycheck.reference.bounds import Bounds
 from bodycheck.reference.contact_observables import penetration, tilt
 from bodycheck.reference.planar import Stop
-from bodycheck.reference.scene import Body, Brick, Scene, State
+from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.running.plan import plan
@@ -95,13 +95,15 @@ def test_what_never_stops_stops_at_the_end_at_the_earliest() -> None:
 def test_depth_and_lean_of_the_lowest_corner() -> None:
     sunk = moving(0 * T, 0 * T, 0 * T, 0 * T, z=0.049)
     # A difference of 5 cm and 4.9 cm; of lengths of decimetres with sines of the angle: some roundings each.
-    np.testing.assert_allclose(penetration(Scene(BRICK, State()), sunk), 1e-3, atol=1e-15)
-    assert not penetration(Scene(BRICK, State()), moving(0 * T, 0 * T, 0 * T, 0 * T, z=0.06)).any()
+    np.testing.assert_allclose(penetration(Scene(BRICK, State(), plane=Plane()), sunk), 1e-3, atol=1e-15)
+    assert not penetration(Scene(BRICK, State(), plane=Plane()), moving(0 * T, 0 * T, 0 * T, 0 * T, z=0.06)).any()
     leaning = moving(0 * T, 0 * T, 0 * T, 0 * T, lean=0.1)
     np.testing.assert_allclose(tilt(leaning), 2 * math.atan(math.sin(0.05)), rtol=1e-12)
     angle = tilt(leaning)[0]
     np.testing.assert_allclose(
-        penetration(Scene(BRICK, State()), leaning), 0.2 * math.sin(angle) + 0.05 * (math.cos(angle) - 1), rtol=1e-12
+        penetration(Scene(BRICK, State(), plane=Plane()), leaning),
+        0.2 * math.sin(angle) + 0.05 * (math.cos(angle) - 1),
+        rtol=1e-12,
     )
 
 

@@ -7,7 +7,9 @@ from bodycheck.casefile.body_faults import body_faults
 from bodycheck.casefile.contradictions import run_faults, start_faults
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, MAX_LOOPS, WORLD, with_shape
 from bodycheck.casefile.raw_values import mapping, numbers
+from bodycheck.casefile.surroundings import surroundings_faults
 from bodycheck.casefile.toml_positions import Path
+from bodycheck.casefile.values import MAX_PUSHES
 from bodycheck.suggestion import did_you_mean
 
 #: The most names that a message lists.
@@ -36,6 +38,7 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
     for index, loop in enumerate(_tables(document, "loops", MAX_LOOPS)):
         for path, message in _of_loop(loop, names):
             yield ("loops", index, *path), message
+    yield from _of_surroundings(document, names)
     yield from run_faults(document)
 
 
@@ -147,6 +150,18 @@ def _of_loop(loop: Mapping[str, Any], names: Sequence[str]) -> Iterator[tuple[Pa
             yield ("bodies", place), fault
     if len(pair) == 2 and isinstance(pair[0], str) and pair[0] == pair[1]:
         yield ("bodies",), "a loop joins two different bodies"
+
+
+def _of_surroundings(document: Mapping[str, Any], names: Sequence[str]) -> Iterator[tuple[Path, str]]:
+    yield from surroundings_faults(document, names)
+    scene = mapping(document.get("scene"))
+    if "plane" in scene and (document.get("joints") or "model" in document):
+        yield ("scene", "plane"), "bodies on joints touch nothing; allowed: a plane, or joints"
+    for index, push in enumerate(_tables(scene, "push", MAX_PUSHES)):
+        if "body" not in push and len(names) > 1:
+            yield ("scene", "push", index, "body"), f"is missing; allowed: {_listed(names)}"
+        elif "body" in push and (fault := _unknown(push["body"], names)) is not None:
+            yield ("scene", "push", index, "body"), fault
 
 
 def _unknown(name: Any, names: Sequence[str]) -> str | None:

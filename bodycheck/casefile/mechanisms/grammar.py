@@ -1,14 +1,14 @@
 """The grammar of case files, format 2, as pydantic models: bodies, the joints between them, and loops."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
 
 from bodycheck.casefile import grammar
 from bodycheck.casefile.ensemble_grammar import EnsembleTable
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import MAX_NAME_LENGTH, Name, NonNegative, Number, Table, Text, Vector
+from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_PUSHES, Name, NonNegative, Number, Table, Text, Vector
 
 #: Version of the format of case files of mechanisms.
 FORMAT = 2
@@ -256,10 +256,27 @@ class ModelStartTable(Table):
     joints: dict[str, dict[str, Any]] = Field(default={}, description="the keys of the table initial of a joint, by its name")
 
 
+class BodyForceTable(grammar.ForceTable):
+    """A constant force on a body."""
+
+    body: PartName | None = Field(default=None, description="its name; default the only body")
+
+
+if TYPE_CHECKING:
+    BodyPushTable = BodyForceTable
+else:
+    BodyPushTable = grammar.with_times(BodyForceTable, "BodyPushTable")
+
+
 class SurroundingsTable(Table):
     """The surroundings."""
 
     gravity: NonNegative = Field(default=0.0, description="along -z, m/s^2")
+    plane: grammar.PlaneTable | None = None
+    contacts: grammar.Contacts = Field(default=(), description="how pairs touch, a table a pair")
+    push: Annotated[tuple[BodyPushTable, ...], Field(max_length=MAX_PUSHES)] = Field(
+        default=(), description="constant forces, a table a force"
+    )
 
 
 class MechanismTable(Table):
@@ -303,6 +320,9 @@ TABLES: dict[Path, type[Table]] = {
     ("initial",): ModelStartTable,
     ("loops",): LoopTable,
     ("scene",): SurroundingsTable,
+    ("scene", "plane"): grammar.PlaneTable,
+    ("scene", "contacts"): grammar.ContactTable,
+    ("scene", "push"): BodyPushTable,
 }
 
 

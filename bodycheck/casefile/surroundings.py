@@ -1,0 +1,124 @@
+"""What surrounds the bodies of a case file: the plane, pairs that touch otherwise than as it says, and pushes.
+
+Both formats have them. The body of a file of format 1 is called `BODY` here.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase
+from typing import Any
+
+import numpy as np
+
+from bodycheck.casefile import grammar
+from bodycheck.casefile.raw_values import mapping, number
+from bodycheck.casefile.toml_positions import Path
+from bodycheck.casefile.values import MAX_CONTACTS, MAX_PUSHES
+from bodycheck.reference.mechanisms.mechanism import WORLD, PairContact
+from bodycheck.reference.scene import Plane, Push, Quaternion, Shape, Vector
+from bodycheck.reference.support import reach
+from bodycheck.suggestion import did_you_mean
+
+#: The name of the body of a file of format 1, and that of the plane among the bodies.
+BODY = "body"
+PLANE = "plane"
+
+#: The most names that a message lists.
+MAX_LISTED = 20
+
+
+def surroundings_faults(document: Mapping[str, Any], names: Sequence[str]) -> Iterator[tuple[Path, str]]:
+    """Yield the faults between keys of the surroundings, as pairs of path and message. names: of the bodies.
+
+    The raw document may have any other faults too.
+    """
+    scene = mapping(document.get("scene"))
+    contacts, pushes = scene.get("contacts"), scene.get("push")
+    for index, contact in enumerate(contacts[:MAX_CONTACTS] if isinstance(contacts, list) else []):
+        for path, message in _of_contact(mapping(contact), names, "plane" in scene):
+            yield ("scene", "contacts", index, *path), message
+    for index, push in enumerate(pushes[:MAX_PUSHES] if isinstance(pushes, list) else []):
+        if "until" in mapping(push) and number(push["until"]) <= number(push.get("from")):
+            yield ("scene", "push", index, "until"), "must be later than from"
+    plane = mapping(scene.get("plane"))
+    if plane.get("law") == "decoupled" and plane.get("pressure") == "balanced":
+        yield ("scene", "plane", "pressure"), "the decoupled law does not depend on where the load is; allowed: uniform"
+
+
+def _of_contact(contact: Mapping[str, Any], names: Sequence[str], on_plane: bool) -> Iterator[tuple[Path, str]]:
+    if not on_plane:
+        yield (), "nothing touches without a plane; give [scene.plane]"
+    if "friction" not in contact and "restitution" not in contact:
+        yield (), "says nothing; give friction or restitution"
+    pair = contact.get("bodies")
+    if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
+        return
+    for place, pattern in enumerate(pair):
+        if pattern != PLANE and not any(fnmatchcase(name, pattern) for name in names):
+            shown = ", ".join([PLANE, *names[:MAX_LISTED], *(["…"] if len(names) > MAX_LISTED else [])])
+            yield ("bodies", place), f"there is no such body; allowed: {shown}{did_you_mean(pattern, [PLANE, *names])}"
+    if pair[0] == pair[1] and (pair[0] == PLANE or "*" not in pair[0]):
+        yield ("bodies",), "a contact is of two different bodies"
+
+
+def build_plane(table: grammar.PlaneTable | None) -> Plane | None:
+    """Return the plane of a table."""
+    if table is None:
+        return None
+    return Plane(_coefficient(table.friction), table.law, table.pressure, table.incline, table.restitution)
+
+
+def build_contacts(
+    tables: Sequence[grammar.ContactTable], names: Sequence[str], plane: Plane | None
+) -> tuple[PairContact, ...]:
+    """Return how pairs of bodies, or a body and the plane, touch where a table says it; the last that names a pair counts.
+
+    names: of the bodies. A pair that touches as the plane says is left out.
+    """
+    if plane is None:
+        return ()
+    found: dict[tuple[int, int], PairContact] = {}
+    for table in tables:
+        first, second = (_places(pattern, names) for pattern in table.bodies)
+        friction = plane.friction if table.friction is None else _coefficient(table.friction)
+        restitution = plane.restitution if table.restitution is None else table.restitution
+        for one in first:
+            for other in second:
+                if one != other:
+                    pair = min(one, other), max(one, other)
+                    found[pair] = PairContact(pair, friction, restitution)
+    usual = plane.friction, plane.restitution
+    return tuple(pair for _, pair in sorted(found.items()) if (pair.friction, pair.restitution) != usual)
+
+
+def build_push(table: grammar.PushTable, body: int = 0) -> Push:
+    """Return the push of a table. body: the place of the body that is pushed."""
+    begin, until = getattr(table, "from"), getattr(table, "until")  # noqa: B009  (Python has no attribute `from`)
+    return Push(table.force, table.point, begin, math.inf if until is None else until, body)
+
+
+def attitude_on(plane: Plane | None) -> Quaternion:
+    """Return the attitude of a body whose file gives none: that of the plane, or that of no rotation."""
+    return (1.0, 0.0, 0.0, 0.0) if plane is None else (math.cos(plane.incline / 2), 0.0, math.sin(plane.incline / 2), 0.0)
+
+
+def position_on(plane: Plane | None, shape: Shape | None, quaternion: Quaternion) -> Vector:
+    """Return the position of the centre of mass of a body whose file gives none: on the plane above the origin, or there.
+
+    quaternion: the attitude of the body.
+    """
+    if plane is None or shape is None:
+        return 0.0, 0.0, 0.0
+    height = float(reach(shape, np.array([quaternion]), plane.normal)[0])
+    x, y, z = (height * part for part in plane.normal)
+    return x, y, z
+
+
+def _coefficient(friction: float | str) -> float:
+    return math.inf if isinstance(friction, str) else friction
+
+
+def _places(pattern: str, names: Sequence[str]) -> list[int]:
+    if pattern == PLANE:
+        return [WORLD]
+    return [place for place, name in enumerate(names) if fnmatchcase(name, pattern)]

@@ -1,0 +1,173 @@
+"""Planes, contacts between pairs, and pushes, in files of both formats."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bodycheck.casefile.case import Case, CaseFaults, parse
+from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism, PairContact
+from bodycheck.reference.planar import planar_state
+from bodycheck.reference.scene import Push, Scene
+from bodycheck.running.simulation import simulate
+from bodycheck.running.truths import truth
+
+HEAD = 'name = "ramp"\ntitle = "A ramp"\n[run]\nduration = 1.0\nsamples = 3\n'
+BLOCK = f'format = 1\n{HEAD}[body]\nshape = "brick"\nmass = 2.0\nsemi_axes = [0.1, 0.2, 0.3]\n'
+PAIR = "".join(
+    f'[[bodies]]\nname = "{name}"\nshape = "sphere"\nradius = 0.5\nmass = 1.0\n' for name in ("ball-1", "ball-2", "box")
+)
+BALLS = f"format = 2\n{HEAD}{PAIR}"
+
+
+def read(text: str) -> Case:
+    return parse(text, "ramp.case.toml")
+
+
+def body(text: str) -> Scene:
+    scene = read(BLOCK + text).scene
+    assert isinstance(scene, Scene)
+    return scene
+
+
+def bodies(text: str) -> Mechanism:
+    scene = read(BALLS + text).scene
+    assert isinstance(scene, Mechanism)
+    return scene
+
+
+def faults(text: str) -> list[str]:
+    with pytest.raises(CaseFaults) as refused:
+        read(text)
+    return [f"{fault.key}: {fault.message}" for fault in refused.value.faults]
+
+
+def test_a_body_lies_on_an_inclined_plane_at_the_origin_by_default() -> None:
+    scene = body("[scene.plane]\nincline = 0.3\nfriction = 0.5\n")
+    normal = math.sin(0.3), 0.0, math.cos(0.3)
+    assert scene.plane is not None
+    assert scene.plane.normal == normal
+    assert scene.initial.position == pytest.approx([0.3 * part for part in normal], abs=1e-16)
+    # The axis K is along the normal, and I points downhill.
+    downhill, _, up = rotate(np.array(scene.initial.quaternion), np.eye(3))
+    assert up == pytest.approx(normal, abs=1e-15)
+    assert downhill == pytest.approx([math.cos(0.3), 0, -math.sin(0.3)], abs=1e-15)
+    assert planar_state(scene) == pytest.approx([0.0] * 6, abs=1e-16)
+
+
+@pytest.mark.parametrize(
+    ("shape", "height"),
+    [
+        ('shape = "sphere"\nradius = 0.5', 0.5),
+        ('shape = "ellipsoid"\nsemi_axes = [0.1, 0.2, 0.3]', 0.3),
+        ('shape = "cylinder"\nradius = 0.5\nhalf_length = 0.2', 0.2),
+    ],
+)
+def test_any_shape_lies_on_the_plane_by_default(shape: str, height: float) -> None:
+    scene = read(f"format = 1\n{HEAD}[scene.plane]\n[body]\nmass = 1.0\n{shape}\n").scene
+    assert isinstance(scene, Scene)
+    assert scene.initial.position == (0.0, 0.0, height)
+
+
+def test_a_tilted_body_touches_the_plane_by_default() -> None:
+    scene = body("[scene.plane]\n[initial]\neuler_zxz = [0.0, 0.5, 0.0]\n")
+    assert scene.initial.position == pytest.approx([0.0, 0.0, 0.2 * math.sin(0.5) + 0.3 * math.cos(0.5)], abs=1e-15)
+
+
+def test_what_a_pair_says_counts_for_the_only_body() -> None:
+    scene = body('[scene.plane]\nfriction = "no-slip"\n[[scene.contacts]]\nbodies = ["plane", "body"]\nrestitution = 0.5\n')
+    assert scene.plane is not None
+    assert (scene.plane.friction, scene.plane.restitution) == (math.inf, 0.5)
+
+
+def test_pairs_are_named_by_patterns_and_the_last_counts() -> None:
+    text = """[scene.plane]
+friction = 0.4
+[[scene.contacts]]
+bodies = ["ball-*", "*"]
+friction = 0.8
+[[scene.contacts]]
+bodies = ["ball-2", "box"]
+restitution = 1.0
+[[scene.contacts]]
+bodies = ["box", "plane"]
+friction = 0.4
+"""
+    assert bodies(text).contacts == (
+        PairContact((0, 1), 0.8, 0.0),
+        PairContact((0, 2), 0.8, 0.0),
+        PairContact((1, 2), 0.4, 1.0),
+    )
+    assert bodies(
+        text.replace('bodies = ["box", "plane"]\nfriction = 0.4', 'bodies = ["box", "plane"]\nfriction = 0.1')
+    ).contacts[0] == PairContact((WORLD, 2), 0.1, 0.0)
+
+
+def test_pushes_have_times_and_bodies() -> None:
+    text = "[[scene.push]]\nforce = [1.0, 0.0, 0.0]\n[[scene.push]]\nforce = [0.0, 2.0, 0.0]\npoint = [0.1, 0.0, 0.0]\n"
+    timed = f"{text}from = 0.5\nuntil = 0.75\n"
+    assert body(timed).pushes == (Push((1.0, 0.0, 0.0)), Push((0.0, 2.0, 0.0), (0.1, 0.0, 0.0), 0.5, 0.75))
+    named = text.replace("force", 'body = "box"\nforce')
+    assert [push.body for push in bodies(named).pushes] == [2, 2]
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("[scene.plane]\nincline = 1.6", "scene.plane.incline: read 1.6; should be less than 1.5707963267948966"),
+        ("[scene.plane]\nincline = -0.1", "scene.plane.incline: read -0.1; should be greater than or equal to 0"),
+        ("[scene.plane]\nrestitution = 1.1", "scene.plane.restitution: read 1.1; should be less than or equal to 1"),
+        ('[scene.plane]\nfriction = "rough"', "scene.plane.friction: read 'rough'; should be 'no-slip'"),
+        ("[[scene.push]]\npoint = [0.0, 0.0, 0.0]", "scene.push[1].force: is missing"),
+        (
+            "[[scene.push]]\nforce = [1.0, 0.0, 0.0]\nfrom = 1.0\nuntil = 1.0",
+            "scene.push[1].until: read 1.0; must be later than from",
+        ),
+        (
+            '[[scene.contacts]]\nbodies = ["plane", "body"]\nfriction = 0.1',
+            "scene.contacts[1]: nothing touches without a plane; give [scene.plane]",
+        ),
+        (
+            '[scene.plane]\n[[scene.contacts]]\nbodies = ["plane", "boddy"]\nfriction = 0.1',
+            "scene.contacts[1].bodies[2]: read 'boddy'; there is no such body; allowed: plane, body; did you mean 'body'?",
+        ),
+        (
+            '[scene.plane]\n[[scene.contacts]]\nbodies = ["plane", "plane"]\nfriction = 0.1',
+            "scene.contacts[1].bodies: read ['plane', 'plane']; a contact is of two different bodies",
+        ),
+        (
+            '[scene.plane]\n[[scene.contacts]]\nbodies = ["plane", "body"]',
+            "scene.contacts[1]: says nothing; give friction or restitution",
+        ),
+    ],
+)
+def test_a_fault_is_told(text: str, fault: str) -> None:
+    assert faults(BLOCK + text) == [fault]
+
+
+def test_bodies_on_joints_have_no_plane() -> None:
+    text = '[scene.plane]\n[[joints]]\nname = "pin"\ntype = "spherical"\nchild = "box"\n'
+    assert faults(BALLS + text) == ["scene.plane: bodies on joints touch nothing; allowed: a plane, or joints"]
+
+
+def test_a_push_on_several_bodies_names_one() -> None:
+    assert faults(f"{BALLS}[[scene.push]]\nforce = [1.0, 0.0, 0.0]\n") == [
+        "scene.push[1].body: is missing; allowed: ball-1, ball-2, box"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "missing"),
+    [
+        (f"{BLOCK}[scene.plane]\nincline = 0.1\n", "an inclined plane"),
+        (f'{BLOCK}[scene.plane]\nfriction = "no-slip"\n', "a plane on which nothing slips"),
+        (f"{BLOCK}[[scene.push]]\nforce = [1.0, 0.0, 0.0]\n", "pushes on a body"),
+        (f"{BALLS}[scene.plane]\n", "bodies that touch"),
+    ],
+)
+def test_what_the_reference_does_not_model_is_unsupported(text: str, missing: str) -> None:
+    outcome = simulate(read(text), "mujoco", "Euler").outcome
+    assert missing in getattr(outcome, "reason", "")
+    with pytest.raises(Exception, match=missing):
+        truth(read(text))
