@@ -28,6 +28,7 @@ from bodycheck.adapters.options import Range as Range
 from bodycheck.adapters.options import choice as choice
 from bodycheck.adapters.robot_reading import RobotFile, RobotReading
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.scene import Plane, Quaternion, Scene, Vector
 from bodycheck.reference.trajectory import Array
@@ -196,6 +197,20 @@ class Mechanisms(Protocol):
         The states of the simulation are those of its bodies, in their order: the position and velocity of the centre of mass,
         the attitude of the body's frame, and the angular velocity along its axes. The caller has checked the method against
         `Adapter.engine`, and what the mechanism requires against `Engine.models`. Raises `SceneUnsupported`.
+        """
+        ...
+
+
+@runtime_checkable
+class Touching(Protocol):
+    """An adapter that can build bodies that touch a plane and each other in any way."""
+
+    def prepare_touching(self, scene: AnyScene, method: Method) -> Simulation:
+        """Return a simulation of one body or of several free bodies that touch, at t = 0, compiled and warmed up.
+
+        The plane may be inclined, and bodies may roll, fall and be pushed. No coefficient of friction is infinite. The states
+        are those of `Adapter.prepare` or `Mechanisms.prepare_mechanism`. The caller has checked the method against
+        `Adapter.engine`, and what the scene requires against `Engine.models`. Raises `SceneUnsupported`.
         """
         ...
 
@@ -396,6 +411,8 @@ class RobotModels(Protocol):
 
 def kind_of(scene: AnyScene) -> Kind:
     """Return the kind of a scene."""
+    if touches(scene):
+        return "contact"
     if isinstance(scene, Mechanism):
         return "mechanism"
     if scene.plane is not None:

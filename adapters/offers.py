@@ -16,12 +16,13 @@ from bodycheck.adapters.contract import (
     Option,
     SceneUnsupported,
     Simulation,
+    Touching,
     kind_of,
 )
 from bodycheck.adapters.in_turn import InTurn
 from bodycheck.errors import BadInput
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.requirements import missing, requirements
+from bodycheck.reference.requirements import missing, requirements, touches
 from bodycheck.reference.scene import Scene
 from bodycheck.suggestion import did_you_mean
 
@@ -134,6 +135,10 @@ def prepare(adapter: Adapter, scenes: Sequence[AnyScene], method: Method) -> Sim
     names, and require the same of a model. All others are stepped one after another. Raises `SceneUnsupported`.
     """
     match scenes:
+        case [scene] if touches(scene):
+            if not isinstance(adapter, Touching):
+                raise SceneUnsupported(f"{adapter.engine.name} does not model bodies that touch in such a way")
+            return adapter.prepare_touching(scene, method)
         case [Mechanism() as mechanism]:
             return _prepare_mechanism(adapter, mechanism, method)
         case _:

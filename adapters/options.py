@@ -4,10 +4,10 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-#: Kinds of scene for which engines offer different integrators: free flight, flight against drag, a body on a plane, and bodies
-#: on joints.
-Kind = Literal["flight", "drag", "plane", "mechanism"]
-KINDS: frozenset[Kind] = frozenset({"flight", "drag", "plane", "mechanism"})
+#: Kinds of scene for which engines offer different integrators: free flight, flight against drag, a body that lies flat on a
+#: level plane, bodies that touch in any other way, and bodies on joints.
+Kind = Literal["flight", "drag", "plane", "contact", "mechanism"]
+KINDS: frozenset[Kind] = frozenset({"flight", "drag", "plane", "contact", "mechanism"})
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,9 @@
 """What a model of a scene must contain to be exact, derived from the scene itself."""
 
+import math
 from collections.abc import Collection
 from dataclasses import asdict, dataclass, fields
-from typing import Literal
+from typing import Literal, TypeGuard
 
 from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
@@ -40,7 +41,7 @@ class Requirements:
     restitution
         Whether impacts give back a part of the velocity.
     rolling
-        Whether the body does not lie flat: it is round, lies on an edge or a corner, or falls on the plane.
+        Whether the body does not lie flat: it is round, lies on an edge or a corner, or falls on the plane; or nothing slips.
     drag
         Whether drag acts on a body that moves.
     pushes
@@ -91,7 +92,7 @@ class Requirements:
 def requirements(scene: Scene) -> Requirements:
     """The requirements of a scene."""
     if scene.plane is not None:
-        flat = lies_flat(scene)
+        flat, rough = lies_flat(scene), math.isinf(scene.plane.friction)
         return Requirements(
             gravity=bool(scene.gravity),
             translation=True,
@@ -101,8 +102,8 @@ def requirements(scene: Scene) -> Requirements:
             drag=scene.drag > 0,
             degrees_of_freedom=3 if flat else 6,
             incline=bool(scene.plane.incline),
-            restitution=bool(scene.plane.restitution),
-            rolling=not flat,
+            restitution=not flat and bool(scene.plane.restitution),
+            rolling=not flat or rough,
             pushes=bool(scene.pushes),
         )
     translation = bool(scene.gravity) or any(scene.initial.velocity) or bool(scene.pushes)
@@ -135,6 +136,21 @@ def lies_flat(scene: Scene) -> bool:
     except NotFlat:
         return False
     return True
+
+
+def touches(scene: AnyScene) -> bool:
+    """Whether bodies touch otherwise than one that lies flat on a level plane, so that `contact` has their motion."""
+    if isinstance(scene, Mechanism):
+        return scene.plane is not None
+    if scene.plane is None or scene.drag:
+        return False
+    needed = requirements(scene)
+    return needed.incline or needed.rolling or needed.pushes
+
+
+def slides(scene: AnyScene) -> TypeGuard[Scene]:
+    """Whether the scene is one body that lies flat on a level plane, so that `sliding` has its motion, or is to have it."""
+    return isinstance(scene, Scene) and scene.plane is not None and not touches(scene)
 
 
 def needs(scene: AnyScene) -> Requirements | MechanismRequirements:

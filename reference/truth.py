@@ -6,12 +6,13 @@ Drag on the translation leads to quadratures, whose witness is an integration in
 plane has three coordinates; see `sliding`.
 """
 
-import math
+import functools
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from bodycheck.reference.bounds import Bounds
+from bodycheck.reference.contact.motion import Event
 from bodycheck.reference.errors import NotFlat, NotModelled, WouldTip, within_range
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.drag.translation import translation
@@ -20,7 +21,7 @@ from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.planar import Stop, planar_state
 from bodycheck.reference.principal_frame import IDENTITY
-from bodycheck.reference.requirements import requirements
+from bodycheck.reference.requirements import requirements, touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sliding.friction import footprint_of
 from bodycheck.reference.sliding.motion import Slide, slide
@@ -63,6 +64,11 @@ class Truth:
         The motion of the joints of a mechanism at the same instants; None of a single body.
     growth
         (n,) by how much an error at t = 0 has grown at most, of a mechanism; None where it is not known.
+    events
+        What happens within the instants to bodies that touch: impacts, the begin of rolling, slipping, rest and tipping. Where
+        mechanics gives no motion after or before one, states and bounds are NaN.
+    friction
+        The smallest coefficient of friction with which nothing slips along a motion without slip; 0 for any other motion.
     """
 
     scene: AnyScene
@@ -75,6 +81,8 @@ class Truth:
     stop: Stop | None = None
     joints: JointMotion | None = None
     growth: Array | None = None
+    events: tuple[Event, ...] = ()
+    friction: float = 0.0
 
     def at(self, times: Array) -> "Truth":
         """The truth of the same scene at other ascending times (n,) >= 0, s.
@@ -95,6 +103,7 @@ class Truth:
             stop=stop,
             joints=None if self.joints is None else self.joints.part(places),
             growth=None if self.growth is None else self.growth[places],
+            events=tuple(event for event in self.events if event.time <= times[-1]),
         )
 
 
@@ -138,16 +147,12 @@ class NoTruth:
 
 def missing_model(scene: AnyScene) -> str | None:
     """The feature of a scene that the reference has no model of, in words, or None where it can model the scene."""
-    if isinstance(scene, Mechanism):
-        return "bodies that touch" if scene.plane is not None else "pushes on bodies" if scene.pushes else None
+    if touches(scene):
+        return _missing_contact(scene)
     if scene.pushes:
-        return "pushes on a body"
-    if scene.plane is None:
+        return "pushes on what touches nothing"
+    if isinstance(scene, Mechanism) or scene.plane is None:
         return None
-    if scene.plane.incline:
-        return "an inclined plane"
-    if math.isinf(scene.plane.friction):
-        return "a plane on which nothing slips"
     if scene.drag:
         return "drag on a body that slides"
     if scene.body.axes != IDENTITY:
@@ -156,6 +161,19 @@ def missing_model(scene: AnyScene) -> str | None:
         planar_state(scene)
         footprint_of(scene.body.shape, scene.plane.law)
     except NotFlat as error:
+        return str(error)
+    return None
+
+
+@functools.lru_cache(maxsize=64)
+def _missing_contact(scene: AnyScene) -> str | None:
+    """What the reference has no model of in a scene of bodies that touch, in words, or None."""
+    from bodycheck.reference.contact.problem import problem  # the ways of contact are imported where they are needed
+    from bodycheck.reference.contact.ways import contact_motion
+
+    try:
+        contact_motion(problem(scene), np.zeros(1))
+    except NotModelled as error:
         return str(error)
     return None
 
@@ -198,6 +216,11 @@ def computed(scene: AnyScene, times: Array, solver: Backend | None = None, *, vo
     """The truth of a scene with what its bounds come from; arguments and exceptions are those of `truth`."""
     if (missing := missing_model(scene)) is not None:
         raise NotModelled(missing)
+    if touches(scene):
+        from bodycheck.reference.contact.truth import computed_contact  # which imports this module
+
+        with within_range("the motion"):
+            return computed_contact(scene, times)
     if isinstance(scene, Mechanism):
         from bodycheck.reference.mechanisms.truth import computed_mechanism  # which imports this module
 

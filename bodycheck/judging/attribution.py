@@ -19,6 +19,7 @@ from bodycheck.judging.judgement import LABEL, Verdict
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.mechanisms.mechanism import alone
 from bodycheck.reference.planar import Stop, yaw
+from bodycheck.reference.requirements import slides
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.running import csv_tables
 from bodycheck.running.key import RunKey
@@ -73,7 +74,7 @@ def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution
     methods: dict[RunKey, dict[float, Run]] = defaultdict(dict)
     for run in (verdict.run for verdict in verdicts if isinstance(verdict.outcome, Completed)):
         scene = results.cases[run.case].scene
-        if isinstance(scene, Scene) and scene.plane is not None:
+        if slides(scene):
             methods[run.key.over_steps][run.method.timestep] = run
     found: list[Attribution] = []
     for key, by_step in methods.items():

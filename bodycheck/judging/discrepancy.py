@@ -41,7 +41,8 @@ class Discrepancy:
     t
         The n instants of the run (n,), s.
     series
-        Figures with a value at each instant (n,), never negative, in the units of their columns.
+        Figures with a value at each instant (n,), never negative, in the units of their columns. A value is NaN where
+        mechanics gives no motion to compare with; a figure that has no other value is left out.
     figures
         Figures that are one number.
     """
@@ -52,11 +53,11 @@ class Discrepancy:
 
     def maxima(self) -> dict[str, float]:
         """Return the largest value of every series, and the figures that are one number, by their names."""
-        return {name: float(values.max()) for name, values in self.series.items()} | dict(self.figures)
+        return {name: float(np.nanmax(values)) for name, values in self.series.items()} | dict(self.figures)
 
     def summary(self) -> Summary:
         """Return the figures without the series, whose size does not depend on the number of instants."""
-        return Summary(self.maxima(), {name: float(self.t[int(np.argmax(values))]) for name, values in self.series.items()})
+        return Summary(self.maxima(), {name: float(self.t[int(np.nanargmax(values))]) for name, values in self.series.items()})
 
 
 def compare(truth: Truth, run: Run) -> Discrepancy:
@@ -77,7 +78,8 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
         for name, figure in FIGURES.items():
             value = figure.compute(compared)
             if isinstance(value, np.ndarray):
-                series[name] = value
+                if not np.isnan(value).all():
+                    series[name] = value
             elif value is not None:
                 figures[name] = value
     return Discrepancy(trajectory.t, series, figures)

@@ -30,6 +30,7 @@ from bodycheck.judging.jointed_identification import identify_jointed
 from bodycheck.judging.scheme_rounding import allowance, in_position
 from bodycheck.judging.scheme_runs import differences, steps
 from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.schemes.catalogue import CATALOGUE
 from bodycheck.reference.trajectory import Array, Trajectory
@@ -68,6 +69,8 @@ def identify(case: Case, run: Run, truth: Truth, roundoff: float) -> Identificat
     """
     if not isinstance(run.outcome, Completed):
         raise ValueError(f"the run has no trajectory to identify, its status is {run.outcome.status}: {run.outcome.reason}")
+    if touches(case.scene):
+        return None
     if isinstance(case.scene, Mechanism):
         return identify_jointed(case.scene, run, truth, roundoff)
     return None if case.scene.plane is not None else _identify_flight(case.scene, run, run.outcome.trajectory, truth, roundoff)

@@ -14,7 +14,7 @@ from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.offers import demonstrations
 from bodycheck.casefile.content import Case
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
-from bodycheck.reference.scene import Scene
+from bodycheck.reference.requirements import slides
 from bodycheck.reference.truth import NoTruth
 from bodycheck.running import engines, pool, store, truths, versions
 from bodycheck.running.arrivals import Arrivals, Meet, unmet
@@ -174,7 +174,7 @@ def _add_stops(
     left = []
     for task in stops:
         scene = task.case.scene
-        known = made.stop_of(task.case.name) if isinstance(scene, Scene) and scene.plane == task.law else None
+        known = made.stop_of(task.case.name) if slides(scene) and scene.plane == task.law else None
         if known is None:
             left.append(task)
         else:
@@ -233,13 +233,13 @@ def _stop_tasks(cases: Mapping[str, Case], runs: Sequence[Run]) -> tuple[StopTas
     for made in runs:
         case = cases[made.case]
         scene = case.scene
-        if isinstance(scene, Scene) and scene.plane is not None and isinstance(made.outcome, Completed):
+        if slides(scene) and isinstance(made.outcome, Completed):
             found |= {StopTask(case, law): None for law in (scene.plane, made.contact_law) if law is not None}
     return tuple(found)
 
 
 def _has_plane(case: Case) -> bool:
-    return isinstance(case.scene, Scene) and case.scene.plane is not None
+    return slides(case.scene)
 
 
 def _name(argument: StopTask | Task) -> str:

@@ -23,8 +23,10 @@ from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case, check_case
 from bodycheck.figures.definition import Load
+from bodycheck.reference.contact.no_slip import finite
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.requirements import slides, touches
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import missing_model
@@ -81,7 +83,7 @@ def run(case: Case, engine: str, method: Method) -> Run:
     adapter = registry.load(engine)
     law: Plane | None = None
     try:
-        if isinstance(case.scene, Scene) and case.scene.plane is not None and isinstance(adapter, Contact):
+        if slides(case.scene) and isinstance(adapter, Contact):
             law = adapter.contact_law(case.scene, method)
         steps = sampling_steps(case.instants, method.timestep)
         outcome = outcome_in(adapter, engine, case.scene, method, steps)
@@ -117,8 +119,9 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, s
         return Unsupported(f"the reference does not model {missing}")
     if (lacking := offers.not_modelled(adapter.engine, scene)) is not None:
         return Unsupported(f"{named} {lacking}")
-    outcome = _advance(offers.prepare(adapter, [scene], method), scene, method, steps)
-    if isinstance(scene, Mechanism) or scene.plane is None:
+    given = finite(scene, float(steps[-1]) * method.timestep) if touches(scene) else scene
+    outcome = _advance(offers.prepare(adapter, [given], method), scene, method, steps)
+    if not slides(scene):
         return outcome
     if not isinstance(outcome, Completed) or not isinstance(adapter, Contact):
         return outcome

@@ -21,6 +21,7 @@ from bodycheck.figures.definition import Load
 from bodycheck.figures.revisions import REVISIONS
 from bodycheck.files import reading, writing
 from bodycheck.reference.bounds import NAMES
+from bodycheck.reference.contact.motion import Event
 from bodycheck.reference.mechanisms.kinematics import joints
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.planar import Stop
@@ -101,6 +102,10 @@ class Writer:
         record |= {"backend": truth.backend, "witnesses": truth.witnesses}
         if truth.stop is not None:
             record["stop"] = asdict(truth.stop)
+        if truth.events:
+            record["events"] = [asdict(event) for event in truth.events]
+        if truth.friction:
+            record["friction"] = truth.friction
         self.journal.add({"record": "truth", **record})
 
     def add_missing_truth(self, case: Case, timestep: float, missing: NoTruth) -> None:
@@ -332,7 +337,14 @@ def _ways(record: dict[str, Any]) -> dict[str, Any]:
         "backend": record["backend"],
         "witnesses": tuple(record["witnesses"]),
         "stop": _stop(record.get("stop")),
+        "events": tuple(_event(told) for told in record.get("events", ())),
+        "friction": record.get("friction", 0.0),
     }
+
+
+def _event(told: dict[str, Any]) -> Event:
+    vectors = {name: tuple(told[name]) for name in ("position", "velocity", "spin")}
+    return Event(**(told | vectors))
 
 
 def _bodies(scene: AnyScene | None) -> tuple[str, ...]:

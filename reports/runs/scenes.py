@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bodycheck.casefile.content import Case
+from bodycheck.reference.contact.motion import Event
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere
@@ -30,13 +31,16 @@ class Told:
     backend: str
     witnesses: tuple[str, ...]
     stop: Stop | None
+    events: tuple[Event, ...]
+    friction: float
     error: float
 
     @classmethod
     def of(cls, truth: Truth) -> "Told":
         """Return what is told of a truth."""
         error = float(truth.bounds.error.max())
-        return cls(truth.model, truth.reason, truth.backend, truth.witnesses, truth.stop, error)
+        ways = truth.model, truth.reason, truth.backend, truth.witnesses, truth.stop, truth.events, truth.friction
+        return cls(*ways, error)
 
 
 def describe(case: Case, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from bodycheck.casefile.case import Case, CaseFaults, parse
+from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism, PairContact
 from bodycheck.reference.planar import planar_state
@@ -160,14 +161,16 @@ def test_a_push_on_several_bodies_names_one() -> None:
 @pytest.mark.parametrize(
     ("text", "missing"),
     [
-        (f"{BLOCK}[scene.plane]\nincline = 0.1\n", "an inclined plane"),
-        (f'{BLOCK}[scene.plane]\nfriction = "no-slip"\n', "a plane on which nothing slips"),
-        (f"{BLOCK}[[scene.push]]\nforce = [1.0, 0.0, 0.0]\n", "pushes on a body"),
-        (f"{BALLS}[scene.plane]\n", "bodies that touch"),
+        (f"{BLOCK}[[scene.push]]\nforce = [1.0, 0.0, 0.0]\n", "pushes on what touches nothing"),
+        (f'{BALLS}[[scene.push]]\nbody = "box"\nforce = [1.0, 0.0, 0.0]\n', "pushes on what touches nothing"),
+        (
+            f'format = 1\n{HEAD}[scene.plane]\n[body]\nmass = 1.0\ninertia = [1.0, 1.0, 1.0]\nshape = "none"\n',
+            "without a shape",
+        ),
     ],
 )
 def test_what_the_reference_does_not_model_is_unsupported(text: str, missing: str) -> None:
     outcome = simulate(read(text), "mujoco", "Euler").outcome
     assert missing in getattr(outcome, "reason", "")
-    with pytest.raises(Exception, match=missing):
+    with pytest.raises(NotModelled, match=missing):
         truth(read(text))

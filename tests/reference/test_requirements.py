@@ -89,7 +89,20 @@ def test_engines_name_what_they_cannot_model(engine: str) -> None:
 def test_the_command_shows_them(capsys: pytest.CaptureFixture[str]) -> None:
     assert app(["cases", "--requires"], result_action="return_value") == 0
     lines = {line.split()[0]: line.split()[1:] for line in capsys.readouterr().out.splitlines()}
-    assert lines["projectile"] == ["yes", "yes", "none", "-", "-", "-", "3", "-"]  # the last column is that of mechanisms
+    assert lines["projectile"] == [
+        "yes",
+        "yes",
+        "none",
+        "-",
+        "-",
+        "-",
+        "3",
+        "-",
+        "-",
+        "-",
+        "-",
+        "-",
+    ]  # the last column is that of mechanisms
     assert app(["cases", "--requires", "--json"], result_action="return_value") == 0
     told = {case.pop("name"): case for case in json.loads(capsys.readouterr().out)}
     assert Requirements(**told["sliding-brick"]) == requirements(load("sliding-brick").scene)

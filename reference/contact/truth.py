@@ -1,0 +1,94 @@
+"""The truth of a scene of bodies that touch: the motion of its way in the world, in doubles, with all bounds."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from bodycheck.reference.bounds import EPS, STATES, Bounds
+from bodycheck.reference.contact.motion import ContactMotion, Event
+from bodycheck.reference.contact.problem import problem
+from bodycheck.reference.contact.ways import contact_motion
+from bodycheck.reference.kinematics import multiply, rotate
+from bodycheck.reference.mechanisms import ways
+from bodycheck.reference.mechanisms.coordinates import JointMotion
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import Computed, Truth
+from bodycheck.reference.witness import WideArray, conserved_errors
+
+#: Roundings of a state that is turned into the world and printed, relative to its size.
+PRINTED_ROUNDINGS = 4.0
+
+#: The name of the software.
+BACKEND = "numpy"
+
+
+def computed_contact(scene: AnyScene, times: Array) -> Computed:
+    """The truth of a scene with a plane at ascending times (n,) >= 0 (s). Raises as `truth.truth` does."""
+    known = problem(scene)
+    found = contact_motion(known, np.asarray(times, dtype=float))
+    trajectory = _in_world(found, known.turn, np.asarray(times, dtype=float))
+    errors = _errors(found, trajectory)
+    joints = None
+    if isinstance(scene, Mechanism):
+        none = np.zeros((len(times), 0))
+        joints = JointMotion(none, none)
+        bounds = ways.bounds_of(scene, trajectory, none, errors)
+    else:
+        trajectory = trajectory.body(0)
+        bounds = Bounds(**errors, **conserved_errors(scene, trajectory, **errors))
+    made = Truth(
+        scene,
+        trajectory,
+        bounds,
+        found.model,
+        found.reason,
+        BACKEND,
+        (found.witness,) if found.witness else (),
+        joints=joints,
+        events=tuple(_event_in_world(event, known.turn) for event in found.events),
+        friction=found.friction,
+    )
+    return Computed(made, bounds, ())
+
+
+def _in_world(found: ContactMotion, turn: WideArray, times: Array) -> Trajectory:
+    """The trajectory of a motion along the axes of the plane, in the world and in doubles."""
+    return Trajectory(
+        times,
+        rotate(turn, found.position).astype(float),
+        multiply(turn, found.quaternion).astype(float),
+        rotate(turn, found.velocity).astype(float),
+        found.spin.astype(float),
+    )
+
+
+def _errors(found: ContactMotion, trajectory: Trajectory) -> dict[str, Array]:
+    """The bounds of states: those of the way, and what printing adds."""
+    sizes = {
+        "error": np.ones(len(trajectory)),
+        "position_error": _largest(trajectory.position),
+        "velocity_error": _largest(trajectory.velocity),
+        "angular_velocity_error": _largest(trajectory.angular_velocity),
+    }
+    return {name: found.errors[name] + PRINTED_ROUNDINGS * EPS * sizes[name] for name in STATES}
+
+
+def _largest(vectors: Array) -> Array:
+    """The largest lengths (n,) over the bodies of vectors (b, n, 3)."""
+    return np.asarray(np.linalg.norm(vectors, axis=-1).max(axis=0))
+
+
+def _event_in_world(event: Event, turn: WideArray) -> Event:
+    return replace(
+        event,
+        position=_vector(turn, event.position),
+        velocity=_vector(turn, event.velocity),
+        spin=_vector(turn, event.spin),
+    )
+
+
+def _vector(turn: WideArray, given: Vector) -> Vector:
+    x, y, z = rotate(turn, np.array(given, dtype=turn.dtype)).tolist()
+    return float(x), float(y), float(z)

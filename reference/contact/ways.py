@@ -1,0 +1,22 @@
+"""Which way has the motion of which scene of bodies that touch. The first that knows a scene has it."""
+
+from collections.abc import Callable
+
+from bodycheck.reference.contact.motion import ContactMotion
+from bodycheck.reference.contact.problem import Problem
+from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.trajectory import Array
+
+#: A way: the motion of a problem at ascending times (n,) >= 0 (s), or None for a problem that it does not know. It raises
+#: `NotModelled` for one of its kind that has neither a motion nor an inequality, with the reason.
+Way = Callable[[Problem, Array], ContactMotion | None]
+
+WAYS: tuple[Way, ...] = ()
+
+
+def contact_motion(problem: Problem, times: Array) -> ContactMotion:
+    """The motion of bodies that touch at ascending times (n,) >= 0 (s). Raises `NotModelled`."""
+    for way in WAYS:
+        if (found := way(problem, times)) is not None:
+            return found
+    raise NotModelled("bodies that touch in such a way")
