@@ -214,6 +214,14 @@ class Touching(Protocol):
         """
         ...
 
+    def interface_loads(self, scene: AnyScene, method: Method, steps: int) -> Mapping[tuple[int, int], Array] | None:
+        """Return the normal forces (n,), in N, between pairs that touch, in each of n steps; None if the engine tells none.
+
+        The keys are the places of two bodies, the lower first; that of the plane is `WORLD`. A pair that never touches may be
+        left out. Raises `SceneUnsupported` and `EngineDiverged`.
+        """
+        ...
+
 
 @dataclass(frozen=True)
 class Model:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bodycheck.reference.bounds import Bounds
-from bodycheck.reference.contact.motion import Event
+from bodycheck.reference.contact.motion import Event, Interface
 from bodycheck.reference.errors import NotFlat, NotModelled, WouldTip, within_range
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.drag.translation import translation
@@ -69,6 +69,8 @@ class Truth:
         mechanics gives no motion after or before one, states and bounds are NaN.
     friction
         The smallest coefficient of friction with which nothing slips along a motion without slip; 0 for any other motion.
+    interfaces
+        The normal forces between bodies that touch and rest.
     """
 
     scene: AnyScene
@@ -83,6 +85,7 @@ class Truth:
     growth: Array | None = None
     events: tuple[Event, ...] = ()
     friction: float = 0.0
+    interfaces: tuple[Interface, ...] = ()
 
     def at(self, times: Array) -> "Truth":
         """The truth of the same scene at other ascending times (n,) >= 0, s.

@@ -21,7 +21,7 @@ from bodycheck.figures.definition import Load
 from bodycheck.figures.revisions import REVISIONS
 from bodycheck.files import reading, writing
 from bodycheck.reference.bounds import NAMES
-from bodycheck.reference.contact.motion import Event
+from bodycheck.reference.contact.motion import Event, Interface
 from bodycheck.reference.mechanisms.kinematics import joints
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.planar import Stop
@@ -106,6 +106,8 @@ class Writer:
             record["events"] = [asdict(event) for event in truth.events]
         if truth.friction:
             record["friction"] = truth.friction
+        if truth.interfaces:
+            record["interfaces"] = [asdict(interface) for interface in truth.interfaces]
         self.journal.add({"record": "truth", **record})
 
     def add_missing_truth(self, case: Case, timestep: float, missing: NoTruth) -> None:
@@ -339,6 +341,7 @@ def _ways(record: dict[str, Any]) -> dict[str, Any]:
         "stop": _stop(record.get("stop")),
         "events": tuple(_event(told) for told in record.get("events", ())),
         "friction": record.get("friction", 0.0),
+        "interfaces": tuple(Interface(tuple(told["bodies"]), told["load"]) for told in record.get("interfaces", ())),
     }
 
 

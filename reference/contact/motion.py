@@ -41,6 +41,14 @@ class Event:
     normal_speed: float = 0.0
 
 
+@dataclass(frozen=True)
+class Interface:
+    """Two bodies, or a body and the plane (`WORLD`), by their places, and the normal force (N) between them while all rest."""
+
+    bodies: tuple[int, int]
+    load: float
+
+
 @dataclass(frozen=True, eq=False)
 class ContactMotion:
     """The motion of b bodies at n instants, along the axes of the plane.
@@ -63,6 +71,8 @@ class ContactMotion:
     friction
         The smallest coefficient with which nothing slips along a motion without slip; 0 where something slips, or where any
         does.
+    interfaces
+        Where bodies bear each other while all of them rest for the whole motion; empty where any moves.
     witness
         The independent solution that the bounds rely on; empty where there is none.
     """
@@ -76,4 +86,5 @@ class ContactMotion:
     model: str
     reason: str
     friction: float = 0.0
+    interfaces: tuple[Interface, ...] = ()
     witness: str = ""

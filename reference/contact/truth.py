@@ -49,6 +49,7 @@ def computed_contact(scene: AnyScene, times: Array) -> Computed:
         joints=joints,
         events=tuple(_event_in_world(event, known.turn) for event in found.events),
         friction=found.friction,
+        interfaces=found.interfaces,
     )
     return Computed(made, bounds, ())
 

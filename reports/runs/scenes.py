@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bodycheck.casefile.content import Case
-from bodycheck.reference.contact.motion import Event
+from bodycheck.reference.contact.motion import Event, Interface
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere
@@ -33,14 +33,15 @@ class Told:
     stop: Stop | None
     events: tuple[Event, ...]
     friction: float
+    interfaces: tuple[Interface, ...]
     error: float
 
     @classmethod
     def of(cls, truth: Truth) -> "Told":
         """Return what is told of a truth."""
         error = float(truth.bounds.error.max())
-        ways = truth.model, truth.reason, truth.backend, truth.witnesses, truth.stop, truth.events, truth.friction
-        return cls(*ways, error)
+        how = truth.model, truth.reason, truth.backend, truth.witnesses
+        return cls(*how, truth.stop, truth.events, truth.friction, truth.interfaces, error)
 
 
 def describe(case: Case, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
