@@ -35,7 +35,8 @@ them. The acceleration of `generalized` then contains the error of its inverse o
 mass off the origin is above rounding at time steps of a few milliseconds, and below it with smaller ones.
 
 Mechanisms are for `generalized`: trees of revolute, prismatic, universal and planar joints, of first order, with damping and
-springs at the start of a step; the module `mechanisms` says with what. The other pipelines hold joints by iterations.
+springs at the start of a step; the module `mechanisms` says with what. A slide on a body that turns is refused, since Brax
+moves the body along an axis that turns and computes with one that does not. The other pipelines hold joints by iterations.
 
 Several scenes are stepped together (`jax.vmap`), and differ from each alone by roundings.
 

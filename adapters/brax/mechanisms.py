@@ -2,8 +2,9 @@
 
 The model is the XML of the adapter of MuJoCo, which computes the poses of bodies from Brax's coordinates, whose layout is
 MuJoCo's. A constant effort is the input of a motor of the joint, and so is what the rest position adds to the force of a
-spring, which Brax does not know. Brax refuses ball joints, and has neither loops nor dry friction. Bodies on fixed joints are
-not offered for the reason for which several links are refused; see `bodycheck.adapters.brax`.
+spring, which Brax does not know. Slides are written as the module `slides` says. Brax refuses ball joints, and has neither
+loops nor dry friction. Bodies on fixed joints are not offered for the reason for which several links are refused; see
+`bodycheck.adapters.brax`.
 """
 
 import warnings
@@ -16,6 +17,7 @@ from brax.generalized import pipeline
 from brax.io import mjcf
 from jax import numpy as jnp
 
+from bodycheck.adapters.brax.slides import align_slides
 from bodycheck.adapters.contract import Engine, Method, SceneUnsupported
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, strider
 from bodycheck.adapters.mujoco.compiling import compiled_model
@@ -44,9 +46,14 @@ def pushed(joint: Joint) -> bool:
     return bool(joint.effort or (joint.stiffness and joint.rest))
 
 
-def with_motors(xml: str, mechanism: Mechanism) -> str:
-    """Return the XML of a mechanism with a motor in each joint in which a constant force acts, and a shape that Brax needs."""
+def for_brax(xml: str, mechanism: Mechanism) -> str:
+    """Return the XML of a mechanism for Brax. Raises `SceneUnsupported` for a slide on a body that turns.
+
+    Bodies on slides are along the axes of the world, each joint in which a constant force acts has a motor, and each body has a
+    shape, which Brax needs.
+    """
     root = ElementTree.fromstring(xml)
+    align_slides(root)
     actuators = ElementTree.SubElement(root, "actuator")
     for joint in mechanism.joints:
         if pushed(joint):
@@ -78,7 +85,7 @@ def prepare_mechanism(engine: Engine, mechanism: Mechanism, method: Method) -> C
         # Brax warns at each model that it is no longer developed, and MJX that Brax uses names of older releases.
         warnings.simplefilter("ignore")
         try:
-            system = mjcf.loads(with_motors(xml, mechanism))
+            system = mjcf.loads(for_brax(xml, mechanism))
             mjcf.validate_model(system.mj_model)
         except (ValueError, NotImplementedError, RuntimeError) as error:
             raise SceneUnsupported(f"Brax refuses the model: {' '.join(str(error).split())}") from error

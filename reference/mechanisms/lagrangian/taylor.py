@@ -10,7 +10,7 @@ import numpy as np
 
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.integration.dop853 import MAX_STEPS
-from bodycheck.reference.integration.heyoka_solver import STEP_TOLERANCES, prepare_heyoka
+from bodycheck.reference.integration.heyoka_solver import prepare_heyoka, step_tolerance
 from bodycheck.reference.integration.rotation import WideArray
 from bodycheck.reference.mechanisms.lagrangian.differentiation import made
 from bodycheck.reference.mechanisms.lagrangian.equations import derived
@@ -42,7 +42,7 @@ def integrator(structure: Structure, dtype: Any) -> tuple[Any, int]:
         list(zip(variables, rates, strict=True)),
         np.zeros(found.states, dtype),
         pars=np.zeros(len(found.used), dtype),
-        tol=dtype(STEP_TOLERANCES[dtype]),
+        tol=dtype(step_tolerance(dtype)),
         fp_type=dtype,
         # Code that is not compact takes much longer to compile.
         compact_mode=True,

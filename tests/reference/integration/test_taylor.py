@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bodycheck import load
+from bodycheck.reference.certificate import BITS
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.integration import lagrangian
@@ -270,3 +272,22 @@ def test_private_means_written_by_no_one_else(tmp_path: Path) -> None:
     for mode, private in ((0o700, True), (0o755, True), (0o775, False), (0o777, False)):
         tmp_path.chmod(mode)
         assert heyoka_solver.is_private(tmp_path) == private
+
+
+@pytest.mark.parametrize(
+    ("dtype", "bits"),
+    [*((each, None) for each in heyoka_solver.STEP_TOLERANCES), *((hy.real, bits) for bits in (160, *BITS))],
+)
+def test_what_is_at_rest_where_its_acceleration_is_stationary_has_a_first_step(dtype: Any, bits: int | None) -> None:
+    """The angle of a pendulum that begins horizontal has the powers 2, 6, 10, ... of time, and its rate 1, 5, 9, ..."""
+
+    def pendulum() -> heyoka_solver.Equations:
+        angle, rate = hy.make_vars("angle", "rate")
+        return [(angle, rate), (rate, -hy.cos(angle))]
+
+    solver = heyoka_solver.compiled(pendulum(), dtype, bits)
+    outcome, step = solver.step()
+    assert outcome == hy.taylor_outcome.success
+    assert 0.1 < step < 1.0  # about a seventh of the distance of the nearest singularity, which is of the order of a period
+    energy = 0.5 * solver.state[1] ** 2 + np.sin(float(solver.state[0]))
+    assert abs(float(energy)) < 1e-15  # the sine is that of double precision

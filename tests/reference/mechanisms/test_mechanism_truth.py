@@ -118,9 +118,10 @@ def test_the_certificate_of_a_recursion_with_a_fault_names_the_ways(heavier: Non
     assert any("Euler-Lagrange" in fault and "truth" in fault for fault in found.faults)
 
 
-def test_a_certificate_is_measured_against_more_digits() -> None:
+@pytest.mark.parametrize("mechanism", [cart_pole(), chain(2, 1.0)], ids=["cart and pole", "rods that begin horizontal"])
+def test_a_certificate_is_measured_against_more_digits(mechanism: Mechanism) -> None:
     pytest.importorskip("heyoka")
-    found = certify(cart_pole(), TIMES)
+    found = certify(mechanism, TIMES)
     assert found.certified
     assert found.digits > 30
     assert found.bound[-1] <= found.truth.bounds.error[-1]
