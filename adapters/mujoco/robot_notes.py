@@ -15,6 +15,11 @@ def notes(model: mujoco.MjModel, format: str) -> tuple[str, ...]:
             'unless <mujoco><compiler fusestatic="false"/></mujoco> in the file says otherwise'
         )
     said += [f"not compared: {text}" for text in (_equalities(model), _tendons(model), _actuators(model)) if text]
+    if format == "urdf" and np.any(model.dof_frictionloss):
+        said.append(
+            "dry friction is a constraint of up to the number of the file, which opposes the velocity that a joint is about "
+            "to have"
+        )
     heavy = [name for name in ("tendon_armature", "actuator_armature") if np.any(getattr(model, name, 0.0))]
     if heavy:
         said.append(f"the mass matrix contains armature that is not one of joints ({', '.join(heavy)})")

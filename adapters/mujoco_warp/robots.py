@@ -2,6 +2,9 @@
 
 The numbers of bodies and joints are those that MuJoCo Warp keeps. All states are worlds that are computed together. Contacts,
 limits, equality constraints and actuators are left out, as in the adapter of MuJoCo.
+
+MuJoCo computes moments of inertia about the centre of mass of a whole tree. In single precision this leaves more than rounding
+of the mass matrix of a light link far from there, such as a finger of a humanoid.
 """
 
 from collections.abc import Sequence
@@ -30,6 +33,9 @@ KEPT = (
     *("dof_armature", "dof_damping", "dof_frictionloss"),
 )
 
+#: The number of roundings of a moment of inertia that a mass matrix may have.
+ROUNDINGS = 8
+
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
     """Return what MuJoCo Warp makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused`."""
@@ -49,7 +55,22 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
     joints = joints_of(compiled, file.format)
     at = [coordinates(compiled, joints, state) for state in states]
     columns = [np.array(rows) for rows in zip(*((one.qpos, one.qvel, one.qacc, one.applied) for one in at), strict=True)]
-    return replace(reading, terms=terms_of(compiled, model, worlds, columns, gravity))
+    terms = terms_of(compiled, model, worlds, columns, gravity)
+    return replace(reading, terms=terms, rounding=rounding(compiled, columns[0]))
+
+
+def rounding(compiled: mujoco.MjModel, qpos: Array) -> float:
+    """Return the relative rounding of the mass matrices at positions (n, k) in single precision.
+
+    It is that of the moments of inertia about the centre of mass of the tree, relative to the diagonal of the mass matrix.
+    """
+    data, largest = mujoco.MjData(compiled), 0.0
+    for row in qpos:
+        data.qpos[:] = row
+        mujoco.mj_fwdPosition(compiled, data)
+        moments = np.max(data.crb[compiled.dof_bodyid, :3], axis=1) * np.sum(data.cdof[:, :3] ** 2, axis=1)
+        largest = max(largest, float(np.max(moments / np.diagonal(mass_matrix(compiled, data)))))
+    return ROUNDINGS * float(np.finfo(np.float32).eps) * largest
 
 
 def terms_of(compiled: mujoco.MjModel, model: Any, worlds: Any, columns: Sequence[Array], gravity: Vector) -> tuple[Terms, ...]:

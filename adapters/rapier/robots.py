@@ -6,6 +6,11 @@ limits and mimic joints of the file. It has a damping of its own, 0.1 for each v
 a note. The turn of an inertia's frame (`rpy` in `inertial`) is ignored. A file with a joint to a link that is not there makes
 Rapier panic.
 
+Rapier keeps an inertia along principal axes, which it finds in single precision, and which are wrong where the two smaller
+moments are equal and the third is along x, and where moments are apart by less than some 1e-5 kg m^2. Its answer to an impulse
+of torque has the same wrong axes. The moments themselves have some half of the digits of single precision, and those below
+zero become zero.
+
 Rapier computes the poses. It has no function for the mass matrix, or for the other terms of the equations of motion, apart from
 a time step, and its reader of MJCF does not take part.
 """
@@ -24,6 +29,9 @@ from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBo
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.scene import Vector
+
+#: The relative rounding of principal moments, which is the root of that of single precision.
+ROUNDING = float(np.finfo(np.float32).eps) ** 0.5
 
 #: Rapier's names of types of joints in the words of `bodycheck.reference.robots.model`.
 TYPES = {"continuous": "revolute"}
@@ -77,6 +85,7 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
         velocities=sum(joint.count for joint in robot.joints),
         gravity=vector(rapier3d.PhysicsWorld().gravity.to_tuple()),
         terms=tuple(terms(own, state) for own, state in zip(robots, states, strict=True)),
+        rounding=ROUNDING,
         notes=NOTES,
     )
 

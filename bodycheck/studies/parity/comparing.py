@@ -32,8 +32,7 @@ class Asked:
     truth
         The terms of the model at the states, for all of its velocities.
     gravity_stated
-        Whether the file says what gravity is. That is an MJCF, in which dry friction is a constraint: a force of its full size
-        wherever less would not stop the joint.
+        Whether the file says what gravity is.
     """
 
     model: RobotModel
@@ -105,8 +104,7 @@ def compare(given: Asked, reading: RobotReading, tolerance: float) -> Comparison
     mass = float(np.sum([float(link.mass) for link in given.model.links]))
     scale = sizes(truth, found.labels, moved.velocities, mass, float(np.linalg.norm(given.gravity)))
     comparison = _with_followers(Comparison(given, reading, tolerance, found, moved, truth, engine, convention, scale, ()))
-    if given.gravity_stated:
-        comparison = _with_constraints(comparison)
+    comparison = _with_constraints(comparison)
     return replace(comparison, rows=tuple(_rows(comparison)))
 
 
@@ -131,7 +129,9 @@ def with_engine(comparison: Comparison, engine: Stack) -> Comparison:
 def _with_constraints(own: Comparison) -> Comparison:
     """Return a comparison in which the dry friction of the truth is that of the engine, where it is at most that of the file.
 
-    An engine whose friction has not its full size at most states has none, and is compared with that of the file.
+    MJCF calls dry friction a constraint, and URDF states the largest static friction alone: both leave it open what the force
+    is below that, and whether it opposes the velocity that a joint has or the one that it is about to have. An engine whose
+    friction has not its full size at most states has none, and is compared with that of the file.
     """
     passive, velocities = own.engine.passive_force, own.motion.velocities
     joints = {joint.name: joint for joint in own.found.model.joints}

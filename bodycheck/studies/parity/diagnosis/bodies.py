@@ -7,12 +7,14 @@ import numpy as np
 
 from bodycheck.adapters.robot_reading import ReadBody
 from bodycheck.reference.robots.model import RobotLink, RobotModel
+from bodycheck.reference.trajectory import Array
 from bodycheck.studies.parity.comparing import Comparison
 from bodycheck.studies.parity.diagnosis.fault import Fault
 from bodycheck.studies.parity.diagnosis.inertias import (
     SAME,
     Inertial,
     Part,
+    frame,
     is_balanced,
     is_dropped,
     is_turned,
@@ -155,9 +157,10 @@ def _is_joined_wrongly(engine: Inertial, truth: Inertial, joined: tuple[Part, ..
 
 
 def _is_moved_and_turned(engine: Inertial, truth: Inertial, joined: tuple[Part, ...], reach: float, near: float) -> bool:
-    """Return whether a body is that of its links with one of them at another place and tensors turned.
+    """Return whether a body is that of its links with one of them at another place, and tensors or the place turned.
 
-    The place follows from the centre of mass of the body, and the trace of its tensor says whether it is that.
+    The place follows from the centre of mass of the body, and the trace of its tensor says whether it is that. A link that is
+    elsewhere for another reason, with its tensor as it is, has another centre of mass.
     """
     if same(engine.centre, truth.centre, reach, near) or abs(engine.mass - truth.mass) > near * truth.mass:
         return False
@@ -167,9 +170,20 @@ def _is_moved_and_turned(engine: Inertial, truth: Inertial, joined: tuple[Part, 
             others = np.sum([own.mass * own.centre for own in right if own is not part], axis=0)
             moved = Inertial(part.mass, (engine.mass * engine.centre - others) / part.mass, part.tensor)
             made = joined_inertials([*right[:place], moved, *right[place + 1 :]])
-            if _same_trace(made, engine) and not same(made.tensor, engine.tensor, size_of(made.tensor), near):
+            turned = not same(made.tensor, engine.tensor, size_of(made.tensor), near)
+            if _same_trace(made, engine) and (turned or _is_turned_place(joined[place], moved.centre, near * reach)):
                 return True
     return False
+
+
+def _is_turned_place(part: Part, centre: Array, limit: float) -> bool:
+    """Return whether the place of a link, or that of its weld alone, is turned about the origin of its body.
+
+    centre: where its centre of mass is (3,).
+    """
+    right, (_, weld) = placed(part).centre, frame(part.welds)
+    turned = ((right, centre), (weld, centre - right + weld))
+    return any(abs(np.linalg.norm(one) - np.linalg.norm(other)) <= limit for one, other in turned)
 
 
 def _is_filled(engine: Inertial, truth: Inertial, joined: tuple[Part, ...], near: float) -> bool:

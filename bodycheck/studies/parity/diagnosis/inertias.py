@@ -51,12 +51,13 @@ def is_dropped(engine: Array, truth: Array, near: float = SAME) -> bool:
 
 
 def is_turned(engine: Array, truth: Array, near: float = SAME) -> bool:
-    """Return whether an inertia has the same principal moments along other axes."""
+    """Return whether an inertia has the same principal moments along other axes; negative ones may have become zero."""
     if not (np.all(np.isfinite(engine)) and np.all(np.isfinite(truth))):
         return False
     moments = [np.asarray(np.linalg.eigvalsh(own), float) for own in (engine, truth)]
     limit = _limit(engine, truth, near)
-    return within(moments[0], moments[1], limit) and not within(engine, truth, limit)
+    alike = any(within(moments[0], option, limit) for option in (moments[1], np.maximum(moments[1], 0.0)))
+    return alike and not within(engine, truth, limit)
 
 
 def is_balanced(engine: Array, truth: Array, near: float = SAME) -> bool:
