@@ -5,6 +5,8 @@ from random import Random
 
 import numpy as np
 import pytest
+import rapier3d
+from rapier3d.loaders import urdf as loader
 
 from bodycheck.adapters.rapier import robots
 from bodycheck.adapters.robot_reading import ModelRefused
@@ -39,6 +41,35 @@ def test_the_turn_of_an_inertia_is_ignored(tmp_path: Path) -> None:
     text = robot(link("base"), link("rod", rod.format(moments)), joint("hinge", "revolute", "base", "rod", LIMIT))
     read = robots.read_robot(written(text, tmp_path), [], GRAVITY).bodies[-1].inertia
     np.testing.assert_allclose(read, [0.001, 0.02, 0.02, 0, 0, 0], rtol=0, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("moments", [(2.0, 1.0, 1.0), (3e-6, 2e-6, 1.5e-6)])
+def test_rapier_turns_an_inertia_that_is_round_about_x_or_small(moments: tuple[float, float, float], tmp_path: Path) -> None:
+    """A body shows by what an impulse of torque does to it that it has the wrong axes of which Rapier tells."""
+    numbers = " ".join(f'{name}="{value!r}"' for name, value in zip(("ixx", "iyy", "izz"), moments, strict=True))
+    inertial = f'<inertial><mass value="1"/><inertia {numbers} ixy="0" ixz="0" iyz="0"/></inertial>'
+    file = written(robot(link("body", inertial)), tmp_path)
+    (body,) = robots.read_robot(file, [], GRAVITY).bodies
+    assert body.inertia is not None
+    told = np.array(body.inertia[:3])
+    np.testing.assert_allclose(sorted(told), sorted(moments), rtol=robots.ROUNDING)
+    assert abs(told - moments).max() > 0.4 * max(moments)
+    np.testing.assert_allclose(pushed(file.path), 1 / told, rtol=2 * robots.ROUNDING)
+
+
+def pushed(path: str) -> list[float]:
+    """The angular velocity (rad/s) about each axis by an impulse of torque of 1 N m s about it."""
+    bodies, colliders, joints = rapier3d.RigidBodySet(), rapier3d.ColliderSet(), rapier3d.MultibodyJointSet()
+    loaded, _ = loader.UrdfRobot.from_file(path, loader.UrdfLoaderOptions(make_roots_fixed=False))
+    (handle,) = loaded.insert_using_multibody_joints(bodies, colliders, joints).links
+    body = bodies[handle.body]
+    body.recompute_mass_properties_from_colliders(colliders)
+    found = []
+    for axis in np.eye(3):
+        body.angvel = rapier3d.Vec3(0.0, 0.0, 0.0)
+        body.apply_torque_impulse(rapier3d.Vec3(*axis.tolist()), True)
+        found.append(float(np.dot(body.angvel.to_tuple(), axis)))
+    return found
 
 
 def test_damping_of_the_file_is_dropped_and_that_of_rapier_is_told(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from random import Random
 import numpy as np
 import pytest
 
+from bodycheck.reference.robots.changed import with_joint
 from bodycheck.reference.robots.dynamics import velocity_labels
 from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.robots.states import seeded_states
@@ -17,7 +18,7 @@ from bodycheck.studies.parity.diagnosis.explaining import diagnosed
 from bodycheck.studies.parity.rows import Compared
 from tests.support.engine_readings import GRAVITY, reading
 from tests.support.robot_faults import FAULTS, PlantedFault, planted
-from tests.support.robot_trees import random_tree
+from tests.support.robot_trees import random_rotation, random_tree
 
 #: Differences that are no rounding: the reference computes both sides, in which rounding leaves some 1e-16.
 TOLERANCE = 1e-10
@@ -59,6 +60,21 @@ def test_a_fault_is_named_by_what_an_engine_computes_that_tells_no_numbers(fault
     found = rows(*planted(fault), tells=False)
     assert expected(fault) <= named(found)
     assert causes(found) == {fault.cause}
+
+
+@pytest.mark.parametrize("turns", ["weld", "place"])
+def test_a_weld_that_is_put_elsewhere_by_a_turn_is_fused_wrongly(turns: str) -> None:
+    """The weld's place is turned about the origin of the body, or that of the link's centre of mass is."""
+    file = planted()[0]
+    weld = next(joint for joint in file.joints if joint.name == "weld")
+    turn = random_rotation(Random(5))
+    position = turn @ weld.position
+    if turns == "place":
+        centre = weld.rotation @ next(link for link in file.links if link.name == "tool").center_of_mass
+        position = turn @ (weld.position + centre) - centre
+    found = rows(file, with_joint(file, "weld", position=position))
+    assert named(found) >= {("inertia-fused", "arm_1")}
+    assert causes(found) == {"inertia-fused"}
 
 
 def missed(pairs: Iterable[tuple[PlantedFault, PlantedFault]]) -> list[tuple[str, str, list[tuple[str, str]]]]:

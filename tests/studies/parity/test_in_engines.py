@@ -20,7 +20,7 @@ from bodycheck.studies.parity.diagnosis.explaining import diagnosed
 from bodycheck.studies.parity.rows import Compared
 from bodycheck.studies.parity.study import SINGLE_PRECISION
 from tests.support.engine_readings import GRAVITY
-from tests.support.robot_faults import FAULTS, INERTIAL_AXES, PlantedFault, planted
+from tests.support.robot_faults import FAULTS, INERTIAL_AXES, PlantedFault, clean_model, planted
 from tests.support.robot_trees import random_tree, urdf_with_turned_inertias
 
 #: Differences that are no rounding: engines compute in double precision, in which rounding leaves up to 1e-13.
@@ -37,6 +37,9 @@ QUIET = ("agrees", "not-modelled")
 
 #: What is no alarm of a clean tree: SAPIEN's loader fails where more than one link floats.
 LIMITS = {"sapien": "KeyError"}
+
+#: What is a fault of an engine and no false alarm: Rapier ignores the turn of the axes along which a file gives an inertia.
+MISREAD = {"rapier": ("inertia", "inertia-turned")}
 
 
 @pytest.fixture(scope="module")
@@ -97,6 +100,15 @@ def test_two_faults_that_engines_have_read_are_named(one: int, read_file: Reader
     faults_named([FAULTS[one], FAULTS[one + 11]], read_file, tmp_path)
 
 
+def test_dry_friction_as_a_constraint_is_no_difference(read_file: Reader, tmp_path: Path) -> None:
+    """MuJoCo's friction has the size that the file has, in its own direction; Pinocchio has none."""
+    friction = next(fault for fault in FAULTS if fault.cause == "friction-ignored")
+    model = friction.in_file(clean_model())
+    found = rows(model, written(model, tmp_path), read_file, 20)
+    causes = {name: {row.cause for row in own if row.cause} for name, own in found.items() if isinstance(own, tuple)}
+    assert causes == {"mujoco": set(), "pinocchio": {"friction-ignored"}}
+
+
 def clean(seed: int, read: Reader, folder: Path, single: Collection[str] = ()) -> dict[str, list[Compared] | Answer]:
     """The alarms of each engine for a random tree, up to 30 joints long, every third one floating; an answer that is none."""
     random = Random(seed)
@@ -109,8 +121,10 @@ def clean(seed: int, read: Reader, folder: Path, single: Collection[str] = ()) -
             assert LIMITS[name] in answer.reason
         elif not isinstance(answer, tuple | FormatMissing):
             found[name] = answer
-        elif isinstance(answer, tuple) and (alarms := [row for row in answer if row.cause or row.status not in QUIET]):
-            found[name] = alarms
+        elif isinstance(answer, tuple):
+            alarms = [row for row in answer if row.cause or row.status not in QUIET]
+            alarms = [row for row in alarms if (row.quantity, row.cause) != MISREAD.get(name)]
+            found |= {name: alarms} if alarms else {}
     return found
 
 

@@ -25,3 +25,11 @@ def test_a_dropped_inertia_is_one_in_the_precision_of_the_engine() -> None:
     assert is_dropped(0 * truth, truth)
     assert is_dropped(ADDED, truth, SINGLE)
     assert not is_dropped(ADDED, truth)
+
+
+def test_a_turned_inertia_may_have_lost_its_negative_moments() -> None:
+    turn = random_rotation(Random(2)).astype(float)
+    impossible, raised = np.diag([-0.1, 0.4, 1.0]), np.diag([0.0, 0.4, 1.0])
+    assert is_turned(turn @ raised @ turn.T, impossible)
+    assert not is_turned(raised, raised)
+    assert not is_turned(turn @ (raised + 0.1 * np.eye(3)) @ turn.T, impossible)
