@@ -44,8 +44,8 @@ TYPES = {
     pybullet.JOINT_FIXED: ("fixed", 0),
 }
 
-#: The part of the trace of a tensor that may be off Bullet's principal axes.
-ROUNDING = 1e-6
+#: A millionth of the trace of a tensor may be off Bullet's principal axes: up to three times that of its largest component.
+ROUNDING = 3e-6
 
 #: What PyBullet writes before a message.
 PLACES = re.compile(r"b3(?:Warning|Error|Printf)\[[^]]*\]:")

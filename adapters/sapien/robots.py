@@ -223,7 +223,7 @@ def terms(robot: Loaded, model: Any, state: RobotState) -> Terms:
 
 def put(robot: Loaded, state: RobotState) -> None:
     """Put a robot into the positions and velocities of a state."""
-    if robot.dof:
+    if robot.articulation is not None:  # poses are those of the last positions, also where no joint moves
         robot.articulation.set_qpos(rates(robot.articulation, state.positions))
         robot.articulation.set_qvel(rates(robot.articulation, state.velocities))
     for body in robot.free:

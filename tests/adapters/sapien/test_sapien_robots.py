@@ -44,6 +44,12 @@ def test_a_massless_link_gets_a_mass_from_physx(tmp_path: Path) -> None:
     assert bodies["tip"].mass > 0
 
 
+def test_a_robot_that_cannot_move_has_its_links_where_the_file_puts_them(tmp_path: Path) -> None:
+    text = robot(link("base"), link("arm"), joint("weld", "fixed", "base", "arm"))
+    (terms,) = SAPIEN.read_robot(written(text, tmp_path), [hinges()], GRAVITY).terms
+    assert terms.poses["arm"][:3] == pytest.approx([0.1, -0.2, 0.3], abs=1e-6)
+
+
 def test_a_mimic_joint_on_the_same_link_is_a_tendon(tmp_path: Path) -> None:
     reading = SAPIEN.read_robot(written(MIMIC, tmp_path), [], GRAVITY)
     assert [own.mimic for own in reading.joints] == [None, Mimic("first", -2.0, 0.1)]

@@ -180,7 +180,8 @@ def _with_causes(rows: Iterable[Compared], faults: Sequence[Fault], causes: dict
         named.add((row.quantity, row.subject, row.status))
         yield row
     for fault in faults:
-        if fault.row is not None and (fault.row.quantity, fault.row.subject, "differs") not in named:
+        if fault.row is not None and (own := (fault.row.quantity, fault.row.subject, "differs")) not in named:
+            named.add(own)
             yield replace(fault.row, cause=fault.cause)
 
 
