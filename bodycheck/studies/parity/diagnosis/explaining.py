@@ -170,7 +170,7 @@ def _passive(case: _Case, quantity: Quantity) -> tuple[_Case, Cause]:
 def _with_causes(rows: Iterable[Compared], faults: Sequence[Fault], causes: dict[Quantity, Cause]) -> Iterable[Compared]:
     """Yield rows with their causes, and then those rows of faults whose subject no row names."""
     by_fault = {(fault.quantity, fault.subject): fault.cause for fault in faults}
-    named = set()
+    named: set[tuple[Quantity | None, str, str]] = set()
     for row in rows:
         if row.status == "differs" and not row.cause:
             cause = by_fault.get((row.quantity, row.subject)) if row.quantity is not None else None
