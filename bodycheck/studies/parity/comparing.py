@@ -9,6 +9,7 @@ from bodycheck.adapters.robot_reading import RobotReading
 from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
 from bodycheck.studies.parity import numbers, tree
 from bodycheck.studies.parity.aligning import Motion, accelerations, aligned, motion, reduced, selected, truth_of
 from bodycheck.studies.parity.conventions import Convention
@@ -17,6 +18,9 @@ from bodycheck.studies.parity.quantities import MODEL, TERMS, Quantity, Status
 from bodycheck.studies.parity.rows import Compared
 from bodycheck.studies.parity.sizes import Apart, Sizes, apart, sizes
 from bodycheck.studies.parity.stacks import Stack, stacked
+
+#: The change of a dry friction from state to state, as a part of its size, that is more than rounding.
+LEAST_CHANGE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,8 +134,7 @@ def _with_constraints(own: Comparison) -> Comparison:
     """Return a comparison in which the dry friction of the truth is that of the engine, where it is at most that of the file.
 
     MJCF calls dry friction a constraint, and URDF states the largest static friction alone: both leave it open what the force
-    is below that, and whether it opposes the velocity that a joint has or the one that it is about to have. An engine whose
-    friction has not its full size at most states has none, and is compared with that of the file.
+    is below that, and whether it opposes the velocity that a joint has or the one that it is about to have.
     """
     passive, velocities = own.engine.passive_force, own.motion.velocities
     joints = {joint.name: joint for joint in own.found.model.joints}
@@ -139,11 +142,20 @@ def _with_constraints(own: Comparison) -> Comparison:
     if passive is None or own.truth.passive_force is None or own.found.reduced or not np.any(most > 0):
         return own
     without = own.truth.passive_force + most * np.sign(velocities)
-    friction = np.clip(passive - without, -most, most)
-    if np.mean(np.abs(friction[:, most > 0]) > 0.99 * most[most > 0]) < 0.5:
-        return own
+    found = np.clip(passive - without, -most, most)
+    friction = np.where(_is_constraint(found, most), found, -most * np.sign(velocities))
     truth = replace(own.truth, passive_force=without + friction)
     return replace(own, truth=replace(truth, forward_dynamics=accelerations(truth, own.motion.efforts)))
+
+
+def _is_constraint(friction: Array, most: Array) -> Array:
+    """Return for each velocity (n,) whether a friction (s, n) has its full size at most states, or another one at each state.
+
+    An engine that always has the same size below that of the file (n,), such as none, has another friction.
+    """
+    size = np.abs(friction)
+    full = np.mean(size > 0.99 * most, axis=0) >= 0.5
+    return np.asarray(full | (np.ptp(size, axis=0) > LEAST_CHANGE * most))
 
 
 def _with_followers(own: Comparison) -> Comparison:

@@ -17,7 +17,7 @@ from bodycheck.studies.parity.conventions import CANDIDATES, Frame, Point, Writt
 from bodycheck.studies.parity.diagnosis.explaining import diagnosed
 from bodycheck.studies.parity.rows import Compared
 from tests.support.engine_readings import GRAVITY, reading
-from tests.support.robot_faults import FAULTS, PlantedFault, planted
+from tests.support.robot_faults import FAULTS, PlantedFault, clean_model, planted
 from tests.support.robot_trees import random_rotation, random_tree
 
 #: Differences that are no rounding: the reference computes both sides, in which rounding leaves some 1e-16.
@@ -60,6 +60,15 @@ def test_a_fault_is_named_by_what_an_engine_computes_that_tells_no_numbers(fault
     found = rows(*planted(fault), tells=False)
     assert expected(fault) <= named(found)
     assert causes(found) == {fault.cause}
+
+
+def test_a_friction_of_another_size_is_no_constraint() -> None:
+    """A constraint has up to the size of the file, in either direction; half of it at every state is another friction."""
+    friction = next(fault for fault in FAULTS if fault.cause == "friction-ignored")
+    file = friction.in_file(clean_model())
+    half = with_joint(file, friction.subject, friction=0.5 * next(joint.friction for joint in file.joints if joint.friction))
+    found = rows(file, half, tells=False)
+    assert {row.status for row in found if row.quantity == "passive_force"} == {"differs"}
 
 
 @pytest.mark.parametrize("turns", ["weld", "place"])
