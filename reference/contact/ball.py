@@ -1,0 +1,149 @@
+"""A round body on a plane: a sphere, or a cylinder on its side, and Coulomb's law and Huygens' at the point where it touches.
+
+Vectors are along the axes of the plane: x downhill, z along the normal. With the radius r, the velocity v and the angular
+velocity w, the point that touches slips with u = v + w x (-r n), that is (v_x - r w_y, v_y + r w_x). A force F along the plane
+at that point changes v by F/m and u by (1 + 1/k) F/m, where k = I/(m r^2).
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bodycheck.reference.contact.problem import ContactBody, Problem
+from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.exact.numbers import MP, Real, Wide
+from bodycheck.reference.witness import WideArray
+
+#: Roundings in the velocity of the point that touches.
+SLIP_ROUNDINGS = 16.0
+
+
+@dataclass(frozen=True, eq=False)
+class Ball:
+    """A round body and its plane.
+
+    Attributes
+    ----------
+    mass, radius
+        Mass (kg) and radius r (m).
+    ratio
+        k = I/(m r^2), with the moment of inertia I about the axes along the plane that it turns about.
+    friction, restitution
+        Coulomb's coefficient mu, which may be infinite, and the coefficient of restitution e.
+    downhill, onto
+        The parts of the gravitational acceleration along x and against the normal (m/s^2).
+    grips
+        Whether a body that rolls goes on rolling, so that tan(incline) <= mu (1 + k)/k.
+    """
+
+    mass: Wide
+    radius: Wide
+    ratio: Wide
+    friction: Wide
+    restitution: Wide
+    downhill: Wide
+    onto: Wide
+    grips: bool
+
+    @property
+    def braking(self) -> Wide:
+        """Acceleration (m/s^2) of friction against a slip; 0 where nothing slips, as it is never asked for then."""
+        return Wide(0) if np.isinf(self.friction) else self.friction * self.onto
+
+    @property
+    def slowing(self) -> Wide:
+        """By how much friction slows the slip: (1 + 1/k) mu g (m/s^2)."""
+        return self.braking * (1 + 1 / self.ratio)
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A round body at a time (s): position (3,), velocity (3,) and angular velocity (3,) along the axes of the plane."""
+
+    time: Wide
+    position: WideArray
+    velocity: WideArray
+    spin: WideArray
+
+
+def ball(problem: Problem, body: ContactBody, radius: float, moment: Wide) -> Ball:
+    """The round body of a problem. moment: of inertia, about the axes that it turns about when it rolls (kg m^2).
+
+    Raises `NotModelled` for a body without inertia.
+    """
+    if not moment > 0:
+        raise NotModelled("a round body on a plane that has no moment of inertia")
+    friction, restitution = problem.pair(0)
+    exact = _exact(moment) / (_exact(body.mass) * MP.mpf(radius) ** 2)
+    incline = MP.mpf(problem.plane.incline)
+    grips = (
+        math.isinf(friction)
+        or not problem.gravity.any()
+        or MP.sin(incline) * exact <= MP.mpf(friction) * (1 + exact) * MP.cos(incline)
+    )
+    return Ball(
+        body.mass,
+        Wide(radius),
+        moment / (body.mass * Wide(radius) ** 2),
+        Wide(friction),
+        Wide(restitution),
+        problem.gravity[0],
+        -problem.gravity[2],
+        bool(grips),
+    )
+
+
+def _exact(value: Wide) -> Real:
+    """A number of the widest type as two doubles, which hold all of its digits."""
+    head = float(value)
+    return MP.mpf(head) + MP.mpf(float(value - Wide(head)))
+
+
+def slip(of: Ball, velocity: WideArray, spin: WideArray) -> WideArray:
+    """The velocity (3,) of the point that touches, along the plane (m/s); zero where it is what rounding leaves of a zero."""
+    r = of.radius
+    found = np.array([velocity[0] - r * spin[1], velocity[1] + r * spin[0], Wide(0)])
+    terms = np.hypot(velocity[0], velocity[1]) + r * np.hypot(spin[0], spin[1])
+    return np.asarray(found * (np.hypot(found[0], found[1]) > SLIP_ROUNDINGS * np.finfo(Wide).eps * terms))
+
+
+def rolling_spin(of: Ball, velocity: WideArray, spin: WideArray) -> WideArray:
+    """The angular velocity (3,) of a body that rolls with a velocity (3,) and with the spin about the normal of another one."""
+    return np.array([-velocity[1] / of.radius, velocity[0] / of.radius, spin[2]])
+
+
+def after_impact(of: Ball, before: Moment) -> Moment:
+    """A body just after it has hit the plane, by impulse and momentum.
+
+    The impulse along the plane is the one that ends the slip where Coulomb's law allows it, and else mu times that along
+    the normal, against the slip.
+    """
+    fall = -before.velocity[2]
+    back = of.restitution * fall
+    sliding = slip(of, before.velocity, before.spin)
+    velocity = before.velocity + gripping(of, sliding, (1 + of.restitution) * fall)
+    velocity[2] = back
+    spin = before.spin.copy()
+    if stops(of, sliding, (1 + of.restitution) * fall):
+        spin = rolling_spin(of, velocity, spin)
+    else:
+        change = (velocity - before.velocity) / (of.ratio * of.radius)
+        spin[0] += change[1]
+        spin[1] -= change[0]
+    return replace(before, velocity=velocity, spin=spin)
+
+
+def stops(of: Ball, sliding: WideArray, normal: Wide) -> bool:
+    """Whether an impulse along the normal, over the mass (m/s), ends a slip (3,)."""
+    if np.isinf(of.friction):
+        return True
+    size = np.hypot(sliding[0], sliding[1])
+    return bool(size * of.ratio <= of.friction * normal * (1 + of.ratio))
+
+
+def gripping(of: Ball, sliding: WideArray, normal: Wide) -> WideArray:
+    """The change (3,) of the velocity by friction on a slip (3,), with an impulse along the normal, over the mass (m/s)."""
+    if stops(of, sliding, normal):
+        return np.asarray(sliding * (-of.ratio / (1 + of.ratio)))
+    return np.asarray(sliding * (-of.friction * normal / np.hypot(sliding[0], sliding[1])))

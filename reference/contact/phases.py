@@ -1,0 +1,222 @@
+"""The phases of a round body on a plane, one after another: flights between impacts, slips, rolling.
+
+In a phase the acceleration and the rate of the angular velocity are constant, but for a slip across the fall line of an
+inclined plane, which is a `Hodograph`.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bodycheck.reference.contact.ball import Ball, Moment, after_impact, rolling_spin, slip
+from bodycheck.reference.contact.hodograph import Hodograph, followed, hodograph, parameters
+from bodycheck.reference.contact.motion import EventKind
+from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.exact.numbers import Wide
+from bodycheck.reference.witness import WideArray
+
+#: The most impacts.
+MAX_IMPACTS = 100_000
+
+#: Ratio of the speed of an impact to that of the first one below which those that follow cannot be told apart.
+LAST_IMPACT = Wide(2.0**-60)
+
+#: Ratio of a speed to that at the start below which a body is at rest: what the decimals of a file leave of a zero.
+AT_REST = 1e-12
+
+ZERO = Wide(0)
+
+
+@dataclass(frozen=True, eq=False)
+class Phase:
+    """A phase, from its start on.
+
+    Attributes
+    ----------
+    start
+        The body at its beginning.
+    acceleration, spin_rate
+        Acceleration (3,), m/s^2, and rate of the angular velocity (3,), rad/s^2; at the start of the phase for a hodograph.
+    airborne, slips
+        Whether the body is in flight, and whether it slips on the plane.
+    hodograph
+        Where the slip turns, its hodograph.
+    """
+
+    start: Moment
+    acceleration: WideArray
+    spin_rate: WideArray
+    airborne: bool = False
+    slips: bool = False
+    hodograph: Hodograph | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """An event.
+
+    Attributes
+    ----------
+    kind, moment
+        What happens, and the body just after it.
+    normal_speed
+        Speed towards the plane just before an impact (m/s).
+    jumps
+        By how much an impact changes the velocity (m/s) and the angular velocity (rad/s).
+    grip
+        The coefficient of friction that ends the slip in an impact.
+    """
+
+    kind: EventKind
+    moment: Moment
+    normal_speed: Wide = ZERO
+    jumps: tuple[Wide, Wide] = (ZERO, ZERO)
+    grip: Wide = ZERO
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """The phases of a motion and the events between them, ascending."""
+
+    phases: tuple[Phase, ...]
+    changes: tuple[Change, ...]
+
+
+def states(of: Ball, phase: Phase, lasting: WideArray) -> tuple[WideArray, WideArray, WideArray]:
+    """Positions, velocities and angular velocities (n, 3) at times (n,) from the start of a phase."""
+    begin, t = phase.start, lasting[:, None]
+    if phase.hodograph is None:
+        return (
+            begin.position + t * (begin.velocity + t / 2 * phase.acceleration),
+            begin.velocity + t * phase.acceleration,
+            begin.spin + t * phase.spin_rate,
+        )
+    sliding, path = followed(phase.hodograph, parameters(phase.hodograph, lasting))
+    return along_hodograph(of, phase, lasting, sliding, path)
+
+
+def along_hodograph(
+    of: Ball, phase: Phase, lasting: WideArray, sliding: WideArray, path: WideArray
+) -> tuple[WideArray, WideArray, WideArray]:
+    """The same from the slip (n, 3) and its path (n, 3), as friction changes velocity and slip in the ratio k/(1 + k)."""
+    begin, t, k = phase.start, lasting[:, None], of.ratio
+    first = slip(of, begin.velocity, begin.spin)
+    downhill = np.array([of.downhill, ZERO, ZERO])
+    part = k / (1 + k)
+    velocity = begin.velocity + t * downhill / (1 + k) + part * (sliding - first)
+    position = begin.position + t * (begin.velocity - part * first + t / 2 * downhill / (1 + k)) + part * path
+    change = (t * downhill - (sliding - first)) / (of.radius * (1 + k))
+    return position, velocity, begin.spin + np.stack([-change[:, 1], change[:, 0], change[:, 2]], axis=1)
+
+
+def at(of: Ball, phase: Phase, lasting: Wide) -> Moment:
+    """The body at a time from the start of a phase."""
+    position, velocity, spin = states(of, phase, np.array([lasting]))
+    return Moment(phase.start.time + lasting, position[0], velocity[0], spin[0])
+
+
+def course(of: Ball, start: Moment, airborne: bool, end: Wide) -> Course:
+    """The phases until a time (s), of a body in flight or on the plane. Raises `OutOfReach` for too many impacts."""
+    phases: list[Phase] = []
+    changes: list[Change] = []
+    on_plane: Moment | None = start
+    if airborne:
+        on_plane = _bounced(of, start, end, phases, changes)
+    if on_plane is not None and on_plane.time <= end:
+        scale = float(np.linalg.norm(start.velocity) + of.radius * np.linalg.norm(start.spin))
+        _on_plane(of, on_plane, scale, phases, changes)
+    return Course(tuple(phases), tuple(change for change in changes if change.moment.time <= end))
+
+
+def _bounced(of: Ball, start: Moment, end: Wide, phases: list[Phase], changes: list[Change]) -> Moment | None:
+    """The moment from which the body stays on the plane, after flights and impacts; None where it is in flight at the end."""
+    none = np.zeros(3, Wide)
+    gravity = np.array([of.downhill, ZERO, -of.onto])
+    first, body = ZERO, start
+    for _ in range(MAX_IMPACTS):
+        flight = Phase(body, gravity, none, airborne=True)
+        phases.append(flight)
+        lasting, speed = _fall(of, body)
+        if not body.time + lasting <= end:
+            return None
+        first = first or speed
+        hit = at(of, flight, lasting)
+        hit.position[2], hit.velocity[2] = of.radius, -speed
+        body = after_impact(of, hit)
+        changes.append(_impact(of, hit, body))
+        if not body.velocity[2] > first * LAST_IMPACT:
+            return _settled(of, body)
+    raise OutOfReach(f"a body that bounces more than {MAX_IMPACTS} times")
+
+
+def _impact(of: Ball, before: Moment, after: Moment) -> Change:
+    fall, sliding = -before.velocity[2], slip(of, before.velocity, before.spin)
+    velocity, spin = after.velocity - before.velocity, after.spin - before.spin
+    jumps = np.sqrt(velocity @ velocity), np.sqrt(spin @ spin)
+    grip = np.hypot(sliding[0], sliding[1]) * of.ratio / ((1 + of.ratio) * (1 + of.restitution) * fall)
+    return Change("impact", after, fall, jumps, grip)
+
+
+def _fall(of: Ball, body: Moment) -> tuple[Wide, Wide]:
+    """How long a body flies (s), and its speed towards the plane at the end (m/s); infinite and 0 where it flies on."""
+    height, rise = body.position[2] - of.radius, body.velocity[2]
+    speed = np.sqrt(rise * rise + 2 * of.onto * height)
+    if rise < 0:
+        return 2 * height / (speed - rise), speed
+    return ((rise + speed) / of.onto, speed) if of.onto > 0 else (Wide(np.inf), ZERO)
+
+
+def _settled(of: Ball, body: Moment) -> Moment:
+    """A body after all impacts that are left, which take a geometric series of times and add up to its weight."""
+    speed = body.velocity[2]
+    lasting = 2 * speed / (of.onto * (1 - of.restitution)) if speed > 0 else ZERO
+    position, velocity = body.position + lasting * body.velocity, body.velocity.copy()
+    position[2], velocity[2] = of.radius, ZERO
+    return Moment(body.time + lasting, position, velocity, body.spin)
+
+
+def _on_plane(of: Ball, body: Moment, scale: float, phases: list[Phase], changes: list[Change]) -> None:
+    """The phases of a body that stays on the plane. scale: of speeds at the start (m/s)."""
+    begins = bool(phases)  # otherwise what the body does at the start is no event
+    while True:
+        sliding = slip(of, body.velocity, body.spin)
+        if not np.any(sliding) and of.grips:
+            phases.append(_rolling(of, body))
+            if begins:
+                changes.append(Change("rest" if _rests(of, body, scale) else "roll", body))
+            return
+        if begins:
+            changes.append(Change("slip", body))
+        phase, lasting = _slipping(of, body, sliding)
+        phases.append(phase)
+        if not np.isfinite(lasting):
+            return
+        ended = at(of, phase, lasting)
+        body, begins = replace(ended, spin=rolling_spin(of, ended.velocity, ended.spin)), True
+
+
+def _rests(of: Ball, body: Moment, scale: float) -> bool:
+    speed = float(np.linalg.norm(body.velocity) + of.radius * abs(body.spin[2]))
+    return not of.downhill and speed <= AT_REST * scale
+
+
+def _rolling(of: Ball, body: Moment) -> Phase:
+    downhill = of.downhill / (1 + of.ratio)
+    return Phase(body, np.array([downhill, ZERO, ZERO]), np.array([ZERO, downhill / of.radius, ZERO]))
+
+
+def _slipping(of: Ball, body: Moment, sliding: WideArray) -> tuple[Phase, Wide]:
+    """The slip that begins with a velocity (3,) of the point that touches, and how long it lasts (s)."""
+    downhill, braking, slowing = of.downhill, of.braking, of.slowing
+    size = np.hypot(sliding[0], sliding[1])
+    direction = sliding / size if size else np.array([Wide(1), ZERO, ZERO])
+    acceleration = np.array([downhill, ZERO, ZERO]) - braking * direction
+    turning = braking / (of.ratio * of.radius)
+    phase = Phase(body, acceleration, np.array([-turning * direction[1], turning * direction[0], ZERO]), slips=True)
+    if not slowing:
+        return phase, Wide(np.inf)
+    if downhill and sliding[1]:
+        turned = hodograph(downhill, slowing, sliding)
+        return replace(phase, hodograph=turned), turned.duration
+    against = slowing - downhill * direction[0]
+    return phase, size / against if size and against > 0 else Wide(np.inf)

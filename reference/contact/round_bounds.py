@@ -1,0 +1,102 @@
+"""Bounds of the errors of the motion of a round body: roundings, and which side of an impact an instant is on.
+
+No error of the velocity of the body grows: friction that is not reached ends the slip, and the other brings two slips nearer
+to each other. So the roundings of the phases add up.
+"""
+
+import numpy as np
+
+from bodycheck.reference.bounds import EPS
+from bodycheck.reference.contact.ball import Ball
+from bodycheck.reference.contact.phases import Course
+from bodycheck.reference.exact.numbers import Wide
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.witness import WideArray
+
+#: Roundings of a state in a phase, relative to the size of its terms.
+ROUNDINGS = 64.0
+
+#: How near the slope is to the steepest one on which the body rolls, in roundings of doubles, where both motions are bounded.
+EDGE = 4.0
+
+
+def errors(
+    of: Ball,
+    found: Course,
+    position_error: Wide,
+    velocity_error: Wide,
+    times: WideArray,
+    place: WideArray,
+    velocity: WideArray,
+    spin: WideArray,
+) -> dict[str, Array]:
+    """The bounds (n,) of the states at times (n,), by the names of `bounds.STATES`.
+
+    position_error, velocity_error: of the start (m, m/s). place: (n,) the phases of the instants. velocity, spin: (n, 3) there.
+    """
+    begins = [phase.start for phase in found.phases]
+    speeds = np.maximum.accumulate([_speed(of, begin.velocity, begin.spin) for begin in begins])
+    speed = np.maximum(speeds[place], np.array([_speed(of, v, w) for v, w in zip(velocity, spin, strict=True)]))
+    unit = ROUNDINGS * np.finfo(Wide).eps * (place + 1)
+    late = _late(of, found) * (place > 0)
+    size = np.sqrt(begins[0].position @ begins[0].position)
+    slope = _edge(of) * times
+    fast = unit * speed + velocity_error + (of.onto + of.downhill) * late + slope
+    drift = unit * speed * times + speed * late + times * (velocity_error + slope)
+    far = unit * (size + of.radius) + position_error + drift
+    rolling = (1 + 1 / of.ratio) / of.radius
+    jumps = _jumps(of, found, times)
+    return {
+        "error": (unit + rolling * drift).astype(float),
+        "position_error": far.astype(float),
+        "velocity_error": (fast + jumps[0]).astype(float),
+        "angular_velocity_error": (rolling * fast + jumps[1]).astype(float),
+    }
+
+
+def event_errors(of: Ball, found: Course) -> WideArray:
+    """The bounds of the times (m,) of the events of a motion (s)."""
+    if not found.changes:
+        return np.zeros(0, Wide)
+    times = np.array([change.moment.time for change in found.changes])
+    speed = np.max([_speed(of, phase.start.velocity, phase.start.spin) for phase in found.phases])
+    least = of.slowing - of.downhill if of.slowing > of.downhill else of.slowing
+    stops = np.array([change.kind != "impact" for change in found.changes])
+    ends = stops * (speed / least if least else Wide(0))
+    unit = ROUNDINGS * np.finfo(Wide).eps * (np.arange(len(times)) + 1)
+    return np.asarray(np.where(times > 0, unit * (times + ends) + _late(of, found), 0))
+
+
+def _speed(of: Ball, velocity: WideArray, spin: WideArray) -> Wide:
+    return Wide(np.sqrt(velocity @ velocity) + of.radius * np.sqrt(spin @ spin))
+
+
+def _late(of: Ball, found: Course) -> Wide:
+    """The bound of the error of the time of the first impact (s), from the roundings of the height."""
+    first = next((change for change in found.changes if change.kind == "impact"), None)
+    if first is None:
+        return Wide(0)
+    height = found.phases[0].start.position[2]
+    return Wide(ROUNDINGS * np.finfo(Wide).eps * (height / first.normal_speed + first.moment.time)) * (first.moment.time > 0)
+
+
+def _edge(of: Ball) -> Wide:
+    """By how much the accelerations of slip and roll may differ on the steepest slope on which the body rolls (m/s^2)."""
+    near = abs(of.downhill - of.slowing) <= EDGE * EPS * of.downhill
+    return Wide(EDGE * EPS * of.downhill * near)
+
+
+def _jumps(of: Ball, found: Course, times: WideArray) -> tuple[WideArray, WideArray]:
+    """What velocities (n,), m/s, and angular velocities (n,), rad/s, may miss: an instant is before an impact or after it."""
+    changes = found.changes
+    if not changes:
+        return np.zeros_like(times), np.zeros_like(times)
+    instants, margins = np.array([change.moment.time for change in changes]), event_errors(of, found)
+    jumps = np.array([change.jumps for change in changes])
+    found_jumps = np.zeros((2, len(times)), Wide)
+    after = np.searchsorted(instants, times)
+    for beside in (after - 1, after):
+        one = np.clip(beside, 0, len(changes) - 1)
+        near = np.abs(times - instants[one]) < margins[one]
+        found_jumps += np.where(near, jumps[one].T, 0)
+    return found_jumps[0], found_jumps[1]

@@ -1,0 +1,133 @@
+"""The motion of a round body on a plane at given instants: its beginning, its states and attitudes, and its events."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.contact.ball import Ball, Moment, rolling_spin, slip
+from bodycheck.reference.contact.motion import ContactMotion, Event, Interface
+from bodycheck.reference.contact.phases import Course, course, states
+from bodycheck.reference.contact.problem import NONE, ContactBody
+from bodycheck.reference.contact.round_bounds import errors, event_errors
+from bodycheck.reference.contact.round_turns import turned, turns_between
+from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.exact.numbers import Wide
+from bodycheck.reference.kinematics import conjugate, dot, multiply, normalise, rotate
+from bodycheck.reference.mechanisms.mechanism import WORLD
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.witness import WideArray
+
+
+@dataclass(frozen=True, eq=False)
+class Begin:
+    """How a round body begins.
+
+    Attributes
+    ----------
+    moment
+        The body at t = 0.
+    airborne
+        Whether it is in flight, or hits the plane at once.
+    position_error, velocity_error
+        What was taken for a zero in the position (m) and in the velocity (m/s).
+    """
+
+    moment: Moment
+    airborne: bool
+    position_error: Wide
+    velocity_error: Wide
+
+
+def begin(of: Ball, position: WideArray, velocity: WideArray, spin: WideArray) -> Begin:
+    """How a body begins, from its position, velocity and angular velocity (3,) along the axes of the plane.
+
+    Raises `NotModelled` for a body that begins within the plane, or that slips where nothing slips.
+    """
+    height, speed = position[2] - of.radius, np.sqrt(dot(velocity, velocity))
+    if height < -NONE * of.radius:
+        raise NotModelled("a body that begins within the plane")
+    placed, moving, turning = position.copy(), velocity.copy(), spin.copy()
+    touching = height <= NONE * of.radius
+    if touching:
+        placed[2] = of.radius
+    airborne = not touching or bool(abs(velocity[2]) > NONE * speed)
+    if not airborne:
+        moving[2] = Wide(0)
+        sliding = slip(of, moving, turning)
+        size, scale = np.hypot(sliding[0], sliding[1]), speed + of.radius * np.sqrt(dot(spin, spin))
+        if 0 < size <= NONE * scale and of.friction > 0:
+            moving = moving - sliding * (of.ratio / (1 + of.ratio))
+            turning = rolling_spin(of, moving, turning)
+        elif size and np.isinf(of.friction):
+            raise NotModelled("a body that slips at the start on a plane on which nothing slips")
+    moved_by = np.abs(velocity - moving).sum() + of.radius * np.abs(turning - spin).sum()
+    return Begin(Moment(Wide(0), placed, moving, turning), airborne, abs(height) * touching, moved_by)
+
+
+def moved(of: Ball, body: ContactBody, begun: Begin, times: Array, model: str, reason: str) -> ContactMotion:
+    """The motion at ascending times (n,) >= 0 (s). Raises `OutOfReach` for too many impacts."""
+    wide_times = times.astype(Wide)
+    found = course(of, begun.moment, begun.airborne, wide_times.max(initial=Wide(0)))
+    starts = np.array([phase.start.time for phase in found.phases])
+    # At the instant of an impact the body is still as before it, and so at t = 0 as the file says.
+    place = np.maximum(np.searchsorted(starts, wide_times, side="left") - 1, 0)
+    position, velocity, spin = (np.zeros((len(times), 3), Wide) for _ in range(3))
+    turn = np.zeros((len(times), 4), Wide)
+    before = turns_between(of, found, starts)
+    for index in np.unique(place):
+        here, phase = place == index, found.phases[index]
+        lasting = wide_times[here] - starts[index]
+        position[here], velocity[here], spin[here] = states(of, phase, lasting)
+        turn[here] = multiply(turned(of, phase, lasting), before[index])
+    quaternion = normalise(multiply(turn, body.quaternion))
+    return ContactMotion(
+        position[None],
+        velocity[None],
+        quaternion[None],
+        rotate(conjugate(quaternion), spin)[None],
+        errors(of, found, begun.position_error, begun.velocity_error, wide_times, place, velocity, spin),
+        _events(of, found),
+        model,
+        reason,
+        _friction(of, found),
+        _interfaces(of, found),
+    )
+
+
+def _events(of: Ball, found: Course) -> tuple[Event, ...]:
+    return tuple(
+        Event(
+            change.kind,
+            float(change.moment.time),
+            float(error),
+            0,
+            _vector(change.moment.position),
+            _vector(change.moment.velocity),
+            _vector(change.moment.spin),
+            float(change.normal_speed),
+        )
+        for change, error in zip(found.changes, event_errors(of, found), strict=True)
+    )
+
+
+def _vector(values: WideArray) -> Vector:
+    x, y, z = values.tolist()
+    return float(x), float(y), float(z)
+
+
+def _friction(of: Ball, found: Course) -> float:
+    """The smallest coefficient with which nothing slips; 0 where something slips."""
+    rolls = any(not phase.airborne for phase in found.phases)
+    needed = of.downhill / of.onto * of.ratio / (1 + of.ratio) if rolls and of.onto else Wide(0)
+    needed = max([needed, *(change.grip for change in found.changes)])
+    if any(phase.slips for phase in found.phases) or needed > of.friction:
+        return 0.0
+    return float(needed)
+
+
+def _interfaces(of: Ball, found: Course) -> tuple[Interface, ...]:
+    """The load of the plane where the body rests from the start on."""
+    first = found.phases[0]
+    rests = not (first.airborne or first.start.velocity.any() or first.start.spin.any() or first.acceleration.any())
+    return (Interface((WORLD, 0), float(of.mass * of.onto)),) if rests else ()
