@@ -42,6 +42,8 @@ def models(mechanism: Mechanism, integrator: str) -> dict[str, Model]:
 def lacking(mechanism: Mechanism, model: str) -> str | None:
     """Return why there is no such model of a mechanism; None if there is."""
     joints = mechanism.joints
+    if model != "joints" and mechanism.plane is not None:
+        return "its bodies touch"
     if model == "three-hinges":
         balls = [joint for joint in joints if joint.type == "spherical"]
         if not balls:

@@ -1,4 +1,4 @@
-"""Write the contact of a flat body with a plane as MuJoCo's XML, and define the options of a method that change the contact.
+"""Write the contact of a flat body with a plane as MuJoCo's XML, and define the options of a method that change contacts.
 
 A method may have options, as in `Euler:cone=elliptic,solref=0.004 1`. An option that is not given is not written into the
 XML, and keeps the default of the installed MuJoCo. The keys are:
@@ -8,6 +8,8 @@ XML, and keeps the default of the installed MuJoCo. The keys are:
 - noslip: the number of iterations of MuJoCo's noslip solver.
 - condim: the dimensions of a contact: 1 (no friction), 3 (sliding), 4 (sliding, torsion), 6 (sliding, torsion, rolling).
 - solref, solimp: MuJoCo's parameters for the stiffness and the softness of a contact.
+- multiccd: whether MuJoCo looks for several points of a contact that it finds by convex optimisation; not on a level plane.
+- restitution: see `touching`; not for a body that lies flat.
 - pads: n replaces the body's own shape by n x n small spheres at the centres of equal cells of its lower face; a round face
   keeps only the spheres inside it. Without pads, MuJoCo finds at most four contacts.
 
@@ -75,22 +77,37 @@ def parts(scene: Scene, plane: Plane, chosen: Mapping[str, str], shortest: float
         If the body has no flat face, or if MuJoCo would silently change the friction or the time constant.
     """
     shape = lying_shape(scene)
-    # MuJoCo does not accept a coefficient of zero in contacts with friction, so a frictionless contact has one dimension.
-    condim = chosen.get("condim", "3" if plane.friction else "1")
-    if condim != "1" and plane.friction < MUJOCO_MIN_FRICTION:
-        raise SceneUnsupported(f"MuJoCo's least friction is {MUJOCO_MIN_FRICTION:g}, the scene's is {plane.friction:g}")
-    if 0 < (timeconst := float(chosen.get("solref", "0").split()[0])) < shortest:
-        raise SceneUnsupported(f"MuJoCo would raise the time constant {timeconst:g} s of solref to {shortest:g} s")
-    option = {attribute: chosen[key] for key, attribute in OPTION_ATTRIBUTES.items() if key in chosen}
-    geom = {"condim": condim, "friction": numbers_written(plane.friction, *TORSION_AND_ROLLING_FRICTION_M)}
+    check_time_constant(chosen, shortest)
+    geom = {"condim": dimensions(plane.friction, chosen)}
+    geom["friction"] = numbers_written(plane.friction, *TORSION_AND_ROLLING_FRICTION_M)
     geom |= {key: value for key, value in chosen.items() if key in ("solref", "solimp")}
     return Parts(
         "",
-        written(option),
+        written(solver_options(chosen)),
         f"<default><geom {written(geom)}/></default>",
         '<geom type="plane" size="0 0 1"/>',
         "\n      ".join(body_geoms(shape, int(chosen.get("pads", "0")))),
     )
+
+
+def check_time_constant(chosen: Mapping[str, str], shortest: float) -> None:
+    """Raise `SceneUnsupported` if MuJoCo would raise the time constant of solref to the shortest one (s)."""
+    if 0 < (timeconst := float(chosen.get("solref", "0").split()[0])) < shortest:
+        raise SceneUnsupported(f"MuJoCo would raise the time constant {timeconst:g} s of solref to {shortest:g} s")
+
+
+def dimensions(friction: float, chosen: Mapping[str, str]) -> str:
+    """Return the dimensions of a contact. Raises `SceneUnsupported` if MuJoCo would silently change its friction."""
+    # MuJoCo does not accept a coefficient of zero in contacts with friction, so a frictionless contact has one dimension.
+    condim = chosen.get("condim", "3" if friction else "1")
+    if condim != "1" and friction < MUJOCO_MIN_FRICTION:
+        raise SceneUnsupported(f"MuJoCo's least friction is {MUJOCO_MIN_FRICTION:g}, the scene's is {friction:g}")
+    return condim
+
+
+def solver_options(chosen: Mapping[str, str]) -> dict[str, str]:
+    """Return the attributes of the XML element `option` that are chosen."""
+    return {attribute: chosen[key] for key, attribute in OPTION_ATTRIBUTES.items() if key in chosen}
 
 
 def written(attributes: dict[str, str]) -> str:
@@ -133,8 +150,10 @@ def numbers_written(*values: float) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
-#: Contact options have an effect only in scenes with a plane.
-ON_PLANE: frozenset[Kind] = frozenset({"plane"})
+#: Contact options have an effect only in scenes with a plane; some only where the body lies flat, or only where none does.
+ON_PLANE: frozenset[Kind] = frozenset({"plane", "contact"})
+FLAT: frozenset[Kind] = frozenset({"plane"})
+NOT_FLAT: frozenset[Kind] = frozenset({"contact"})
 
 POSITIVE, NOT_POSITIVE, NOT_NEGATIVE = Range(0, above=True), Range(most=0), Range(0)
 FRACTION, AT_LEAST_ONE = Range(0, 1), Range(1)
@@ -158,6 +177,8 @@ OPTIONS: dict[str, Option] = {
     "pads": Option(
         f"a whole number from 1 to {MAX_PADS_PER_SIDE}",
         numbers=((Range(1, MAX_PADS_PER_SIDE, whole=True),),),
-        kinds=ON_PLANE,
+        kinds=FLAT,
     ),
+    "multiccd": choice("enable", "disable", kinds=NOT_FLAT),
+    "restitution": choice("solref", kinds=NOT_FLAT),
 }

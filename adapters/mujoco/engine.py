@@ -9,8 +9,9 @@ order. The option `drag=fluid` selects MuJoCo's own fluid model instead: an iner
 axis of the body and a drag against its rotation. The density of the medium is chosen such that the drag along the axis of
 the smallest moment, along which a long body flies, equals that of the scene.
 
-A body on a plane touches the plane by MuJoCo's own soft contact, whose options the module `contact` defines. The option
-`model=planar` selects the smallest model instead: three coordinates, with the reference's friction as an external force.
+A body that lies flat on a level plane touches it by MuJoCo's own soft contact, whose options the module `contact` defines. The
+option `model=planar` selects the smallest model instead: three coordinates, with the reference's friction as an external force.
+Bodies that touch in any other way, one or several, are in the module `touching`.
 """
 
 import math
@@ -23,13 +24,23 @@ import numpy as np
 from bodycheck.adapters import flat_contact
 from bodycheck.adapters import mechanism_models as larger_mechanisms
 from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, Model, SceneUnsupported, Strides, choice
-from bodycheck.adapters.mujoco import INSTALLATION, bodies, contact, exporting, links, mechanism_xml, mechanisms, robots
+from bodycheck.adapters.mujoco import (
+    INSTALLATION,
+    bodies,
+    contact,
+    exporting,
+    links,
+    mechanism_xml,
+    mechanisms,
+    robots,
+    touching,
+)
 from bodycheck.adapters.mujoco import models as scene_models
 from bodycheck.adapters.mujoco.compiling import compiled_model
 from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
 from bodycheck.adapters.mujoco.worlds import BATCH, Worlds
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.requirements import requirements
+from bodycheck.reference.requirements import requirements, touches
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -103,10 +114,13 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(mujoco.__version__),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag", *mechanisms.MODELS}),
+    models=frozenset(
+        {"gravity", "translation", "rotation", "contact", "friction", "drag", *mechanisms.MODELS, *touching.MODELS}
+    ),
     variants={
         "drag": tuple(f"{name}:drag=fluid" for name in available()),
         "plane": ("Euler:cone=elliptic", "Euler:cone=elliptic,pads=4", "Euler:model=planar"),
+        "contact": ("Euler:cone=elliptic",),
     },
     batch=BATCH,
     varies=frozenset({"body", "gravity"}),
@@ -117,6 +131,7 @@ engine = Engine(
 calls = CALLS
 
 prepare_mechanism, mechanism_script = mechanisms.prepare_mechanism, mechanisms.mechanism_script
+prepare_touching, interface_loads = touching.prepare_touching, touching.interface_loads
 read_robot, compiled = robots.read_robot, robots.compiled
 
 
@@ -126,9 +141,12 @@ def mechanism_models(mechanism: Mechanism, integrator: str) -> dict[str, Model]:
 
 
 def models(scene: Scene, integrator: str) -> dict[str, Model]:
-    """Return the models of a scene by name; a method with contact options or with `model=` has no choice of models."""
+    """Return the models of a scene by name; a method with contact options or with `model=` has no choice of models.
+
+    Neither has a body that touches a plane otherwise than lying flat on a level one.
+    """
     method = Method.parse(integrator, 0.0)
-    if method.option("model") or (scene.plane is not None and method.options):
+    if touches(scene) or method.option("model") or (scene.plane is not None and method.options):
         return {}
     own = {
         name: replace(method, options=tuple(sorted((*method.options, ("model", name)))))
@@ -227,6 +245,8 @@ def external_force(scene: Scene, method: Method, model: str, data: mujoco.MjData
 
 def script(scene: Scene, method: Method, duration: float, samples: int) -> str:
     """Return a script for MuJoCo alone, as `Scripts.script` does."""
+    if touches(scene):
+        return exporting.touching_script(scene, method, duration, samples)
     model = model_of(scene, method)
     xml, joints = description(scene, method, model)
     compiled_model(xml)  # what MuJoCo refuses is no script

@@ -1,10 +1,18 @@
 """Write what a run does as a script for MuJoCo alone."""
 
+import numpy as np
+
 from bodycheck.adapters import scripts
 from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.mujoco import models as scene_models
+from bodycheck.adapters.mujoco import touching
 from bodycheck.adapters.mujoco.models import Joints
+from bodycheck.adapters.touching import switches, touching_bodies
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Scene
+
+#: Take the steps to the next sample.
+ADVANCE = "if step > done:\n    mujoco.mj_step(model, data, step - done)"
 
 SCRIPT = '''\
 {future}
@@ -63,7 +71,6 @@ def script(scene: Scene, method: Method, xml: str, joints: Joints, model: str, d
         "translation": f"[*data.qpos, *{scripts.written(initial.quaternion)}, *data.qvel, 0.0, 0.0, 0.0]",
         "rotation": f"[*{scripts.written(initial.position)}, *data.qpos, 0.0, 0.0, 0.0, *data.qvel]",
     }.get(model, "[*data.qpos, *data.qvel]")
-    advance = "if step > done:\n    mujoco.mj_step(model, data, step - done)"
     force = DRAG.format(source=scripts.source(scene_models.drag_force), drag=scene.drag) if dragged else ""
     end = "\nmujoco.set_mjcb_passive(None)\n" if dragged else ""
     return SCRIPT.format(
@@ -73,5 +80,36 @@ def script(scene: Scene, method: Method, xml: str, joints: Joints, model: str, d
         qpos=scripts.written(joints.qpos),
         qvel=scripts.written(joints.qvel),
         force=force,
-        loop=scripts.loop(advance, state) + end,
+        loop=scripts.loop(ADVANCE, state) + end,
+    )
+
+
+def touching_script(scene: AnyScene, method: Method, duration: float, samples: int) -> str:
+    """Return a script of bodies that touch, as `Scripts.script` and `MechanismScripts.mechanism_script` do.
+
+    Raises `SceneUnsupported` for pushes that begin, end or turn a body: these are switched and turned by bodycheck.
+    """
+    pushes = switches(scene.pushes, method.timestep)
+    if len(pushes) > 1 or any(any(push.point) for push in scene.pushes):
+        raise SceneUnsupported("a script of pushes that begin later, end, or act beside the centre of mass")
+    bodies = touching_bodies(scene)
+    xml = touching.document(scene, bodies, method)
+    simulation = touching.prepare_touching(scene, method)
+    simulation.advance(np.zeros(1, dtype=np.int64))
+    data = simulation.stepper.data
+    applied = f"data.qfrc_applied[:] = {scripts.written(data.qfrc_applied)}\n" if scene.pushes else ""
+    if isinstance(scene, Mechanism):
+        names = f"BODIES = {[body.name for body in bodies]}\n\n\n{scripts.source(touching.states_of)}\n"
+        states = "states_of(np.concatenate([data.qpos, data.qvel])[None], len(BODIES))[0]"
+        applied, loop = applied + names, scripts.mechanism_loop(ADVANCE, states)
+    else:
+        loop = scripts.loop(ADVANCE, "[*data.qpos, *data.qvel]")
+    return SCRIPT.format(
+        future=scripts.FUTURE,
+        sampling=scripts.sampling(method.timestep, duration, samples),
+        xml=xml,
+        qpos=scripts.written(data.qpos),
+        qvel=scripts.written(data.qvel),
+        force=applied,
+        loop=loop,
     )

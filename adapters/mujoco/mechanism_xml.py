@@ -38,7 +38,9 @@ JOINTED: frozenset[Kind] = frozenset({"mechanism"})
 
 #: The options that each integrator has for a mechanism, some of which it has on a plane too.
 OPTIONS: dict[str, Option] = {
-    **{key: replace(contact.OPTIONS[key], kinds=contact.ON_PLANE | JOINTED) for key in ("solref", "solimp", "noslip")},
+    **{
+        key: replace(contact.OPTIONS[key], kinds=contact.OPTIONS[key].kinds | JOINTED) for key in ("solref", "solimp", "noslip")
+    },
     "solreffriction": replace(contact.OPTIONS["solref"], kinds=JOINTED),
     "solimpfriction": replace(contact.OPTIONS["solimp"], kinds=JOINTED),
 }

@@ -18,6 +18,7 @@ from bodycheck.adapters import mechanism_models, scripts
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.mechanisms import frames, starts
 from bodycheck.adapters.mujoco.compiling import compiled_model
+from bodycheck.adapters.mujoco.exporting import touching_script
 from bodycheck.adapters.mujoco.mechanism_xml import document
 from bodycheck.adapters.mujoco.stepping import Stepper
 from bodycheck.reference.kinematics import conjugate, rotate
@@ -77,6 +78,8 @@ def described(mechanism: Mechanism, method: Method) -> tuple[Mechanism, str]:
 
 def mechanism_script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
     """Return a script for MuJoCo alone, as `MechanismScripts.mechanism_script` does. Raises `SceneUnsupported`."""
+    if mechanism.plane is not None:
+        return touching_script(mechanism, method, duration, samples)
     mechanism, xml = described(mechanism, method)
     model = compiled_model(xml)
     data = mujoco.MjData(model)

@@ -179,16 +179,15 @@ class Stepper:
             row[:nq] = qpos
             row[nq:] = qvel
 
-    def _state(self) -> tuple[float, Array, Array, Array]:
+    def _state(self) -> tuple[float, Array, Array, Array, Array]:
         data = self.data
-        return data.time, data.qpos.copy(), data.qvel.copy(), data.qacc_warmstart.copy()
+        return data.time, data.qpos.copy(), data.qvel.copy(), data.qacc_warmstart.copy(), data.qfrc_applied.copy()
 
-    def _restore(self, state: tuple[float, Array, Array, Array]) -> None:
-        """Return to a state and forget all warnings."""
-        data, applied = self.data, self.data.qfrc_applied.copy()
+    def _restore(self, state: tuple[float, Array, Array, Array, Array]) -> None:
+        """Return to a state with its applied forces, which a reset of MuJoCo has cleared, and forget all warnings."""
+        data = self.data
         mujoco.mj_resetData(self.model, data)
-        data.time, data.qpos[:], data.qvel[:], data.qacc_warmstart[:] = state
-        data.qfrc_applied[:] = applied
+        data.time, data.qpos[:], data.qvel[:], data.qacc_warmstart[:], data.qfrc_applied[:] = state
 
     def _find_warning(self, strides: Strides, rows: Array, first: int) -> None:
         """Repeat the strides from the first on, in which MuJoCo gave a warning, and raise `EngineDiverged` at that step."""

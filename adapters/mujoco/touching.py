@@ -1,0 +1,256 @@
+"""Step free bodies that touch a plane and each other in MuJoCo, by MuJoCo's own contacts.
+
+Each body has a free joint at its centre of mass and one geom of its shape. The plane is an infinite geom that is turned about
+y. All geoms have the friction of the scene's plane: MuJoCo takes the larger coefficient of two geoms, and so has this one for
+every pair. The pairs that touch otherwise are elements `pair`, which take the place of the contacts that MuJoCo finds itself.
+A pair without friction has contacts of one dimension. The options of the module `contact` apply to all pairs.
+
+MuJoCo has no coefficient of restitution. What a body gives back of its velocity follows from the stiffness and the damping of
+the contact, which do not depend on the scene by default. The option `restitution=solref` chooses both for each pair that has a
+coefficient, such that a point that hits a fixed plane without gravity gives back this part: see `bounce`.
+
+A push is an applied force. One beside the centre of mass turns with the body, and is evaluated together with MuJoCo's own
+passive forces, so that every integrator keeps its order.
+"""
+
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+from scipy.optimize import brentq
+
+from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Strides
+from bodycheck.adapters.mujoco import contact
+from bodycheck.adapters.mujoco.compiling import compiled_model
+from bodycheck.adapters.mujoco.contact import numbers_written
+from bodycheck.adapters.mujoco.models import Force, geometry
+from bodycheck.adapters.mujoco.stepping import Stepper, external_force, refuse_warnings
+from bodycheck.adapters.touching import TouchingBody, laws, plane_of, switches, touching_bodies
+from bodycheck.reference.kinematics import conjugate, rotate
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
+from bodycheck.reference.scene import Push
+from bodycheck.reference.trajectory import Array
+
+#: The requirements of touching bodies that MuJoCo models, of which restitution is an approximation.
+MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts"})
+
+#: Number of steps that a bounce lasts with `restitution=solref`: fewer are not resolved, more are a softer contact.
+STEPS_OF_A_BOUNCE = 20
+
+
+#: Least coefficient with `restitution=solref`. The damping takes a contact's velocity away within a step for this one.
+LEAST_RESTITUTION = 0.02
+
+
+class Touching:
+    """A simulation of bodies that touch, whose pushes are switched at the starts of steps.
+
+    Parameters
+    ----------
+    stepper
+        MuJoCo's model in its initial state.
+    pushes
+        The pushes that act from some steps on, as `switches` returns them.
+    """
+
+    def __init__(self, stepper: Stepper, pushes: Mapping[int, tuple[Push, ...]]) -> None:
+        self.stepper, self.pushes, self.done = stepper, pushes, 0
+
+    def advance(self, strides: Strides) -> Array:
+        """Return the states (1, n, bodies, 13) after each of n strides, as `Simulation.advance` does."""
+        ends = self.done + np.cumsum(strides)
+        cuts = np.array([step for step in self.pushes if self.done < step < ends[-1]], dtype=np.int64)
+        stops = np.union1d(ends, cuts)
+        parts: list[Array] = []
+        for stretch in np.split(stops, np.searchsorted(stops, cuts, side="right")):
+            self._switch()
+            try:
+                parts.append(self.stepper.advance(np.diff(stretch, prepend=self.done)))
+            except EngineDiverged as signal:
+                seen = np.concatenate([*parts, signal.states], axis=1)
+                known = np.searchsorted(stops, ends)
+                signal.states = seen[:, [*known[known < seen.shape[1] - 1], seen.shape[1] - 1]][:, : len(ends)]
+                raise
+            self.done = int(stretch[-1])
+        return np.concatenate(parts, axis=1)[:, np.searchsorted(stops, ends)]
+
+    def loads(self, steps: int) -> dict[tuple[int, int], Array]:
+        """Return the normal forces (n,), in N, of the pairs that touch in any of n steps; see `interface_loads`."""
+        model, data = self.stepper.model, self.stepper.data
+        found: dict[tuple[int, int], Array] = {}
+        force, body_of = np.empty(6), model.geom_bodyid
+        for first, last in self._stretches(steps):
+            self._switch()
+            with external_force(self.stepper.force):
+                for step in range(first, last):
+                    time = data.time
+                    mujoco.mj_step(model, data)
+                    refuse_warnings(data, time)
+                    for number, geoms in enumerate(data.contact.geom):
+                        mujoco.mj_contactForce(model, data, number, force)
+                        # The world is MuJoCo's body 0, and the bodies follow in their order.
+                        one, other = sorted((body_of[geoms] - 1).tolist())
+                        found.setdefault((one, other), np.zeros(steps))[step] += force[0]
+            self.done = last
+        return found
+
+    def _stretches(self, steps: int) -> list[tuple[int, int]]:
+        """Return the first steps, and those after the last, of the parts of a number of steps with the same pushes each."""
+        edges = [*(step for step in self.pushes if step < steps), steps]
+        return list(itertools.pairwise(edges))
+
+    def _switch(self) -> None:
+        """Apply the pushes that act from now on."""
+        data, acting = self.stepper.data, self.pushes[max(step for step in self.pushes if step <= self.done)]
+        data.qfrc_applied[:] = 0
+        for push in acting:
+            first = 6 * push.body
+            data.qfrc_applied[first : first + 3] += push.force
+        beside = [push for push in acting if any(push.point)]
+        self.stepper.force = torques(data, beside) if beside else None
+
+
+def prepare_touching(scene: AnyScene, method: Method) -> Touching:
+    """Return the simulation of bodies that touch, as `contract.Touching` does. Raises `SceneUnsupported`."""
+    bodies = touching_bodies(scene)
+    model = compiled_model(document(scene, bodies, method))
+    data = mujoco.MjData(model)
+    data.qpos[:], data.qvel[:] = coordinates(bodies)
+    count = len(bodies)
+    return Touching(Stepper(model, data, lambda seen: states_of(seen, count)), switches(scene.pushes, method.timestep))
+
+
+def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[int, int], Array]:
+    """Return the normal forces between pairs that touch in each of n steps, as `contract.Touching` does.
+
+    MuJoCo reports them at the beginning of a step; for RK4 they are those of the last stage.
+    """
+    return prepare_touching(scene, method).loads(steps)
+
+
+def coordinates(bodies: Sequence[TouchingBody]) -> tuple[list[float], list[float]]:
+    """Return MuJoCo's coordinates and velocities of free bodies at t = 0."""
+    starts = [own.start for own in bodies]
+    qpos = [number for start in starts for number in (*start.position, *start.quaternion)]
+    return qpos, [number for start in starts for number in (*start.velocity, *start.angular_velocity)]
+
+
+def states_of(seen: Array, bodies: int) -> Array:
+    """Return the states (n, bodies, 13) from coordinates and velocities (n, 7 + 6 bodies) of free joints at centres of mass."""
+    qpos, qvel = np.split(seen, [7 * bodies], axis=1)
+    return np.concatenate([qpos.reshape(-1, bodies, 7), qvel.reshape(-1, bodies, 6)], axis=2)
+
+
+def torques(data: mujoco.MjData, pushes: Sequence[Push]) -> Force:
+    """Return the torques about the centres of mass of pushes, along the axes of the bodies, as a passive force on data."""
+    places = [push.body for push in pushes]
+    points, forces = np.array([push.point for push in pushes]), np.array([push.force for push in pushes])
+    attitudes = [data.qpos[7 * place + 3 : 7 * place + 7] for place in places]
+    passive = [data.qfrc_passive[6 * place + 3 : 6 * place + 6] for place in places]
+
+    def force(_model: object, _data: object) -> None:
+        quaternions = np.array(attitudes)  # in a stage of RK4 they have norm 1 too
+        turned = np.cross(points, rotate(conjugate(quaternions), forces))
+        for own, torque in zip(passive, turned, strict=True):
+            own += torque
+
+    return force
+
+
+def document(scene: AnyScene, bodies: Sequence[TouchingBody], method: Method) -> str:
+    """Return MuJoCo's XML of a scene with a plane. Raises `SceneUnsupported`."""
+    chosen, plane = dict(method.options), plane_of(scene)
+    check_options(scene, method)
+    root = ElementTree.Element("mujoco")
+    ElementTree.SubElement(root, "compiler", angle="radian", balanceinertia="false", inertiafromgeom="false")
+    option = {"timestep": repr(method.timestep), "integrator": method.integrator}
+    option |= {"gravity": numbers_written(0, 0, -scene.gravity)} | contact.solver_options(chosen)
+    element = ElementTree.SubElement(root, "option", option)
+    if "multiccd" in chosen:
+        ElementTree.SubElement(element, "flag", multiccd=chosen["multiccd"])
+    usual, *others = laws(scene)
+    rolling = contact.TORSION_AND_ROLLING_FRICTION_M
+    own = law_written(usual.friction, usual.restitution, method) | {"friction": numbers_written(usual.friction, *rolling)}
+    ElementTree.SubElement(ElementTree.SubElement(root, "default"), "geom", own)
+    world = ElementTree.SubElement(root, "worldbody")
+    turn = numbers_written(math.cos(plane.incline / 2), 0, math.sin(plane.incline / 2), 0)
+    ElementTree.SubElement(world, "geom", name=geom_name(WORLD), type="plane", size="0 0 1", quat=turn)
+    for place, body in enumerate(bodies):
+        add_body(world, place, body)
+    if others:
+        pairs = ElementTree.SubElement(root, "contact")
+        for law in others:
+            one, other = map(geom_name, law.bodies)
+            sliding = numbers_written(law.friction, law.friction, rolling[0], rolling[1], rolling[1])
+            touching = law_written(law.friction, law.restitution, method) | {"friction": sliding}
+            ElementTree.SubElement(pairs, "pair", {"geom1": one, "geom2": other} | touching)
+    ElementTree.indent(root)
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def add_body(world: ElementTree.Element, place: int, own: TouchingBody) -> None:
+    """Add a free body with its shape to the XML of the world."""
+    element = ElementTree.SubElement(world, "body", name=own.name, pos=numbers_written(*own.start.position))
+    ElementTree.SubElement(element, "freejoint")
+    axes, moments = numbers_written(*own.body.axes), numbers_written(*own.body.moments)
+    mass = numbers_written(own.body.mass)
+    ElementTree.SubElement(element, "inertial", pos="0 0 0", mass=mass, quat=axes, diaginertia=moments)
+    geom = ElementTree.fromstring(geometry(own.shape))
+    geom.set("name", geom_name(place))
+    element.append(geom)
+
+
+def geom_name(place: int) -> str:
+    """Return the name of the geom of a body, or of the plane."""
+    return "plane" if place == WORLD else f"shape {place + 1}"
+
+
+def check_options(scene: AnyScene, method: Method) -> None:
+    """Raise `SceneUnsupported` for options that do not fit the scene or each other, or that MuJoCo would silently change."""
+    chosen = dict(method.options)
+    if (model := chosen.get("model")) is not None:
+        raise SceneUnsupported(f"no model {model!r} of bodies that touch")
+    # For stability, MuJoCo keeps the time constant of a contact above two steps; `discrete` does not need this.
+    contact.check_time_constant(chosen, 0.0 if method.integrator == "discrete" else 2 * method.timestep)
+    if "restitution" in chosen:
+        if "solref" in chosen:
+            raise SceneUnsupported("restitution=solref besides solref: both choose the stiffness of a contact")
+        given = [law.restitution for law in laws(scene) if law.restitution]
+        if not given:
+            raise SceneUnsupported("restitution=solref: nothing in the scene has a coefficient of restitution")
+        if min(given) < LEAST_RESTITUTION:
+            least = f"a coefficient of {min(given):g}; the least is {LEAST_RESTITUTION:g}"
+            raise SceneUnsupported(f"restitution=solref: its damping is not resolved by the steps of a bounce for {least}")
+
+
+def law_written(friction: float, restitution: float, method: Method) -> dict[str, str]:
+    """Return the attributes of a geom or a pair that has these coefficients, besides those of friction."""
+    chosen = dict(method.options)
+    found = {"condim": contact.dimensions(friction, chosen)}
+    found |= {key: value for key, value in chosen.items() if key in ("solref", "solimp")}
+    if "restitution" in chosen and restitution:
+        stiffness, damping = bounce(restitution, method.timestep)
+        found["solref"] = numbers_written(-stiffness, -damping)
+    return found
+
+
+def bounce(restitution: float, timestep: float) -> tuple[float, float]:
+    """Return the stiffness (1/s^2) and the damping (1/s) of a contact that gives back a part of the velocity, 0 to 1.
+
+    A contact pushes only. A point that enters a spring with a damper, x'' = -2 zeta w x' - w^2 x, leaves it where x'' = 0, with
+    the part exp(-2 c / tan c) of its velocity, zeta = cos c (Schwager and Poeschel, Granular Matter 9, 465, 2007), or
+    exp(-2 b / tanh b), zeta = cosh b. w is such that a spring without a damper throws it back after `STEPS_OF_A_BOUNCE`.
+    """
+    stiffness = (math.pi / (STEPS_OF_A_BOUNCE * timestep)) ** 2
+    return stiffness, 2 * damping_ratio(restitution) * math.sqrt(stiffness)
+
+
+def damping_ratio(restitution: float) -> float:
+    """Return the damping ratio of a spring that only pushes and gives back a part of the velocity, above 0 to 1."""
+    wanted = -math.log(restitution)
+    if wanted < 2:
+        return math.cos(brentq(lambda c: 2 * c / math.tan(c) - wanted, 1e-9, 2.0))
+    return math.cosh(brentq(lambda b: 2 * b / math.tanh(b) - wanted, 1e-9, wanted))

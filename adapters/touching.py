@@ -1,0 +1,86 @@
+"""Free bodies that touch a plane and each other, in the form in which engines take them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms.exact import nearest_inertia
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, shape_of
+from bodycheck.reference.planar import describe_shape
+from bodycheck.reference.scene import Body, Plane, Push, Shape, State
+
+
+@dataclass(frozen=True)
+class TouchingBody:
+    """A free body, its shape, and the state of its centre of mass at t = 0. Its frame is that of the case about that point."""
+
+    name: str
+    body: Body
+    shape: Shape
+    start: State
+
+
+@dataclass(frozen=True)
+class Law:
+    """How a pair touches: the places of two bodies, the lower first, of which the first may be `WORLD`, and coefficients."""
+
+    bodies: tuple[int, int]
+    friction: float
+    restitution: float
+
+
+def touching_bodies(scene: AnyScene) -> tuple[TouchingBody, ...]:
+    """Return the bodies of a scene in their order, in the doubles nearest to the numbers of the case.
+
+    Raises `SceneUnsupported` for a body without a shape, or one with products of inertia.
+    """
+    if not isinstance(scene, Mechanism):
+        return (TouchingBody("body", scene.body, _shaped(scene.body.shape), scene.initial),)
+    start, made = kinematics.initial(scene), []
+    for place, body in enumerate(scene.bodies):
+        inertia, own = nearest_inertia(body), start.body(place)
+        xx, yy, zz, *products = inertia.tensor
+        if any(products):
+            raise SceneUnsupported(f"the body {body.name}, whose frame is not along its principal axes, touches others")
+        parts = (own.position, own.quaternion, own.velocity, own.angular_velocity)
+        state = State(*(tuple(part[0].tolist()) for part in parts))
+        shape = _shaped(shape_of(body))
+        made.append(TouchingBody(body.name, Body(inertia.mass, (xx, yy, zz), shape), shape, state))
+    return tuple(made)
+
+
+def plane_of(scene: AnyScene) -> Plane:
+    """Return the plane of a scene that touches one."""
+    assert scene.plane is not None  # `requirements.touches` has said so
+    return scene.plane
+
+
+def laws(scene: AnyScene) -> tuple[Law, ...]:
+    """Return the law of the plane, for all pairs, and those of the pairs that touch otherwise."""
+    plane = plane_of(scene)
+    pairs = scene.contacts if isinstance(scene, Mechanism) else ()
+    usual = Law((WORLD, WORLD), plane.friction, plane.restitution)
+    return usual, *(Law(pair.bodies, pair.friction, pair.restitution) for pair in pairs)
+
+
+def switches(pushes: Sequence[Push], timestep: float) -> dict[int, tuple[Push, ...]]:
+    """Return the pushes that act from each step on at which any begins or ends, by the numbers of the steps, ascending.
+
+    A push begins and ends at the starts of steps that are nearest to its instants. Step 0 is always there.
+    """
+    spans = [(_nearest(push.start, timestep), _nearest(push.end, timestep), push) for push in pushes]
+    steps = sorted({0.0, *(edge for first, end, _ in spans for edge in (first, end) if np.isfinite(edge))})
+    return {int(step): tuple(push for first, end, push in spans if first <= step < end) for step in steps}
+
+
+def _nearest(instant: float, timestep: float) -> float:
+    return float(np.rint(instant / timestep))
+
+
+def _shaped(shape: Shape | None) -> Shape:
+    if shape is None:
+        raise SceneUnsupported(f"{describe_shape(shape)} touches others")
+    return shape
