@@ -53,6 +53,7 @@ SCENES = {"flight": "osrf-boxes-complex", "drag": "football-drag", "plane": "cur
 #: What a mechanism may require of an engine.
 MECHANISM_EFFECTS = {
     *("mechanisms", "loops", "point masses", "armature", "joint damping", "joint springs", "joint friction", "joint efforts"),
+    *("contacts", "pushes"),
     *JOINTS.values(),
 }
 

@@ -1,8 +1,12 @@
 """MuJoCo's contacts of bodies that roll, rest, slide down, bounce, are pushed and bear each other."""
 
+import io
 import math
+import runpy
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -181,6 +185,32 @@ def test_bounces_are_those_of_the_coefficient_where_it_is_asked_for(spelling: st
                 assert 0.75 * coefficient < part < coefficient
             else:  # the contact lasts 20 steps, and its damping is taken from the velocity before the step
                 assert part == pytest.approx(coefficient, abs=0.02)
+
+
+def test_scripts_make_the_steps_of_runs_to_the_last_bit(tmp_path: Path) -> None:
+    method, steps = Method.parse("Euler:cone=elliptic", 0.002), [0, 50, 50, 50]
+    push = Push((1.0, 0.5, 0.0), body=0)
+    alone = on(Plane(0.5, incline=INCLINE), OF_CUBE, pushes=(push,))
+    stack = several([(CUBE, (0.0, 0.0, RADIUS)), (BALL, (0.0, 0.0, 3 * RADIUS))], Plane(0.5), pushes=(push,))
+    programs = {
+        "alone": (alone, adapter.script(alone, method, 0.3, 4)),
+        "stack": (stack, adapter.mechanism_script(stack, method, 0.3, 4)),
+    }
+    for name, (scene, program) in programs.items():
+        (tmp_path / f"{name}.py").write_text(program)
+        with redirect_stdout(io.StringIO()) as printed:
+            runpy.run_path(str(tmp_path / f"{name}.py"))
+        expected = adapter.prepare_touching(scene, method).advance(np.array(steps))[0]
+        rows = [line.split(",")[-13:] for line in printed.getvalue().splitlines()[1:]]
+        np.testing.assert_array_equal(np.array(rows, dtype=float).reshape(expected.shape), expected, err_msg=name)
+    with pytest.raises(SceneUnsupported, match="begin later"):
+        adapter.script(replace(alone, pushes=(replace(push, end=0.1),)), method, 0.3, 4)
+
+
+def test_there_is_no_choice_of_models() -> None:
+    scene = several([(CUBE, (0.0, 0.0, RADIUS))], Plane(0.5))
+    assert adapter.models(on(Plane(0.5), OF_BALL, 1.0), "Euler") == {}
+    assert adapter.mechanism_models(scene, "Euler") == {}
 
 
 def test_what_is_refused() -> None:
