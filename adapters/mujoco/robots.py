@@ -26,6 +26,9 @@ from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.scene import Vector
 
+#: The relative error of inertias in releases before 3.14, which find principal axes to some millionths at each of several welds.
+ROUNDING, EXACT_SINCE = 3e-5, (3, 14)
+
 
 def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
     """Return what MuJoCo makes of a file, as `RobotModels.read_robot` does. Raises `ModelRefused`."""
@@ -54,8 +57,14 @@ def described(model: mujoco.MjModel, kept: Any, format: str) -> RobotReading:
         velocities=int(model.nv),
         gravity=default_gravity(model),
         terms=(),
+        rounding=ROUNDING if release() < EXACT_SINCE else 0.0,
         notes=notes(model, format),
     )
+
+
+def release() -> tuple[int, ...]:
+    """Return the first two numbers of MuJoCo's release."""
+    return tuple(int(number) for number in mujoco.mj_versionString().split(".")[:2])
 
 
 def compiled(path: str) -> RobotModel:
