@@ -26,7 +26,7 @@ from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.scene import Vector
 
-#: The relative error of inertias in releases before 3.14, which find principal axes to some millionths at each of several welds.
+#: The relative error of inertias in releases before 3.14, which find principal axes to a millionth or so at each weld.
 ROUNDING, EXACT_SINCE = 3e-5, (3, 14)
 
 
