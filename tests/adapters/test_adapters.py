@@ -8,9 +8,9 @@ import pytest
 
 from bodycheck import compare, load, simulate, truth
 from bodycheck.adapters import offers, registry
-from bodycheck.adapters.contract import Method, SceneUnsupported, Strides
+from bodycheck.adapters.contract import Method, Strides
 from bodycheck.adapters.stepping import Normalised
-from bodycheck.reference.scene import Body, Plane, Scene, State
+from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.trajectory import Array
 from bodycheck.running.outcome import Diverged, Unsupported
 from tests.support.cases import shortened
@@ -88,17 +88,6 @@ def test_a_silent_reset_of_mujoco_is_diverged(tmp_path: object, monkeypatch: pyt
     assert isinstance(outcome, Diverged)
     assert "reset itself after BADQACC" in outcome.reason
     assert not list(tmp_path.iterdir()), "MuJoCo left a log file in the working directory"
-
-
-@pytest.mark.parametrize("engine", ["mujoco", "pinocchio"])
-def test_a_body_above_a_plane_is_unsupported(engine: str) -> None:
-    scene = replace(TUMBLE.scene, plane=Plane(0.5))
-    adapter = registry.load(engine)
-    name = offers.offered(adapter.engine, scene)[0]
-    with pytest.raises(SceneUnsupported, match=f"{engine} .* does not model this contact"):
-        adapter.prepare([scene], Method.parse(name, 1e-3))
-    run = simulate(replace(TUMBLE, scene=scene), engine, name)
-    assert isinstance(run.outcome, Unsupported)
 
 
 def test_moments_that_mujoco_refuses_are_unsupported() -> None:

@@ -160,7 +160,6 @@ def test_a_body_at_rest_stays_at_rest() -> None:
 def test_what_is_not_modelled_is_named() -> None:
     sliding = load("sliding-brick").scene
     for scene, words in (
-        (replace(load("free-brick").scene, plane=Plane(0.5)), "does not lie flat"),
         (replace(sliding, drag=0.1), "drag on a body that slides"),
         (replace(sliding, body=replace(sliding.body, axes=(0.0, 1.0, 0.0, 0.0))), "principal axes"),
         (replace(sliding, plane=Plane(3.0, pressure="balanced")), "would tip"),

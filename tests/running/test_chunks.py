@@ -2,6 +2,7 @@
 
 import random
 import threading
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import date
@@ -91,6 +92,9 @@ def test_nothing_is_done_after_the_receipts_are_closed() -> None:
 
     def perform(chunk: Any) -> Any:
         crews.check()
+        while chunk > 100:  # however busy the machine is, the rest is not done before the end
+            time.sleep(0.01)
+            crews.check()
         done.append(chunk)
         return chunk
 
@@ -98,4 +102,4 @@ def test_nothing_is_done_after_the_receipts_are_closed() -> None:
     next(receipts)
     receipts.close()
     assert threading.active_count() == threads
-    assert len(done) < 100_000
+    assert len(done) <= 101
