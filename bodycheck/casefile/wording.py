@@ -20,6 +20,9 @@ TOML_WORDING = {
     "string_type": "should be a string",
 }
 
+#: A power of ten that pydantic writes with all its zeros.
+LONG_POWER = re.compile(r"\b1(0{16,})\b")
+
 
 def is_misleading(record: Any) -> bool:
     """Return whether pydantic reports too few items only because some of them have faults of their own."""
@@ -48,6 +51,7 @@ def explain(record: Any, document: dict[str, Any], form: Format) -> tuple[Path, 
     if kind in ("too_long", "too_short"):
         side, bound = ("most", "max_length") if kind == "too_long" else ("least", "min_length")
         message = f"has {len(record['input'])} items; allowed: at {side} {record['ctx'][bound]}"
+    message = LONG_POWER.sub(lambda power: f"1e{len(power[1])}", message)
     if kind == "literal_error":
         message += _suggestion(record["input"], re.findall("'([^']*)'", record["ctx"]["expected"]))
     return path, message

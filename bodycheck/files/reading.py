@@ -106,6 +106,6 @@ def check_regular(path: Path) -> None:
 def _check_kind(path: Path, mode: int) -> None:
     """Raise `Refused` unless the mode is that of a regular file."""
     if stat.S_ISLNK(mode):
-        raise Refused(path, "is a symbolic link; a results folder must not contain any")
+        raise Refused(path, "is a symbolic link, and none is followed here; put the file itself there")
     if not stat.S_ISREG(mode):
         raise Refused(path, "is not a regular file")

@@ -118,29 +118,28 @@ def draw(
             momentum = _constancy(seen)
     drawn = {name: _words(name, own, gaps[name]) for name, own in peaks.items() if any(own.values()) or gaps[name]}
     blank = tuple(name for name in peaks if name not in drawn)
-    moved = _joints(verdicts, known, truths, instants)
-    if moved:
-        datasets["joints"] = moved
-    joints = {kind: Drawn(*told) for kind, told in joint_curves.described(moved).items()}
+    joints = {}
+    if truths and isinstance(mechanism := truths[min(truths)].scene, Mechanism):
+        moved = _joints(mechanism, verdicts, known, truths[min(truths)], instants)
+        datasets |= {"joints": moved} if moved else {}
+        joints = {kind: Drawn(*told) for kind, told in joint_curves.described(moved, mechanism).items()}
     return Curves(datasets, drawn, blank, momentum, joints)
 
 
 def _joints(
+    mechanism: Mechanism,
     verdicts: Mapping[str, Verdict],
     known: Mapping[tuple[str, float], Truth],
-    truths: Mapping[float, Truth],
+    truth: Truth,
     instants: int,
 ) -> list[dict[str, Any]]:
-    """Return the curves of the joints of a mechanism, at the smallest time step; none of any other scene."""
-    first = truths[min(truths)] if truths else None
-    if first is None or not isinstance(first.scene, Mechanism):
-        return []
+    """Return the curves of the joints of a mechanism and its truth, which is that at the smallest time step."""
     runs = {
         label: (verdict.run.outcome.trajectory, known[verdict.label, verdict.run.method.timestep].trajectory)
         for label, verdict in verdicts.items()
         if isinstance(verdict.run.outcome, Completed)
     }
-    return joint_curves.rows(first.scene, first.trajectory, runs, max(FEWEST_CORNERS, instants // SHARE))
+    return joint_curves.rows(mechanism, truth.trajectory, runs, max(FEWEST_CORNERS, instants // SHARE))
 
 
 def _floor(truth: Truth, peaks: Mapping[str, Mapping[str, float]], points: int) -> dict[str, Any]:

@@ -4,13 +4,14 @@ A row is one curve: `joint`, `kind` ("angle" in rad or "slide" in m), `method`, 
 ball, and that of the attitude of a free joint, is the angle of one rotation. `time_charts.joints` draws them.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
 import numpy as np
 
 from bodycheck.reference.mechanisms import kinematics
-from bodycheck.reference.mechanisms.coordinates import places
+from bodycheck.reference.mechanisms.coordinates import COORDINATES, places
 from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reports.quantities import listing
@@ -25,6 +26,9 @@ TRUTH = "the truth"
 
 #: Most coordinates of each kind that have curves, and most runs besides the truth.
 MOST_COORDINATES, MOST_RUNS = 8, 4
+
+#: Most coordinates of one joint.
+MOST_OF_A_JOINT = max(COORDINATES.values())
 
 #: Difference from the truth, relative to the range of a coordinate, from which a curve is seen beside that of the truth.
 SEEN = 0.005
@@ -59,8 +63,9 @@ def rows(
     return found
 
 
-def described(data: list[dict[str, Any]]) -> dict[str, tuple[str, tuple[str, ...]]]:
+def described(data: list[dict[str, Any]], mechanism: Mechanism) -> dict[str, tuple[str, tuple[str, ...]]]:
     """Return by the kind of coordinate a description for readers who do not see its chart, and notes on what it shows."""
+    counts = Counter(kind for joint in mechanism.joints for _, kind, _ in _of_joint(joint, np.empty((0, MOST_OF_A_JOINT))))
     told: dict[str, tuple[str, tuple[str, ...]]] = {}
     for kind in TITLES:
         own = [row for row in data if row["kind"] == kind]
@@ -68,6 +73,8 @@ def described(data: list[dict[str, Any]]) -> dict[str, tuple[str, tuple[str, ...
             names = listing(list(dict.fromkeys(row["joint"] for row in own)))
             methods = list(dict.fromkeys(row["method"] for row in own if row["method"] != TRUTH))
             notes = (f"Dashed: {listing(methods)}, where the difference is seen.",) if methods else ()
+            if counts[kind] > MOST_COORDINATES:
+                notes = (f"The first {MOST_COORDINATES} of {counts[kind]} are shown.", *notes)
             told[kind] = " ".join((f"{TITLES[kind]} over time, of the truth: {names}.", *notes)), notes
     return told
 

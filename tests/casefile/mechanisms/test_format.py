@@ -154,6 +154,7 @@ def test_all_faults_at_once_each_with_its_line() -> None:
         ('name = "pin"', 'name = "pin 7"', "24 joints[2].name", "should match pattern"),
         ("axis = [0.0, 1.0, 0.0]\n", "", "23 joints[2].axis", "is missing"),
         ("mass = 0.4\n", "", "10 bodies[2].mass", "is missing"),
+        ("mass = 0.4\n", "mass = 1e200\n", "12 bodies[2].mass", "less than or equal to 1e100"),
         ("inertia = [0.016, 0.017, 0.001]", "inertia = [0.016, 0.017, -0.001]", "14 bodies[2].inertia[3]", "greater than"),
         ("inertia = [0.016, 0.017, 0.001]", "inertia = [0, 0, 0.001]", "14 bodies[2].inertia", "no body has these moments"),
         (f"{CENTRE}\ninertia = [0.016, 0.017, 0.001]", "inertia = [0, 0, 0]", "22 joints[2]", "mass matrix"),

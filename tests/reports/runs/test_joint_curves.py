@@ -36,7 +36,7 @@ def test_the_truth_has_a_curve_of_each_coordinate_and_a_run_where_it_is_seen_to_
         assert len(row["t"]) <= 50
         # A thousandth of the range of a curve, between the instants that are kept.
         assert np.interp(T, row["t"], row["value"]) == pytest.approx(values, abs=2e-3 * np.ptp(values))
-    told = joint_curves.described(rows)
+    told = joint_curves.described(rows, cart)
     assert told["slide"][1] == ()
     assert told["angle"][1] == ("Dashed: a, where the difference is seen.",)
 
@@ -52,6 +52,16 @@ def test_the_curve_of_a_ball_is_its_angle() -> None:
     (row,) = joint_curves.rows(ball, motion, {}, 50)
     assert (row["joint"], row["kind"]) == ("socket", "angle")
     assert np.interp(1.0, row["t"], row["value"]) == pytest.approx(1.0, abs=2e-3)
+
+
+def test_a_chart_says_how_many_coordinates_it_leaves_out() -> None:
+    hinges = tuple(Joint(f"hinge-{n}", "revolute", n - 1, n, start=(0.1,), start_velocity=(0.0,)) for n in range(11))
+    chain = Mechanism(tuple(jointed.body(f"link-{n}", 1.0, (1.0, 1.0, 1.0)) for n in range(11)), hinges)
+    rows = joint_curves.rows(chain, moved(chain, *(n * T for n in range(11))), {}, 50)
+    told, notes = joint_curves.described(rows, chain)["angle"]
+    assert len(rows) == joint_curves.MOST_COORDINATES == 8
+    assert notes == ("The first 8 of 11 are shown.",)
+    assert notes[0] in told
 
 
 @pytest.mark.parametrize(("kind", "axis"), [("angle", "Angle, rad"), ("slide", "Displacement, m")])
