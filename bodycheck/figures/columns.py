@@ -15,7 +15,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from bodycheck.figures import bounds, conservation, contact, mechanisms, motion
+from bodycheck.figures import bounds, conservation, contact, mechanisms, motion, touching
 from bodycheck.figures.definition import Column, Comparison, Figure
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
@@ -37,6 +37,7 @@ FIGURES: dict[str, Figure] = {
         *bounds.OTHERS,
         motion.NORM,
         *mechanisms.FIGURES,
+        *touching.FIGURES,
     )
 }
 

@@ -49,7 +49,7 @@ def energy_size(reference: AnyObservables) -> Array:
     would make it depend on where the origin is.
     """
     initial = reference.kinetic_energy[..., 0]
-    moves = initial > REST * reference.kinetic_energy.max(axis=-1)
+    moves = initial > REST * np.fmax.reduce(reference.kinetic_energy, axis=-1)
     return _first(np.where(moves, initial, 0.0), lambda: _largest(reference))
 
 
@@ -74,7 +74,7 @@ def angular_momentum_size(scene: Scene | Scenes, reference: Observables) -> Arra
 
 def _largest(reference: AnyObservables) -> Array:
     """Return the largest kinetic energy of each scene, or 1 J where that is zero."""
-    return _first(reference.kinetic_energy.max(axis=-1), lambda: np.array(1.0))
+    return _first(np.fmax.reduce(reference.kinetic_energy, axis=-1), lambda: np.array(1.0))
 
 
 def _first(size: Array, other: Callable[[], Array]) -> Array:
@@ -162,6 +162,7 @@ ERRORS = (
         largest=True,
         remark="with friction, damping or drag",
         compute=_where(False, total_energy),
+        jumps=True,
         scale=lambda scales: scales.energy,
         bounded_by="truth_energy_error",
         revision=2,
@@ -175,6 +176,7 @@ ERRORS = (
         largest=True,
         remark="with friction or drag, of a single body",
         compute=_alone(False, rotational_energy),
+        jumps=True,
         scale=lambda scales: scales.rotational_energy,
     ),
     Figure(
@@ -184,6 +186,7 @@ ERRORS = (
         largest=True,
         remark="with friction or drag, of a single body",
         compute=_alone(False, angular_momentum),
+        jumps=True,
         scale=lambda scales: scales.angular_momentum,
         bounded_by="truth_angular_momentum_error",
         plotted=True,

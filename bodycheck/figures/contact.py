@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 
+from bodycheck.figures import touching
 from bodycheck.figures.definition import Comparison, Figure, Load
 from bodycheck.reference import contact_observables
 from bodycheck.reference.planar import Stop
@@ -12,8 +13,10 @@ from bodycheck.reference.trajectory import Array
 def creep(compared: Comparison) -> float | None:
     """Return the mean speed (m/s) of the centre of mass along the plane after the run's stop.
 
-    Returns None where the truth does not stop.
+    Returns None where the truth does not stop. Of bodies that touch it is `touching.creep`.
     """
+    if compared.touching:
+        return touching.creep(compared)
     if compared.truth.stop is None:
         return None
     stop, trajectory = compared.stop, compared.trajectory
@@ -23,13 +26,20 @@ def creep(compared: Comparison) -> float | None:
 
 
 def penetration(compared: Comparison) -> Array | None:
-    """Return the depth (n,), m, of the lowest point of the body below the plane; None where there is no plane."""
+    """Return the depth (n,), m, of the lowest point of a body below the plane; None where there is no plane."""
+    if compared.touching:
+        return touching.penetration(compared)
     scene = compared.on_plane
     return None if scene is None else contact_observables.penetration(scene, compared.trajectory)
 
 
 def tilt(compared: Comparison) -> Array | None:
-    """Return the angle (n,), rad, between the body axis K and the vertical; None where there is no plane."""
+    """Return the angle (n,), rad, between the body axis K and the vertical; None where there is no plane.
+
+    Of bodies that touch it is that of the face which lies on the plane.
+    """
+    if compared.touching:
+        return touching.tilt(compared)
     return None if compared.on_plane is None else contact_observables.tilt(compared.trajectory)
 
 
@@ -81,7 +91,7 @@ STOP = (
         title="Creep",
         meaning="mean speed after the stop, when the body should be at rest",
         unit="m/s",
-        remark="of a body that slides to rest",
+        remark="of a body that slides to rest, or that should rest",
         compute=creep,
         scale=lambda scales: scales.speed,
     ),

@@ -1,14 +1,19 @@
 """What a column of results and a figure of a run are: their names, units and meanings, and how a figure is computed."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from bodycheck.reference.bounds import Bounds
+from bodycheck.reference.contact.impacts import Impact, impacts
+from bodycheck.reference.contact.motion import Event, Interface
+from bodycheck.reference.contact.observables import stays
+from bodycheck.reference.contact.touching import Touching, motions, pushes_on, touching
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms import observables as mechanism_observables
@@ -17,9 +22,11 @@ from bodycheck.reference.mechanisms.observables import MechanismObservables
 from bodycheck.reference.observables import Observables
 from bodycheck.reference.observables import observe as observe_body
 from bodycheck.reference.planar import Stop
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truth import Truth
 
 #: Types of values, as JSON Schema calls them.
 Kind = Literal["string", "boolean", "integer", "number"]
@@ -27,6 +34,9 @@ Kind = Literal["string", "boolean", "integer", "number"]
 #: Where the column of a figure is: a value in every completed run, a column in every table, or a column only in tables with a
 #: run that has a value.
 Presence = Literal["every run", "every table", "where measured"]
+
+#: An instant that is so near to an impact, relative to it, may be either side of it.
+ROUNDED_TIME = 1e-12
 
 
 @dataclass(frozen=True)
@@ -83,6 +93,25 @@ class Load:
     mean_load: float
     peak_load: float
     time_in_contact: float
+
+
+@dataclass(frozen=True)
+class InterfaceLoad:
+    """The load of a run between two bodies that should rest on each other, or a body and the plane, by their places.
+
+    Attributes
+    ----------
+    bodies
+        The places, the lower first.
+    load
+        The mean normal force (N) over the steps from 1 s on, or from half of the run on if that is earlier.
+    losses
+        How often the force vanishes in these steps.
+    """
+
+    bodies: tuple[int, int]
+    load: float
+    losses: int
 
 
 #: Energies and momenta of one body, or of the bodies of a mechanism.
@@ -143,12 +172,15 @@ class Comparison:
     quaternion_norm_error
         The largest deviation from 1 of the norm of a quaternion, as the engine returned it; (m,) of m scenes; None if it is not
         known.
+    interfaces
+        The loads between bodies that rest; None where the engine does not tell them.
     """
 
     truth: Exact
     trajectory: Trajectory
     load: Load | None = None
     quaternion_norm_error: float | Array | None = None
+    interfaces: tuple[InterfaceLoad, ...] | None = None
 
     @property
     def scene(self) -> AnyScene | Scenes:
@@ -192,10 +224,65 @@ class Comparison:
         return values if self.mechanism is None else np.asarray(values.max(axis=0))
 
     @cached_property
+    def touching(self) -> tuple[Touching, ...]:
+        """The bodies of a scene that touch; empty where none do, and of one body that lies flat on a level plane."""
+        return () if isinstance(self.scene, Scenes) or not touches(self.scene) else touching(self.scene)
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """The events of the truth."""
+        return self.truth.events if isinstance(self.truth, Truth) else ()
+
+    @property
+    def exact_interfaces(self) -> tuple[Interface, ...]:
+        """The exact loads between bodies that rest."""
+        return self.truth.interfaces if isinstance(self.truth, Truth) else ()
+
+    @cached_property
+    def impacts(self) -> tuple[tuple[Impact, ...], ...]:
+        """The impacts of the run, by body."""
+        if isinstance(self.scene, Scenes):
+            return ()
+        scene, parts = self.scene, motions(self.scene, self.trajectory)
+        return tuple(
+            impacts(body, parts[place], scene.gravity, pushes_on(scene, place)) for place, body in enumerate(self.touching)
+        )
+
+    @cached_property
+    def between_events(self) -> NDArray[np.bool_] | None:
+        """At which instants (n,) run and truth have had the same impacts; None where the truth has none.
+
+        Velocities jump at impacts, and are compared at these instants alone. An instant between an impact of the truth and that
+        of the run is none of them. Where the truth has ceased to bounce, bounces of the run are errors.
+        """
+        if not any(event.kind == "impact" for event in self.events):
+            return None
+        found = np.full(len(self.trajectory), True)
+        exact = motions(self.scene, self.truth.trajectory) if not isinstance(self.scene, Scenes) else ()
+        for place, body in enumerate(self.touching):
+            there = [event.time for event in self.events if event.kind == "impact" and event.body == place]
+            if there:
+                settled = stays(body, exact[place], self.truth.bounds.velocity_error)
+                found &= _alike(self.trajectory.t, there, self.impacts[place], settled)
+        return found
+
+    @cached_property
     def stop(self) -> Stop:
         """The stop of the run of one scene."""
         assert isinstance(self.scene, Scene)
         return measured_stop(self.scene, self.trajectory)
+
+
+def _alike(t: Array, there: Sequence[float], seen: Sequence[Impact], settled: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """At which instants (n,) a run has had the impacts of the truth. settled: where the truth no longer bounces (n,)."""
+    had, should = (np.searchsorted(times, t, side="right") for times in (np.array([hit.time for hit in seen]), np.array(there)))
+    found = np.asarray((had == should) | settled)
+    for time, hit in zip(there, seen, strict=False):
+        first, last = sorted((time, hit.time))
+        found &= ((t <= hit.start) | (t >= hit.end)) & ((t < first) | (t >= last))
+        found &= (t < hit.time) | (t > hit.start)  # a run that is late falls below the plane
+        found &= np.abs(t - time) > ROUNDED_TIME * time
+    return found
 
 
 @dataclass(frozen=True)
@@ -245,6 +332,9 @@ class Figure(Column):
         Name of the column with the bound of the truth's own error in the figure; empty where there is none.
     of_truth
         Whether the figure tells of the truth and not of the engine.
+    jumps
+        Whether the figure is a difference of velocities, which jump at impacts: it is left out where run and truth have not had
+        the same ones.
     revision
         The number of the figure's definition. It rises by 1 when the same run gets another value, so that values of baselines
         with different definitions are not compared.
@@ -263,6 +353,7 @@ class Figure(Column):
     most: Callable[[float], float] = lambda _: math.inf
     bounded_by: str = ""
     of_truth: bool = False
+    jumps: bool = False
     revision: int = 1
     formerly: str = ""
     tabled: bool = True

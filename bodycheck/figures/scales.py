@@ -94,5 +94,5 @@ def _gyration(moments: Sequence[float], mass: float) -> float:
 
 
 def largest(vectors: Array) -> float:
-    """Return the largest Euclidean length of vectors (..., k)."""
-    return float(np.linalg.norm(vectors, axis=-1).max())
+    """Return the largest Euclidean length of vectors (..., k), of those that are known."""
+    return float(np.fmax.reduce(np.linalg.norm(vectors, axis=-1), axis=None))

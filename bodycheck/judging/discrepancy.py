@@ -71,13 +71,15 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
     trajectory = run.outcome.trajectory
     if not np.array_equal(truth.trajectory.t, trajectory.t):
         raise ValueError("the truth is not at the instants of the run; `Truth.at` computes it there")
-    compared = Comparison(truth, trajectory, run.outcome.load, run.outcome.quaternion_norm_error)
+    compared = Comparison(truth, trajectory, run.outcome.load, run.outcome.quaternion_norm_error, run.outcome.interfaces)
     series: dict[str, Array] = {}
     figures: dict[str, float] = {}
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):  # errors too large for a number are infinite
         for name, figure in FIGURES.items():
             value = figure.compute(compared)
             if isinstance(value, np.ndarray):
+                if figure.jumps and compared.between_events is not None:
+                    value = np.where(compared.between_events, value, np.nan)
                 if not np.isnan(value).all():
                     series[name] = value
             elif value is not None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 from typing import ClassVar, Literal, Protocol
 
 from bodycheck.adapters.contract import Method
-from bodycheck.figures.definition import Load
+from bodycheck.figures.definition import InterfaceLoad, Load
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.trajectory import Trajectory
@@ -39,6 +39,8 @@ class Completed:
         The load of the contact; None in free flight, and where the engine does not report it.
     quaternion_norm_error
         The largest deviation from 1 of the norm of a quaternion, as the engine returned it; None if it is not known.
+    interfaces
+        The loads between bodies that rest; None where none do, and where the engine does not tell them.
     """
 
     states: Trajectory | Stored
@@ -46,6 +48,7 @@ class Completed:
     wall_time: float
     load: Load | None = None
     quaternion_norm_error: float | None = None
+    interfaces: tuple[InterfaceLoad, ...] | None = None
     status: ClassVar[str] = "ok"
     failed: ClassVar[bool] = False
     reason: ClassVar[str] = ""

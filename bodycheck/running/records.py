@@ -34,6 +34,8 @@ Spelling = Annotated[Printable, AfterValidator(_spelling)]
 Timestep = Annotated[Finite, Field(gt=0)]
 Duration = Annotated[Finite, Field(ge=0)]
 Count = Annotated[int, Field(strict=True, ge=0)]
+#: The place of a body, or -1, that of the world.
+Place = Annotated[int, Field(strict=True, ge=-1)]
 
 
 @dataclass(frozen=True)
@@ -116,6 +118,35 @@ class LoadRecord:
 
 
 @dataclass(frozen=True)
+class EventRecord:
+    """An event of bodies that touch."""
+
+    kind: Literal["impact", "roll", "slip", "rest", "tip"]
+    time: Duration
+    error: Duration
+    body: Count
+    position: tuple[Finite, Finite, Finite]
+    velocity: tuple[Finite, Finite, Finite]
+    spin: tuple[Finite, Finite, Finite]
+    normal_speed: Finite
+
+
+@dataclass(frozen=True)
+class InterfaceRecord:
+    """What two bodies at rest bear on each other."""
+
+    bodies: tuple[Place, Place]
+    load: Finite
+
+
+@dataclass(frozen=True)
+class BorneRecord(InterfaceRecord):
+    """What two bodies bore on each other in a run."""
+
+    losses: Count
+
+
+@dataclass(frozen=True)
 class TruthRecord:
     """The truth of a case for a time step."""
 
@@ -126,6 +157,9 @@ class TruthRecord:
     backend: Printable
     witnesses: list[str]
     stop: StopRecord | None = None
+    events: list[EventRecord] = field(default_factory=list)
+    friction: Duration = 0.0
+    interfaces: list[InterfaceRecord] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -161,6 +195,7 @@ class CompletedRecord(RunRecord):
     wall_time: Duration
     load: LoadRecord | None
     quaternion_norm_error: Duration | None = None
+    interfaces: list[BorneRecord] | None = None
 
 
 @dataclass(frozen=True)

@@ -18,12 +18,15 @@ from bodycheck.adapters.contract import (
     SceneUnsupported,
     Simulation,
     Strides,
+    Touching,
 )
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case, check_case
-from bodycheck.figures.definition import Load
+from bodycheck.figures.definition import InterfaceLoad, Load
 from bodycheck.reference.contact.no_slip import finite
+from bodycheck.reference.contact.problem import problem
+from bodycheck.reference.contact.ways import contact_motion
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import slides, touches
@@ -38,6 +41,9 @@ from bodycheck.running.tasks import check_timestep
 
 #: Largest number of steps for which the load of a contact is measured, which takes about ten times as long as stepping.
 MAX_LOAD_STEPS = 20_000
+
+#: From when on (s) the loads between bodies at rest are measured, so that soft contacts have settled.
+SETTLED = 1.0
 
 #: Largest distance of a quaternion's norm from 1. The rounding of single precision is a tenth of it.
 UNIT_TOLERANCE = 1e-6
@@ -121,11 +127,35 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, s
         return Unsupported(f"{named} {lacking}")
     given = finite(scene, float(steps[-1]) * method.timestep) if touches(scene) else scene
     outcome = _advance(offers.prepare(adapter, [given], method), scene, method, steps)
-    if not slides(scene):
+    if not isinstance(outcome, Completed):
         return outcome
-    if not isinstance(outcome, Completed) or not isinstance(adapter, Contact):
+    if touches(scene) and isinstance(adapter, Touching):
+        return replace(outcome, interfaces=_interfaces(adapter, scene, given, method, outcome))
+    if not slides(scene) or not isinstance(adapter, Contact):
         return outcome
     return replace(outcome, load=_load(adapter, scene, method, outcome))
+
+
+def _interfaces(
+    adapter: Touching, scene: AnyScene, given: AnyScene, method: Method, outcome: Completed
+) -> tuple[InterfaceLoad, ...] | None:
+    """Measure the loads between bodies that should rest, in a separate run, which is not timed; None where none should rest.
+
+    given: the scene as the engine is given it.
+    """
+    resting = contact_motion(problem(scene), outcome.trajectory.t[[0, -1]]).interfaces
+    steps = min(outcome.steps, MAX_LOAD_STEPS)
+    if not resting or not steps or (loads := adapter.interface_loads(given, method, steps)) is None:
+        return None
+    first = min(round(SETTLED / method.timestep), steps // 2)
+    none = np.zeros(steps)
+    return tuple(_bearing(pair.bodies, np.asarray(loads.get(pair.bodies, none), dtype=float)[first:]) for pair in resting)
+
+
+def _bearing(bodies: tuple[int, int], loads: Array) -> InterfaceLoad:
+    """What two bodies bear on each other, from the loads (n,), in N, of the steps at rest."""
+    borne = loads > 0
+    return InterfaceLoad(bodies, float(loads.mean()), int((borne[:-1] & ~borne[1:]).sum()))
 
 
 def _load(adapter: Contact, scene: Scene, method: Method, outcome: Completed) -> Load | None:

@@ -17,7 +17,7 @@ from typing import Any, cast
 
 from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.errors import BadFolder
-from bodycheck.figures.definition import Load
+from bodycheck.figures.definition import InterfaceLoad, Load
 from bodycheck.figures.revisions import REVISIONS
 from bodycheck.files import reading, writing
 from bodycheck.reference.bounds import NAMES
@@ -133,6 +133,8 @@ class Writer:
                 load = asdict(done.load) if done.load is not None else None
                 record |= {"steps": done.steps, "wall_time": done.wall_time, "load": load}
                 record |= {"quaternion_norm_error": done.quaternion_norm_error}
+                if done.interfaces is not None:
+                    record |= {"interfaces": [asdict(one) for one in done.interfaces]}
             case TimedOut(limit):
                 record |= {"limit": limit}
             case outcome:
@@ -289,7 +291,8 @@ class Results:
                 states = StoredTrajectory(self.folder / _path_of(record), _bodies(scene))
                 load = Load(**record["load"]) if record["load"] else None
                 norm_error = record.get("quaternion_norm_error")  # results of earlier versions have none
-                return replace(run, outcome=Completed(states, record["steps"], record["wall_time"], load, norm_error))
+                done = Completed(states, record["steps"], record["wall_time"], load, norm_error, _interfaces(record))
+                return replace(run, outcome=done)
             case TimedOut.status:
                 return replace(run, outcome=TimedOut(record["limit"]))
             case status:
@@ -353,6 +356,12 @@ def _event(told: dict[str, Any]) -> Event:
 def _bodies(scene: AnyScene | None) -> tuple[str, ...]:
     """Return the names of the bodies of a mechanism; empty for any other scene."""
     return tuple(body.name for body in scene.bodies) if isinstance(scene, Mechanism) else ()
+
+
+def _interfaces(record: dict[str, Any]) -> tuple[InterfaceLoad, ...] | None:
+    """Return the loads between bodies at rest in the record of a run; earlier versions recorded none."""
+    told = record.get("interfaces")
+    return None if told is None else tuple(InterfaceLoad(tuple(one["bodies"]), one["load"], one["losses"]) for one in told)
 
 
 def _stop(told: dict[str, Any] | None) -> Stop | None:

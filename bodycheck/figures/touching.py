@@ -1,0 +1,325 @@
+"""Figures of bodies that roll, bounce, rest and tip: instants of events and the states after them, energy gained, and loads.
+
+Exact instants are those of the truth's events, and those of a run are measured from its samples; see
+`bodycheck.reference.contact.observables` and `impacts`. Of several bodies, that which is farthest from the truth counts.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from bodycheck.figures.definition import Comparison, Figure
+from bodycheck.reference.contact.impacts import Impact
+from bodycheck.reference.contact.motion import Event, EventKind
+from bodycheck.reference.contact.observables import Rolling, crept, depth, lean, rest, rests, rolling, work
+from bodycheck.reference.contact.touching import Touching, motions, pushes_on
+from bodycheck.reference.scenes import Scenes
+from bodycheck.reference.trajectory import Array, Trajectory
+
+#: A face whose angle with the plane is no larger in the truth (rad) lies on it there.
+FLAT = 1e-9
+
+#: The part of a run, at its end, over which a body creeps whose motion mechanics does not give.
+LAST_PART = 0.1
+
+
+def transitions(compared: Comparison) -> Iterator[tuple[Event, Rolling]]:
+    """Yield the begins of rolling of bodies that slip from the start without an impact, of the truth and of the run."""
+    for body, motion, events in _bodies(compared):
+        first = next((event for event in events if event.time > 0), None)
+        if first is not None and first.kind == "roll":
+            later = [event.time for event in events if event.time > first.time]
+            yield first, rolling(body, motion, min(later, default=math.inf))
+
+
+def first_impacts(compared: Comparison) -> Iterator[tuple[Event, Impact | None, Touching]]:
+    """Yield the first impacts of bodies on the plane: of the truth, and of the run if it has any."""
+    if not compared.events:
+        return
+    for place, (body, _, events) in enumerate(_bodies(compared)):
+        first = _first(events, "impact")
+        if first is not None:
+            yield first, next(iter(compared.impacts[place]), None), body
+
+
+def transition_time_error(compared: Comparison) -> float | None:
+    """Return how far (s) the begin of rolling is from that of the truth."""
+    return max((abs(seen.time - exact.time) for exact, seen in transitions(compared)), default=None)
+
+
+def roll_speed_error(compared: Comparison) -> float | None:
+    """Return how far (m/s) the velocity at the begin of rolling is from that of the truth."""
+    return max((math.dist(seen.velocity, exact.velocity) for exact, seen in transitions(compared)), default=None)
+
+
+def impact_time_error(compared: Comparison) -> float | None:
+    """Return how far (s) the first impact is from that of the truth; a run without one has it at its last instant."""
+    last = float(compared.trajectory.t[-1])
+    found = (abs((last if seen is None else seen.time) - exact.time) for exact, seen, _ in first_impacts(compared))
+    return max(found, default=None)
+
+
+def impact_speed_error(compared: Comparison) -> float | None:
+    """Return how far (m/s) the velocity just after the first impact is from that of the truth."""
+    known = [
+        (exact, velocity)
+        for exact, seen, body in first_impacts(compared)
+        if seen is not None and (velocity := _after(seen, body, compared)) is not None
+    ]
+    return max((math.dist(velocity, exact.velocity) for exact, velocity in known), default=None)
+
+
+def bounce_ratio_error(compared: Comparison) -> float | None:
+    """Return how far the ratio of the speeds after and before an impact is from the coefficient of restitution."""
+    found = []
+    for place, (body, _, events) in enumerate(_bodies(compared)):
+        if _first(events, "impact") is None:
+            continue
+        for hit in compared.impacts[place]:
+            if hit.seen or _would_bounce(hit, body, compared):
+                found.append(abs((hit.after if hit.seen else 0.0) / hit.before - body.restitution))
+    return max(found, default=None)
+
+
+def rest_time_error(compared: Comparison) -> float | None:
+    """Return how far (s) the instant from which on a body rests is from that of the truth."""
+    found = []
+    for place, (body, motion, events) in enumerate(_bodies(compared)):
+        if events and events[-1].kind == "rest" and events[-1].time > 0:
+            found.append(abs(rest(body, motion, compared.impacts[place], _gravity(compared)) - events[-1].time))
+    return max(found, default=None)
+
+
+def creep(compared: Comparison) -> float | None:
+    """Return the mean speed (m/s) along the plane of bodies that should rest; None where none should.
+
+    It counts from the instant from which on the body rests in the run, or should rest, whichever is later; from the latter
+    where it never rests in the run. Where mechanics does not give the motion, it counts over the last tenth of the run.
+    """
+    if not compared.touching or isinstance(compared.scene, Scenes):
+        return None
+    exact = motions(compared.scene, compared.truth.trajectory)
+    found = []
+    for place, (body, motion, events) in enumerate(_bodies(compared)):
+        if settles(compared, place):
+            found.append(crept(motion, body, (1 - LAST_PART) * float(motion.t[-1])))
+            continue
+        still = rests(exact[place], compared.truth.bounds.velocity_error)
+        if still.sum() < 2:
+            continue
+        begin = float(motion.t[still][0])
+        if events and events[-1].kind == "rest" and 0 < events[-1].time <= begin:
+            own = rest(body, motion, compared.impacts[place], _gravity(compared))
+            speed = crept(motion, body, max(begin, own))
+            found.append(crept(motion, body, begin) if speed is None else speed)
+        else:
+            found.append(crept(motion, body, begin))
+    return max((speed for speed in found if speed is not None), default=None)
+
+
+def settles(compared: Comparison, place: int) -> bool:
+    """Return whether a body falls and settles in a way that mechanics does not give: no instant after the first is known."""
+    if isinstance(compared.scene, Scenes):
+        return False
+    exact = motions(compared.scene, compared.truth.trajectory)[place]
+    unknown = bool(np.isnan(exact.position[1:]).all()) and len(exact) > 1
+    return unknown and not any(event.body == place and event.kind != "impact" for event in compared.events)
+
+
+def penetration(compared: Comparison) -> Array | None:
+    """Return the largest depth (n,), m, of a body below the plane."""
+    found = [depth(body, motion) for body, motion, _ in _bodies(compared)]
+    return np.maximum.reduce(found) if found else None
+
+
+def tilt(compared: Comparison) -> Array | None:
+    """Return the largest angle (n,), rad, between the plane and the face of a body that should lie on it.
+
+    It is NaN where none does. A body whose motion mechanics does not give should lie on a face at the last instant.
+    """
+    if not compared.touching or isinstance(compared.scene, Scenes):
+        return None
+    exact, found = motions(compared.scene, compared.truth.trajectory), []
+    for place, (body, motion, _) in enumerate(_bodies(compared)):
+        own, should = lean(body, motion), lean(body, exact[place])
+        if own is None or should is None:
+            continue
+        if settles(compared, place):
+            should = np.append(np.full(len(motion) - 1, np.nan), 0.0)
+        found.append(np.where(should <= FLAT, own, np.nan))
+    return np.fmax.reduce(found) if found else None
+
+
+def energy_gain(compared: Comparison) -> Array | None:
+    """Return by how much (n,) the mechanical energy, less the work of the pushes, exceeds its lowest value so far.
+
+    It is relative to the largest mechanical energy of the truth, or of the start where that is not known, with a potential
+    energy that is zero where the centre of mass is in the plane.
+    """
+    if not compared.touching or isinstance(compared.scene, Scenes):
+        return None
+    given = np.zeros(len(compared.trajectory))
+    for place, motion in enumerate(motions(compared.scene, compared.trajectory)):
+        for push in pushes_on(compared.scene, place):
+            given = given + work(push, motion)
+    energy = compared.seen.total_energy - given
+    start = _energy_from_plane(compared, compared.trajectory.part(slice(0, 1)), compared.seen.kinetic_energy[:1])
+    exact = _energy_from_plane(compared, compared.truth.trajectory, compared.expected.kinetic_energy)
+    size = float(np.fmax.reduce(np.concatenate([start, exact])))
+    return np.asarray((energy - np.minimum.accumulate(energy)) / (size or 1.0))
+
+
+def load_error(compared: Comparison) -> float | None:
+    """Return how far the mean load of an interface is from the exact one, relative."""
+    if compared.interfaces is None:
+        return None
+    seen = {one.bodies: one.load for one in compared.interfaces}
+    found = [abs(seen.get(one.bodies, 0.0) - one.load) / one.load for one in compared.exact_interfaces if one.load > 0]
+    return max(found, default=None)
+
+
+def contact_losses(compared: Comparison) -> float | None:
+    """Return how often bodies that should bear each other lose contact."""
+    if compared.interfaces is None or not compared.exact_interfaces:
+        return None
+    bearing = {one.bodies for one in compared.exact_interfaces if one.load > 0}
+    return float(sum(one.losses for one in compared.interfaces if one.bodies in bearing))
+
+
+def _bodies(compared: Comparison) -> Iterator[tuple[Touching, Trajectory, list[Event]]]:
+    """Yield the bodies that touch, with their motion in the run and their events in the truth."""
+    if not compared.touching or isinstance(compared.scene, Scenes):
+        return
+    parts = motions(compared.scene, compared.trajectory)
+    for place, body in enumerate(compared.touching):
+        yield body, parts[place], [event for event in compared.events if event.body == place]
+
+
+def _first(events: list[Event], kind: EventKind) -> Event | None:
+    """Return the first event of a kind after the start; an impact counts if it is one on the plane."""
+    return next((e for e in events if e.kind == kind and e.time > 0 and (kind != "impact" or e.normal_speed > 0)), None)
+
+
+def _gravity(compared: Comparison) -> float:
+    assert not isinstance(compared.scene, Scenes)
+    return compared.scene.gravity
+
+
+def _would_bounce(hit: Impact, body: Touching, compared: Comparison) -> bool:
+    """Return whether the bounce after an impact would be seen if it were exact."""
+    fall = _gravity(compared) * body.normal[2]
+    return body.restitution > 0 and 2 * body.restitution * hit.before >= 2 * hit.shortest * fall
+
+
+def _after(hit: Impact, body: Touching, compared: Comparison) -> Array | None:
+    """Return the velocity (3,), m/s, after an impact, or None where the samples are too coarse to tell."""
+    if hit.seen:
+        return hit.velocity
+    normal = np.array(body.normal)
+    return hit.velocity - (hit.velocity @ normal) * normal if _would_bounce(hit, body, compared) else None
+
+
+def _energy_from_plane(compared: Comparison, motion: Trajectory, kinetic: Array) -> Array:
+    """Return the mechanical energy (n,), J, of all bodies, counted from the plane."""
+    assert not isinstance(compared.scene, Scenes)
+    energy = np.array(kinetic)
+    for body, own in zip(compared.touching, motions(compared.scene, motion), strict=True):
+        height = own.position @ np.array(body.normal) * body.normal[2]
+        energy += body.mass * compared.scene.gravity * np.maximum(height, 0.0)
+    return energy
+
+
+def _scalar(compute: Callable[[Comparison], float | None]) -> Callable[[Comparison], float | None]:
+    """Return a function that computes a figure where bodies touch."""
+    return lambda compared: compute(compared) if compared.touching else None
+
+
+FIGURES = (
+    Figure(
+        name="transition_time_error",
+        title="Transition time error",
+        meaning="difference between the time at which a body that slips begins to roll and the exact time",
+        unit="s",
+        remark="of a body that slips until it rolls",
+        compute=_scalar(transition_time_error),
+        scale=lambda scales: scales.duration,
+        most=lambda last: last,
+    ),
+    Figure(
+        name="roll_speed_error",
+        title="Rolling velocity error",
+        meaning="difference between the velocity of the centre of mass when rolling begins and the exact one",
+        unit="m/s",
+        remark="of a body that slips until it rolls",
+        compute=_scalar(roll_speed_error),
+        scale=lambda scales: scales.speed,
+    ),
+    Figure(
+        name="impact_time_error",
+        title="Impact time error",
+        meaning="difference between the time of the first impact, where the arcs before and after it meet, and the exact time",
+        unit="s",
+        remark="of a body that falls on the plane",
+        compute=_scalar(impact_time_error),
+        scale=lambda scales: scales.duration,
+        most=lambda last: last,
+    ),
+    Figure(
+        name="impact_speed_error",
+        title="Impact velocity error",
+        meaning="difference between the velocity of the centre of mass just after the first impact and the exact one",
+        unit="m/s",
+        remark="of a body that bounces; empty where the samples are too coarse to see the bounce",
+        compute=_scalar(impact_speed_error),
+        scale=lambda scales: scales.speed,
+    ),
+    Figure(
+        name="bounce_ratio_error",
+        title="Bounce ratio error",
+        meaning=(
+            "difference between the ratio of the normal speeds after and before an impact and the coefficient of restitution, "
+            "the largest over all bounces that are seen"
+        ),
+        remark="of a body that bounces; a bounce is seen where two samples lie on its arc",
+        compute=_scalar(bounce_ratio_error),
+    ),
+    Figure(
+        name="rest_time_error",
+        title="Rest time error",
+        meaning="difference between the time from which on a body rests and the exact time",
+        unit="s",
+        remark="of a body that comes to rest",
+        compute=_scalar(rest_time_error),
+        scale=lambda scales: scales.duration,
+        most=lambda last: last,
+    ),
+    Figure(
+        name="energy_gain",
+        title="Energy gain",
+        meaning=(
+            "rise of the mechanical energy above its lowest value so far, less the work of pushes, relative to the largest "
+            "mechanical energy counted from the plane"
+        ),
+        largest=True,
+        remark="of bodies that touch",
+        compute=energy_gain,
+        scale=lambda scales: scales.energy,
+        plotted=True,
+    ),
+    Figure(
+        name="load_error",
+        title="Load error",
+        meaning="difference between the mean load after 1 s between two bodies that rest and the exact load, relative",
+        remark="of bodies that rest; the largest over all pairs that bear each other",
+        compute=load_error,
+    ),
+    Figure(
+        name="contact_losses",
+        title="Contact losses",
+        meaning="how often, after 1 s, bodies that rest on each other or on the plane lose contact",
+        counts="times",
+        remark="of bodies that rest",
+        compute=contact_losses,
+    ),
+)

@@ -1,0 +1,137 @@
+"""The impacts of bodies on a plane, measured from sampled states by the same formulas for the truth and for every engine.
+
+Between contacts the centre of mass flies along an arc that gravity and constant pushes alone decide. Two samples belong to one
+arc if the velocity along the normal changes between them by just that. The samples between two arcs are a contact. It is an
+impact where the body comes to it at a speed, and its instant is where the arcs before and after meet: that of a rigid body
+exactly, but for rounding, however the samples lie. A soft contact lasts for some time, and its instant is within it.
+
+An arc after an impact is seen where two samples lie on it. What is shorter cannot be told from a contact.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.reference.contact.touching import Touching
+from bodycheck.reference.scene import Push
+from bodycheck.reference.support import reach
+from bodycheck.reference.trajectory import Array, Trajectory
+
+#: By how much a change of velocity may differ from that of an arc, relative to it, and to the largest speed. Engines have
+#: these changes but for the rounding of their numbers, which may be single precision.
+ON_ARC, ROUNDED = 1e-3, 1e-6
+
+#: Part of the speed before an impact below which a body no longer comes to the plane.
+STILL = 1e-3
+
+
+@dataclass(frozen=True)
+class Impact:
+    """An impact of a body on the plane.
+
+    Attributes
+    ----------
+    time
+        Where the arcs before and after meet; where none is seen after it, when the body touches the plane (s).
+    start, end
+        The last sample before the contact, and the first after it (s); where no arc is seen after it, the first at which the
+        body no longer comes to the plane.
+    before
+        Speed towards the plane just before (m/s).
+    after
+        Speed away from it just after (m/s); NaN where no arc is seen after it.
+    velocity
+        (3,) velocity just after, world frame (m/s), or that at `end` where no arc is seen.
+    shortest
+        The shortest flight after the impact that would have been seen (s).
+    """
+
+    time: float
+    start: float
+    end: float
+    before: float
+    after: float
+    velocity: Array
+    shortest: float
+
+    @property
+    def seen(self) -> bool:
+        """Whether an arc is seen after it."""
+        return not math.isnan(self.after)
+
+
+def impacts(body: Touching, motion: Trajectory, gravity: float, pushes: tuple[Push, ...]) -> tuple[Impact, ...]:
+    """The impacts of a body on the plane, ascending.
+
+    Parameters
+    ----------
+    body
+        The body.
+    motion
+        Its states (n, ...).
+    gravity
+        Gravitational acceleration, along -z (m/s^2).
+    pushes
+        The forces on the body.
+    """
+    if len(motion) < 2:
+        return ()
+    normal = np.array(body.normal)
+    pulls = _accelerations(motion.t, gravity, pushes, body.mass)
+    speeds, along, steps = motion.velocity @ normal, pulls @ normal, np.diff(motion.t)
+    fastest = float(np.fmax.reduce(np.linalg.norm(motion.velocity, axis=-1)))
+    allowed = ON_ARC * np.abs(along) * steps + ROUNDED * fastest
+    off = ~(np.abs(np.diff(speeds) - along * steps) <= allowed)
+    found = []
+    for first, last in _groups(off):
+        seen = last < len(motion) - 1
+        made = _impact(body, motion, pulls, first, last, seen)
+        if made.before > ROUNDED * fastest + ON_ARC * abs(along[first]) * steps[first]:
+            found.append(made)
+    return tuple(found)
+
+
+def _accelerations(times: Array, gravity: float, pushes: tuple[Push, ...], mass: float) -> Array:
+    """The accelerations (n - 1, 3), m/s^2, of a body that flies, in the middle between instants (n,)."""
+    found = np.zeros((len(times) - 1, 3))
+    found[:, 2] = -gravity
+    middles = (times[1:] + times[:-1]) / 2
+    for push in pushes:
+        found[(push.start <= middles) & (middles < push.end)] += np.array(push.force) / mass
+    return found
+
+
+def _groups(off: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
+    """The first and the last sample of each contact: of intervals in turn that are on no arc, (n - 1,)."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], off, [False]]).astype(int)))
+    for first, last in zip(edges[::2], edges[1::2], strict=True):
+        yield int(first), int(last)
+
+
+def _impact(body: Touching, motion: Trajectory, pulls: Array, first: int, last: int, seen: bool) -> Impact:
+    """The contact between two samples as an impact. seen: whether there are samples on an arc after it."""
+    normal, t = np.array(body.normal), motion.t
+    height, speed = motion.position @ normal, motion.velocity @ normal
+    pull = pulls[max(first - 1, 0)]
+    fall = float(pull @ normal)
+    if seen:
+        length = t[last] - t[first]
+        closing = float(speed[first] - speed[last] + fall * length)
+        since = float(height[last] - height[first] - speed[last] * length + fall * length**2 / 2) / (closing or math.nan)
+        before, after = -float(speed[first] + fall * since), float(speed[last] + fall * (since - length))
+        slack = float(t[first + 1] - t[first])
+        if -slack <= since <= length + slack and after > 0:
+            velocity = motion.velocity[last] + pull * (since - length)
+            return Impact(float(t[first] + since), float(t[first]), float(t[last]), before, after, velocity, math.nan)
+    gap = float(height[first] - reach(body.shape, motion.quaternion[first : first + 1], body.normal)[0])
+    root = float(speed[first]) ** 2 - 2 * fall * gap
+    sunk = math.sqrt(max(root, 0.0)) - float(speed[first])
+    since = 2 * gap / sunk if sunk > 0 else 0.0
+    before = -float(speed[first] + fall * since)
+    turned = np.flatnonzero(speed[first + 1 :] >= -STILL * before)
+    later = first + 1 + int(turned[0]) if len(turned) else len(t) - 1
+    shortest = 2 * float(np.diff(t[first:])[:3].max())
+    return Impact(float(t[first] + since), float(t[first]), float(t[later]), before, math.nan, motion.velocity[later], shortest)

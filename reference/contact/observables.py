@@ -1,0 +1,200 @@
+"""Observables of bodies that touch: slip, the begin of rolling, rest, depth, tilt, and the work of pushes.
+
+They are computed from sampled states alone, with the same formulas for the truth and for every engine.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.reference.contact.impacts import Impact
+from bodycheck.reference.contact.touching import Touching
+from bodycheck.reference.contact_observables import STOP_SPEED_FRACTION
+from bodycheck.reference.kinematics import conjugate, dot, rotate
+from bodycheck.reference.scene import Brick, Cylinder, Push, Shape, Sphere
+from bodycheck.reference.support import reach
+from bodycheck.reference.trajectory import Array, Trajectory
+
+#: Cosine of the angle between the axis of a cylinder and the plane's normal up to which it lies on its side. Its point of
+#: contact is then the middle of its line.
+LYING = 1e-2
+
+
+@dataclass(frozen=True)
+class Rolling:
+    """When a body begins to roll (s), and its velocity (3,) then, world frame (m/s)."""
+
+    time: float
+    velocity: Array
+
+
+def depth(body: Touching, motion: Trajectory) -> Array:
+    """Depth (n,), m, of the lowest point of a body below the plane, along its normal; zero where it is above it."""
+    height = motion.position @ np.array(body.normal)
+    return np.asarray(np.maximum(reach(body.shape, motion.quaternion, body.normal) - height, 0.0))
+
+
+def lean(body: Touching, motion: Trajectory) -> Array | None:
+    """Angle (n,), rad, between the plane and the face of a body that is nearest to it; None for a body without faces."""
+    down = _along_body(body, motion)
+    match body.shape:
+        case Brick():
+            largest = np.abs(down).argmax(axis=-1)
+        case Cylinder():
+            largest = np.full(len(motion), 2)
+        case _:
+            return None
+    cosine = np.abs(np.take_along_axis(down, largest[:, None], axis=-1)[:, 0])
+    down[np.arange(len(motion)), largest] = 0.0
+    return np.asarray(np.arctan2(np.sqrt(dot(down, down)), cosine))
+
+
+def slip(body: Touching, motion: Trajectory) -> Array:
+    """Speed (n,), m/s, along the plane, of the point of a body that is nearest to it."""
+    normal = np.array(body.normal)
+    spin = rotate(motion.quaternion, motion.angular_velocity)
+    moved = motion.velocity + np.cross(spin, rotate(motion.quaternion, _lowest(body.shape, _along_body(body, motion))))
+    along = moved - (moved @ normal)[:, None] * normal
+    return np.asarray(np.sqrt(dot(along, along)))
+
+
+def rolling(body: Touching, motion: Trajectory, until: float) -> Rolling:
+    """When a body that slips at t = 0 begins to roll; the last instant before `until` (s) where it slips there.
+
+    It rolls where its slip stays below `STOP_SPEED_FRACTION` of the initial one. Friction reduces it at an even rate, so the
+    instant is extrapolated from the last two samples above that, and the velocity from the next two, as `rest` is.
+    """
+    early = motion.part(motion.t <= until)
+    t, slips = early.t, slip(body, early)
+    last = _last(slips > STOP_SPEED_FRACTION * slips[0])
+    time = _extrapolated(t, slips, last)
+    first = min(last + 1, len(t) - 1)
+    velocity = early.velocity[first]
+    if first + 1 < len(t):
+        velocity = velocity + (time - t[first]) * (early.velocity[first + 1] - velocity) / (t[first + 1] - t[first])
+    return Rolling(time, velocity)
+
+
+def rest(body: Touching, motion: Trajectory, struck: tuple[Impact, ...], gravity: float) -> float:
+    """When a body comes to rest (s): the last instant where it still moves there.
+
+    It rests where its speed, that of its kinetic energy, stays below `STOP_SPEED_FRACTION` of the largest. A spin about the
+    normal does not count for a sphere, since nothing brakes it. The instant is between the last sample above that and the next,
+    where the last two samples above it, or the last two bounces that are seen, extrapolate to: exactly for a body that slides
+    or bounces as a rigid one does.
+    """
+    speeds = _speeds(body, motion)
+    last = _last(speeds > STOP_SPEED_FRACTION * float(np.fmax.reduce(speeds)))
+    if last == len(motion) - 1:
+        return float(motion.t[-1])
+    known = [hit for hit in struck if hit.seen]
+    fall = gravity * body.normal[2]
+    if not known or not fall or not known[-1].after < known[-1].before:
+        return _extrapolated(motion.t, speeds, last)
+    ratio = known[-1].after / known[-1].before
+    settled = known[-1].time + 2 * known[-1].after / fall / (1 - ratio)
+    # Bounces below the fraction go on for the rest of the sum.
+    slack = 2 * STOP_SPEED_FRACTION * float(np.fmax.reduce(speeds)) / fall / (1 - ratio)
+    return float(np.clip(settled, motion.t[last], motion.t[last + 1] + slack))
+
+
+def stays(body: Touching, motion: Trajectory, error: Array) -> NDArray[np.bool_]:
+    """At which instants (n,) a body has ceased to move along the normal for good, where its velocity has errors (n,), m/s."""
+    still = np.abs(motion.velocity @ np.array(body.normal)) <= error
+    return np.asarray(np.logical_and.accumulate(still[::-1])[::-1])
+
+
+def rests(motion: Trajectory, error: Array) -> NDArray[np.bool_]:
+    """At which instants (n,) the centre of mass has come to rest for good, where its velocity has errors (n,), m/s."""
+    still = np.sqrt(dot(motion.velocity, motion.velocity)) <= error
+    return np.asarray(np.logical_and.accumulate(still[::-1])[::-1])
+
+
+def crept(motion: Trajectory, body: Touching, start: float) -> float | None:
+    """Mean speed (m/s) along the plane of the centre of mass from an instant (s) to the end; None if nothing is left."""
+    later = np.flatnonzero(motion.t >= start)
+    if len(later) < 2:
+        return None
+    way = motion.position[-1] - motion.position[later[0]]
+    normal = np.array(body.normal)
+    along = way - (way @ normal) * normal
+    return float(np.linalg.norm(along)) / float(motion.t[-1] - motion.t[later[0]])
+
+
+def work(push: Push, motion: Trajectory) -> Array:
+    """Work (n,), J, that a push has done on a body up to each instant.
+
+    It is the force times the way of the point where it acts.
+    """
+    arm = rotate(motion.quaternion, np.tile(np.array(push.point), (len(motion), 1)))
+    spin = rotate(motion.quaternion, motion.angular_velocity)
+    way = (motion.position + arm) @ np.array(push.force)
+    rate = (motion.velocity + np.cross(spin, arm)) @ np.array(push.force)
+    first, last = (_at(motion.t, way, rate, time) for time in (push.start, push.end))
+    return np.where(motion.t <= push.start, 0.0, np.where(motion.t >= push.end, last, way) - first)
+
+
+def _at(t: Array, values: Array, rates: Array, time: float) -> float:
+    """A quantity with values and rates (n,) at a time (s); its first or last value outside the instants (n,).
+
+    It is exact where the second derivative is constant on either side of that time.
+    """
+    if time <= t[0] or len(t) == 1:
+        return float(values[0])
+    if time >= t[-1]:
+        return float(values[-1])
+    place = int(np.searchsorted(t, time, side="right")) - 1
+    before, after, step = time - t[place], t[place + 1] - time, t[place + 1] - t[place]
+    bent = (rates[place + 1] - rates[place]) * before * after / (2 * step)
+    return float(values[place] + (values[place + 1] - values[place]) * before / step - bent)
+
+
+def _along_body(body: Touching, motion: Trajectory) -> Array:
+    """The direction (n, 3) into the plane, along the axes of the body."""
+    into = np.tile(-np.array(body.normal), (len(motion), 1))
+    return rotate(conjugate(motion.quaternion), into)
+
+
+def _lowest(shape: Shape, down: Array) -> Array:
+    """The points (n, 3), m, of a shape that lie farthest in directions (n, 3), all along the axes of the body."""
+    match shape:
+        case Sphere(radius):
+            return radius * down
+        case Cylinder(radius, half_length):
+            side = np.hypot(down[:, 0], down[:, 1])
+            round_part = radius * down[:, :2] / np.where(side > 0, side, 1.0)[:, None]
+            end = np.where(np.abs(down[:, 2]) > LYING, half_length * np.sign(down[:, 2]), 0.0)
+            return np.column_stack([round_part, end])
+        case Brick(semi_axes):
+            return np.asarray(np.sign(down) * np.array(semi_axes))
+        case _:
+            axes = np.array(shape.semi_axes)
+            scaled = down * axes
+            return np.asarray(axes * scaled / np.sqrt(dot(scaled, scaled))[:, None])
+
+
+def _speeds(body: Touching, motion: Trajectory) -> Array:
+    """The speed (n,), m/s, at which all of a body would have its kinetic energy."""
+    turning = motion.angular_velocity
+    if isinstance(body.shape, Sphere):
+        down = _along_body(body, motion)
+        turning = turning - dot(turning, down)[:, None] * down
+    return np.asarray(np.sqrt(dot(motion.velocity, motion.velocity) + dot(turning @ body.tensor, turning) / body.mass))
+
+
+def _last(moving: NDArray[np.bool_]) -> int:
+    """The place of the last sample that is true; -1 if none is."""
+    found = np.flatnonzero(moving)
+    return int(found[-1]) if len(found) else -1
+
+
+def _extrapolated(t: Array, speeds: Array, last: int) -> float:
+    """When speeds (n,) that fall evenly reach zero after the last sample that moves, and no later than the next one."""
+    index = min(last + 1, len(t) - 1)
+    time = float(t[index])
+    if 0 < last < len(t) - 1 and speeds[last - 1] > speeds[last]:
+        slowing = (speeds[last - 1] - speeds[last]) / (t[last] - t[last - 1])
+        time = min(float(t[last] + speeds[last] / slowing), time)
+    return time if math.isfinite(time) else float(t[index])
