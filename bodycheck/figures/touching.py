@@ -65,7 +65,7 @@ def impact_speed_error(compared: Comparison) -> float | None:
     known = [
         (exact, velocity)
         for exact, seen, body in first_impacts(compared)
-        if seen is not None and (velocity := _after(seen, body, compared)) is not None
+        if seen is not None and _known(exact) and (velocity := _after(seen, body, compared)) is not None
     ]
     return max((math.dist(velocity, exact.velocity) for exact, velocity in known), default=None)
 
@@ -74,7 +74,8 @@ def bounce_ratio_error(compared: Comparison) -> float | None:
     """Return how far the ratio of the speeds after and before an impact is from the coefficient of restitution."""
     found = []
     for place, (body, _, events) in enumerate(_bodies(compared)):
-        if _first(events, "impact") is None:
+        first = _first(events, "impact")
+        if first is None or not _known(first):
             continue
         for hit in compared.impacts[place]:
             if hit.seen or _would_bounce(hit, body, compared):
@@ -119,12 +120,12 @@ def creep(compared: Comparison) -> float | None:
 
 
 def settles(compared: Comparison, place: int) -> bool:
-    """Return whether a body falls and settles in a way that mechanics does not give: no instant after the first is known."""
+    """Return whether a body falls and settles in a way that mechanics does not give: at most impacts are known of it."""
     if isinstance(compared.scene, Scenes):
         return False
     exact = motions(compared.scene, compared.truth.trajectory)[place]
-    unknown = bool(np.isnan(exact.position[1:]).all()) and len(exact) > 1
-    return unknown and not any(event.body == place and event.kind != "impact" for event in compared.events)
+    others = any(event.body == place and event.kind != "impact" for event in compared.events)
+    return bool(np.isnan(exact.position[-1, 0])) and not others
 
 
 def penetration(compared: Comparison) -> Array | None:
@@ -199,6 +200,11 @@ def _bodies(compared: Comparison) -> Iterator[tuple[Touching, Trajectory, list[E
 def _first(events: list[Event], kind: EventKind) -> Event | None:
     """Return the first event of a kind after the start; an impact counts if it is one on the plane."""
     return next((e for e in events if e.kind == kind and e.time > 0 and (kind != "impact" or e.normal_speed > 0)), None)
+
+
+def _known(event: Event) -> bool:
+    """Return whether mechanics gives the state after an event."""
+    return not math.isnan(event.velocity[0])
 
 
 def _gravity(compared: Comparison) -> float:

@@ -119,15 +119,15 @@ class LoadRecord:
 
 @dataclass(frozen=True)
 class EventRecord:
-    """An event of bodies that touch."""
+    """An event of bodies that touch; what mechanics does not give of the state after it is null."""
 
     kind: Literal["impact", "roll", "slip", "rest", "tip"]
     time: Duration
     error: Duration
     body: Count
-    position: tuple[Finite, Finite, Finite]
-    velocity: tuple[Finite, Finite, Finite]
-    spin: tuple[Finite, Finite, Finite]
+    position: tuple[Finite | None, Finite | None, Finite | None]
+    velocity: tuple[Finite | None, Finite | None, Finite | None]
+    spin: tuple[Finite | None, Finite | None, Finite | None]
     normal_speed: Finite
 
 

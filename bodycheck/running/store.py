@@ -6,6 +6,7 @@ files.
 """
 
 import contextlib
+import math
 import os
 from bisect import bisect_left
 from collections import defaultdict
@@ -36,6 +37,8 @@ from bodycheck.running.unchecked import Unchecked
 
 #: Version of the format of results folders.
 FORMAT = 1
+#: The vectors of an event of bodies that touch.
+EVENT_VECTORS = ("position", "velocity", "spin")
 #: The file with the records.
 RECORDS = "run.jsonl"
 #: The files of cases that all are shipped.
@@ -103,7 +106,7 @@ class Writer:
         if truth.stop is not None:
             record["stop"] = asdict(truth.stop)
         if truth.events:
-            record["events"] = [asdict(event) for event in truth.events]
+            record["events"] = [_told(event) for event in truth.events]
         if truth.friction:
             record["friction"] = truth.friction
         if truth.interfaces:
@@ -349,8 +352,14 @@ def _ways(record: dict[str, Any]) -> dict[str, Any]:
 
 
 def _event(told: dict[str, Any]) -> Event:
-    vectors = {name: tuple(told[name]) for name in ("position", "velocity", "spin")}
+    vectors = {name: tuple(math.nan if one is None else one for one in told[name]) for name in EVENT_VECTORS}
     return Event(**(told | vectors))
+
+
+def _told(event: Event) -> dict[str, Any]:
+    """Return an event for a record, in which what mechanics does not give is null."""
+    told = asdict(event)
+    return told | {name: [None if math.isnan(one) else one for one in told[name]] for name in EVENT_VECTORS}
 
 
 def _bodies(scene: AnyScene | None) -> tuple[str, ...]:

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference.contact.touching import Touching
-from bodycheck.reference.scene import Push
-from bodycheck.reference.support import reach
+from bodycheck.reference.contact.touching import Touching, lowest
+from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.scene import Push, Sphere
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: By how much a change of velocity may differ from that of an arc, relative to it, and to the largest speed. Engines have
@@ -123,15 +123,26 @@ def _impact(body: Touching, motion: Trajectory, pulls: Array, first: int, last: 
         since = float(height[last] - height[first] - speed[last] * length + fall * length**2 / 2) / (closing or math.nan)
         before, after = -float(speed[first] + fall * since), float(speed[last] + fall * (since - length))
         slack = float(t[first + 1] - t[first])
-        if -slack <= since <= length + slack and after > 0:
+        if -slack <= since <= length + slack and (after > 0 or not isinstance(body.shape, Sphere)):
             velocity = motion.velocity[last] + pull * (since - length)
             return Impact(float(t[first] + since), float(t[first]), float(t[last]), before, after, velocity, math.nan)
-    gap = float(height[first] - reach(body.shape, motion.quaternion[first : first + 1], body.normal)[0])
-    root = float(speed[first]) ** 2 - 2 * fall * gap
-    sunk = math.sqrt(max(root, 0.0)) - float(speed[first])
-    since = 2 * gap / sunk if sunk > 0 else 0.0
+    since = _touch(body, motion.part(slice(first, first + 1)), fall)
     before = -float(speed[first] + fall * since)
     turned = np.flatnonzero(speed[first + 1 :] >= -STILL * before)
     later = first + 1 + int(turned[0]) if len(turned) else len(t) - 1
     shortest = 2 * float(np.diff(t[first:])[:3].max())
     return Impact(float(t[first] + since), float(t[first]), float(t[later]), before, math.nan, motion.velocity[later], shortest)
+
+
+def _touch(body: Touching, motion: Trajectory, fall: float) -> float:
+    """How long after a sample (1, ...) a body touches the plane (s), where its lowest point stays the same until then.
+
+    fall: acceleration of its centre of mass along the normal (m/s^2).
+    """
+    normal = np.array(body.normal)
+    arm, spin = (rotate(motion.quaternion, each)[0] for each in (lowest(body, motion), motion.angular_velocity))
+    gap = float((motion.position[0] + arm) @ normal)
+    speed = float((motion.velocity[0] + np.cross(spin, arm)) @ normal)
+    bend = fall + float(np.cross(spin, np.cross(spin, arm)) @ normal) if not isinstance(body.shape, Sphere) else fall
+    closing = math.sqrt(max(speed**2 - 2 * bend * gap, 0.0)) - speed
+    return 2 * gap / closing if closing > 0 else 0.0

@@ -10,16 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.reference.contact.impacts import Impact
-from bodycheck.reference.contact.touching import Touching
+from bodycheck.reference.contact.touching import Touching, into_plane, lowest
 from bodycheck.reference.contact_observables import STOP_SPEED_FRACTION
-from bodycheck.reference.kinematics import conjugate, dot, rotate
-from bodycheck.reference.scene import Brick, Cylinder, Push, Shape, Sphere
+from bodycheck.reference.kinematics import dot, rotate
+from bodycheck.reference.scene import Brick, Cylinder, Push, Sphere
 from bodycheck.reference.support import reach
 from bodycheck.reference.trajectory import Array, Trajectory
-
-#: Cosine of the angle between the axis of a cylinder and the plane's normal up to which it lies on its side. Its point of
-#: contact is then the middle of its line.
-LYING = 1e-2
 
 
 @dataclass(frozen=True)
@@ -38,7 +34,7 @@ def depth(body: Touching, motion: Trajectory) -> Array:
 
 def lean(body: Touching, motion: Trajectory) -> Array | None:
     """Angle (n,), rad, between the plane and the face of a body that is nearest to it; None for a body without faces."""
-    down = _along_body(body, motion)
+    down = into_plane(body, motion)
     match body.shape:
         case Brick():
             largest = np.abs(down).argmax(axis=-1)
@@ -55,7 +51,7 @@ def slip(body: Touching, motion: Trajectory) -> Array:
     """Speed (n,), m/s, along the plane, of the point of a body that is nearest to it."""
     normal = np.array(body.normal)
     spin = rotate(motion.quaternion, motion.angular_velocity)
-    moved = motion.velocity + np.cross(spin, rotate(motion.quaternion, _lowest(body.shape, _along_body(body, motion))))
+    moved = motion.velocity + np.cross(spin, rotate(motion.quaternion, lowest(body, motion)))
     along = moved - (moved @ normal)[:, None] * normal
     return np.asarray(np.sqrt(dot(along, along)))
 
@@ -151,35 +147,11 @@ def _at(t: Array, values: Array, rates: Array, time: float) -> float:
     return float(values[place] + (values[place + 1] - values[place]) * before / step - bent)
 
 
-def _along_body(body: Touching, motion: Trajectory) -> Array:
-    """The direction (n, 3) into the plane, along the axes of the body."""
-    into = np.tile(-np.array(body.normal), (len(motion), 1))
-    return rotate(conjugate(motion.quaternion), into)
-
-
-def _lowest(shape: Shape, down: Array) -> Array:
-    """The points (n, 3), m, of a shape that lie farthest in directions (n, 3), all along the axes of the body."""
-    match shape:
-        case Sphere(radius):
-            return radius * down
-        case Cylinder(radius, half_length):
-            side = np.hypot(down[:, 0], down[:, 1])
-            round_part = radius * down[:, :2] / np.where(side > 0, side, 1.0)[:, None]
-            end = np.where(np.abs(down[:, 2]) > LYING, half_length * np.sign(down[:, 2]), 0.0)
-            return np.column_stack([round_part, end])
-        case Brick(semi_axes):
-            return np.asarray(np.sign(down) * np.array(semi_axes))
-        case _:
-            axes = np.array(shape.semi_axes)
-            scaled = down * axes
-            return np.asarray(axes * scaled / np.sqrt(dot(scaled, scaled))[:, None])
-
-
 def _speeds(body: Touching, motion: Trajectory) -> Array:
     """The speed (n,), m/s, at which all of a body would have its kinetic energy."""
     turning = motion.angular_velocity
     if isinstance(body.shape, Sphere):
-        down = _along_body(body, motion)
+        down = into_plane(body, motion)
         turning = turning - dot(turning, down)[:, None] * down
     return np.asarray(np.sqrt(dot(motion.velocity, motion.velocity) + dot(turning @ body.tensor, turning) / body.mass))
 

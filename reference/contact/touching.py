@@ -4,10 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.reference.kinematics import conjugate, dot, rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, shape_of
 from bodycheck.reference.mechanisms.observables import masses, tensor
-from bodycheck.reference.scene import Push, Scene, Shape, Vector
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Push, Scene, Shape, Sphere, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
+
+#: Cosine of the angle between the axis of a cylinder and the plane's normal up to which it lies on its side; its lowest point is
+#: then the middle of its line.
+LYING = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,3 +68,26 @@ def motions(scene: AnyScene, trajectory: Trajectory) -> tuple[Trajectory, ...]:
 def pushes_on(scene: AnyScene, place: int) -> tuple[Push, ...]:
     """The pushes on the body at a place."""
     return tuple(push for push in scene.pushes if push.body == place)
+
+
+def into_plane(body: Touching, motion: Trajectory) -> Array:
+    """The direction (n, 3) into the plane, along the axes of the body."""
+    return rotate(conjugate(motion.quaternion), np.tile(-np.array(body.normal), (len(motion), 1)))
+
+
+def lowest(body: Touching, motion: Trajectory) -> Array:
+    """The point (n, 3), m, of a body that is nearest to the plane, or farthest below it, along the axes of the body."""
+    down = into_plane(body, motion)
+    match body.shape:
+        case Sphere(radius):
+            return radius * down
+        case Cylinder(radius, half_length):
+            side = np.hypot(down[:, 0], down[:, 1])
+            rim = radius * down[:, :2] / np.where(side > 0, side, 1.0)[:, None]
+            end = np.where(np.abs(down[:, 2]) > LYING, half_length * np.sign(down[:, 2]), 0.0)
+            return np.column_stack([rim, end])
+        case Brick(semi_axes):
+            return np.asarray(np.sign(down) * np.array(semi_axes))
+        case Ellipsoid(semi_axes):
+            scaled = down * np.array(semi_axes)
+            return np.asarray(np.array(semi_axes) * scaled / np.sqrt(dot(scaled, scaled))[:, None])

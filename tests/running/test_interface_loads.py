@@ -1,0 +1,85 @@
+"""What bodies at rest bear on each other is measured after a run, and stored with it."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydantic import TypeAdapter
+
+from bodycheck.adapters.method import Method
+from bodycheck.figures.definition import InterfaceLoad
+from bodycheck.reference.contact import ways
+from bodycheck.reference.contact.motion import ContactMotion, Interface
+from bodycheck.reference.contact.problem import Problem
+from bodycheck.reference.exact.numbers import Wide
+from bodycheck.reference.mechanisms.mechanism import WORLD
+from bodycheck.reference.scene import Body, Plane, Scene, Sphere, State
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.running import records, simulation, store
+from bodycheck.running.outcome import Completed
+
+BALL = Scene(Body(1.0, (0.004, 0.004, 0.004), Sphere(0.1)), State((0.0, 0.0, 0.1)), 10.0, Plane(0.5))
+T = np.linspace(0, 4, 5)
+REST = Trajectory(T, np.tile([0, 0, 0.1], (5, 1)), np.tile([1.0, 0, 0, 0], (5, 1)), np.zeros((5, 3)), np.zeros((5, 3)))
+DONE = Completed(REST, 40, 1.0)
+
+
+class Bearing:
+    """An engine that has loads: 11 N, but nothing before 1 s and in steps 20, 30 and 31."""
+
+    def prepare_touching(self, scene: object, method: Method) -> object:
+        raise AssertionError
+
+    def interface_loads(self, scene: object, method: Method, steps: int) -> Mapping[tuple[int, int], Array] | None:
+        loads = np.full(steps, 11.0)
+        loads[:10] = loads[[20, 30, 31]] = 0.0
+        return {(WORLD, 0): loads, (0, 1): loads}
+
+
+def resting(problem: Problem, times: Array) -> ContactMotion:
+    """A way of a ball that rests."""
+    n, zero = len(times), np.zeros((1, len(times), 3), Wide)
+    turn = np.tile(np.array([1.0, 0, 0, 0], Wide), (1, n, 1))
+    return ContactMotion(zero, zero, turn, zero, {}, (), "rest", "", interfaces=(Interface((WORLD, 0), 10.0),))
+
+
+def moving(problem: Problem, times: Array) -> ContactMotion:
+    """A way of a ball of which nobody says that it rests."""
+    found = resting(problem, times)
+    return ContactMotion(found.position, found.velocity, found.quaternion, found.spin, {}, (), "", "")
+
+
+def test_the_mean_and_the_losses_of_contact_after_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ways, "WAYS", (resting,))
+    found = simulation._interfaces(Bearing(), BALL, BALL, Method("step", 0.1), DONE)  # type: ignore[arg-type]
+    assert found == (InterfaceLoad((WORLD, 0), pytest.approx(11.0 * 27 / 30), 2),)
+
+
+def test_a_run_of_bodies_that_move_has_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ways, "WAYS", (moving,))
+    assert simulation._interfaces(Bearing(), BALL, BALL, Method("step", 0.1), DONE) is None  # type: ignore[arg-type]
+
+
+def test_they_are_stored_and_read_again(tmp_path: Path) -> None:
+    told = {"interfaces": [{"bodies": [-1, 0], "load": 10.5, "losses": 3}]}
+    kept = json.loads(json.dumps(told))
+    assert store._interfaces(kept) == (InterfaceLoad((WORLD, 0), 10.5, 3),)
+    assert store._interfaces({}) is None
+    reader = TypeAdapter(records.BorneRecord)
+    assert reader.validate_python(kept["interfaces"][0]).losses == 3
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        {"bodies": [-2, 0], "load": 1.0, "losses": 0},
+        {"bodies": [0], "load": 1.0, "losses": 0},
+        {"bodies": [-1, 0], "load": "nan", "losses": 0},
+        {"bodies": [-1, 0], "load": 1.0, "losses": -1},
+    ],
+)
+def test_what_strangers_write_there_is_refused(broken: dict[str, object]) -> None:
+    with pytest.raises(ValueError):
+        records.typed(records.BorneRecord, broken)
