@@ -10,8 +10,8 @@ from bodycheck.reference.mechanisms.observables import masses, tensor
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Push, Scene, Shape, Sphere, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: Cosine of the angle between the axis of a cylinder and the plane's normal up to which it lies on its side; its lowest point is
-#: then the middle of its line.
+#: Cosine of the angle between the axis of a cylinder and the plane's normal up to which it lies on its side; its lowest
+#: point is then the middle of its line.
 LYING = 1e-2
 
 

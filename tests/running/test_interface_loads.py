@@ -81,5 +81,5 @@ def test_they_are_stored_and_read_again(tmp_path: Path) -> None:
     ],
 )
 def test_what_strangers_write_there_is_refused(broken: dict[str, object]) -> None:
-    with pytest.raises(ValueError):
+    with pytest.raises(ValueError, match=r"bodies|load|losses"):
         records.typed(records.BorneRecord, broken)
