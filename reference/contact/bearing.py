@@ -1,0 +1,145 @@
+"""What bodies at rest bear where one may rest on several: the balance of parallel forces."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linprog
+
+from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
+from bodycheck.reference.contact.upright import Upright, common, outline
+from bodycheck.reference.exact.numbers import Wide
+from bodycheck.reference.mechanisms.mechanism import WORLD
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.witness import WideArray
+
+#: By how much of themselves faces are smaller where balance is asked for: more than the error of linear programming.
+SAFE = 1e-6
+
+#: Relative size of what a linear system leaves undetermined, up to which it is rounding.
+DETERMINED = 1e-9
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """A body, or the plane (`WORLD`), that bears another one, by their places."""
+
+    lower: int
+    upper: int
+
+    @property
+    def pair(self) -> tuple[int, int]:
+        """The two places, ascending."""
+        return min(self.lower, self.upper), max(self.lower, self.upper)
+
+
+def loads(problem: Problem, faces: Sequence[Upright], bearings: Sequence[Bearing]) -> Mapping[Bearing, float]:
+    """The normal forces (N) that follow from weights, and from the symmetry of the scene where it has one.
+
+    Which part of a weight each of several supports bears does not follow from the balance of rigid bodies. Such bearings are
+    left out, unless each is the mirror image of another.
+    """
+    weights = [float(body.mass * -problem.gravity[2]) for body in problem.bodies]
+    rows, sides = [], []
+    for place, weight in enumerate(weights):
+        rows.append([float(bearing.upper == place) - float(bearing.lower == place) for bearing in bearings])
+        sides.append(weight)
+    for images in _mirrors(problem, faces):
+        for column, bearing in enumerate(bearings):
+            image = bearings.index(Bearing(images.get(bearing.lower, WORLD), images[bearing.upper]))
+            row = [0.0] * len(bearings)
+            row[column] += 1
+            row[image] -= 1
+            rows.append(row)
+            sides.append(0.0)
+    matrix = np.array(rows)
+    values, _, rank, _ = np.linalg.lstsq(matrix, np.array(sides), rcond=None)
+    free = np.linalg.svd(matrix)[2][rank:]
+    return {
+        bearing: float(value)
+        for bearing, value, loose in zip(bearings, values, np.abs(free).T.reshape(len(bearings), -1), strict=True)
+        if not (loose > DETERMINED).any()
+    }
+
+
+def centre_of(bodies: Sequence[ContactBody]) -> WideArray:
+    """The common centre of mass (3,) of bodies, along the axes of the plane (m)."""
+    masses = np.array([body.mass for body in bodies])
+    return np.asarray(masses @ np.array([body.position for body in bodies]) / masses.sum())
+
+
+def _mirrors(problem: Problem, faces: Sequence[Upright]) -> list[dict[int, int]]:
+    """Which body is the image of which, by place, in each mirror along the normal and an axis that changes nothing."""
+    centre = centre_of(problem.bodies)
+    axes = (1,) if problem.plane.incline else (0, 1)
+    found = (_images(problem, faces, axis, centre[axis]) for axis in axes)
+    return [images for images in found if images is not None]
+
+
+def _images(problem: Problem, faces: Sequence[Upright], axis: int, centre: Wide) -> dict[int, int] | None:
+    """The images of all bodies in the mirror through a centre (m) across an axis; None where one has none."""
+    found = {}
+    for place, face in enumerate(faces):
+        mirrored = _mirrored(outline(face), axis, centre)
+        image = next(
+            (
+                other
+                for other, known in enumerate(faces)
+                if problem.bodies[other].mass == problem.bodies[place].mass and _alike(face, mirrored, known)
+            ),
+            None,
+        )
+        if image is None:
+            return None
+        found[place] = image
+    return found
+
+
+def _mirrored(corners: WideArray, axis: int, centre: Wide) -> WideArray:
+    moved = corners.copy()
+    moved[:, axis] = 2 * centre - moved[:, axis]
+    return moved
+
+
+def _alike(face: Upright, mirrored: WideArray, other: Upright) -> bool:
+    """Whether the image of a body, with the corners (k, 2) of its outline, is another body."""
+    near = 4 * NONE * (face.size + other.size + float(np.abs(mirrored).max()))
+    corners = outline(other)
+    if len(corners) != len(mirrored) or face.ball != other.ball:
+        return False
+    if max(abs(face.bottom - other.bottom), abs(face.top - other.top)) > near:
+        return False
+    apart = mirrored[:, None] - corners
+    return bool((np.hypot(apart[..., 0], apart[..., 1]).min(axis=1) <= near).all())
+
+
+def balanced(problem: Problem, faces: Sequence[Upright], bearings: Sequence[Bearing], slope: float) -> bool:
+    """Whether forces along gravity between the faces balance all weights.
+
+    They act at the corners of what two faces have in common, which is as good as anywhere in it. slope: of the plane.
+    """
+    points = [_seen(problem, faces, bearing, slope) for bearing in bearings]
+    columns = np.repeat(np.arange(len(bearings)), [len(own) for own in points])
+    places = np.concatenate(points)
+    matrix, sides = [], []
+    for place, body in enumerate(problem.bodies):
+        signs = np.array([float(own.upper == place) - float(own.lower == place) for own in bearings])[columns]
+        seen = (body.position[:2] + np.array([body.position[2] * slope, Wide(0)])).astype(float)
+        arms = (places - seen) / faces[place].size
+        matrix += [signs, signs * arms[:, 0], signs * arms[:, 1]]
+        sides += [float(body.mass), 0.0, 0.0]
+    scale = np.repeat([float(body.mass) for body in problem.bodies], 3)
+    found = linprog(np.zeros(len(places)), A_eq=np.array(matrix) / scale[:, None], b_eq=np.array(sides) / scale)
+    return bool(found.status == 0)
+
+
+def _seen(problem: Problem, faces: Sequence[Upright], bearing: Bearing, slope: float) -> Array:
+    """The corners (k, 2) of what a bearing has, seen along gravity on the plane."""
+    upper = faces[bearing.upper]
+    if upper.ball:
+        corners = upper.centre[None]
+    elif bearing.lower == WORLD:
+        corners = outline(upper, larger=-SAFE)
+    else:
+        corners = common(outline(upper, larger=-SAFE), outline(faces[bearing.lower], larger=-SAFE))
+    return np.asarray((corners + np.array([upper.bottom * slope, Wide(0)])).astype(float))

@@ -1,0 +1,289 @@
+"""A box on a level plane that is pushed by a constant force through its centre of mass, with spheres at rest on its top.
+
+Newton and Euler for a sphere of mass m, radius R and moment k m R^2 on a box with the acceleration A: its friction is m a, and
+turns it by k m R^2 w = R m a, so that its lowest point has the acceleration a + a / k. Without slip this is A, and then
+a = k A / (1 + k), which is 2 A / 7 for a homogeneous sphere. Where m a would exceed mu m g, it slips, and a = mu g. The box
+slides by M A = F - mu (M + sum m) g - sum m a.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bodycheck.reference.bounds import EPS
+from bodycheck.reference.contact.motion import ContactMotion, Event, EventKind
+from bodycheck.reference.contact.problem import NONE, ContactBody, Problem, holds
+from bodycheck.reference.contact.upright import Upright, margin, upright
+from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.exact.numbers import MP, Real, Wide, wide
+from bodycheck.reference.kinematics import conjugate, multiply, rotate
+from bodycheck.reference.scene import Brick, Sphere, Vector
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.witness import WideArray
+
+#: Relative error of a number of the widest type after a few roundings.
+ROUNDINGS = 16 * float(np.finfo(Wide).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class Pushed:
+    """A box with spheres on it.
+
+    Attributes
+    ----------
+    problem
+        All bodies.
+    box, balls
+        The places of the box and of the spheres.
+    faces
+        How all bodies stand, by their places.
+    direction
+        (2,) unit vector along the push, in the plane.
+    force
+        Size of the push (N).
+    """
+
+    problem: Problem
+    box: int
+    balls: tuple[int, ...]
+    faces: tuple[Upright, ...]
+    direction: WideArray
+    force: Real
+
+    def across(self, ball: int) -> Wide:
+        """How far (m) a sphere is beside the line of the push."""
+        x, y = self.faces[ball].centre - self.faces[self.box].centre
+        return Wide(self.direction[0] * y - self.direction[1] * x)
+
+
+@dataclass(frozen=True, eq=False)
+class Accelerations:
+    """Accelerations (b,) of all bodies along the push (m/s^2), and the smallest friction that holds what does not slip."""
+
+    along: WideArray
+    friction: float
+
+
+def motion(problem: Problem, times: Array) -> ContactMotion | None:
+    """The motion of a pushed box with spheres on it, at ascending times (n,) >= 0 (s); None for anything else.
+
+    The states are NaN from where the push ends, a sphere leaves the box or touches another one, or the box tips. Raises
+    `NotModelled` for a box that turns or tips from the start.
+    """
+    scene = _recognised(problem)
+    if scene is None:
+        return None
+    found = accelerations(scene)
+    _check_straight(scene, found)
+    until, kind, place = _end(scene, found)
+    made = _states(scene, found, times, until)
+    if kind is None or until > times[-1]:
+        return made
+    there = _states(scene, found, np.array([until]), math.inf)
+    position, velocity = (_vector(rows[place, 0]) for rows in (there.position, there.velocity))
+    spin = _vector(rotate(there.quaternion, there.spin)[place, 0])
+    return replace(made, events=(Event(kind, until, 4 * EPS * until, place, position, velocity, spin),))
+
+
+def _recognised(problem: Problem) -> Pushed | None:
+    """The box and its spheres; None where the problem is another one."""
+    bricks = [place for place, body in enumerate(problem.bodies) if isinstance(body.shape, Brick)]
+    balls = tuple(place for place, body in enumerate(problem.bodies) if isinstance(body.shape, Sphere))
+    faces = tuple(face for body in problem.bodies if (face := upright(body)) is not None)
+    if len(bricks) != 1 or not balls or len(balls) + 1 < len(problem.bodies) or len(faces) < len(problem.bodies):
+        return None
+    if problem.plane.incline or not problem.gravity[2] or len(problem.pushes) != 1:
+        return None
+    if any(np.any(body.velocity) or np.any(body.spin) for body in problem.bodies):
+        return None
+    push = problem.pushes[0]
+    x, y, z = push.force
+    if push.body != bricks[0] or push.start or z or any(push.point) or not (x or y):
+        return None
+    if not all(_isotropic(problem.bodies[place]) for place in balls) or not _on_top(faces, bricks[0], balls):
+        return None
+    force = MP.hypot(MP.mpf(x), MP.mpf(y))
+    direction = np.array([wide(MP.mpf(x) / force), wide(MP.mpf(y) / force)], dtype=Wide)
+    return Pushed(problem, bricks[0], balls, faces, direction, force)
+
+
+def _isotropic(body: ContactBody) -> bool:
+    first, second, third = body.moments
+    return bool(first == second == third)
+
+
+def _on_top(faces: tuple[Upright, ...], box: int, balls: tuple[int, ...]) -> bool:
+    """Whether the box stands on the plane, and spheres on its top that touch nothing else."""
+    under = faces[box]
+    near = NONE * max(face.size for face in faces)
+    if abs(under.bottom) > near:
+        return False
+    if any(abs(faces[ball].bottom - under.top) > near or margin(under, faces[ball].centre) <= near for ball in balls):
+        return False
+    pairs = ((faces[one], faces[other]) for place, one in enumerate(balls) for other in balls[place + 1 :])
+    return all(np.sum((one.centre - other.centre) ** 2) > _touching(one, other) for one, other in pairs)
+
+
+def _touching(one: Upright, other: Upright) -> Wide:
+    """The square of the distance (m^2), along the face, of two spheres on it that touch: (R + r)^2 - (R - r)^2."""
+    return Wide(4 * one.half[0] * other.half[0] * (1 + Wide(NONE)))
+
+
+def _roundness(body: ContactBody) -> Real:
+    """The moment of a sphere over its mass and the square of its radius: k, which is 2/5 for a homogeneous one."""
+    assert isinstance(body.shape, Sphere)
+    return _exact(body.moments[0]) / (_exact(body.mass) * MP.mpf(body.shape.radius) ** 2)
+
+
+def _exact(value: Wide) -> Real:
+    head = float(value)
+    return MP.mpf(head) + MP.mpf(float(value - Wide(head)))
+
+
+def accelerations(scene: Pushed) -> Accelerations:
+    """The accelerations along the push. Which spheres roll and whether the box slides is decided with a hundred digits.
+
+    What all bodies take up of the push grows with the acceleration of the box, so that one acceleration takes up all of it.
+    """
+    problem, box = scene.problem, scene.box
+    gravity = -_exact(problem.gravity[2])
+    masses = [_exact(body.mass) for body in problem.bodies]
+    weight, friction = gravity * sum(masses), problem.pair(box)[0]
+    if holds(friction, scene.force, weight):
+        return Accelerations(np.zeros(len(masses), dtype=Wide), float(scene.force / weight))
+    shares = {ball: (k := _roundness(problem.bodies[ball])) / (1 + k) for ball in scene.balls}
+    limits = {ball: MP.mpf(problem.pair(box, ball)[0]) * gravity for ball in scene.balls}
+    order = sorted(scene.balls, key=lambda ball: limits[ball] / shares[ball])
+    left, inertia = scene.force - MP.mpf(friction) * weight, masses[box]
+    inertia += sum(masses[ball] * shares[ball] for ball in order)
+    rolling = list(order)
+    while rolling and shares[rolling[0]] * left > limits[rolling[0]] * inertia:
+        ball = rolling.pop(0)
+        left -= masses[ball] * limits[ball]
+        inertia -= masses[ball] * shares[ball]
+    fast = left / inertia
+    along = [
+        fast if place == box else shares[place] * fast if place in rolling else limits[place] for place in range(len(masses))
+    ]
+    needed = max((along[ball] / gravity for ball in rolling), default=MP.mpf(0))
+    return Accelerations(np.array([wide(value) for value in along], dtype=Wide), float(needed))
+
+
+def _check_straight(scene: Pushed, found: Accelerations) -> None:
+    """Raise `NotModelled` where the frictions of the plane and of the spheres turn the box about the normal.
+
+    That of the plane acts at the centre of the load, so that each sphere turns the box by (a + mu g) m times its distance from
+    the line of the push.
+    """
+    problem = scene.problem
+    held = min(problem.pair(scene.box)[0], float(scene.force)) * -problem.gravity[2]
+    moments = [(found.along[ball] + held) * problem.bodies[ball].mass for ball in scene.balls]
+    turning = sum(moment * scene.across(ball) for moment, ball in zip(moments, scene.balls, strict=True))
+    if abs(turning) > NONE * sum(moments) * scene.faces[scene.box].size:
+        raise NotModelled("a pushed box with loads beside the line of the push, which turns")
+
+
+def _end(scene: Pushed, found: Accelerations) -> tuple[float, EventKind | None, int]:
+    """The instant (s) from which on the motion is another one, what happens there, and to which body."""
+    relative = found.along - found.along[scene.box]
+    under = scene.faces[scene.box]
+    ends: list[tuple[Wide, EventKind | None, int]] = [(_tipping(scene, found, relative), "tip", scene.box)]
+    for place, ball in enumerate(scene.balls):
+        gone = _leaving(under, scene.faces[ball].centre, relative[ball] * scene.direction)
+        ends.append((gone, None, ball))
+        ends += [(_meeting(scene, ball, other, relative), "impact", ball) for other in scene.balls[:place]]
+    half_square, kind, body = min(ends, key=lambda end: end[0])
+    instant = float(np.sqrt(2 * half_square))
+    pushed_until = scene.problem.pushes[0].end
+    return (instant, kind, body) if instant <= pushed_until else (pushed_until, None, scene.box)
+
+
+def _leaving(face: Upright, point: WideArray, rate: WideArray) -> Wide:
+    """Half the square of the time (s^2) at which a point with some acceleration (2,) leaves a face; infinite where never."""
+    places, rates = face.sides @ (point - face.centre), face.sides @ rate
+    found = [
+        (half - np.sign(speed) * place) / abs(speed)
+        for half, place, speed in zip(face.half, places, rates, strict=True)
+        if speed
+    ]
+    return min(found, default=Wide(np.inf))
+
+
+def _meeting(scene: Pushed, one: int, other: int, relative: WideArray) -> Wide:
+    """Half the square of the time (s^2) at which two spheres touch each other; infinite where never."""
+    apart = scene.faces[one].centre - scene.faces[other].centre
+    rate = relative[one] - relative[other]
+    closing = -(apart @ scene.direction) * rate
+    beyond = apart @ apart - _touching(scene.faces[one], scene.faces[other])
+    square = closing**2 - rate**2 * beyond
+    if closing <= 0 or square < 0:
+        return Wide(np.inf)
+    return Wide(beyond / (closing + np.sqrt(square)))
+
+
+def _tipping(scene: Pushed, found: Accelerations, relative: WideArray) -> Wide:
+    """Half the square of the time (s^2) at which the centre of the load leaves the base of the box; infinite where never.
+
+    The moments about the centre of mass balance: those of the spheres' weights and of the frictions above and below it.
+    Raises `NotModelled` where the box tips from the start.
+    """
+    problem, face = scene.problem, scene.faces[scene.box]
+    masses = np.array([body.mass for body in problem.bodies])
+    taken = masses * found.along
+    pushed = wide(scene.force) - sum(taken)
+    upper = sum(taken) - taken[scene.box]
+    shift = (face.top - face.bottom) / 2 * (pushed - upper) / -problem.gravity[2] * scene.direction
+    offsets = sum(masses[ball] * (scene.faces[ball].centre - face.centre) for ball in scene.balls)
+    begin = face.centre + (offsets + shift) / sum(masses)
+    if margin(face, begin) <= NONE * face.size:
+        raise NotModelled("a pushed box that tips over")
+    return _leaving(face, begin, (masses * relative).sum() / sum(masses) * scene.direction)
+
+
+def _states(scene: Pushed, found: Accelerations, times: Array, until: float) -> ContactMotion:
+    """The states at times (n,), NaN from an instant on."""
+    problem, t = scene.problem, times.astype(Wide)
+    t[times >= until] = np.nan
+    along = np.append(scene.direction, Wide(0))
+    axis = np.array([-along[1], along[0], Wide(0)])
+    shape = (len(problem.bodies), len(times))
+    position, velocity, spin = (np.zeros((*shape, 3), dtype=Wide) for _ in range(3))
+    quaternion, angles = np.zeros((*shape, 4), dtype=Wide), np.zeros(shape, dtype=Wide)
+    for place, body in enumerate(problem.bodies):
+        acceleration = found.along[place]
+        position[place] = body.position + np.multiply.outer(acceleration * t * t / 2, along)
+        velocity[place] = np.multiply.outer(acceleration * t, along)
+        # The friction acts below the centre, so that a sphere turns against the direction in which it would roll on the plane.
+        rate = Wide(0) if place == scene.box else -acceleration / (wide(_roundness(body)) * scene.faces[place].half[0])
+        angles[place] = rate * t * t / 2
+        turn = np.concatenate([np.cos(angles[place] / 2)[:, None], np.multiply.outer(np.sin(angles[place] / 2), axis)], axis=1)
+        quaternion[place] = multiply(turn, np.broadcast_to(body.quaternion, turn.shape))
+        spin[place] = rotate(conjugate(quaternion[place]), np.multiply.outer(rate * t, axis))
+    speeds, rates = (np.abs(rows).max(axis=(0, 2)) for rows in (velocity, spin))
+    gap = max(abs(float(scene.faces[ball].bottom - scene.faces[scene.box].top)) for ball in scene.balls)
+    tilt = scene.faces[scene.box].tilt
+    left = gap + abs(float(scene.faces[scene.box].bottom)) + tilt * scene.faces[scene.box].size
+    angle = np.abs(angles).max(axis=0)
+    errors = {
+        "error": tilt + ROUNDINGS * (1 + angle),
+        "position_error": left + ROUNDINGS * np.abs(position).max(axis=(0, 2)),
+        "velocity_error": ROUNDINGS * speeds,
+        "angular_velocity_error": ROUNDINGS * rates * (1 + angle),
+    }
+    return ContactMotion(
+        position,
+        velocity,
+        quaternion,
+        spin,
+        {name: np.asarray(values.astype(float)) for name, values in errors.items()},
+        (),
+        "closed form: Newton and Euler",
+        "all accelerations are constant while box and spheres slide or roll on",
+        friction=found.friction,
+    )
+
+
+def _vector(values: WideArray) -> Vector:
+    x, y, z = map(float, values)
+    return x, y, z
