@@ -96,15 +96,21 @@ def print_truth(truth: Truth, most_rows: int, view: View) -> None:
 
 def _other_bounds(truth: Truth) -> str:
     """Return the largest bounds of the figures that the table of a truth lacks, on two lines of less than 80 characters."""
+    bounds = bounds_of(truth)
     velocity, rate, energy, momentum = (
-        f"{rounded_up(float(values.max()), 2):.2g}"
-        for name, values in bounds_of(truth).items()
-        if name not in ("truth_error", "truth_position_error")
+        _largest(bounds.get(f"truth_{name}_error")) for name in ("velocity", "angular_velocity", "energy", "angular_momentum")
     )
     return (
         f"velocity error at most {velocity} m/s, angular velocity error {rate} rad/s,\n"
         f"energy error {energy}, angular momentum error {momentum}, both relative"
     )
+
+
+def _largest(values: Array | None) -> str:
+    """Return the largest of some bounds where a motion is known, in words."""
+    if values is None or np.isnan(values).all():
+        return "not known"
+    return f"{rounded_up(float(np.nanmax(values)), 2):.2g}"
 
 
 def print_certificate(certificate: Certificate) -> None:

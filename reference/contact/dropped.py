@@ -116,6 +116,7 @@ def _first_touch(problem: Problem, body: ContactBody, until: float) -> Event | N
     """
     if not until:
         return None
+    until = min(until, _centre_touches(problem, body))
     top = _top_speed(problem, body, until)
     begin, span, searches = 0.0, until, 0
     while span > 4 * EPS * max(begin, span):
@@ -132,6 +133,14 @@ def _first_touch(problem: Problem, body: ContactBody, until: float) -> Event | N
         else:
             begin, span = begin + span, min(PARTS * span, until - begin - span)
     return _impact(problem, body, begin)
+
+
+def _centre_touches(problem: Problem, body: ContactBody) -> float:
+    """The time (s) at which the centre of mass would reach the plane, so that the body has touched it; infinite if never."""
+    height, speed, pull = float(body.position[2]), float(body.velocity[2]), -float(problem.gravity[2])
+    if pull:
+        return 2 * (speed + math.sqrt(speed**2 + 2 * pull * height)) / pull
+    return -2 * height / speed if speed < 0 else math.inf
 
 
 def _top_speed(problem: Problem, body: ContactBody, until: float) -> float:
