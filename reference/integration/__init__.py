@@ -4,6 +4,7 @@
 - `quasi_coordinates`: Euler's equations with a quaternion, with DOP853.
 - `taylor`: the Euler-Lagrange equations by Taylor's method in 80-bit and 128-bit arithmetic, with heyoka (Linux only).
 - `heyoka_solver`: Taylor's method itself, in any arithmetic.
+- `collocation`: Gauss-Legendre collocation in the wide type, which steps over singular positions.
 - `periods`: any number of turns of a body without torque from one period.
 - `rotation`: what an integration in a wide type gives.
 - `sensitivity`: growth of an error along a motion, from the variational equations, with heyoka.

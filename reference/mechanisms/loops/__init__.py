@@ -4,6 +4,5 @@
 - `joint_space`: the mass matrix of the tree in joint coordinates, and the rows of the loops.
 - `body_space`, `body_equations`: the bodies and the links between them, and Newton's and Euler's equations.
 - `minimum_norm`: accelerations and multipliers of minimum norm in the wide type.
-- `collocation`: integration by Gauss-Legendre collocation, which steps over singular positions.
 - `vectors`: vectors and rotation matrices at several instants at once.
 """

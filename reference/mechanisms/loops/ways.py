@@ -12,10 +12,10 @@ import numpy as np
 
 from bodycheck.reference.bounds import STATES
 from bodycheck.reference.exact.pairs import WideArray
+from bodycheck.reference.integration.collocation import integrate
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.kinematics import joints
 from bodycheck.reference.mechanisms.loops import body_equations, body_space, joint_space
-from bodycheck.reference.mechanisms.loops.collocation import integrate
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.ways import Motion, Way
 from bodycheck.reference.trajectory import Array, Trajectory

@@ -7,10 +7,10 @@ import pytest
 
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import MP, Wide
+from bodycheck.reference.integration.collocation import integrate
 from bodycheck.reference.mechanisms import kinematics, observables
 from bodycheck.reference.mechanisms.forms import pendulum
 from bodycheck.reference.mechanisms.loops import body_equations, body_space, joint_space, ways
-from bodycheck.reference.mechanisms.loops.collocation import integrate
 from bodycheck.reference.mechanisms.loops.minimum_norm import solved
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.ways import apart

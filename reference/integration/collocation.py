@@ -6,7 +6,7 @@ singular. The derivatives are a series of Legendre polynomials in a step; how fa
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -25,7 +25,7 @@ Derivatives = Callable[[WideArray], WideArray]
 #: A state (k,) that is moved back to where it belongs.
 Corrected = Callable[[WideArray], WideArray]
 
-#: Iterations of a step at most, and how many of the last ones Anderson's method combines.
+#: Iterations of a step at most, and how many of the last ones Anderson's method combines by default.
 _ITERATIONS, _MEMORY = 80, 25
 
 #: The smallest tolerance: relative size of the last terms of the series of a step that rounding in the wide type allows.
@@ -114,6 +114,46 @@ class _Counted:
 
 
 @dataclass(frozen=True, eq=False)
+class Step:
+    """A solved step.
+
+    Attributes
+    ----------
+    start, size
+        When it begins, and how long it is (s).
+    state
+        (k,) the state at its beginning.
+    slopes
+        (s, k) the derivatives at its nodes.
+    error
+        How large the last terms of their series are.
+    """
+
+    start: np.longdouble
+    size: np.longdouble
+    state: WideArray
+    slopes: WideArray
+    error: float
+
+    @property
+    def end(self) -> np.longdouble:
+        """When it ends (s)."""
+        return self.start + self.size
+
+    def at(self, times: WideArray) -> WideArray:
+        """The states (n, k) at instants (n,) of the step."""
+        used = rule(len(self.slopes))
+        inside = 2 * (times - self.start) / self.size - 1
+        found: WideArray = self.state + self.size * (_integrals(inside, len(self.slopes)) @ (used.series @ self.slopes))
+        return found
+
+    def last(self) -> WideArray:
+        """The state (k,) at its end."""
+        found: WideArray = self.state + self.size * (rule(len(self.slopes)).across @ self.slopes)
+        return found
+
+
+@dataclass(frozen=True, eq=False)
 class Integrated:
     """States (n, k), and the sum (n,) of the errors that the steps until then have made, before they grow."""
 
@@ -131,8 +171,40 @@ def integrate(
     most: int,
     tolerance: float = FINEST,
     corrected: Corrected | None = None,
+    memory: int = _MEMORY,
 ) -> Integrated:
-    """The motion at ascending times (n,) >= 0, s, from a state (k,) at t = 0.
+    """The motion at ascending times (n,) >= 0, s, from a state (k,) at t = 0. Other parameters are those of `steps`."""
+    found, errors = np.empty((len(times), len(start)), dtype=Wide), np.empty(len(times))
+    row = int(np.searchsorted(times, 0.0, side="right"))
+    found[:row], errors[:row] = start, 0.0
+    if row == len(times):
+        return Integrated(found, errors)
+    made = 0.0
+    solved = steps(
+        derivatives, start, stages=stages, first=first, most=most, tolerance=tolerance, corrected=corrected, memory=memory
+    )
+    for step in solved:
+        made += max(step.error, FINEST) * float(step.size * np.abs(step.slopes).max())
+        inside = int(np.searchsorted(times, step.end, side="right"))
+        found[row:inside], errors[row:inside] = step.at(times[row:inside].astype(Wide)), made
+        row = inside
+        if row == len(times):
+            break
+    return Integrated(found, errors)
+
+
+def steps(
+    derivatives: Derivatives,
+    start: WideArray,
+    *,
+    stages: int,
+    first: float,
+    most: int,
+    tolerance: float = FINEST,
+    corrected: Corrected | None = None,
+    memory: int = _MEMORY,
+) -> Iterator[Step]:
+    """The steps from a state (k,) at t = 0 on, without an end.
 
     Parameters
     ----------
@@ -140,8 +212,6 @@ def integrate(
         The equations.
     start
         The state at t = 0.
-    times
-        The instants.
     stages
         Number of nodes of a step.
     first
@@ -152,66 +222,57 @@ def integrate(
         Relative size of the last terms of the series of a step.
     corrected
         What is done to the state after each step, such as a projection on constraints.
+    memory
+        How many of the last iterations are combined. With 1 they are Picard's, which are cheaper where all of them contract.
 
     Raises `OutOfReach` where no step can be solved or too many are needed.
     """
-    found, errors = np.empty((len(times), len(start)), dtype=Wide), np.empty(len(times))
-    made = 0.0
-    used, state, t, h, row = rule(stages), start, Wide(0), Wide(first), 0
+    used, state, t, h = rule(stages), start, Wide(0), Wide(first)
     guess: WideArray | None = None
     counted = _Counted(derivatives)
     while counted.calls < most:
-        while row < len(times) and times[row] <= t:
-            found[row], errors[row], row = state, made, row + 1
-        if row == len(times):
-            return Integrated(found, errors)
-        step = _step(counted, used, state, h, guess, tolerance)
-        made += max(step.error, FINEST) * float(step.size * np.abs(step.slopes).max())
-        inside = int(np.searchsorted(times, t + step.size, side="left"))
-        if inside > row:
-            at = 2 * (times[row:inside].astype(Wide) - t) / step.size - 1
-            found[row:inside] = state + step.size * (_integrals(at, stages) @ (used.series @ step.slopes))
-            errors[row:inside] = made
-            row = inside
-        state, t = state + step.size * (used.across @ step.slopes), t + step.size
+        size, slopes, error = _step(counted, used, state, h, guess, tolerance, memory)
+        step = Step(t, size, state, slopes, error)
+        yield step
+        state, t = step.last(), step.end
         state = corrected(state) if corrected else state
-        grown = Wide(_factor(used, step.slopes, tolerance))
-        guess, h = _continued(used, step.slopes, grown), step.size * grown
-    raise OutOfReach(f"the motion of the closed loops needs more than {most} evaluations of its equations")
+        grown = Wide(_factor(used, slopes, tolerance))
+        guess, h = _continued(used, slopes, grown), size * grown
+    raise OutOfReach(f"the motion needs more than {most} evaluations of its equations")
 
 
-@dataclass(frozen=True, eq=False)
-class _Step:
-    """A solved step: its size (s), the derivatives (s, k) at its nodes, and how large the last terms of their series are."""
-
-    size: np.longdouble
-    slopes: WideArray
-    error: float
+#: A solved step: its size (s), the derivatives (s, k) at its nodes, and how large the last terms of their series are.
+_Solved = tuple[np.longdouble, WideArray, float]
 
 
 def _step(
-    derivatives: Derivatives, used: Rule, state: WideArray, h: np.longdouble, guess: WideArray | None, tolerance: float
-) -> _Step:
+    derivatives: Derivatives,
+    used: Rule,
+    state: WideArray,
+    h: np.longdouble,
+    guess: WideArray | None,
+    tolerance: float,
+    memory: int,
+) -> _Solved:
     """A step from a state whose size is near h.
 
     Close to a singular position the accelerations have few digits, and a smaller step does not make its series shorter. Then
     the larger step, which has fewer nodes close to that position, is taken.
     """
-    best: _Step | None = None
+    best: _Solved | None = None
     for factor in _SIZES:
         size = h * Wide(factor)
-        slopes, error = _solved(derivatives, used, state, size, guess, _CHANGE * tolerance)
+        slopes, error = _solved(derivatives, used, state, size, guess, _CHANGE * tolerance, memory)
         guess = None
         if slopes is None:
             continue
-        step = _Step(size, slopes, error)
         if error < _TAKEN * tolerance:
-            return step
-        if best is not None and size < best.size and best.error < _MAGNIFIED and error > best.error / 30:
+            return size, slopes, error
+        if best is not None and size < best[0] and best[2] < _MAGNIFIED and error > best[2] / 30:
             return best
-        best = step if best is None or error < best.error else best
-    if best is None or best.error > 1000 * _MAGNIFIED:
-        raise OutOfReach("the motion of the closed loops cannot be continued: no step can be solved")
+        best = (size, slopes, error) if best is None or error < best[2] else best
+    if best is None or best[2] > 1000 * _MAGNIFIED:
+        raise OutOfReach("the motion cannot be continued: no step can be solved")
     return best
 
 
@@ -238,7 +299,13 @@ def _continued(used: Rule, slopes: WideArray, grown: np.longdouble) -> WideArray
 
 
 def _solved(
-    derivatives: Derivatives, used: Rule, state: WideArray, h: np.longdouble, guess: WideArray | None, enough: float
+    derivatives: Derivatives,
+    used: Rule,
+    state: WideArray,
+    h: np.longdouble,
+    guess: WideArray | None,
+    enough: float,
+    memory: int,
 ) -> tuple[WideArray | None, float]:
     """The derivatives at the nodes of a step, or None, and the relative size of the last terms of their series."""
     slopes = np.tile(derivatives(state[None]), (len(used.nodes), 1)) if guess is None else guess
@@ -261,7 +328,7 @@ def _solved(
         best = min(best, change)
         points.append(slopes.ravel())
         residuals.append(residual.ravel())
-        slopes = _mixed(points[-_MEMORY:], residuals[-_MEMORY:], np.tile(scale, len(used.nodes))).reshape(slopes.shape)
+        slopes = _mixed(points[-memory:], residuals[-memory:], np.tile(scale, len(used.nodes))).reshape(slopes.shape)
     return None, np.inf
 
 

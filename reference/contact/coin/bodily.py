@@ -1,0 +1,103 @@
+"""The rolling coin by Newton's and Euler's equations with a quaternion: the witness of the Euler angles.
+
+With rho from the centre of mass to the rim's lowest point and omega the angular velocity, all along the axes of the body,
+rolling gives the centre the velocity rho x omega. The force at the rim is that acceleration less that of gravity, for each unit
+of mass, and its moment rho x F turns the body:
+
+    I omega' - rho x (rho x omega') = I omega x omega + rho x (rho' x omega + g z)
+
+Here rho' is the rate of change of rho as the world sees it.
+"""
+
+import numpy as np
+
+from bodycheck.reference.contact.coin.start import Coin
+from bodycheck.reference.integration.collocation import Derivatives
+from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.witness import WideArray
+
+_Vectors = tuple[WideArray, WideArray, WideArray]
+
+
+def initial(coin: Coin) -> WideArray:
+    """The state (10,) of a coin at its start: attitude (4), angular velocity (3) along its axes, position (3)."""
+    return np.concatenate([coin.quaternion, coin.spin, coin.position])
+
+
+def equations(coin: Coin) -> Derivatives:
+    """The derivatives (n, 10) of states (n, 10)."""
+
+    def derivatives(states: WideArray) -> WideArray:
+        turning, velocity, _ = accelerated(coin, states)
+        quaternion = normalise(states[:, :4])
+        rates = np.concatenate([np.zeros_like(states[:, :1]), states[:, 4:7]], axis=1)
+        # The length of the quaternion counts for nothing above, and stays what it is.
+        return np.concatenate([multiply(states[:, :4], rates) / 2, turning, rotate(quaternion, velocity)], axis=1)
+
+    return derivatives
+
+
+def accelerated(coin: Coin, states: WideArray) -> _Vectors:
+    """The angular acceleration, and the velocity and acceleration of the centre of mass (n, 3), along the axes of the body."""
+    moments = np.array([coin.across, coin.across, coin.along])
+    omega = states[:, 4:7]
+    upward = _upward(states)
+    axis = np.zeros_like(omega)
+    axis[:, 2] = 1
+    steep = np.hypot(upward[:, :1], upward[:, 1:2])
+    uphill = (upward - upward[:, 2:] * axis) / steep
+    rho = -coin.half_length * axis - coin.radius * uphill
+    turned = _cross(omega, axis)
+    slope_rate = (upward * turned).sum(axis=1, keepdims=True)
+    uphill_rate = uphill * (upward[:, 2:] * slope_rate / steep**2) - (slope_rate * axis + upward[:, 2:] * turned) / steep
+    rho_rate = -coin.half_length * turned - coin.radius * uphill_rate
+    pushed = _cross(rho_rate, omega) + coin.gravity * upward
+    right = _cross(moments * omega, omega) + _cross(rho, pushed)
+    turning = _solved(moments, rho, right)
+    return turning, _cross(rho, omega), _cross(rho_rate, omega) + _cross(rho, turning)
+
+
+def forces(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray]:
+    """The force of the plane along it and out of it (n,), in weights of the coin, in states (n, 10)."""
+    _, _, acceleration = accelerated(coin, states)
+    upward = _upward(states)
+    raised = (acceleration * upward).sum(axis=1)
+    along = acceleration - raised[:, None] * upward
+    return np.sqrt((along * along).sum(axis=1)) / coin.gravity, 1 + raised / coin.gravity
+
+
+def poses(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
+    """Positions (n, 3), velocities (n, 3), attitudes (n, 4) and angular velocities (n, 3) along the axes of the body."""
+    quaternion = normalise(states[:, :4])
+    _, velocity, _ = accelerated(coin, states)
+    return states[:, 7:], rotate(quaternion, velocity), quaternion, states[:, 4:7]
+
+
+def _upward(states: WideArray) -> WideArray:
+    """The vertical (n, 3) along the axes of the body."""
+    up = np.zeros_like(states[:, :3])
+    up[:, 2] = 1
+    return np.asarray(rotate(conjugate(normalise(states[:, :4])), up))
+
+
+def _solved(moments: WideArray, rho: WideArray, right: WideArray) -> WideArray:
+    """The x (n, 3) with I x - rho x (rho x x) = right, for moments (3,).
+
+    The matrix is diagonal, moments + rho^2, less the product rho rho^T, so that its inverse is known (Sherman and Morrison).
+    """
+    diagonal = moments + (rho * rho).sum(axis=1, keepdims=True)
+    one, other = right / diagonal, rho / diagonal
+    share = (rho * one).sum(axis=1, keepdims=True) / (1 - (rho * other).sum(axis=1, keepdims=True))
+    found: WideArray = one + share * other
+    return found
+
+
+def _cross(a: WideArray, b: WideArray) -> WideArray:
+    return np.stack(
+        [
+            a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1],
+            a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2],
+            a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0],
+        ],
+        axis=1,
+    )

@@ -1,0 +1,179 @@
+"""The motion of a coin up to where it ends to roll: it slips, leaves the plane, or touches it with more than a point."""
+
+import itertools
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from bodycheck.reference.contact.coin import angles
+from bodycheck.reference.contact.coin.start import Coin
+from bodycheck.reference.errors import OutOfReach
+from bodycheck.reference.exact.numbers import Wide
+from bodycheck.reference.integration.collocation import Step, steps
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.witness import WideArray
+
+#: Nodes of a step.
+STAGES = 24
+
+#: Evaluations of the equations, of all nodes at once, after which the motion is given up: some ten seconds.
+MOST = 40_000
+
+#: The length of the first step, in units of the coin's time.
+FIRST = 0.5
+
+#: Places of a step at which is looked for its end, and how often the part around one of them is searched again.
+_PLACES, _SEARCHES = 33, 13
+
+#: The same for the largest friction: the friction is flat where it is largest.
+_REFINEMENTS = 4
+
+#: The part of a step before an end in which its rate is measured, and the shortest time of such a measurement.
+_EARLIER, _INSTANT = 16, 1e-12
+
+#: What must be positive (n,) in states (n, 8) as long as the coin rolls.
+_Slack = Callable[[WideArray], WideArray]
+
+
+@dataclass(frozen=True, eq=False)
+class End:
+    """Where a coin ends to roll.
+
+    Attributes
+    ----------
+    kind
+        It slips or leaves the plane, or its face or its side meets the plane.
+    time
+        The instant, in units of the coin.
+    state
+        (8,) the state there.
+    rate
+        How fast what must be positive falls there.
+    before, state_before
+        An instant a little before, and the state (8,) there, where other equations are not yet singular.
+    """
+
+    kind: Literal["slip", "impact"]
+    time: np.longdouble
+    state: WideArray
+    rate: float
+    before: np.longdouble
+    state_before: WideArray
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """States (n, 8) of a coin, where it ends to roll within the instants, and the largest friction until then.
+
+    After the end, the states are NaN.
+    """
+
+    states: WideArray
+    end: End | None
+    friction: float
+
+
+def slacks(coin: Coin, friction: float) -> tuple[tuple[Literal["slip", "impact"], _Slack], ...]:
+    """What must be positive as long as a coin rolls, with what happens where it is not."""
+
+    def held(states: WideArray) -> WideArray:
+        tangential, normal = angles.forces(coin, states)
+        return normal if math.isinf(friction) else Wide(friction) * normal - tangential
+
+    upright = np.arctan2(Wide(1), Wide(0))
+    return (
+        ("slip", held),
+        ("impact", lambda states: np.asarray(states[:, angles.THETA])),
+        ("impact", lambda states: np.asarray(upright - states[:, angles.THETA])),
+    )
+
+
+def ratio(coin: Coin, states: WideArray) -> WideArray:
+    """The friction (n,) that a coin needs in states (n, 8): tangential force by normal force, where that is positive."""
+    tangential, normal = angles.forces(coin, states)
+    return np.asarray(tangential / np.where(normal > 0, normal, np.inf))
+
+
+def followed(coin: Coin, friction: float, times: Array) -> Followed:
+    """The motion at ascending times (n,) >= 0, in units of the coin. Raises `OutOfReach` where it needs too many steps."""
+    start = angles.initial(coin)
+    states = np.full((len(times), len(start)), np.nan, dtype=Wide)
+    row = int(np.searchsorted(times, 0.0, side="right"))
+    states[:row] = start
+    needed = float(ratio(coin, start[None])[0])
+    if row == len(times):
+        return Followed(states, None, needed)
+    conditions = slacks(coin, friction)
+    last = Wide(times[-1])
+    solved = steps(angles.equations(coin), start, stages=STAGES, first=FIRST, most=MOST, memory=1)
+    try:
+        for step in solved:
+            until = min(step.end, last)
+            places = np.linspace(step.start, until, _PLACES, dtype=Wide)
+            end = _end(step, places, conditions)
+            until = until if end is None else end.time
+            inside = int(np.searchsorted(times, until, side="right"))
+            states[row:inside] = step.at(times[row:inside].astype(Wide))
+            row = inside
+            needed = max(needed, _largest(coin, step, places[places <= until]))
+            if end is not None or step.end >= last:
+                return Followed(states, end, needed)
+    except OutOfReach as error:
+        raise OutOfReach(f"a coin that wobbles so much or comes so close to lying flat: {error}") from error
+    raise AssertionError  # steps have no end
+
+
+def _end(step: Step, places: WideArray, conditions: tuple[tuple[Literal["slip", "impact"], _Slack], ...]) -> End | None:
+    """The first end within a step. places: ascending instants of it, the first and the last included."""
+    found = []
+    states = step.at(places)
+    for kind, slack in conditions:
+        if (bracket := _bracket(step, slack, places, slack(states))) is None:
+            continue
+        begin, until = bracket
+        for _ in range(_SEARCHES):
+            grid = np.linspace(begin, until, _PLACES, dtype=Wide)
+            below = int(np.argmax(slack(step.at(grid)) <= 0)) or _PLACES - 1
+            begin, until = grid[below - 1], grid[below]
+        # It is a double, so that both solutions are taken at the same instant.
+        early = Wide(float(until - (until - step.start) / _EARLIER))
+        early_state, state = step.at(np.array([early, until]))
+        rate = float((slack(early_state[None]) - slack(state[None]))[0] / max(until - early, Wide(_INSTANT)))
+        found.append(End(kind, until, state, rate, early, early_state))
+    return min(found, key=lambda end: float(end.time), default=None)
+
+
+def _bracket(step: Step, slack: _Slack, places: WideArray, values: WideArray) -> tuple[np.longdouble, np.longdouble] | None:
+    """Two instants between which something that must be positive first falls to zero, or None.
+
+    Where it may be lowest between two places, it is searched there too.
+    """
+    for first in np.flatnonzero(values <= 0)[:1]:
+        return (places[max(first - 1, 0)], places[first])
+    lowest = int(np.argmin(values))
+    if not 0 < lowest < len(places) - 1 or values[lowest] > np.abs(np.diff(values[lowest - 1 : lowest + 2])).max():
+        return None
+    begin, until = places[lowest - 1], places[lowest + 1]
+    for _ in range(_SEARCHES):
+        grid = np.linspace(begin, until, _PLACES, dtype=Wide)
+        found = slack(step.at(grid))
+        if (found <= 0).any():
+            return begin, grid[int(np.argmax(found <= 0))]
+        lowest = int(np.clip(np.argmin(found), 1, _PLACES - 2))
+        begin, until = grid[lowest - 1], grid[lowest + 1]
+    return None
+
+
+def _largest(coin: Coin, step: Step, places: WideArray) -> float:
+    """The largest friction at instants of a step and between them."""
+    found = ratio(coin, step.at(places))
+    most = float(found.max())
+    highest = int(np.argmax(found))
+    for _ in itertools.repeat(None, _REFINEMENTS if 0 < highest < len(places) - 1 else 0):
+        places = np.linspace(places[highest - 1], places[highest + 1], _PLACES, dtype=Wide)
+        found = ratio(coin, step.at(places))
+        most, highest = max(most, float(found.max())), int(np.clip(np.argmax(found), 1, _PLACES - 2))
+    return most

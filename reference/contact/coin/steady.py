@@ -1,0 +1,35 @@
+"""A coin that rolls along a circle or a straight line, or turns on the spot, with a constant tilt: in closed form."""
+
+import numpy as np
+
+from bodycheck.reference.contact.coin import angles
+from bodycheck.reference.contact.coin.start import Coin
+from bodycheck.reference.contact.problem import NONE
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.witness import WideArray
+
+
+def is_steady(coin: Coin) -> bool:
+    """Whether the tilt of a coin rests at its start, and is not accelerated, as far as the decimals of a file can say so."""
+    start = angles.initial(coin)[None]
+    return bool(abs(start[0, angles.P]) <= NONE and abs(angles.accelerated(coin, start).p[0]) <= NONE)
+
+
+def states(coin: Coin, times: Array) -> WideArray:
+    """The states (n, 8) of a steady motion at times (n,), in units of the coin.
+
+    The centre of mass has the velocity q h - s r along the line of nodes, which turns with q / sin theta.
+    """
+    start = angles.initial(coin)
+    t = times.astype(start.dtype)
+    theta, q, s, phi, psi = (start[part] for part in (angles.THETA, angles.Q, angles.S, angles.PHI, angles.PSI))
+    turning = q / np.sin(theta)
+    half = turning * t / 2
+    # The chord of the arc is a sine; it is the whole way where the line of nodes does not turn.
+    chord = (q * coin.half_length - s * coin.radius) * t * np.where(half, np.sin(half) / np.where(half, half, 1), 1)
+    found = np.tile(start, (len(t), 1))
+    found[:, angles.P] = 0
+    found[:, angles.PHI], found[:, angles.PSI] = phi + turning * t, psi + (s - turning * np.cos(theta)) * t
+    found[:, angles.X] = found[:, angles.X] + chord * np.cos(phi + half)
+    found[:, angles.Y] = found[:, angles.Y] + chord * np.sin(phi + half)
+    return found

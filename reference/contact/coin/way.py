@@ -1,0 +1,203 @@
+"""The motion of a coin that rolls without slip, with bounds from a second solution by other equations."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.bounds import EPS
+from bodycheck.reference.contact.coin import angles, bodily, steady
+from bodycheck.reference.contact.coin.ends import FIRST, MOST, End, Followed, followed, slacks
+from bodycheck.reference.contact.coin.start import Coin, coin
+from bodycheck.reference.contact.motion import ContactMotion, Event
+from bodycheck.reference.contact.problem import Problem
+from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.exact.numbers import Wide
+from bodycheck.reference.integration.collocation import integrate
+from bodycheck.reference.kinematics import rotate
+from bodycheck.reference.scene import Vector
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.witness import WideArray, angle_between
+
+#: Names of the solutions.
+APPELL = "Appell's equations in Euler angles, Gauss-Legendre collocation"
+NEWTON = "Newton's and Euler's equations with a quaternion, Gauss-Legendre collocation"
+STEADY = "closed form: steady circle"
+
+REASON = "the coin is rigid and rolls without slip on the circle of its rim"
+
+#: Nodes of a step of the second solution; others than those of the first one, so that its steps are others too.
+_STAGES = 20
+
+#: How many times the disagreement of two solutions the error of one can be.
+_SAFETY = 2.0
+
+#: Roundings of the start, relative to the size of a state, which both solutions have alike.
+_ROUNDINGS = 16.0
+
+#: By how much a steady motion in closed form may differ from the motion of the scene, whose numbers are rounded, in units of
+#: the coin. Beyond that the scene is close to a steady motion, but has another one.
+_STEADY = 1e-12
+
+#: Positions (n, 3), velocities (n, 3), attitudes (n, 4) and angular velocities (n, 3).
+_Poses = tuple[WideArray, WideArray, WideArray, WideArray]
+
+#: The rate of what vanishes at an end below which the end is a grazing one, for the error of its instant.
+_GRAZING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class _Vouched:
+    """A motion at instants (k,) with its witness, in units of the coin.
+
+    Attributes
+    ----------
+    poses
+        The motion.
+    apart
+        By how much its positions, velocities, attitudes and angular velocities disagree with those of the witness so far (k,).
+    model, witness
+        The names of the two solutions.
+    slack_error
+        By how much the two disagree in what vanishes at the end.
+    """
+
+    poses: _Poses
+    apart: tuple[Array, ...]
+    model: str
+    witness: str
+    slack_error: float = 0.0
+
+
+def rolling_coin(problem: Problem, times: Array) -> ContactMotion | None:
+    """The motion of a cylinder that rolls without slip with a point of its rim on a level plane.
+
+    It ends where the friction does not hold, and where the coin meets the plane with its face or its side. Raises `NotModelled`
+    for a coin that slips at its start, and `OutOfReach` for one that comes too close to lying flat.
+    """
+    given = coin(problem)
+    if given is None:
+        return None
+    friction, _ = problem.pair(0)
+    _check_start(given, friction)
+    t = times / float(given.time)
+    # Steps that are too large can leave the range of numbers, and are then made smaller.
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        motion = followed(given, friction, t)
+        known = int((~np.isnan(motion.states[:, 0])).sum())
+        vouched = _vouched(given, motion, t[:known])
+    position, velocity, quaternion, spin = (_spread(values, len(t)) for values in _in_units(given, vouched.poses))
+    end = motion.end
+    return ContactMotion(
+        position[None],
+        velocity[None],
+        quaternion[None],
+        spin[None],
+        {name: _spread(values, len(t)) for name, values in _bounds(given, vouched).items()},
+        () if end is None else (_event(given, end, vouched.slack_error),),
+        vouched.model,
+        REASON,
+        friction=motion.friction if end is None or math.isinf(friction) else 0.0,
+        witness=vouched.witness,
+    )
+
+
+def _check_start(given: Coin, friction: float) -> None:
+    """Raise `NotModelled` for a coin that the friction does not hold at its start."""
+    _, held = slacks(given, friction)[0]
+    if held(angles.initial(given)[None])[0] >= 0:
+        return
+    tangential, normal = (float(force[0]) for force in angles.forces(given, angles.initial(given)[None]))
+    needs = f"it needs the friction {tangential / normal:.6g}" if normal > 0 else "its rim is lifted from the plane"
+    raise NotModelled(f"a coin that slips at its start: {needs}")
+
+
+def _vouched(given: Coin, motion: Followed, t: Array) -> _Vouched:
+    """A motion with its witness. t: the instants (k,) before its end."""
+    poses = angles.poses(given, motion.states[: len(t)])
+    if motion.end is None and steady.is_steady(given):
+        closed = angles.poses(given, steady.states(given, t))
+        apart = _apart(closed, poses)
+        if all((each <= _STEADY).all() for each in apart):
+            return _Vouched(closed, apart, STEADY, APPELL)
+    end = motion.end
+    early = len(t) if end is None else int(np.searchsorted(t, float(end.before)))
+    grid = t if end is None else np.insert(t, early, float(end.before))
+    other = integrate(
+        bodily.equations(given), bodily.initial(given), grid, stages=_STAGES, first=FIRST, most=MOST, memory=1
+    ).states
+    if end is None:
+        return _Vouched(poses, _apart(poses, bodily.poses(given, other)), APPELL, NEWTON)
+    apart = _apart(poses, bodily.poses(given, np.delete(other, early, axis=0)))
+    return _Vouched(poses, apart, APPELL, NEWTON, _slack_error(given, end, other[early : early + 1]))
+
+
+def _apart(one: _Poses, other: _Poses) -> tuple[Array, ...]:
+    """The largest distances (k,) so far of positions, velocities, attitudes and angular velocities."""
+    distances = [np.sqrt(((a - b) ** 2).sum(axis=1)).astype(float) for a, b in zip(one, other, strict=True)]
+    distances[2] = angle_between(one[2], other[2])
+    return tuple(np.maximum.accumulate(distance) for distance in distances)
+
+
+def _slack_error(given: Coin, end: End, other: WideArray) -> float:
+    """By how much two solutions disagree in what vanishes at an end, shortly before it. other: the second one there (1, 10)."""
+    if end.kind == "impact":
+        tilt = angles.tilt_of(bodily.poses(given, other)[2])[0]
+        return abs(float(tilt - end.state_before[angles.THETA]))
+    forces = zip(angles.forces(given, end.state_before[None]), bodily.forces(given, other), strict=True)
+    return sum(abs(float((a - b)[0])) for a, b in forces)
+
+
+def _bounds(given: Coin, vouched: _Vouched) -> dict[str, Array]:
+    """The bounds (k,) of the errors of a motion, in SI units."""
+    rounding = _ROUNDINGS * float(np.finfo(Wide).eps)
+    sizes = [1.0 + np.sqrt((pose * pose).sum(axis=1)).astype(float) for pose in vouched.poses]
+    position, velocity, error, spin = (
+        _SAFETY * each + rounding * size for each, size in zip(vouched.apart, sizes, strict=True)
+    )
+    length, time = float(given.length), float(given.time)
+    return {
+        "error": error,
+        "position_error": position * length + given.missed_position,
+        "velocity_error": velocity * (length / time) + given.missed_velocity,
+        "angular_velocity_error": spin / time,
+    }
+
+
+def _event(given: Coin, end: End, slack_error: float) -> Event:
+    """The end of a motion. What the coin does after it meets the plane with more than a point is not known."""
+    position, velocity, quaternion, spin = _in_units(given, angles.poses(given, end.state[None]))
+    along = rotate(quaternion, spin)[0]
+    time = float(end.time * given.time)
+    error = _SAFETY * slack_error / max(abs(end.rate), _GRAZING) * float(given.time) + EPS * time
+    falling = max(0.0, -float(velocity[0, 2]))
+    if end.kind == "impact":
+        velocity, along = np.full_like(velocity, np.nan), np.full_like(along, np.nan)
+    return Event(
+        end.kind,
+        time,
+        error,
+        0,
+        _vector(position[0]),
+        _vector(velocity[0]),
+        _vector(along),
+        falling if end.kind == "impact" else 0.0,
+    )
+
+
+def _vector(values: WideArray) -> Vector:
+    x, y, z = values.astype(float).tolist()
+    return x, y, z
+
+
+def _in_units(given: Coin, poses: _Poses) -> _Poses:
+    """Poses in units of a coin as those of the body of the scene, in SI units."""
+    position, velocity, quaternion, spin = poses
+    return position * given.length, velocity * (given.length / given.time), *given.as_given(quaternion, spin)
+
+
+def _spread(values: WideArray, count: int) -> WideArray:
+    """Values (k, ...) at the instants before the end as values (count, ...) that are NaN after it."""
+    found = np.full((count, *values.shape[1:]), np.nan, dtype=values.dtype)
+    found[: len(values)] = values
+    return found
