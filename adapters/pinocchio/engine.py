@@ -5,9 +5,10 @@ write. `semi-implicit-euler` integrates the linear velocity in the world frame a
 others integrate the body twist, which is a different scheme for a body that moves and rotates. The module `joints` builds the
 joints of the body, as many as the scene needs, and `flights` steps one or several bodies in flight.
 
-A body on a plane has two integrators, both semi-implicit Euler. `admm` uses Pinocchio's own rigid contact at the corners.
-`law-force` applies the reference's law of friction as an external force; with `model=planar-joint` it integrates the body
-twist of Pinocchio's planar joint instead of world velocities.
+A body that lies flat on a level plane has two integrators, both semi-implicit Euler. `admm` uses Pinocchio's own rigid contact
+at the corners. `law-force` applies the reference's law of friction as an external force; with `model=planar-joint` it
+integrates the body twist of Pinocchio's planar joint instead of world velocities. Bodies that touch in any other way, one or
+several, have `admm` alone: see the module `touching`.
 """
 
 from collections.abc import Sequence
@@ -18,9 +19,9 @@ import pinocchio as pin
 
 from bodycheck.adapters import flat_contact
 from bodycheck.adapters import mechanism_models as larger_mechanisms
-from bodycheck.adapters.contract import Engine, Integrator, Link, Method, Model, SceneUnsupported, Simulation, choice
+from bodycheck.adapters.contract import Engine, Integrator, Kind, Link, Method, Model, SceneUnsupported, Simulation, choice
 from bodycheck.adapters.in_turn import InTurn
-from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting, flights, mechanisms, robots
+from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting, flights, mechanisms, robots, touching
 from bodycheck.adapters.pinocchio import mechanism_script as mechanism_scripts
 from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
@@ -28,6 +29,7 @@ from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.errors import NotFlat
 from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.sliding.friction import friction
 from bodycheck.reference.sliding.motion import smallest_friction
@@ -67,10 +69,10 @@ def integrators() -> tuple[Integrator, ...]:
         for name in SCHEMES
         for stages in (4 if name in ("rk4", "rk4-naive") else 1,)
     )
+    flat: frozenset[Kind] = frozenset({"plane"})
+    any_contact: frozenset[Kind] = frozenset({"plane", "contact"} if contact.HAS_POINT_CONTACTS else ())
     return flying + tuple(
-        Integrator(
-            name, 1, 1, frozenset({"plane"} if name != "admm" or contact.HAS_POINT_CONTACTS else ()), {"model": choice(*asked)}
-        )
+        Integrator(name, 1, 1, any_contact if name == "admm" else flat, {"model": choice(*asked, kinds=flat)})
         for name, asked in ASKED_ON_PLANE.items()
     )
 
@@ -87,7 +89,9 @@ engine = Engine(
     distribution=INSTALLATION.distribution,
     version=str(pin.__version__),
     integrators=integrators(),
-    models=frozenset({"gravity", "translation", "rotation", "contact", "friction", "drag", *mechanisms.MODELS}),
+    models=frozenset(
+        {"gravity", "translation", "rotation", "contact", "friction", "drag", *mechanisms.MODELS, *touching.MODELS}
+    ),
     variants={"plane": ("law-force:model=planar-joint",)},
     batch=2,
     varies=frozenset({"body"}),
@@ -100,12 +104,13 @@ calls = tuple(
     (pin, name)
     for name in (
         *("aba", "integrate", "dDifference", "computeAllTerms", "computeCollisions"),
-        *("computeJointJacobians", "computeMinverse", "getConstraintsJacobian", "constraintDynamics"),
+        *("forwardKinematics", "computeJointJacobians", "computeMinverse", "getConstraintsJacobian", "constraintDynamics"),
     )
     if hasattr(pin, name)
 )
 
 prepare_mechanism, mechanism_script = mechanisms.prepare_mechanism, mechanism_scripts.mechanism_script
+prepare_touching, interface_loads = touching.prepare_touching, touching.interface_loads
 read_robot = robots.read_robot
 
 
@@ -139,6 +144,8 @@ def unsupported_contact(scene: Scene, plane: Plane) -> str | None:
 
 def models(scene: Scene, integrator: str) -> dict[str, Model]:
     """Return the models of a scene by name; on a plane, the models in which the body touches the plane belong to `admm`."""
+    if touches(scene):
+        return {}
     if scene.plane is not None:
         own = {"contact": "admm", "everything": "admm:model=everything"}
         asked = {name: own.get(name, f"law-force:model={name}") for name in scene_models.ON_PLANE}
@@ -220,6 +227,8 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[t
 
 def script(scene: Scene, method: Method, duration: float, samples: int) -> str:
     """Return a script for Pinocchio alone, as `Scripts.script` does."""
+    if touches(scene):
+        raise SceneUnsupported(touching.NO_SCRIPT)
     check_supported(scene, method)
     model = model_of(scene, method)
     if scene.plane is None:

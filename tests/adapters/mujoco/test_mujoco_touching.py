@@ -3,7 +3,6 @@
 import io
 import math
 import runpy
-from collections.abc import Sequence
 from contextlib import redirect_stdout
 from dataclasses import replace
 from pathlib import Path
@@ -15,47 +14,32 @@ from bodycheck.adapters import offers
 from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported
 from bodycheck.adapters.mujoco import engine as adapter
 from bodycheck.adapters.mujoco.touching import damping_ratio
-from bodycheck.reference.definition import Solid
-from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, JointedBody, Mechanism, PairContact
-from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Push, Scene, Shape, Sphere, State, Vector
+from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Mechanism, PairContact
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Push, Scene, Shape, Sphere, State
 from bodycheck.reference.trajectory import Array
+from tests.support.touching import (
+    BALL,
+    CUBE,
+    DOWNHILL,
+    GRAVITY,
+    INCLINE,
+    MASS,
+    OF_BALL,
+    OF_CUBE,
+    RADIUS,
+    downhill,
+    on,
+    several,
+    start,
+)
 
-GRAVITY, RADIUS, MASS, INCLINE = 9.81, 0.1, 2.0, 0.3
-DOWNHILL = GRAVITY * math.sin(INCLINE)
-BALL, CUBE = Sphere(RADIUS), Brick((RADIUS, RADIUS, RADIUS))
-OF_BALL, OF_CUBE = Body(MASS, (0.4 * MASS * RADIUS**2,) * 3, BALL), Body(MASS, (2 / 3 * MASS * RADIUS**2,) * 3, CUBE)
 METHODS = offers.offered(adapter.engine, Scene(OF_BALL, State((0.0, 0.0, 1.0)), GRAVITY, Plane(0.5)))
-
-
-def on(plane: Plane, body: Body, height: float = RADIUS, **others: object) -> Scene:
-    """A body above the origin of a plane, along its axes."""
-    return replace(Scene(body, start(plane, height), GRAVITY, plane), **others)  # type: ignore[arg-type]
-
-
-def start(plane: Plane, height: float) -> State:
-    x, y, z = (height * part for part in plane.normal)
-    return State((x, y, z), (math.cos(plane.incline / 2), 0.0, math.sin(plane.incline / 2), 0.0))
-
-
-def several(shapes: Sequence[tuple[Shape, Vector]], plane: Plane, **others: object) -> Mechanism:
-    """Free bodies of equal mass at positions along the axes of a plane."""
-    (nx, _, nz), attitude = plane.normal, start(plane, 0.0).quaternion
-    made = tuple(
-        JointedBody(f"body-{place}", Solid(shape, MASS), start=BodyStart((nz * x + nx * z, y, nz * z - nx * x), attitude))
-        for place, (shape, (x, y, z)) in enumerate(shapes)
-    )
-    return replace(Mechanism(made, gravity=GRAVITY, plane=plane), **others)  # type: ignore[arg-type]
 
 
 def states(scene: Scene | Mechanism, spelling: str, duration: float, timestep: float = 0.002) -> Array:
     """States (n, bodies, 13) after every step."""
     strides = np.ones(round(duration / timestep), dtype=np.int64)
     return np.asarray(adapter.prepare_touching(scene, Method.parse(spelling, timestep)).advance(strides)[0])
-
-
-def downhill(state: Array) -> Array:
-    """Velocities down the plane."""
-    return np.asarray(math.cos(INCLINE) * state[..., 7] - math.sin(INCLINE) * state[..., 9])
 
 
 @pytest.mark.parametrize("spelling", METHODS)

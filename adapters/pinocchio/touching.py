@@ -1,0 +1,251 @@
+"""Step free bodies that touch a plane and each other by Pinocchio's rigid contacts, solved by ADMM in every step.
+
+Each body has a translation joint and a spherical joint at its centre of mass, so that its velocities are those of the contract.
+Pinocchio computes the accelerations without contact and solves the contact; the points at which bodies touch are those of the
+module `contact_points`, and the step is semi-implicit Euler as in the module `contact`: the velocities and impulses at the end
+of a step solve the nonlinear complementarity problem, with the normal velocity of each point limited such that bodies end the
+step without overlap.
+
+Where a point would go through another body within the step, and its pair has a coefficient of restitution e, its normal
+velocity after the step is at least -e times the one before the step instead. There are no bounces that are slower than g h, by
+which gravity changes a velocity in a step, so that bodies come to rest.
+"""
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported
+from bodycheck.adapters.links import link_of
+from bodycheck.adapters.pinocchio import contact
+from bodycheck.adapters.pinocchio.contact_points import Placed, Point, between, on_plane, radius
+from bodycheck.adapters.pinocchio.joints import UNIVERSE, add_body, world
+from bodycheck.adapters.stepping import Loop
+from bodycheck.adapters.touching import TouchingBody, laws, plane_of, switches, touching_bodies
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
+from bodycheck.reference.planar import describe_shape
+from bodycheck.reference.scene import Brick, Push, Sphere
+from bodycheck.reference.trajectory import Array
+
+#: The requirements of touching bodies that Pinocchio models with the points that are found here.
+MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts"})
+
+#: Why there is no script of bodies that touch.
+NO_SCRIPT = "a script of bodies that touch: where they do is found by bodycheck, not by Pinocchio"
+
+#: Factor by which ADMM adapts its penalty. With this one it needs fewer decompositions than with its default of 2.
+PENALTY_FACTOR = 5.0
+
+#: Coordinates q, then velocities v, of all bodies.
+State = tuple[Array, Array]
+
+
+class Contacts:
+    """The bodies of a scene, and the step that solves their contacts.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    bodies
+        Its bodies.
+    timestep
+        The time step (s).
+
+    Attributes
+    ----------
+    pressed
+        The normal impulses (N s) of the last step, by the places of the two bodies.
+    """
+
+    def __init__(self, scene: AnyScene, bodies: Sequence[TouchingBody], timestep: float) -> None:
+        self.bodies, self.timestep = bodies, timestep
+        self.model = world(scene.gravity)
+        self.joints = [
+            add_body(self.model, [link_of(own.body)], [pin.JointModelTranslation(), pin.JointModelSpherical()])
+            for own in bodies
+        ]
+        self.data = self.model.createData()
+        # For these velocities the mass matrix does not depend on the configuration; here it is in units of the largest mass.
+        self.mass = max(own.body.mass for own in bodies)
+        self.inverse = self.mass * pin.computeMinverse(self.model, self.data, pin.neutral(self.model))
+        self.fall = scene.gravity * timestep
+        self.unit = self.fall or 1.0
+        incline = plane_of(scene).incline
+        self.plane = np.array(
+            [[np.cos(incline), 0.0, np.sin(incline)], [0.0, 1.0, 0.0], [-np.sin(incline), 0.0, np.cos(incline)]]
+        )
+        usual, *others = laws(scene)
+        self.usual, self.others = usual, {law.bodies: law for law in others}
+        self.radii = np.array([radius(own.shape) for own in bodies])
+        self.pushes, self.steps = switches(scene.pushes, timestep), 0
+        self.acting: tuple[Push, ...] = ()
+        self.guess: dict[tuple[tuple[int, int], int], Array] = {}
+        self.models: dict[tuple[float, ...], tuple[Any, Any, Any]] = {}
+        self.settings, self.result = settings(), pin.ADMMSolverResult()
+        self.pressed: dict[tuple[int, int], float] = {}
+
+    def step(self, state: State) -> State:
+        """Return the state one step later. Raises `EngineDiverged` if ADMM finds no solution."""
+        q, v = state
+        self.acting = self.pushes.get(self.steps, self.acting)
+        self.steps += 1
+        before = v
+        v = v + self.timestep * pin.aba(self.model, self.data, q, v, self._forces(q))
+        pin.forwardKinematics(self.model, self.data, q)
+        placed = [
+            Placed(own.shape, self.data.oMi[joint].translation.copy(), self.data.oMi[joint].rotation.copy())
+            for own, joint in zip(self.bodies, self.joints, strict=True)
+        ]
+        points = list(self._points(placed, v))
+        self.pressed = {}
+        if points:
+            v = v + self._change(points, placed, before, v)
+        return pin.integrate(self.model, q, self.timestep * v), v
+
+    def _forces(self, q: Array) -> Array:
+        """Return the generalized forces of the pushes that act."""
+        forces = np.zeros(self.model.nv)
+        for push in self.acting:
+            x, y, z, w = q[7 * push.body + 3 : 7 * push.body + 7]
+            along = pin.Quaternion(w, x, y, z).matrix().T @ push.force
+            forces[6 * push.body : 6 * push.body + 3] += push.force
+            forces[6 * push.body + 3 : 6 * push.body + 6] += np.cross(push.point, along)
+        return forces
+
+    def _points(self, placed: Sequence[Placed], v: Array) -> list[Point]:
+        """Return the points that may touch within the step, with velocities v (6 bodies,)."""
+        moving = v.reshape(-1, 6)
+        reach = np.linalg.norm(moving[:, :3], axis=1) + np.linalg.norm(moving[:, 3:], axis=1) * self.radii
+        margins = 2 * self.timestep * (reach + 2 * self.unit)
+        found: list[Point] = []
+        for place, body in enumerate(placed):
+            found.extend(on_plane(place, body, self.plane, float(margins[place])))
+        for one, other in combinations(range(len(placed)), 2):
+            margin = float(margins[one] + margins[other])
+            apart = placed[other].centre - placed[one].centre
+            if apart @ apart <= (self.radii[one] + self.radii[other] + margin) ** 2:
+                found.extend(between((one, other), placed[one], placed[other], margin))
+        return found
+
+    def _change(self, points: Sequence[Point], placed: Sequence[Placed], before: Array, v: Array) -> Array:
+        """Return the change of the velocities by contacts; v: (6 bodies,) those of the step without contact."""
+        laws = [self.others.get(point.bodies, self.usual) for point in points]
+        jacobian = np.vstack([_jacobian(point, placed) for point in points])
+        response = self.inverse @ jacobian.T
+        drift = jacobian @ v
+        normal, incoming = drift[2::3].copy(), (jacobian @ before)[2::3]
+        gaps = np.array([point.gap for point in points])
+        given = np.array([law.restitution for law in laws])
+        bouncing = (gaps + self.timestep * normal < 0) & (-given * incoming > self.fall)
+        drift[2::3] += np.where(bouncing, given * incoming, gaps / self.timestep)
+        keys = [(point.bodies, point.number) for point in points]
+        guess = np.concatenate([self.guess.get(key, np.zeros(3)) for key in keys])
+        impulses = self._solved(jacobian @ response, drift / self.unit, guess, tuple(law.friction for law in laws))
+        self.guess = dict(zip(keys, impulses.reshape(-1, 3), strict=True))
+        for point, pressed in zip(points, self.mass * self.unit * impulses[2::3], strict=True):
+            self.pressed[point.bodies] = self.pressed.get(point.bodies, 0.0) + float(pressed)
+        return np.asarray(response @ (self.unit * impulses))
+
+    def _solved(self, delassus: Array, drift: Array, guess: Array, frictions: tuple[float, ...]) -> Array:
+        """Return the impulses (3n,) at n contacts, in units of the largest mass and `unit`, as the other arguments are."""
+        if frictions not in self.models:
+            self.models[frictions] = (*self._models(frictions), pin.ADMMConstraintSolver(3 * len(frictions)))
+        models, datas, admm = self.models[frictions]
+        tolerance = max(contact.SOLVER_TOLERANCE, contact.SPEED_ROUNDING * float(np.abs(drift).max()))
+        asked, result = self.settings, self.result
+        asked.absolute_feasibility_tol = asked.relative_feasibility_tol = tolerance
+        asked.absolute_complementarity_tol = asked.relative_complementarity_tol = tolerance
+        asked.rho_init = 2 * float(np.abs(delassus).sum(axis=1).max())
+        result.setConstraintImpulseGuess(guess)
+        if not admm.solve(pin.DelassusOperatorDense(delassus), drift, models, datas, asked, result):
+            residual = max(result.primal_feasibility, result.dual_feasibility, result.complementarity)
+            if not residual < contact.STALL_RESIDUAL:
+                time = self.steps * self.timestep
+                raise EngineDiverged(f"ADMM stops at a residual of {residual:.3g} at t = {time:.6g} s")
+        return np.asarray(result.retrieveConstraintImpulses()).copy()
+
+    def _models(self, frictions: Sequence[float]) -> tuple[Any, Any]:
+        """Return Pinocchio's models of contacts, of which the solver uses the cones of friction alone, and their data."""
+        models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
+        for friction in frictions:
+            none = pin.SE3.Identity()
+            own = pin.PointContactConstraintModel(self.model, UNIVERSE, none, self.joints[0], none)
+            own.setFriction(friction)
+            models.append(pin.ConstraintModel(own))
+            datas.append(models[-1].createData())
+        return models, datas
+
+
+def _jacobian(point: Point, placed: Sequence[Placed]) -> Array:
+    """Return the rows (3, 6 bodies) from velocities to the velocity of the second body against the first, along the axes."""
+    rows = np.zeros((3, 6 * len(placed)))
+    for place, sign in zip(point.bodies, (-1.0, 1.0), strict=True):
+        if place == WORLD:
+            continue
+        x, y, z = point.place - placed[place].centre
+        crossed = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+        along = sign * point.axes.T
+        rows[:, 6 * place : 6 * place + 3] = along
+        rows[:, 6 * place + 3 : 6 * place + 6] = along @ crossed @ placed[place].turn
+    return rows
+
+
+def settings() -> "pin.ADMMSolverSettings":
+    """Return ADMM's settings, without the tolerances and the penalty that each step has."""
+    made = pin.ADMMSolverSettings()
+    made.solve_ncp, made.admm_update_rule = True, pin.ADMMUpdateRule.LINEAR
+    made.linear_update_rule_factor = PENALTY_FACTOR
+    return made
+
+
+def prepare_touching(scene: AnyScene, method: Method) -> Loop[State]:
+    """Return the simulation of bodies that touch, as `contract.Touching` does. Raises `SceneUnsupported`."""
+    contacts = built(scene, method)
+    count = len(contacts.bodies)
+    return Loop(begin(contacts.bodies), contacts.step, np.concatenate, lambda seen: states_of(seen, count))
+
+
+def interface_loads(scene: AnyScene, method: Method, steps: int) -> Mapping[tuple[int, int], Array]:
+    """Return the normal forces between pairs that touch in each of n steps, as `contract.Touching` does."""
+    contacts = built(scene, method)
+    state = begin(contacts.bodies)
+    found: dict[tuple[int, int], Array] = {}
+    for step in range(steps):
+        state = contacts.step(state)
+        for pair, pressed in contacts.pressed.items():
+            found.setdefault(pair, np.zeros(steps))[step] = pressed / method.timestep
+    return found
+
+
+def built(scene: AnyScene, method: Method) -> Contacts:
+    """Return the bodies of a scene on their joints. Raises `SceneUnsupported`."""
+    if not contact.HAS_POINT_CONTACTS:
+        raise SceneUnsupported(f"contact: Pinocchio {pin.__version__} has no point contacts")
+    if (model := method.option("model")) is not None:
+        raise SceneUnsupported(f"no model {model!r} of bodies that touch")
+    bodies = touching_bodies(scene)
+    if len(bodies) > 1:
+        for own in bodies:
+            if not isinstance(own.shape, Brick | Sphere):
+                raise SceneUnsupported(
+                    f"{describe_shape(own.shape)} among several: contacts of bricks and spheres alone are found"
+                )
+    return Contacts(scene, bodies, method.timestep)
+
+
+def begin(bodies: Sequence[TouchingBody]) -> State:
+    """Return the coordinates and velocities of bodies at t = 0; Pinocchio's quaternions are x, y, z, w."""
+    starts = [own.start for own in bodies]
+    q = np.concatenate([(*start.position, *start.quaternion[1:], start.quaternion[0]) for start in starts])
+    return q, np.concatenate([(*start.velocity, *start.angular_velocity) for start in starts])
+
+
+def states_of(seen: Array, bodies: int) -> Array:
+    """Return the states (n, bodies, 13) from coordinates and velocities (n, 7 + 6 bodies)."""
+    q, v = np.split(seen, [7 * bodies], axis=1)
+    q = q.reshape(-1, bodies, 7)[..., [0, 1, 2, 6, 3, 4, 5]]
+    return np.concatenate([q, v.reshape(-1, bodies, 6)], axis=2)
