@@ -34,7 +34,7 @@ Wide = np.longdouble
 
 def real(value: Any) -> Real:
     """A number of any type as one of this arithmetic, without rounding."""
-    return MP.mpf(value)
+    return MP.convert(value)
 
 
 def vector(values: Sequence[Any]) -> Vector3:
