@@ -135,7 +135,7 @@ def legs(problem: Problem, face: Face, position: Vector2, velocity: Vector2) -> 
             if (kind := _begins(made, leg)) is not None:
                 turns.append(Turn(kind, time, position, velocity))
             if tips is not None:
-                return [*made, replace(leg, end=tips)], [*turns, Turn("tip", tips, *at(leg, tips))]
+                return [*made, replace(leg, end=tips)], [*turns, Turn("tip", tips, *at(replace(leg, end=MP.inf), tips))]
             made.append(leg)
             if leg.end == MP.inf:
                 return made, turns
@@ -148,11 +148,11 @@ def at(leg: Leg, time: Real) -> tuple[Vector2, Vector2]:
     """Position (m) and velocity (m/s) at an instant (s) of a leg; the velocity is exactly zero at the end of a stop."""
     passed = time - leg.start
     (x, y), (u, v), (a, b) = leg.position, leg.velocity, leg.acceleration
+    stopped = time == leg.end and time < leg.load.end
     if leg.oblique is not None:
-        (dx, dy), there = state(leg.oblique, passed)
+        (dx, dy), there = state(leg.oblique, MP.inf if stopped else passed)
         return (x + dx, y + dy), there
     place = x + passed * (u + a * passed / 2), y + passed * (v + b * passed / 2)
-    stopped = time == leg.end and time < leg.load.end
     return place, (MP.mpf(0), MP.mpf(0)) if stopped else (u + a * passed, v + b * passed)
 
 

@@ -54,7 +54,7 @@ MOTIONS: dict[str, tuple[Plane, Vector, tuple[Push, ...]]] = {
         (1.0, 0.5, 0.0),
         (Push((0.0, -6.0, 0.0), start=0.2, end=0.9), Push((1.0, 0.0, -8.0), start=0.5)),
     ),
-    "pushed twice": (Plane(0.3), (0.0, 0.0, 0.0), (Push((3.0, 4.0, 2.0), end=0.4), Push((0.0, -9.0, 0.0), start=1.1, end=1.2))),
+    "pushed twice": (Plane(0.3), (0.0, 0.0, 0.0), (Push((6.0, 4.0, 2.0), end=0.4), Push((0.0, -9.0, 0.0), start=1.1, end=1.2))),
 }
 
 
