@@ -4,8 +4,9 @@
 - `motion`: what every way makes: states with bounds, and events.
 - `ways`: which way has the motion of which scene, one module a way.
 - `truth`: the truth of a scene from its way.
-- `sphere`: a sphere alone. `round_motion` makes its motion from the phases of `phases`, in which `ball` has the laws of impact
-  and slip, `hodograph` a slip across an inclined plane, `round_turns` and `turning` the attitude, `round_bounds` the bounds.
+- `sphere`, `cylinder`: a sphere alone, and a cylinder on its side. `round_motion` makes their motion from the phases of
+  `phases`; `ball` has the laws of impact and slip, `hodograph` a slip across an inclined plane, `round_turns` and `turning` the
+  attitude, `round_bounds` the bounds.
 
 A body that lies flat on a level plane, slides and spins is in `bodycheck.reference.sliding`.
 """

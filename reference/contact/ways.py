@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from bodycheck.reference.contact import block, dropped, pushed, rest, sphere
+from bodycheck.reference.contact import block, cylinder, dropped, pushed, rest, sphere
 from bodycheck.reference.contact.coin.way import rolling_coin
 from bodycheck.reference.contact.motion import ContactMotion
 from bodycheck.reference.contact.problem import Problem
@@ -13,7 +13,15 @@ from bodycheck.reference.trajectory import Array
 #: `NotModelled` for one of its kind that has neither a motion nor an inequality, with the reason.
 Way = Callable[[Problem, Array], ContactMotion | None]
 
-WAYS: tuple[Way, ...] = (sphere.motion, rolling_coin, block.motion, rest.motion, pushed.motion, dropped.motion)
+WAYS: tuple[Way, ...] = (
+    sphere.motion,
+    cylinder.motion,
+    rolling_coin,
+    block.motion,
+    rest.motion,
+    pushed.motion,
+    dropped.motion,
+)
 
 
 def contact_motion(problem: Problem, times: Array) -> ContactMotion:
