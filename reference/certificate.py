@@ -17,6 +17,7 @@ from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.start import start
 from bodycheck.reference.independent import closed_form as second_closed_form
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sliding import ways as slides
 from bodycheck.reference.trajectory import Array
@@ -26,6 +27,9 @@ from bodycheck.reference.witnesses import FARTHEST_RAD, course, wide_witness
 
 #: Name of the way that is the truth.
 TRUTH_WAY = "truth"
+
+#: Why a truth without another way is not certified.
+NO_OTHER_WAY = "no other way follows this motion"
 
 #: Bits of a mantissa that are left when rounding has grown along the motion: the error of the way is then below 1e-20.
 SPARE_BITS = 72
@@ -79,6 +83,9 @@ class Certificate:
 
 def certify(scene: AnyScene, times: Array) -> Certificate:
     """The certificate of the truth of a scene, at ascending times (n,) >= 0, s. Raises as `truth.truth` does."""
+    if touches(scene):
+        alone = truth.computed(scene, times)
+        return Certificate(alone.truth, {}, np.maximum.accumulate(alone.own.error), 0, (NO_OTHER_WAY,), None)
     if isinstance(scene, Mechanism):
         from bodycheck.reference.mechanisms.certificate import certify_mechanism  # which imports this module
 
@@ -98,7 +105,7 @@ def certify(scene: AnyScene, times: Array) -> Certificate:
         bound = np.maximum.accumulate(apart[TRUTH_WAY, best.name]["error"] + best.error)
     else:
         bound = found.own.error
-        faults.append("no other way follows this motion")
+        faults.append(NO_OTHER_WAY)
     return Certificate(
         truth=found.truth,
         differences={pair: np.maximum.accumulate(each["error"]) for pair, each in apart.items() if "error" in each},
