@@ -39,7 +39,7 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
     if abs(axis[2]) > NONE:
         return None
     straight = _level(axis, problem)
-    along, aside = dot(body.velocity, straight), np.hypot(body.spin[0], body.spin[1])
+    along, aside = Wide(dot(body.velocity, straight)), np.hypot(body.spin[0], body.spin[1])
     _refuse(problem, body, straight, along, aside)
     of = ball(problem, body, body.shape.radius, body.moments[2])
     begun = begin(of, body.position, body.velocity - along * straight, body.spin[2] * straight)
