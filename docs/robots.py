@@ -21,6 +21,9 @@ NAMED = re.compile(r"(['\"])[^'\"]*\1")
 PLACE = re.compile(r"^\S+:\d+: (error: )?")
 NUMBER = re.compile(r"\b(joint|id) \d+")
 
+#: An element of a file, which Markdown would take for its own.
+ELEMENT = re.compile(r"<[^>]*>")
+
 #: What engines say besides a reason: where, and for whom.
 BESIDES = re.compile(r"( Element name .*| The static bodies of the spec .*| The following argument types .*)$")
 
@@ -109,7 +112,7 @@ def file_rows(rows: Rows) -> Iterator[str]:
     links: dict[str, dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     for row in rows:
         if row["engine"] == "file":
-            told = NAMED.sub("'…'", PLACE.sub("", row["engine_value"]))
+            told = ELEMENT.sub(r"`\g<0>`", NAMED.sub("'…'", PLACE.sub("", row["engine_value"])))
             links[told][short(row["model"])].append(row["subject"])
     alike: dict[str, list[str]] = defaultdict(list)
     for told, by_model in links.items():

@@ -62,6 +62,18 @@ def test_a_fault_is_named_by_what_an_engine_computes_that_tells_no_numbers(fault
     assert causes(found) == {fault.cause}
 
 
+def test_a_joint_whose_damping_and_friction_are_not_used_has_a_row_for_each() -> None:
+    """An engine tells both rightly, and has neither in its accelerations."""
+    clean = clean_model()
+    file = with_joint(clean, "rail", damping=0.5, friction=0.25)
+    states = seeded_states(file, 12, 0)
+    terms = tuple(replace(own, passive_force=None) for own in reading(clean, states).terms)
+    told = replace(reading(file, states), terms=terms)
+    found = diagnosed(compare(asked(file, states, GRAVITY, False), told, TOLERANCE)).rows
+    rail = [(row.quantity, row.cause) for row in found if row.subject == "rail" and row.cause]
+    assert sorted(rail) == [("forward_dynamics", "damping-ignored"), ("forward_dynamics", "friction-ignored")]
+
+
 def test_a_friction_of_another_size_is_no_constraint() -> None:
     """A constraint has up to the size of the file, in either direction; half of it at every state is another friction."""
     friction = next(fault for fault in FAULTS if fault.cause == "friction-ignored")

@@ -170,7 +170,7 @@ def _passive(case: _Case, quantity: Quantity) -> tuple[_Case, Cause]:
 def _with_causes(rows: Iterable[Compared], faults: Sequence[Fault], causes: dict[Quantity, Cause]) -> Iterable[Compared]:
     """Yield rows with their causes, and then those rows of faults whose subject no row names."""
     by_fault = {(fault.quantity, fault.subject): fault.cause for fault in faults}
-    named: set[tuple[Quantity | None, str, str]] = set()
+    named = set()
     for row in rows:
         if row.status == "differs" and not row.cause:
             cause = by_fault.get((row.quantity, row.subject)) if row.quantity is not None else None
@@ -179,10 +179,11 @@ def _with_causes(rows: Iterable[Compared], faults: Sequence[Fault], causes: dict
             row = replace(row, cause=cause or _of_rest(row, faults))
         named.add((row.quantity, row.subject, row.status))
         yield row
+    more: dict[tuple[Quantity | None, str, Cause], Compared] = {}
     for fault in faults:
-        if fault.row is not None and (own := (fault.row.quantity, fault.row.subject, "differs")) not in named:
-            named.add(own)
-            yield replace(fault.row, cause=fault.cause)
+        if fault.row is not None and (fault.row.quantity, fault.row.subject, "differs") not in named:
+            more.setdefault((fault.row.quantity, fault.row.subject, fault.cause), replace(fault.row, cause=fault.cause))
+    yield from more.values()
 
 
 def _of_rest(row: Compared, faults: Sequence[Fault]) -> Cause:
