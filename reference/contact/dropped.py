@@ -1,7 +1,8 @@
-"""A brick or cylinder that falls on the plane with a face, an edge or a corner.
+"""A brick, cylinder or ellipsoid that falls on the plane, with a face, an edge, a corner or a point of its surface.
 
-Until the first touch it is in free flight. What an impact at several points does, and where a body goes that has hit the plane
-with a corner, does not follow from the laws of rigid bodies and of friction: from then on there are inequalities alone.
+Until the first touch it is in free flight. What an impact at several points does does not follow from the laws of rigid bodies
+and of friction, and where a body goes that has hit the plane beside its centre is not followed: from then on there are
+inequalities alone.
 """
 
 import math
@@ -11,13 +12,13 @@ import numpy as np
 from bodycheck.reference.bounds import EPS
 from bodycheck.reference.contact.motion import ContactMotion, Event
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
-from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.exact.start import start
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.amplification import amplification
 from bodycheck.reference.kinematics import conjugate, rotate
-from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Quaternion, Scene, State, Vector
+from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Quaternion, Scene, Sphere, State, Vector
 from bodycheck.reference.support import reach
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
@@ -39,8 +40,9 @@ MAX_SEARCHES = 2000
 def motion(problem: Problem, times: Array) -> ContactMotion | None:
     """The motion of a body that falls on the plane, at ascending times (n,) >= 0 (s): NaN from the first touch on.
 
-    A body that lies on an edge or a corner at the start has no motion at all. None for one that lies on a face or is round, and
-    for pushes. Raises `NotModelled` where nothing slips, since no friction is enough for an impact.
+    A body that lies on an edge or a corner at the start has no motion at all. None for a sphere, for one that lies on a face
+    or rolls, and for pushes. Raises `NotModelled` where nothing slips, since no friction is enough for an impact, and
+    `OutOfReach` where the first touch is not found.
     """
     if len(problem.bodies) != 1 or problem.pushes:
         return None
@@ -63,12 +65,14 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
 
 
 def _lowest(body: ContactBody) -> int | None:
-    """With how many points a body is lowest: 1 for a corner, 2 for an edge, 4 for a face; None for a round shape.
+    """With how many points a body is lowest: 1 for a corner, 2 for an edge, 4 for a face; None for a sphere.
 
-    A cylinder that lies on its side has 4: the truth of what rolls is another way's.
+    Those that roll where they lie, an ellipsoid and a cylinder on its side, have 4: their truth is not this way's.
     """
-    if isinstance(body.shape, Ellipsoid) or not isinstance(body.shape, Brick | Cylinder):
+    if isinstance(body.shape, Sphere):
         return None
+    if isinstance(body.shape, Ellipsoid):
+        return 4
     down = np.abs(rotate(conjugate(body.quaternion), np.array(NORMAL, dtype=Wide)))
     if isinstance(body.shape, Cylinder):
         across = np.hypot(down[0], down[1])
@@ -125,7 +129,7 @@ def _first_touch(problem: Problem, body: ContactBody, until: float) -> Event | N
         possible = np.flatnonzero((gaps[:-1] + gaps[1:] <= top * span / PARTS) | (gaps[1:] <= 0))
         searches += 1
         if searches > MAX_SEARCHES:
-            raise NotModelled("a body that falls so close along the plane that its first touch is not found")
+            raise OutOfReach("the first touch of a body that comes close to the plane again and again is not found")
         if len(possible):
             begin, span = float(times[possible[0]]), span / PARTS
         elif begin + span >= until:
@@ -154,7 +158,7 @@ def _top_speed(problem: Problem, body: ContactBody, until: float) -> float:
 
 def _half_lengths(body: ContactBody) -> Vector:
     match body.shape:
-        case Brick(semi_axes):
+        case Brick(semi_axes) | Ellipsoid(semi_axes):
             return semi_axes
         case Cylinder(radius, half_length):
             return radius, 0.0, half_length
@@ -198,7 +202,7 @@ def _states(problem: Problem, body: ContactBody, times: Array, until: float, eve
         {name: np.where(unknown, math.nan, values.astype(float)) for name, values in errors.items()},
         events,
         "free flight until the first touch, then inequalities",
-        "an impact with a face, an edge or a corner has no law that gives the motion after it",
+        "the motion after an impact beside the centre of mass, or at several points, follows from no law",
     )
 
 

@@ -155,14 +155,15 @@ def accelerations(scene: Pushed) -> Accelerations:
     shares = {ball: (k := _roundness(problem.bodies[ball])) / (1 + k) for ball in scene.balls}
     limits = {ball: MP.mpf(problem.pair(box, ball)[0]) * gravity for ball in scene.balls}
     order = sorted(scene.balls, key=lambda ball: limits[ball] / shares[ball])
-    left, inertia = scene.force - MP.mpf(friction) * weight, masses[box]
-    inertia += sum(masses[ball] * shares[ball] for ball in order)
-    rolling = list(order)
-    while rolling and shares[rolling[0]] * left > limits[rolling[0]] * inertia:
+    left, rolling = scene.force - MP.mpf(friction) * weight, list(order)
+
+    def inertia() -> Real:
+        return masses[box] + sum(masses[ball] * shares[ball] for ball in rolling)
+
+    while rolling and shares[rolling[0]] * left > limits[rolling[0]] * inertia():
         ball = rolling.pop(0)
         left -= masses[ball] * limits[ball]
-        inertia -= masses[ball] * shares[ball]
-    fast = left / inertia
+    fast = left / inertia()
     along = [
         fast if place == box else shares[place] * fast if place in rolling else limits[place] for place in range(len(masses))
     ]
@@ -174,10 +175,11 @@ def _check_straight(scene: Pushed, found: Accelerations) -> None:
     """Raise `NotModelled` where the frictions of the plane and of the spheres turn the box about the normal.
 
     That of the plane acts at the centre of the load, so that each sphere turns the box by (a + mu g) m times its distance from
-    the line of the push.
+    the line of the push; where the box is held, mu g is the push over all masses.
     """
     problem = scene.problem
-    held = min(problem.pair(scene.box)[0], float(scene.force)) * -problem.gravity[2]
+    mass = float(sum(body.mass for body in problem.bodies))
+    held = min(problem.pair(scene.box)[0] * -float(problem.gravity[2]), float(scene.force) / mass)
     moments = [(found.along[ball] + held) * problem.bodies[ball].mass for ball in scene.balls]
     turning = sum(moment * scene.across(ball) for moment, ball in zip(moments, scene.balls, strict=True))
     if abs(turning) > NONE * sum(moments) * scene.faces[scene.box].size:

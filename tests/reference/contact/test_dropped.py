@@ -11,9 +11,10 @@ from scipy.integrate import solve_ivp
 from bodycheck.reference.contact import dropped
 from bodycheck.reference.contact.motion import ContactMotion
 from bodycheck.reference.contact.problem import Problem, problem
+from bodycheck.reference.contact.ways import WAYS
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.kinematics import quaternion_from_euler, rotate
-from bodycheck.reference.scene import Body, Brick, Plane, Quaternion, Scene, State, Vector
+from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Quaternion, Scene, Shape, State, Vector
 from tests.support.piles import moved
 
 HALF = (0.1, 0.15, 0.05)
@@ -147,3 +148,27 @@ def test_a_truth_is_asked_for_at_the_start_alone() -> None:
 def test_what_has_no_motion_and_no_inequality_is_told(known: Problem, reason: str) -> None:
     with pytest.raises(NotModelled, match=reason):
         dropped.motion(known, np.array([0.0, 1.0]))
+
+
+@pytest.mark.parametrize("shape", [Ellipsoid(HALF), Cylinder(0.1, 0.2)])
+def test_an_ellipsoid_and_a_cylinder_touch_where_their_surfaces_do(shape: Shape) -> None:
+    """The first touch against many points of the surface, of which none is below the plane before."""
+    attitude, spin = quaternion(*EULER), (2.0, 3.0, -4.0)
+    body = Body(2.0, (0.01, 0.02, 0.0225), shape)
+    known = problem(Scene(body, State((0.0, 0.0, 0.6), attitude, angular_velocity=spin), 9.81, ROUGH))
+    touch = instant_of(moved(dropped.motion, known, np.array([0.0, 2.0])))
+    there = moved(dropped.motion, known, np.array([touch * (1 - 1e-12)]))
+    around, along = np.meshgrid(np.linspace(0, 2 * np.pi, 721), np.linspace(-1, 1, 721))
+    if isinstance(shape, Ellipsoid):
+        ring = np.sqrt(1 - along**2)
+        points = np.stack([ring * np.cos(around), ring * np.sin(around), along], axis=-1) * HALF
+    else:
+        points = np.stack([0.1 * np.cos(around), 0.1 * np.sin(around), 0.2 * along], axis=-1)
+    heights = float(there.position[0, 0, 2]) + rotate(there.quaternion[0, 0].astype(float), points)[..., 2]
+    # The points are 1e-2 rad apart, and the surface between them is lower by the square of that.
+    assert heights.min() > -1e-10
+    assert heights.min() < 1e-5
+
+
+def test_falling_is_the_last_way_since_it_gives_inequalities() -> None:
+    assert WAYS[-1] is dropped.motion

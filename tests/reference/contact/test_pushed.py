@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+import mpmath as mp
 import numpy as np
 import pytest
 import sympy as sp
@@ -228,3 +229,22 @@ def test_the_load_wanders_until_the_box_tips() -> None:
 )
 def test_other_scenes_are_another_ways(known: Problem) -> None:
     assert pushed.motion(known, TIMES) is None
+
+
+def test_the_bounds_cover_the_errors_of_the_states() -> None:
+    """Against the formulas with fifty digits; a sphere that rolls and one that slips."""
+    known = scene([(1.0, 0.1, 0.0, -1.0, 0.8), (3.0, 0.25, 0.0, 2.0, 0.01)], force=(0.0, 68.0, 0.0))
+    found = moved(pushed.motion, known, TIMES)
+    with mp.workdps(50):
+        gravity, slips = mp.mpf(GRAVITY), mp.mpf(0.01) * mp.mpf(GRAVITY)
+        box = (68 - mp.mpf(0.4) * 14 * gravity - 3 * slips) / (10 + mp.mpf(2) / 7)
+        for place, acceleration in enumerate((box, 2 * box / 7, slips)):
+            for n, t in enumerate(TIMES):
+                moved_by = found.position[place, n] - known.bodies[place].position
+                exact = [mp.mpf(0), acceleration * mp.mpf(t) ** 2 / 2]
+                apart = [abs(mp.mpf(str(own)) - other) for own, other in zip(moved_by, exact, strict=False)]
+                assert max(apart) <= found.errors["position_error"][n] + 1e-18  # the difference of positions is rounded
+                assert (
+                    abs(mp.mpf(str(found.velocity[place, n, 1])) - acceleration * mp.mpf(t))
+                    <= found.errors["velocity_error"][n]
+                )
