@@ -18,6 +18,7 @@ from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, NO_ROOM, BadInput, 
 from bodycheck.runner_log import guarded
 from bodycheck.studies.ablation.command import ablate
 from bodycheck.studies.audit.command import audit
+from bodycheck.studies.contact.command import contact
 from bodycheck.studies.ensemble.command import ensemble
 from bodycheck.studies.extremes.command import extremes
 from bodycheck.studies.parity.command import parity
@@ -36,8 +37,8 @@ app = App(
 
 #: All commands, in the order of their registration.
 COMMANDS = (
-    *(run, tradeoff, recommend, extremes, ensemble, ablate, audit, parity, gather, query, releases, bisect, report, diff),
-    *(truth, export, cases, engines, validate, new, schema, expect),
+    *(run, tradeoff, recommend, extremes, ensemble, ablate, audit, parity, contact, gather, query, releases, bisect),
+    *(report, diff, truth, export, cases, engines, validate, new, schema, expect),
 )
 
 for command in COMMANDS:

@@ -1,0 +1,59 @@
+"""The command `bodycheck contact`.
+
+Its imports are inside the function, so that `--help` answers at once.
+"""
+
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from bodycheck.console.options import AS_USUAL, Integrators, Jobs, Json, Out, Quiet, Timesteps, Viewed
+from bodycheck.errors import FAILED, OK
+
+
+def contact(
+    *engines: Annotated[str, Parameter(help="Engines. Default: all that are installed.")],
+    case: Annotated[
+        tuple[str, ...], Parameter(help="A case. May be given several times. Default: the shipped cases of contact.")
+    ] = (),
+    integrator: Annotated[
+        Integrators, Parameter(help="A method to try besides those that the engine offers. May be given several times.")
+    ] = (),
+    timestep: Timesteps = (),
+    out: Out = None,
+    jobs: Jobs = None,
+    json: Json = False,
+    view: Viewed = AS_USUAL,
+    quiet: Quiet = False,
+) -> int:
+    """Show how bodies roll, bounce, rest and tip in an engine: at its defaults, and at the best settings found.
+
+    Each scene of contact has a truth. It is run with what the engine does by itself, and with every method that it offers, at
+    the engine's own time step and at a quarter of it. For each figure the sheet has the value at the defaults, and the
+    smallest with the method that has it. The table is contact.csv.
+    """
+    from dataclasses import asdict
+
+    from bodycheck import reports
+    from bodycheck.console import tables, terminal
+    from bodycheck.console.output import say_where
+    from bodycheck.console.ran import Selection, ran
+    from bodycheck.running import origin
+    from bodycheck.studies.contact import printing, rows, sheet, study
+    from bodycheck.studies.contact.page import present
+
+    tables.check(view, printing.LINES)
+    selection = Selection(case or sheet.scenes(), engines, integrator, timestep, jobs)
+    with ran(selection, study.plan, out, quiet) as made:
+        found = study.evaluate(made.results, made.engines)
+        if out is not None:
+            header = made.results.header
+            rows.write(found, out, [origin.stored(header)])
+            why = study.reasons(made.results, made.engines)
+            reports.write_study(present(header, made.results.cases, found, why), out)
+    if json:
+        terminal.print_json([asdict(row) for row in found])
+    elif not quiet:
+        printing.print_sheet(found, view)
+    say_where(out, quiet)
+    return FAILED if made.engine_failed else OK

@@ -1,0 +1,101 @@
+"""The report of contact: for each scene, what mechanics says, what engines do by themselves, and their best settings."""
+
+from collections.abc import Mapping, Sequence
+
+from bodycheck.casefile.content import Case
+from bodycheck.reports.finding import Finding
+from bodycheck.reports.notices import missing_engines
+from bodycheck.reports.quantities import QUANTITIES, count, number
+from bodycheck.reports.study import Part, StudyReport
+from bodycheck.reports.tables import Entry, Table
+from bodycheck.running.header import Header
+from bodycheck.studies.contact.printing import Line, lines
+from bodycheck.studies.contact.rows import ContactRow
+
+#: Explanations for readers.
+READING = (
+    "“At defaults” is what the engine does where its user chooses nothing: its own integrator, time step and contact settings. "
+    "“Best” is the smallest value among all methods that the adapter offers, at the engine's own time step and at a quarter of "
+    "it, each figure for itself: the method that is best in one figure need not be good in another.",
+    "“In mechanics” is the exact value of what the figure measures the error of, such as the instant of an impact; it is 0 for "
+    "what should not be at all, such as creep. A dash means that the figure does not exist in the scene.",
+)
+
+
+def present(
+    header: Header, cases: Mapping[str, Case], rows: Sequence[ContactRow], reasons: Mapping[tuple[str, str], str]
+) -> StudyReport:
+    """Return the contents of the report.
+
+    Parameters
+    ----------
+    header
+        Versions, machine and command.
+    cases
+        The cases, by name.
+    rows
+        The rows of the study.
+    reasons
+        Why the default method of an engine did not complete a case, by the names of engine and case.
+    """
+    told = lines(rows)
+    scenes = {name: [line for line in told if line.scene == name] for name in cases}
+    return StudyReport(
+        title="Contact: rolling, bouncing, resting, tipping",
+        headline=f"{count(len(cases), 'scene')} in {count(len({row.engine for row in rows}), 'engine')}",
+        header=header,
+        notices=tuple(missing_engines(header)),
+        findings=tuple(findings(told, reasons)),
+        parts=tuple(_part(cases[name], own, reasons) for name, own in scenes.items()),
+        reading=READING,
+    )
+
+
+def findings(told: Sequence[Line], reasons: Mapping[tuple[str, str], str]) -> list[Finding]:
+    """Return the largest creep and energy gain at the defaults of each engine, and what each engine cannot do."""
+    found = []
+    for engine in dict.fromkeys(line.engine for line in told):
+        for figure, says in (("creep", "a body that should rest creeps at"), ("energy_gain", "energy grows by a part of")):
+            own = [line for line in told if line.engine == engine and line.figure == figure and line.default]
+            if own:
+                worst = max(own, key=lambda line: line.default or 0.0)
+                unit = "" if figure == "energy_gain" else f" {worst.unit}"
+                size = f" {says} {number(worst.default, 3)}{unit}; at the best settings of {number(worst.best, 3)}{unit}."
+                found.append(Finding(QUANTITIES[figure].title, f"{engine} at its defaults: in ", worst.scene, f",{size}"))
+        lacking = [case for one, case in reasons if one == engine]
+        if lacking:
+            what = f"{engine} does not complete {count(len(lacking), 'scene')}, such as "
+            found.append(Finding("Not completed", what, lacking[0], f": {reasons[engine, lacking[0]]}."))
+    return found
+
+
+def _part(case: Case, told: Sequence[Line], reasons: Mapping[tuple[str, str], str]) -> Part:
+    """Return the part of one scene: a table with a row for each engine and figure."""
+    ran = [line for line in told if line.figure]
+    why = tuple(f"{engine}: {reason}." for (engine, name), reason in reasons.items() if name == case.name)
+    return Part(
+        name=case.name,
+        title=case.name,
+        texts=(f"{case.title}.", *([case.source] if case.source else []), *why),
+        charts=(),
+        tables=(("Figures", _table(ran)),) if ran else (),
+    )
+
+
+def _table(told: Sequence[Line]) -> Table:
+    columns = ("Engine", "Figure", "In mechanics", "At defaults", "Best", "Best method")
+    return Table(
+        columns=columns,
+        numeric=(False, False, True, True, True, False),
+        rows=tuple(
+            (
+                Entry(line.engine),
+                Entry(QUANTITIES[line.figure].label),
+                *(Entry(number(value, 3), value) for value in (line.truth, line.default, line.best)),
+                Entry(line.method),
+            )
+            for line in told
+        ),
+        failed=(False,) * len(told),
+        notes=(),
+    )

@@ -1,0 +1,87 @@
+"""The sheet of contact: its scenes, its figures, and what mechanics says of the subject of each figure."""
+
+from collections.abc import Callable, Mapping
+
+from bodycheck.casefile.case import load, shipped
+from bodycheck.casefile.content import Case
+from bodycheck.figures.columns import FIGURES
+from bodycheck.reference.contact.motion import Event, EventKind
+from bodycheck.reference.truth import Truth
+
+#: The tag of the shipped cases that are on the sheet.
+TAG = "contact"
+
+#: A number that mechanics has, and the bound of its error.
+Known = tuple[float, float]
+
+
+def scenes() -> tuple[str, ...]:
+    """Return the names of the shipped cases that are on the sheet."""
+    return tuple(name for name in shipped() if TAG in load(name).tags)
+
+
+def _first(truth: Truth, kind: EventKind) -> Event | None:
+    return next((event for event in truth.events if event.kind == kind), None)
+
+
+def _time(kind: EventKind) -> Callable[[Case, Truth], Known | None]:
+    """Return the function to the instant of the first event of a kind."""
+
+    def time(_: Case, truth: Truth) -> Known | None:
+        event = _first(truth, kind)
+        return None if event is None else (event.time, event.error)
+
+    return time
+
+
+def _impact_speed(_: Case, truth: Truth) -> Known | None:
+    event = _first(truth, "impact")
+    return None if event is None else (event.normal_speed, float(truth.bounds.velocity_error[0]))
+
+
+def _roll_speed(_: Case, truth: Truth) -> Known | None:
+    event = _first(truth, "roll")
+    if event is None:
+        return None
+    return sum(part * part for part in event.velocity) ** 0.5, float(truth.bounds.velocity_error[0])
+
+
+def _restitution(case: Case, _: Truth) -> Known | None:
+    plane = case.scene.plane
+    return None if plane is None else (plane.restitution, 0.0)
+
+
+def _ideal(_: Case, __: Truth) -> Known:
+    return 0.0, 0.0
+
+
+#: The figures of the sheet, in their order, and what mechanics says of the subject of each.
+SUBJECTS: Mapping[str, Callable[[Case, Truth], Known | None]] = {
+    "transition_time_error": _time("roll"),
+    "roll_speed_error": _roll_speed,
+    "impact_time_error": _time("impact"),
+    "impact_speed_error": _impact_speed,
+    "bounce_ratio_error": _restitution,
+    "rest_time_error": _time("rest"),
+    "creep": _ideal,
+    "penetration": _ideal,
+    "energy_gain": _ideal,
+    "load_error": _ideal,
+    "contact_losses": _ideal,
+    "position_error": _ideal,
+}
+
+
+def unit_of(figure: str) -> str:
+    """Return the unit of a figure, or what a number without a unit counts."""
+    return FIGURES[figure].in_unit
+
+
+def truth_error(figure: str, known: Known | None, bounds: Mapping[str, float]) -> float | None:
+    """Return the bound of the error of what mechanics says of a figure.
+
+    known: what it says. bounds: the bounds of the truth's own errors in a run, by column.
+    """
+    if bounded := FIGURES[figure].bounded_by:
+        return bounds.get(bounded)
+    return None if known is None else known[1]

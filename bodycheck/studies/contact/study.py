@@ -1,0 +1,132 @@
+"""Run the scenes of contact in engines, at their defaults and with every method that they offer, and make the rows."""
+
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+
+from bodycheck.adapters.contract import Engine, Method
+from bodycheck.adapters.method import DEFAULT_TIMESTEP
+from bodycheck.adapters.offers import offered
+from bodycheck.casefile.content import Case
+from bodycheck.judging import judgement
+from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.truth import Truth
+from bodycheck.running.outcome import Completed
+from bodycheck.running.plan import Task, check, refuse_nothing
+from bodycheck.running.store import Results
+from bodycheck.studies.contact.rows import ContactRow, Setting
+from bodycheck.studies.contact.sheet import SUBJECTS, truth_error, unit_of
+
+#: The time steps at which settings are tried, relative to the engine's own.
+REFINEMENTS = (1.0, 0.25)
+
+
+def default_step(engine: Engine) -> float:
+    """Return the time step (s) that an engine itself chooses, or that of bodycheck where it chooses none."""
+    told = engine.defaults.get("timestep", "").split()
+    try:
+        return float(told[0]) if told else DEFAULT_TIMESTEP
+    except ValueError:
+        return DEFAULT_TIMESTEP
+
+
+def default_method(engine: Engine, case: Case) -> Method | None:
+    """Return what an engine does with a case where its user chooses nothing; None if it offers no method for it.
+
+    Where the engine names no integrator of its own, it is the first that its adapter offers.
+    """
+    names = with_contact(engine, case)
+    if not names:
+        return None
+    own = engine.defaults.get("integrator", "")
+    return Method.parse(own if own in names else names[0], default_step(engine))
+
+
+def with_contact(engine: Engine, case: Case) -> list[str]:
+    """Return the spellings of the methods that an engine offers for a case, without models that replace its contacts."""
+    return [name for name in offered(engine, case.scene) if Method.parse(name, 0.0).option("model") is None]
+
+
+def plan(
+    cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
+) -> tuple[Task, ...]:
+    """Return the tasks: every method that an engine offers for a case, at its own time step and at a quarter of it.
+
+    integrators: spellings of methods, besides those that an engine offers. timesteps: time steps (s) in place of these two.
+
+    Raises `BadInput` as `bodycheck.running.plan.plan`.
+    """
+    check(cases, engines, integrators, timesteps)
+    tasks: dict[Task, None] = {}
+    for case in cases:
+        for name, engine in engines.items():
+            steps = timesteps or [default_step(engine) * part for part in REFINEMENTS]
+            spellings = (*with_contact(engine, case), *integrators)
+            own = default_method(engine, case)
+            methods = [*([own] if own is not None else []), *(Method.parse(one, step) for step in steps for one in spellings)]
+            tasks |= dict.fromkeys(Task(case, name, method) for method in methods)
+    refuse_nothing(tuple(tasks), engines, integrators)
+    return tuple(tasks)
+
+
+def evaluate(results: Results, engines: Mapping[str, Engine]) -> list[ContactRow]:
+    """Return the rows of every case and engine: its figures at the defaults, then the best value of each.
+
+    results: those of the tasks of `plan`.
+    """
+    verdicts: dict[tuple[str, str], list[Verdict]] = defaultdict(list)
+    for verdict in judgement.judge(results):
+        verdicts[verdict.run.case, verdict.run.engine].append(verdict)
+    return [
+        row for (name, engine), own in verdicts.items() for row in rows_of(results.cases[name], engines[engine], own, results)
+    ]
+
+
+def rows_of(case: Case, engine: Engine, verdicts: Sequence[Verdict], results: Results) -> list[ContactRow]:
+    """Return the rows of one case and engine from the verdicts on all methods."""
+    own = default_method(engine, case)
+    usual = [verdict for verdict in verdicts if own is not None and verdict.run.method == own]
+    found = [row for verdict in usual for row in _told(case, verdict, "defaults", figures_of(verdict), results)]
+    best: dict[str, Verdict] = {}
+    for verdict in verdicts:
+        for figure, value in figures_of(verdict).items():
+            if figure not in best or value < figures_of(best[figure])[figure]:
+                best[figure] = verdict
+    for figure in (name for name in SUBJECTS if name in best):
+        found += _told(case, best[figure], "best", (figure,), results)
+    return found
+
+
+def figures_of(verdict: Verdict) -> dict[str, float]:
+    """Return the figures of the sheet that a run has, in the order of the sheet; none if it did not complete."""
+    if verdict.discrepancy is None:
+        return {}
+    values = verdict.discrepancy.maxima()
+    return {name: values[name] for name in SUBJECTS if name in values}
+
+
+def _told(
+    case: Case, verdict: Verdict, setting: Setting, figures: Mapping[str, float] | Sequence[str], results: Results
+) -> list[ContactRow]:
+    """Return the rows of one run: one for each figure, or a row without a figure if it did not complete."""
+    run = verdict.run
+    head = (run.engine, run.version, run.method.name, run.method.timestep, case.name, setting)
+    if not isinstance(verdict.outcome, Completed) or verdict.discrepancy is None:
+        return [ContactRow(*head, "", None, "", None, None, verdict.outcome.status)]
+    truth, values = results.truth(case.name, run.method.timestep), verdict.discrepancy.maxima()
+    rows = []
+    for figure in figures:
+        known = SUBJECTS[figure](case, truth) if isinstance(truth, Truth) else None
+        bound = truth_error(figure, known, values)
+        exact = None if known is None else known[0]
+        rows.append(ContactRow(*head, figure, values[figure], unit_of(figure), exact, bound, verdict.outcome.status))
+    return rows
+
+
+def reasons(results: Results, engines: Mapping[str, Engine]) -> dict[tuple[str, str], str]:
+    """Return why the default method of an engine did not complete a case, by the names of engine and case."""
+    found = {}
+    for run in results.runs():
+        own = default_method(engines[run.engine], results.cases[run.case])
+        if run.method == own and run.outcome.reason:
+            found[run.engine, run.case] = run.outcome.reason
+    return found
