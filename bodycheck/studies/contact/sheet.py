@@ -1,5 +1,6 @@
 """The sheet of contact: its scenes, its figures, and what mechanics says of the subject of each figure."""
 
+import math
 from collections.abc import Callable, Mapping
 
 from bodycheck.casefile.case import load, shipped
@@ -34,16 +35,14 @@ def _time(kind: EventKind) -> Callable[[Case, Truth], Known | None]:
     return time
 
 
-def _impact_speed(_: Case, truth: Truth) -> Known | None:
-    event = _first(truth, "impact")
-    return None if event is None else (event.normal_speed, float(truth.bounds.velocity_error[0]))
+def _speed_after(kind: EventKind) -> Callable[[Case, Truth], Known | None]:
+    """Return the function to the speed just after the first event of a kind."""
 
+    def speed(_: Case, truth: Truth) -> Known | None:
+        event = _first(truth, kind)
+        return None if event is None else (math.hypot(*event.velocity), float(truth.bounds.velocity_error[0]))
 
-def _roll_speed(_: Case, truth: Truth) -> Known | None:
-    event = _first(truth, "roll")
-    if event is None:
-        return None
-    return sum(part * part for part in event.velocity) ** 0.5, float(truth.bounds.velocity_error[0])
+    return speed
 
 
 def _restitution(case: Case, _: Truth) -> Known | None:
@@ -58,9 +57,9 @@ def _ideal(_: Case, __: Truth) -> Known:
 #: The figures of the sheet, in their order, and what mechanics says of the subject of each.
 SUBJECTS: Mapping[str, Callable[[Case, Truth], Known | None]] = {
     "transition_time_error": _time("roll"),
-    "roll_speed_error": _roll_speed,
+    "roll_speed_error": _speed_after("roll"),
     "impact_time_error": _time("impact"),
-    "impact_speed_error": _impact_speed,
+    "impact_speed_error": _speed_after("impact"),
     "bounce_ratio_error": _restitution,
     "rest_time_error": _time("rest"),
     "creep": _ideal,
