@@ -1,5 +1,6 @@
 """The friction that engines are given where nothing slips: engines have no infinite coefficient."""
 
+import functools
 import math
 from dataclasses import replace
 
@@ -14,6 +15,7 @@ from bodycheck.reference.requirements import touches
 MARGIN = 2.0
 
 
+@functools.lru_cache(maxsize=8)
 def finite(scene: AnyScene, duration: float) -> AnyScene:
     """A scene in which every infinite coefficient of friction is twice the smallest one that holds along the truth.
 
