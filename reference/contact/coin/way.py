@@ -149,12 +149,12 @@ def _slack_error(given: Coin, end: End, other: WideArray) -> float:
 
 
 def _bounds(given: Coin, vouched: _Vouched) -> dict[str, Array]:
-    """The bounds (k,) of the errors of a motion, in SI units."""
+    """The bounds (k,) of the errors of a motion, in SI units. Where they allow less than the energy drifts, they grow."""
     rounding = _ROUNDINGS * float(np.finfo(Wide).eps)
     sizes = [1.0 + np.sqrt((pose * pose).sum(axis=1)).astype(float) for pose in vouched.poses]
-    position, velocity, error, spin = (
-        _SAFETY * each + rounding * size for each, size in zip(vouched.apart, sizes, strict=True)
-    )
+    found = [_SAFETY * each + rounding * size for each, size in zip(vouched.apart, sizes, strict=True)]
+    grown = _drift(given, vouched.poses, found)
+    position, velocity, error, spin = (grown * each for each in found)
     length, time = float(given.length), float(given.time)
     return {
         "error": error,
@@ -162,6 +162,17 @@ def _bounds(given: Coin, vouched: _Vouched) -> dict[str, Array]:
         "velocity_error": velocity * (length / time) + given.missed_velocity,
         "angular_velocity_error": spin / time,
     }
+
+
+def _drift(given: Coin, poses: _Poses, errors: list[Array]) -> Array:
+    """The largest drift of the energy so far (k,), by what errors (k,) of poses can make of it; at least 1."""
+    position, velocity, _, spin = poses
+    momentum = spin * np.array([given.across, given.across, given.along])
+    energy = ((velocity * velocity).sum(axis=1) + (momentum * spin).sum(axis=1)) / 2 + given.gravity * position[:, 2]
+    lengths = [np.sqrt((each * each).sum(axis=1)).astype(float) for each in (velocity, momentum)]
+    allowed = lengths[0] * errors[1] + lengths[1] * errors[3] + float(given.gravity) * errors[0]
+    drift = np.abs(energy - energy[0]).astype(float)
+    return np.maximum(1.0, np.maximum.accumulate(drift / allowed))
 
 
 def _event(given: Coin, end: End, slack_error: float) -> Event:

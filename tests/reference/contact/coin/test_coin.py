@@ -2,25 +2,26 @@
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import mpmath
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from bodycheck.reference.contact.coin import angles, bodily
+from bodycheck.reference.contact.coin import angles, bodily, ends
 from bodycheck.reference.contact.coin.start import Coin
 from bodycheck.reference.contact.coin.way import APPELL, STEADY, rolling_coin
 from bodycheck.reference.contact.no_slip import finite
 from bodycheck.reference.contact.problem import problem
-from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.kinematics import geodesic_angle, multiply, rotate
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Brick, Plane, Scene, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth, truth
-from bodycheck.reference.witness import WideArray
+from bodycheck.reference.witness import WideArray, angle_between
 from tests.support.coins import GRAVITY, HALF_LENGTH, MASS, RADIUS, as_coin, body, rolling
 
 #: A wobble between the tilts 0.9 and 1.3.
@@ -234,6 +235,7 @@ def nudged(scene: Scene, key: str, values: Vector) -> Scene:
             "a coin whose rim hits the plane or leaves it at its start, with 0.002 m/s",
         ),
         (replace(WOBBLE, plane=Plane(0.01)), "a coin that slips at its start: it needs the friction 0.1"),
+        (rolling(1.0, (20.0, 4.0, -9.0)), "a coin that slips at its start: its rim is lifted from the plane"),
         (
             replace(WOBBLE, body=replace(WOBBLE.body, moments=(1.3e-5, 1.2e-5, 2e-5))),
             "a coin whose moments about its diameters differ: 1.29",
@@ -274,3 +276,78 @@ def test_the_bound_covers_a_fault_of_one_formulation(monkeypatch: pytest.MonkeyP
 
 def distance(one: Trajectory, other: Trajectory) -> Array:
     return np.asarray(np.linalg.norm(one.position - other.position, axis=1))
+
+
+def test_a_coin_that_wobbles_too_much_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ends, "MOST", 300)
+    with pytest.raises(OutOfReach, match=r"so close to lying flat: .* more than 300 evaluations"):
+        known(rolling(0.05, (0.0, 0.02, -0.3)))
+
+
+def test_the_bounds_cover_the_errors_against_128_bits() -> None:
+    """The decimals of a scene are meant exactly, from the attitude on; the integration is heyoka's."""
+    pytest.importorskip("heyoka")
+    found = known(WOBBLE)
+    exact = quadruple(WOBBLE, TIMES)
+    coin = as_coin(WOBBLE)
+    position, velocity, quaternion, spin = angles.poses(coin, exact)
+    bounds, motion = found.bounds, found.trajectory
+    # The differences of doubles from numbers of the wide type, in it.
+    apart = np.linalg.norm((motion.position - position * coin.length).astype(float), axis=1)
+    assert (apart <= bounds.position_error).all()
+    moved = np.linalg.norm((motion.velocity - velocity * (coin.length / coin.time)).astype(float), axis=1)
+    assert (moved <= bounds.velocity_error).all()
+    assert (angle_between(motion.quaternion, quaternion) <= bounds.error).all()
+    turned = np.linalg.norm((motion.angular_velocity - spin / coin.time).astype(float), axis=1)
+    assert (turned <= bounds.angular_velocity_error).all()
+    # The bounds without the rounding to doubles are those of two integrations in 80 bits.
+    own = rolling_coin(problem(WOBBLE), TIMES)
+    assert own is not None
+    wide = np.sqrt(((own.position[0] - position * coin.length) ** 2).sum(axis=1)).astype(float)
+    assert (wide <= own.errors["position_error"]).all()
+    assert own.errors["position_error"].max() < 1e-16
+
+
+def quadruple(scene: Scene, times: Array) -> WideArray:
+    """The states (n, 8) of a coin as `contact.coin.angles` has them, in its units, integrated in 128 bits."""
+    import heyoka as hy
+
+    from bodycheck.reference.integration.heyoka_solver import QUADRUPLE, compiled, solve
+
+    coin = as_coin(scene)
+
+    def exactly(value: Any) -> Any:
+        return QUADRUPLE(mpmath.nstr(value, 40))
+
+    with mpmath.workdps(50):
+        length, time = mpmath.mpf(float(coin.length)), mpmath.mpf(float(coin.time))
+        r, h = mpmath.mpf(RADIUS) / length, mpmath.mpf(HALF_LENGTH) / length
+        a, c = (mpmath.mpf(scene.body.moments[place]) / mpmath.mpf(MASS) / length**2 for place in (0, 2))
+        g = mpmath.mpf(GRAVITY) * time**2 / length
+        parameters = [exactly(value) for value in (r, h, a, c, g)]
+        w, x, y, z = (mpmath.mpf(part) for part in scene.initial.quaternion)
+        theta = 2 * mpmath.atan2(mpmath.hypot(x, y), mpmath.hypot(w, z))
+        phi, psi = mpmath.atan2(z, w) + mpmath.atan2(y, x), mpmath.atan2(z, w) - mpmath.atan2(y, x)
+        i, j, k = (mpmath.mpf(rate) * time for rate in scene.initial.angular_velocity)
+        p, q = i * mpmath.cos(psi) - j * mpmath.sin(psi), i * mpmath.sin(psi) + j * mpmath.cos(psi)
+        start = np.array([exactly(value) for value in (theta, p, q, k, phi, psi, 0, 0)])
+    r, h, a, c, g = (hy.par[place] for place in range(5))
+    theta, p, q, s, phi, psi, x, y = hy.make_vars("theta", "p", "q", "s", "phi", "psi", "x", "y")
+    cosine, sine = hy.cos(theta), hy.sin(theta)
+    kappa, u = q * cosine / sine, q * h - s * r
+    turned = q * r + kappa * h
+    right_q, right_s = p * (c * s - a * kappa - h * turned), r * p * turned
+    determinant = a * c + a * r**2 + c * h**2
+    outward = p * (h * cosine + r * sine)
+    system = [
+        (theta, p),
+        (p, (q * (a * kappa - c * s) + turned * u + g * (h * sine - r * cosine)) / (a + r**2 + h**2)),
+        (q, ((c + r**2) * right_q + h * r * right_s) / determinant),
+        (s, (h * r * right_q + (a + h**2) * right_s) / determinant),
+        (phi, q / sine),
+        (psi, s - kappa),
+        (x, u * hy.cos(phi) + outward * hy.sin(phi)),
+        (y, u * hy.sin(phi) - outward * hy.cos(phi)),
+    ]
+    rows = solve(compiled(system, QUADRUPLE, None), start, np.array(parameters), times / float(coin.time))
+    return np.array([[Wide(str(value)) for value in row] for row in rows])
