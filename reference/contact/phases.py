@@ -15,8 +15,8 @@ from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.witness import WideArray
 
-#: The most impacts.
-MAX_IMPACTS = 100_000
+#: The most impacts, which take some seconds.
+MAX_IMPACTS = 20_000
 
 #: Ratio of the speed of an impact to that of the first one below which those that follow cannot be told apart.
 LAST_IMPACT = Wide(2.0**-60)
@@ -125,7 +125,8 @@ def course(of: Ball, start: Moment, airborne: bool, end: Wide) -> Course:
     if on_plane is not None and on_plane.time <= end:
         scale = float(np.linalg.norm(start.velocity) + of.radius * np.linalg.norm(start.spin))
         _on_plane(of, on_plane, scale, phases, changes)
-    return Course(tuple(phases), tuple(change for change in changes if change.moment.time <= end))
+    begun = (phase for phase in phases if phase.start.time <= end)
+    return Course(tuple(begun), tuple(change for change in changes if change.moment.time <= end))
 
 
 def _bounced(of: Ball, start: Moment, end: Wide, phases: list[Phase], changes: list[Change]) -> Moment | None:
