@@ -17,7 +17,9 @@ from bodycheck.figures.columns import bounds_of
 from bodycheck.figures.conservation import angular_momentum, rotational_energy, total_energy
 from bodycheck.figures.definition import Comparison
 from bodycheck.reference.certificate import Certificate
-from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.contact.motion import EventKind
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import Truth
 
@@ -56,6 +58,21 @@ def _bound(name: str, head: str) -> Column[Instant]:
     return Column(name, head, lambda instant: f"{rounded_up(value(instant), 2):.2g}", value)
 
 
+#: What happens in the events of bodies that touch, in words.
+EVENTS: dict[EventKind, str] = {
+    "impact": "{} hits",
+    "roll": "{} begins to roll",
+    "slip": "{} begins to slip",
+    "rest": "{} comes to rest",
+    "tip": "{} begins to tip",
+}
+
+#: Most events that are printed.
+MOST_EVENTS = 8
+
+#: The bounds that the table of a truth lacks.
+OTHER_BOUNDS = ("velocity", "angular_velocity", "energy", "angular_momentum")
+
 #: The columns of the table of a truth.
 STATES = (
     attribute("t", "t s", "g"),
@@ -86,7 +103,8 @@ def print_truth(truth: Truth, most_rows: int, view: View) -> None:
     left_out = f"; {len(chosen)} of {len(trajectory)} instants, --json prints all" if len(chosen) < len(trajectory) else ""
     say(_other_bounds(truth))
     tell(f"model {truth.model} ({truth.reason}), backend {truth.backend}{left_out}")
-    if isinstance(truth.scene, Mechanism):
+    _print_events(truth)
+    if isinstance(truth.scene, Mechanism) and truth.scene.plane is None:
         mechanism_truths.print_growth(truth)
     if truth.witnesses:
         tell(f"compared with {'; '.join(truth.witnesses)}")
@@ -96,26 +114,37 @@ def print_truth(truth: Truth, most_rows: int, view: View) -> None:
 
 def _other_bounds(truth: Truth) -> str:
     """Return the largest bounds of the figures that the table of a truth lacks, on two lines of less than 80 characters."""
-    bounds = bounds_of(truth)
-    velocity, rate, energy, momentum = (
-        _largest(bounds.get(f"truth_{name}_error")) for name in ("velocity", "angular_velocity", "energy", "angular_momentum")
-    )
+    known = {name: f"{rounded_up(float(np.nanmax(values)), 2):.2g}" for name, values in bounds_of(truth).items()}
+    velocity, rate, energy, momentum = (known.get(f"truth_{name}_error", "not known") for name in OTHER_BOUNDS)
     return (
         f"velocity error at most {velocity} m/s, angular velocity error {rate} rad/s,\n"
         f"energy error {energy}, angular momentum error {momentum}, both relative"
     )
 
 
-def _largest(values: Array | None) -> str:
-    """Return the largest of some bounds where a motion is known, in words."""
-    if values is None or np.isnan(values).all():
-        return "not known"
-    return f"{rounded_up(float(np.nanmax(values)), 2):.2g}"
+def _print_events(truth: Truth) -> None:
+    """Print what happens to bodies that touch, as far as a reader follows it, and what bodies at rest bear."""
+    scene, end = truth.scene, float(truth.trajectory.t[-1])
+    names = [body.name for body in scene.bodies] if isinstance(scene, Mechanism) else ["the body"]
+    for event in truth.events[:MOST_EVENTS]:
+        speed = f" at {event.normal_speed:.9g} m/s" if event.kind == "impact" else ""
+        tell(f"{EVENTS[event.kind].format(names[event.body])}{speed} at t = {event.time:.12g} s, within {event.error:.1e} s")
+    if (more := len(truth.events) - MOST_EVENTS) > 0:
+        tell(f"{more} more up to t = {truth.events[-1].time:.9g} s, --json prints all")
+    for pair in truth.interfaces:
+        one, other = ("the plane" if place == WORLD else names[place] for place in pair.bodies)
+        tell(f"{one} bears {other} with {pair.load:.9g} N")
+    lost = np.flatnonzero(np.isnan(truth.bounds.position_error))
+    if touches(scene) and len(lost):
+        at = float(truth.trajectory.t[lost[0]])
+        tell(f"mechanics gives no motion, but inequalities alone, from t = {at:g} s to {end:g} s: nan")
 
 
 def print_certificate(certificate: Certificate) -> None:
     """Print how much the methods of computing a truth differ up to some instants, and how well the truth conserves energy."""
     truth = certificate.truth
+    if not certificate.differences:
+        return
     t = truth.trajectory.t
     chosen = np.unique(np.searchsorted(t, np.linspace(0, t[-1], 5)[1:]))
 

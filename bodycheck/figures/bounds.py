@@ -37,12 +37,12 @@ def rounded_up(value: float, digits: int) -> float:
 def _where_known(compute: Callable[[Comparison], Array]) -> Callable[[Comparison], Array | None]:
     """Return a function that computes a bound, or None where it is not known: earlier versions did not store all of them.
 
-    Of several scenes it is NaN in those of which it is not known.
+    It is NaN in those of several scenes of which it is not known, and where mechanics gives no motion of bodies that touch.
     """
 
     def known(compared: Comparison) -> Array | None:
         values = compute(compared)
-        return None if np.isnan(values).any(axis=-1).all() else values
+        return None if np.isnan(values).all() else values
 
     return known
 
@@ -66,7 +66,7 @@ ATTITUDE = Figure(
     meaning="bound of the truth's own attitude error; smaller attitude errors have no meaning",
     unit="rad",
     largest=True,
-    compute=lambda compared: compared.truth.bounds.error,
+    compute=_where_known(lambda compared: compared.truth.bounds.error),
     scale=lambda scales: scales.angle,
     limited=False,
     presence="every run",

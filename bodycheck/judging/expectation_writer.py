@@ -15,6 +15,7 @@ from decimal import ROUND_FLOOR, Context
 from pathlib import Path
 from typing import cast
 
+import numpy as np
 import tomlkit
 from tomlkit.items import Item
 
@@ -112,7 +113,7 @@ def measure(verdict: Verdict, truth: Truth | NoTruth, asked: Collection[str] = (
 def floors(truth: Truth, names: Iterable[str]) -> dict[str, float]:
     """What rounding may come to in figures, in their units."""
     scales = in_scene(truth)
-    bounds = {name: float(bound.max()) for name, bound in truth_bounds(truth).items()}
+    bounds = {name: float(np.fmax.reduce(bound)) for name, bound in truth_bounds(truth).items()}
     return {name: max(ROUNDING * FIGURES[name].scale(scales), bounds.get(name, 0.0)) for name in names}
 
 

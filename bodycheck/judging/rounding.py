@@ -116,7 +116,7 @@ def unamplified(truth: Truth, run: Run, names: Iterable[str]) -> dict[str, float
     bounds, scales = truth_bounds(truth), in_run(truth, trajectory)
     found = {}
     for name in names:
-        bound = float(bounds[name].max()) if name in bounds else 0.0
+        bound = float(np.fmax.reduce(bounds[name])) if name in bounds else 0.0
         found[name] = MARGIN * all_one_way * FIGURES[name].scale(scales) + bound
     return found
 

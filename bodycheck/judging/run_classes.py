@@ -8,6 +8,7 @@ from bodycheck.adapters.contract import Kind, kind_of
 from bodycheck.judging.classes import MethodClass, Motion, beginning, classes
 from bodycheck.judging.scheme_rounding import ROUNDOFF
 from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Run
 from bodycheck.running.store import Results
@@ -20,8 +21,8 @@ def classes_of(results: Results, runs: Iterable[Run]) -> Mapping[Kind, tuple[Met
     """Return the classes of methods by the kind of scene, as far as the cases that were run tell methods apart.
 
     Left out are runs that did not complete, engines whose precision is not known, as in results of earlier versions, and cases
-    that were run with one method alone. So are mechanisms, whose schemes `bodycheck tradeoff` names. Where a motion agrees with
-    the truth to rounding, it is not told from others.
+    that were run with one method alone. So are mechanisms, whose schemes `bodycheck tradeoff` names, and bodies that touch.
+    Where a motion agrees with the truth to rounding, it is not told from others.
     """
     precisions, truths = results.header["precisions"], lru_cache(TRUTHS_KEPT)(results.truth)
     known = [run for run in runs if run.engine in precisions]
@@ -32,6 +33,8 @@ def classes_of(results: Results, runs: Iterable[Run]) -> Mapping[Kind, tuple[Met
         if not isinstance(run.outcome, Completed) or together[run.case, run.method.timestep] < 2:
             continue
         if isinstance(scene, Mechanism):  # their schemes are stepped in Python, which takes too long for every report
+            continue
+        if touches(scene):  # what contacts do is no scheme
             continue
         timestep, method = run.method.timestep, run.key.over_cases.over_steps
         trajectory, truth = beginning(run.outcome.trajectory, timestep), truths(run.case, timestep)

@@ -1,7 +1,7 @@
 """Compute the truth of a case, certify it, and convert both to JSON."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.mechanisms.coordinates import by_name
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.planar import Stop
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import NoTruth, Truth
@@ -135,6 +136,19 @@ def as_json(case: Case, truth: Truth) -> dict[str, Any]:
         "t": trajectory.t.tolist(),
         **(_mechanism_as_json(truth.scene, truth) if isinstance(truth.scene, Mechanism) else _states_as_json(trajectory)),
         **{name: values.tolist() for name, values in bounds_of(truth).items()},
+        **(_contact_as_json(truth) if touches(case.scene) else {}),
+    }
+
+
+def _contact_as_json(truth: Truth) -> dict[str, Any]:
+    """Return the events of bodies that touch, the smallest friction that holds, and what bodies at rest bear (N).
+
+    Bodies are meant by their places, and the plane by -1. What mechanics does not give is NaN here and in the states.
+    """
+    return {
+        "events": [asdict(event) for event in truth.events],
+        "friction": truth.friction,
+        "interfaces": [asdict(pair) for pair in truth.interfaces],
     }
 
 

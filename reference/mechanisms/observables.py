@@ -60,10 +60,12 @@ def observe(mechanism: Mechanism, trajectory: Trajectory) -> MechanismObservable
 
 
 def floats(mechanism: Mechanism) -> bool:
-    """Whether nothing holds the mechanism to the world, so that only gravity changes its linear momentum.
+    """Whether nothing holds or pushes the mechanism, so that only gravity changes its linear momentum.
 
     Its angular momentum about the centre of mass of all is then conserved, and the linear one where there is no gravity.
     """
+    if mechanism.plane is not None or mechanism.pushes:
+        return False
     held = any(joint.parent == WORLD and joint.type != "free" for joint in mechanism.joints)
     return not held and not any(WORLD in loop.bodies for loop in mechanism.loops)
 

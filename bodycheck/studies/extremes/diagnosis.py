@@ -57,7 +57,10 @@ def _completed(scene: AnyScene, trajectory: Trajectory, truth: Truth | NoTruth) 
         else:
             symptoms += of_truth(scene, trajectory, truth)
             position, attitude = errors(scene, trajectory, truth)
-        nothing = f"attitude off by {attitude.max():.3g} rad, centre of mass by {position.max():.3g} m"
+        turned, moved = np.fmax.reduce(attitude), np.fmax.reduce(position)
+        nothing = f"attitude off by {turned:.3g} rad, centre of mass by {moved:.3g} m"
+        if np.isnan(moved):
+            nothing = "nothing gained energy or sank into the plane; mechanics gives no motion to compare with"
     else:
         nothing = f"judged by what is conserved alone: {truth.reason}"
     status = max((symptom.status for symptom in symptoms), key=STATUSES.index, default="ok")

@@ -42,10 +42,10 @@ def of_itself(mechanism: Mechanism, trajectory: Trajectory) -> Iterator[Symptom]
 def of_truth(trajectory: Trajectory, truth: Truth) -> Iterator[Symptom]:
     """Yield the symptoms of a motion that differs too much from the truth, which must have the same instants."""
     position, attitude = errors(trajectory, truth)
-    way = float(np.linalg.norm(np.diff(truth.trajectory.position, axis=-2), axis=-1).sum(axis=-1).max())
+    way = float(np.nansum(np.linalg.norm(np.diff(truth.trajectory.position, axis=-2), axis=-1), axis=-1).max())
     far = max(POSITION_LOST_FRACTION * way, VISIBLE_MOTION * _reach(truth.trajectory))
     if (position - truth.bounds.position_error > far).any():
-        yield Symptom("inaccurate", f"a body is {position.max():.3g} m off after a path of {way:.3g} m")
+        yield Symptom("inaccurate", f"a body is {np.fmax.reduce(position):.3g} m off after a path of {way:.3g} m")
     lost = attitude - truth.bounds.error > ATTITUDE_LOST_RAD
     if lost.any():
         yield Symptom("inaccurate", f"an attitude is lost at t = {trajectory.t[np.argmax(lost)]:.3g} s")
@@ -67,4 +67,4 @@ def energy_change(mechanism: Mechanism, trajectory: Trajectory) -> Array:
 
 def _reach(trajectory: Trajectory) -> float:
     """Return the largest distance (m) of a body from the place where the first body begins."""
-    return float(np.linalg.norm(trajectory.position - trajectory.position[0, 0], axis=-1).max())
+    return float(np.fmax.reduce(np.linalg.norm(trajectory.position - trajectory.position[0, 0], axis=-1), axis=None))

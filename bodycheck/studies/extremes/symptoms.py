@@ -66,9 +66,9 @@ def of_truth(scene: Scene, trajectory: Trajectory, truth: Truth) -> Iterator[Sym
     """Yield the symptoms of a motion that differs too much from the truth, which must have the same instants."""
     exact, body = truth.trajectory, scene.body
     position, attitude = errors(scene, trajectory, truth)
-    way = float(np.linalg.norm(np.diff(exact.position, axis=0), axis=1).sum())
+    way = float(np.nansum(np.linalg.norm(np.diff(exact.position, axis=0), axis=1)))
     if (position - truth.bounds.position_error > max(POSITION_LOST_FRACTION * way, VISIBLE_MOTION * gyration(body))).any():
-        yield Symptom("inaccurate", f"centre of mass {position.max():.3g} m off after a path of {way:.3g} m")
+        yield Symptom("inaccurate", f"centre of mass {np.fmax.reduce(position):.3g} m off after a path of {way:.3g} m")
     lost = attitude - truth.bounds.error > ATTITUDE_LOST_RAD
     if lost.any():
         yield Symptom("inaccurate", f"attitude lost at t = {trajectory.t[np.argmax(lost)]:.3g} s")
