@@ -110,7 +110,7 @@ def draw(
         datasets["series"].append(row)
     momentum = ""
     if truths:
-        largest = max(truths.values(), key=lambda truth: float(truth.bounds.error.max()))
+        largest = max(truths.values(), key=lambda truth: float(np.nan_to_num(truth.bounds.error).max()))
         datasets["floor"] = [_floor(largest, peaks, points)]
         scene = largest.scene
         if isinstance(scene, Scene) and (seen := observe(scene, largest.trajectory)).angular_momentum.any():
@@ -151,7 +151,7 @@ def _floor(truth: Truth, peaks: Mapping[str, Mapping[str, float]], points: int) 
     row: dict[str, Any] = {"t": rounded(t[ends(len(t), points)], INSTANT_DIGITS)}
     for name in PLOTTED:
         near = name in bounds and (
-            name == "attitude_error" or min(peaks.get(name, {"": np.inf}).values()) < FAR * bounds[name].max()
+            name == "attitude_error" or min(peaks.get(name, {"": np.inf}).values()) < FAR * np.fmax.reduce(bounds[name])
         )
         row[name] = rounded(envelope(bounds[name], points)) if near else []
     return row

@@ -5,6 +5,7 @@ from collections import Counter
 from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reports.quantities import count, listing, number
+from bodycheck.reports.runs.surroundings import contact, on_plane, pushed
 
 #: Most bodies and joints that are told one by one.
 MOST_TOLD = 6
@@ -21,13 +22,18 @@ ACTING = {
 
 def described(mechanism: Mechanism) -> tuple[tuple[str, str], ...]:
     """Return the terms and texts of the facts of a mechanism."""
-    environment = f"gravity {number(mechanism.gravity)} m/s²" if mechanism.gravity else "no gravity"
+    environment = [f"gravity {number(mechanism.gravity)} m/s²" if mechanism.gravity else "no gravity"]
+    if mechanism.plane is not None:
+        environment.append(on_plane(mechanism.plane))
+        environment += [contact(mechanism, pair) for pair in mechanism.contacts[:MOST_TOLD]]
+        environment += ["and other pairs"] if len(mechanism.contacts) > MOST_TOLD else []
+    environment += [pushed(push, mechanism.bodies[push.body].name) for push in mechanism.pushes]
     loops = count(len(mechanism.loops), "loop")
     return (
         ("Bodies", _bodies(mechanism)),
         ("Joints", _joints(mechanism)),
         *((("Loops", f"{loops}, each of which holds a point of one body on a point of another"),) if mechanism.loops else ()),
-        ("Environment", environment),
+        ("Environment", ", ".join(environment)),
     )
 
 

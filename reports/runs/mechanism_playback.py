@@ -5,8 +5,8 @@ and loops that it carries; as a point if it has neither.
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -51,6 +51,37 @@ def mechanism_playback(
 
     Parameters are those of `playback.playback`.
     """
+    return animation(runs, truths, most, lambda truth, _: _Stage(mechanism, truth.trajectory))
+
+
+class Stage(Protocol):
+    """What all pictures of an animation have in common.
+
+    Attributes
+    ----------
+    extent
+        Half the size (m) of what they show.
+    """
+
+    extent: float
+
+    def described(self) -> dict[str, Any]:
+        """Return what the player reads of the bodies, of what stands still, and of the side that they are seen from."""
+
+    def parts(self, trajectory: Trajectory) -> list[dict[str, Any]] | None:
+        """Return the motions of all bodies as the player reads them; None if one cannot be stored."""
+
+
+def animation(
+    runs: Mapping[Line, Verdict],
+    truths: Mapping[float, Truth],
+    most: int,
+    staged: Callable[[Truth, Sequence[Shown]], Stage],
+) -> Playback | None:
+    """Return the animation of several bodies, or None if no run has a truth to be compared with.
+
+    staged: makes the stage of a truth and of the runs that are compared with it. Other parameters: see `playback.playback`.
+    """
     compared = [line for line, verdict in runs.items() if verdict.discrepancy is not None and line.timestep in truths]
     timestep = common_step(compared)
     if timestep is None:
@@ -60,7 +91,7 @@ def mechanism_playback(
     played = [one for line, verdict in own_runs.items() if (one := shown_run(line, verdict, truth)) is not None]
     if not played:
         return Playback(None, "", ("There is no animation because the errors of no run are finite numbers.",))
-    stage = _Stage(mechanism, truth.trajectory)
+    stage = staged(truth, played)
     if (parts := stage.parts(truth.trajectory)) is None:
         return Playback(None, "", (f"There is no animation because a body turns by {TOO_FAST}.",))
     if (room := most - len(as_json(parts))) < 0:
@@ -69,7 +100,7 @@ def mechanism_playback(
     entries: dict[Shown, dict[str, Any]] = {}
     undrawn, left_out = [], []
     for one in (*first, *(other for other in played if other not in first)):
-        if (entry := stage.run(one)) is None:
+        if (entry := _run(stage, one)) is None:
             undrawn.append(name_of(one.line))
         elif (room := room - len(as_json(entry))) < 0:
             left_out.append(name_of(one.line))
@@ -77,11 +108,8 @@ def mechanism_playback(
             entries[one] = entry
     order = [one for one in played if one in entries]
     data = {
-        "bodies": [stage.drawn(place) for place in range(len(mechanism.bodies))],
-        "fixed": stage.fixed(),
-        "follows": stage.follows,
+        **stage.described(),
         "extent": stage.extent,
-        "azimuth": stage.azimuth(),
         "within": tracks.TOLERANCE,
         "end": float(truth.trajectory.t[-1]),
         "truth": {"parts": parts},
@@ -107,6 +135,15 @@ class _Stage:
         low, high = (seen - radii).min(axis=(0, 1)), (seen + radii).max(axis=(0, 1))
         self.middle = (low + high) / 2
         self.extent = max(float((high - low).max()) / 2, SMALLEST)
+
+    def described(self) -> dict[str, Any]:
+        """Return what the player reads of the bodies, of what stands still, and of the side that they are seen from."""
+        return {
+            "bodies": [self.drawn(place) for place in range(len(self.mechanism.bodies))],
+            "fixed": self.fixed(),
+            "follows": self.follows,
+            "azimuth": self.azimuth(),
+        }
 
     def drawn(self, place: int) -> dict[str, Any]:
         """Return a body as the player reads it: points along its axes, from its centre of mass, in units of the extent."""
@@ -148,22 +185,10 @@ class _Stage:
             own = trajectory.body(place)
             if (turning := turning_of(own, math.inf)) is None:
                 return None
-            t, path = _path(own.t, own.position, own.velocity)
+            t, path = finer_path(own.t, own.position, own.velocity)
             shift = np.column_stack([np.interp(t, self.exact.t, axis) for axis in self.centre.T]) + self.middle
             found.append(turning | course_of(t, (path - shift) / self.extent, PLACE_TOLERANCE))
         return found
-
-    def run(self, run: Shown) -> dict[str, Any] | None:
-        """Return a run as the player reads it, or None if it cannot be drawn.
-
-        It has no parts of its own if it moves as the truth does.
-        """
-        entry: dict[str, Any] = {"label": name_of(run.line), "colour": run.line.colour}
-        entry |= {f"{name}_error": float(f"{run.maxima[f'{name}_error']:.4g}") for name in ("attitude", "position")}
-        if run.maxima["attitude_error"] <= tracks.TOLERANCE and run.maxima["position_error"] <= PLACE_TOLERANCE * self.extent:
-            return entry
-        parts = self.parts(run.trajectory)
-        return None if parts is None else entry | {"parts": parts}
 
     def _radius(self, place: int) -> float:
         """Return the distance (m) of the farthest point of a body from its centre of mass."""
@@ -175,6 +200,22 @@ class _Stage:
 
     def _scaled(self, point: Vector) -> list[float]:
         return [component / self.extent for component in point]
+
+
+def _run(stage: Stage, run: Shown) -> dict[str, Any] | None:
+    """Return a run as the player reads it, or None if it cannot be drawn.
+
+    It has no parts of its own if it moves as the truth does. It has no errors where mechanics gives no motion.
+    """
+    entry: dict[str, Any] = {"label": name_of(run.line), "colour": run.line.colour}
+    errors = {f"{name}_error": run.maxima.get(f"{name}_error", math.nan) for name in ("attitude", "position")}
+    entry |= {name: float(f"{error:.4g}") if math.isfinite(error) else None for name, error in errors.items()}
+    is_known = np.isfinite(run.truth.position).all()
+    near = errors["attitude_error"] <= tracks.TOLERANCE and errors["position_error"] <= PLACE_TOLERANCE * stage.extent
+    if is_known and near:
+        return entry
+    parts = stage.parts(run.trajectory)
+    return None if parts is None else entry | {"parts": parts}
 
 
 def _points(mechanism: Mechanism, place: int) -> tuple[list[Vector], list[Vector]]:
@@ -192,7 +233,7 @@ def _beside(body: JointedBody, point: Vector) -> Vector:
     return x - a, y - b, z - c
 
 
-def _path(t: Array, position: Array, velocity: Array) -> tuple[Array, Array]:
+def finer_path(t: Array, position: Array, velocity: Array) -> tuple[Array, Array]:
     """Return a path at more instants, between which straight lines follow it better: a cubic curve through the samples."""
     from scipy.interpolate import CubicHermiteSpline  # takes as long to import as most reports without mechanisms take
 
@@ -202,11 +243,12 @@ def _path(t: Array, position: Array, velocity: Array) -> tuple[Array, Array]:
 
 
 def _alt(runs: Sequence[Shown]) -> str:
-    worst = max(runs, key=lambda run: run.maxima["position_error"])
-    return (
-        "Animation of all bodies of the truth and of some runs, side by side. "
-        f"The largest position error is {number(worst.maxima['position_error'], 3)} m, with {name_of(worst.line)}."
-    )
+    known = [run for run in runs if "position_error" in run.maxima]
+    told = "Animation of all bodies of the truth and of some runs, side by side."
+    if not known:
+        return told
+    worst = max(known, key=lambda run: run.maxima["position_error"])
+    return f"{told} The largest position error is {number(worst.maxima['position_error'], 3)} m, with {name_of(worst.line)}."
 
 
 def _notes(timestep: float, runs: Mapping[Line, Verdict], undrawn: Sequence[str], left_out: Sequence[str]) -> list[str]:

@@ -163,7 +163,7 @@ def choose(runs: Sequence[Shown], reach: float) -> list[Shown]:
     """
 
     def badness(run: Shown) -> float:
-        return run.maxima["attitude_error"] + run.maxima["position_error"] / reach
+        return run.maxima.get("attitude_error", 0.0) + run.maxima.get("position_error", 0.0) / reach
 
     engines = dict.fromkeys(run.line.engine for run in runs)
     worst = [max((run for run in runs if run.line.engine == engine), key=badness) for engine in engines]
@@ -178,11 +178,12 @@ def common_step(lines: Sequence[Line]) -> float | None:
 
 
 def shown_run(line: Line, verdict: Verdict, truth: Truth) -> Shown | None:
-    """Return a run that can be shown; None if it did not complete, or if an error is not finite."""
+    """Return a run that can be shown; None if it did not complete, or if an error that it has is not finite."""
     if not isinstance(verdict.outcome, Completed) or verdict.discrepancy is None:
         return None
     trajectory, maxima = verdict.outcome.trajectory, verdict.discrepancy.maxima()
-    finite = all(math.isfinite(maxima[name]) for name in ("attitude_error", "angular_velocity_error", "position_error"))
+    errors = ("attitude_error", "angular_velocity_error", "position_error")
+    finite = all(math.isfinite(maxima.get(name, 0.0)) for name in errors)
     return Shown(line, trajectory, truth.at(trajectory.t).trajectory, maxima) if finite else None
 
 

@@ -4,14 +4,30 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from bodycheck.casefile.content import Case
-from bodycheck.reference.contact.motion import Event, Interface
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.contact.motion import Event, EventKind, Interface
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
 from bodycheck.reference.planar import Stop
-from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere
+from bodycheck.reference.requirements import touches
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reports.quantities import bound, count, listing, number
 from bodycheck.reports.runs.mechanism_facts import described
+from bodycheck.reports.runs.surroundings import on_plane, pushed
+
+#: What happens in the events of bodies that touch, in words.
+EVENTS: dict[EventKind, str] = {
+    "impact": "hits",
+    "roll": "begins to roll",
+    "slip": "begins to slip",
+    "rest": "comes to rest",
+    "tip": "begins to tip",
+}
+
+#: Most events, and most loads, that are told one by one.
+MOST_EVENTS = 6
 
 
 @dataclass(frozen=True)
@@ -39,7 +55,7 @@ class Told:
     @classmethod
     def of(cls, truth: Truth) -> "Told":
         """Return what is told of a truth."""
-        error = float(truth.bounds.error.max())
+        error = float(np.fmax.reduce(truth.bounds.error))
         how = truth.model, truth.reason, truth.backend, truth.witnesses
         return cls(*how, truth.stop, truth.events, truth.friction, truth.interfaces, error)
 
@@ -53,6 +69,7 @@ def describe(case: Case, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
         Fact("Duration", f"{number(case.duration)} s, sampled at {case.samples} instants"),
         *((Fact("Truth", _truth(truths)),) if truths else ()),
         *_stop(truths),
+        *_happens(scene, truths),
     )
 
 
@@ -64,13 +81,39 @@ def _of_body(scene: Scene) -> tuple[tuple[str, str], ...]:
     travel = f"moving at {number(speed)} m/s, {_vector(start.velocity)} along x, y, z" if speed else "centre of mass at rest"
     environment = [f"gravity {number(scene.gravity)} m/s²" if scene.gravity else "no gravity"]
     if scene.plane is not None:
-        environment.append(f"on a plane with friction coefficient {number(scene.plane.friction)} ({scene.plane.law} law)")
+        environment.append(on_plane(scene.plane) if touches(scene) else _flat_plane(scene.plane))
+        environment += [pushed(push) for push in scene.pushes]
     if scene.drag:
         environment.append(f"drag {number(scene.drag)} kg/m times speed squared")
     return (
         ("Body", f"{_shape(body.shape)}, {number(body.mass)} kg, principal moments {_vector(body.moments)} kg m²"),
         ("Start", f"{motion}; {travel}"),
         ("Environment", ", ".join(environment)),
+    )
+
+
+def _flat_plane(plane: Plane) -> str:
+    return f"on a plane with friction coefficient {number(plane.friction)} ({plane.law} law)"
+
+
+def _happens(scene: AnyScene, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
+    """Return what happens to bodies that touch, which is the same for every time step, and what bodies at rest bear."""
+    told = next((truth for truth in truths if isinstance(truth, Told) and (truth.events or truth.interfaces)), None)
+    if told is None:
+        return ()
+    names = [body.name for body in scene.bodies] if isinstance(scene, Mechanism) else ["the body"]
+    events = [f"{names[event.body]} {EVENTS[event.kind]} after {number(event.time)} s" for event in told.events[:MOST_EVENTS]]
+    if (more := len(told.events) - MOST_EVENTS) > 0:
+        events.append(f"{count(more, 'further event')} until {number(told.events[-1].time)} s")
+    places = [["the plane" if place == WORLD else names[place] for place in pair.bodies] for pair in told.interfaces]
+    loads = [
+        f"{one} bears {other} with {number(pair.load)} N" for pair, (one, other) in zip(told.interfaces, places, strict=True)
+    ]
+    if len(loads) > MOST_EVENTS:
+        loads = [*loads[:MOST_EVENTS], f"and {count(len(loads) - MOST_EVENTS, 'further pair')}"]
+    return (
+        *((Fact("Events", "; ".join(events)),) if events else ()),
+        *((Fact("Loads", "; ".join(loads)),) if loads else ()),
     )
 
 
@@ -112,8 +155,9 @@ def _truth(truths: Sequence[Told | NoTruth]) -> str:
     # A witness is named by its equations and its solver, with a comma between them.
     witnesses = list(dict.fromkeys(witness.replace(", ", " by ") for truth in known for witness in truth.witnesses))
     checked = f" Checked by {count(len(witnesses), 'independent computation')}: {listing(witnesses)}." if witnesses else ""
-    error = bound(max(truth.error for truth in known), 2)
-    return f"{' and '.join(sources)}.{checked} Its attitude is wrong by at most {error} rad."
+    errors = [truth.error for truth in known if not math.isnan(truth.error)]
+    least = f"Its attitude is wrong by at most {bound(max(errors), 2)} rad." if errors else "It gives no motion."
+    return f"{' and '.join(sources)}.{checked} {least}"
 
 
 def _source(truth: Told) -> str:

@@ -18,7 +18,8 @@ const mechanismDifference = (states, exact) => ({
 // The picture of a mechanism: solids, or sticks where a body has no shape, the farthest first; joints; and the truth as a ghost.
 const mechanismPicture = (data) => {
   const picture = svg("svg", { viewBox: `0 0 ${SIZE} ${SIZE}`, role: "img", class: "drawing scene" });
-  const [skin, over] = [0, 1].map(() => picture.appendChild(svg("g", {})));
+  const [below, skin, over] = [0, 1, 2].map(() => picture.appendChild(svg("g", {})));
+  const grid = addPath(below, "grid");
   const solids = data.bodies.map(({ solid }) => solid && solidOf(solid));
   const ghost = addPath(over, "ghost");
   const [pins, fixed] = ["pin", "pin fixed"].map((kind) => addPath(over, kind));
@@ -45,6 +46,7 @@ const mechanismPicture = (data) => {
 
   // states, truth: of all bodies; truth is null in the truth's own picture and where it looks the same.
   const draw = (view, states, truth, colour) => {
+    assign(grid, { d: (data.ground ?? []).map((line) => path(line.map((p) => project(view, p)))).join("") });
     const order = states.map((_, k) => k).sort((a, b) => dot(states[a].place, view.toward) - dot(states[b].place, view.toward));
     const drawn = order.flatMap((k) => [
       ...(solids[k] ? facesOf(view, solids[k], states[k], colour) : []),
@@ -69,13 +71,14 @@ const mechanismPicture = (data) => {
   return { picture, draw };
 };
 
-const mechanismLegend = ({ within, bodies, follows }) => {
+const mechanismLegend = ({ within, bodies, follows, known, end }) => {
   const legend = html("p", { class: "note key" });
   const explain = (kind, d, words) =>
     legend.append(html("span", {}, svg("svg", { viewBox: "0 0 26 12", class: "drawing sign", "aria-hidden": "true" }, svg("path", { class: kind, d })), html("span", {}, words)));
   if (bodies.some(({ sticks }) => sticks.length)) explain("stick sample", "M2 9 13 3 24 9", "body without a shape: from its joint to its centre of mass and to the next joints");
-  explain("pin", "M13 6h0", "joint");
+  if (bodies.some(({ joints }) => joints.length)) explain("pin", "M13 6h0", "joint");
   explain("ghost", "M3 2H23V10H3Z", "bodies of the truth");
+  if (known < end) legend.append(html("span", {}, `Mechanics gives no motion ${known < 0 ? "" : `after ${number(known, 3)} s`}, and no body of the truth is drawn then.`));
   if (follows) legend.append(html("span", {}, "Pictures follow the centre of mass of the truth."));
   legend.append(html("span", {}, `Attitudes are drawn to within ${within} rad. A method that is closer to the truth than this is drawn like the truth.`));
   return legend;
@@ -96,7 +99,9 @@ const buildMechanism = (figure, data) => {
   const stage = html("div", { class: "stage" }, ...panels.map(({ element }) => element));
   figure.prepend(stage, controls.element, mechanismLegend(data), status);
 
+  const isKnown = (t) => t <= (data.known ?? data.end);
   const differenceAt = (t) => {
+    if (!isKnown(t)) return 0;
     const exact = statesAt(truth.parts, t);
     return largestOf(shown.filter(({ isAlike }) => !isAlike).map(({ parts }) => {
       const { angle, shift } = mechanismDifference(statesAt(parts, t), exact);
@@ -118,12 +123,17 @@ const buildMechanism = (figure, data) => {
   const paint = (now) => {
     const exact = statesAt(truth.parts, now);
     all().forEach((body, k) => {
+      panels[k].picture.dataset.time = now;
+      if (!isKnown(now)) {
+        panels[k].draw(view, k ? statesAt(body.parts, now) : [], null, body.colour);
+        panels[k].words.textContent = k ? "nothing to\ncompare with" : "mechanics gives\nno motion";
+        return;
+      }
       const states = k && !body.isAlike ? statesAt(body.parts, now) : exact;
       const difference = mechanismDifference(states, exact);
       const isApart = k > 0 && (difference.angle > indistinct(data.within) || difference.shift > APART);
       panels[k].draw(view, states, isApart ? exact : null, body.colour);
       panels[k].words.textContent = k ? wordsOf(body, difference) : `fastest body turning at\n${number(largestOf(states.map(({ rate }) => length(rate))))} rad/s`;
-      panels[k].picture.dataset.time = now;
     });
   };
   const describe = () => {
