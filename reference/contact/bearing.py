@@ -39,27 +39,32 @@ def loads(problem: Problem, faces: Sequence[Upright], bearings: Sequence[Bearing
     Which part of a weight each of several supports bears does not follow from the balance of rigid bodies. Such bearings are
     left out, unless each is the mirror image of another.
     """
-    weights = [float(body.mass * -problem.gravity[2]) for body in problem.bodies]
-    rows, sides = [], []
-    for place, weight in enumerate(weights):
-        rows.append([float(bearing.upper == place) - float(bearing.lower == place) for bearing in bearings])
-        sides.append(weight)
-    for images in _mirrors(problem, faces):
-        for column, bearing in enumerate(bearings):
-            image = bearings.index(Bearing(images.get(bearing.lower, WORLD), images[bearing.upper]))
-            row = [0.0] * len(bearings)
-            row[column] += 1
-            row[image] -= 1
-            rows.append(row)
-            sides.append(0.0)
-    matrix = np.array(rows)
-    values, _, rank, _ = np.linalg.lstsq(matrix, np.array(sides), rcond=None)
+    rows = [
+        [float(bearing.upper == place) - float(bearing.lower == place) for bearing in bearings]
+        for place in range(len(problem.bodies))
+    ]
+    if len(bearings) > len(problem.bodies):
+        rows += [row for images in _mirrors(problem, faces) for row in _equal(bearings, images)]
+    matrix, sides = np.array(rows), np.zeros(len(rows))
+    sides[: len(problem.bodies)] = [float(body.mass * -problem.gravity[2]) for body in problem.bodies]
+    values, _, rank, _ = np.linalg.lstsq(matrix, sides, rcond=None)
     free = np.linalg.svd(matrix)[2][rank:]
     return {
         bearing: float(value)
         for bearing, value, loose in zip(bearings, values, np.abs(free).T.reshape(len(bearings), -1), strict=True)
         if not (loose > DETERMINED).any()
     }
+
+
+def _equal(bearings: Sequence[Bearing], images: Mapping[int, int]) -> list[list[float]]:
+    """The rows of equations that say that each bearing bears what its image does; none where one has no image."""
+    found = [Bearing(images.get(bearing.lower, WORLD), images[bearing.upper]) for bearing in bearings]
+    if set(found) != set(bearings):
+        return []
+    return [
+        [float(own == bearing) - float(own == image) for own in bearings]
+        for bearing, image in zip(bearings, found, strict=True)
+    ]
 
 
 def centre_of(bodies: Sequence[ContactBody]) -> WideArray:
@@ -80,7 +85,8 @@ def _images(problem: Problem, faces: Sequence[Upright], axis: int, centre: Wide)
     """The images of all bodies in the mirror through a centre (m) across an axis; None where one has none."""
     found = {}
     for place, face in enumerate(faces):
-        mirrored = _mirrored(outline(face), axis, centre)
+        mirrored = _marks(face)
+        mirrored[:, axis] = 2 * centre - mirrored[:, axis]
         image = next(
             (
                 other
@@ -95,21 +101,21 @@ def _images(problem: Problem, faces: Sequence[Upright], axis: int, centre: Wide)
     return found
 
 
-def _mirrored(corners: WideArray, axis: int, centre: Wide) -> WideArray:
-    moved = corners.copy()
-    moved[:, axis] = 2 * centre - moved[:, axis]
-    return moved
+def _marks(face: Upright) -> WideArray:
+    """Four points (4, 2) of the outline of a body: its corners, or those of a disk along the axes of the plane."""
+    if face.disk:
+        return np.asarray(face.centre + face.half[0] * np.array([[1, 0], [-1, 0], [0, 1], [0, -1]]))
+    return outline(face)
 
 
 def _alike(face: Upright, mirrored: WideArray, other: Upright) -> bool:
-    """Whether the image of a body, with the corners (k, 2) of its outline, is another body."""
+    """Whether the image of a body, with four points (4, 2) of its outline, is another body."""
     near = 4 * NONE * (face.size + other.size + float(np.abs(mirrored).max()))
-    corners = outline(other)
-    if len(corners) != len(mirrored) or face.ball != other.ball:
+    if (face.disk, face.ball) != (other.disk, other.ball):
         return False
     if max(abs(face.bottom - other.bottom), abs(face.top - other.top)) > near:
         return False
-    apart = mirrored[:, None] - corners
+    apart = mirrored[:, None] - _marks(other)
     return bool((np.hypot(apart[..., 0], apart[..., 1]).min(axis=1) <= near).all())
 
 

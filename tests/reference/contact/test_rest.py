@@ -218,3 +218,12 @@ def test_bodies_of_a_stack_come_in_any_order() -> None:
     assert loads == pytest.approx({(0, 1): GRAVITY, (-1, 1): 3 * GRAVITY}, rel=1e-13)
     assert all(one < other for one, other in loads)
     assert list(pairwise(sorted(loads)))
+
+
+def test_a_wall_in_bond_rests() -> None:
+    """Three bricks bear two, and these bear one: the mirror tells how the highest is shared, but nothing tells more."""
+    rows = [[((k - (2 - row) / 2) * 0.22, 0.0, 0.05 + 0.1 * row) for k in range(3 - row)] for row in range(3)]
+    known = pile(*(body(f"at-{x}-{z}", Brick((0.1, 0.05, 0.05)), 1.0, (x, y, z)) for row in rows for x, y, z in row))
+    found = moved(rest.motion, known, MINUTE)
+    assert_at_rest(known, found)
+    assert loads_of(found) == pytest.approx({(3, 5): GRAVITY / 2, (4, 5): GRAVITY / 2}, rel=1e-12)
