@@ -13,7 +13,13 @@ Classes = Mapping[Kind, Sequence[MethodClass]]
 NO_CLASSES: Classes = {}
 
 #: The kinds of scenes in sentences.
-WORDS: Mapping[Kind, str] = {"flight": "in flight", "drag": "against drag", "plane": "on a plane"}
+WORDS: Mapping[Kind, str] = {
+    "flight": "in flight",
+    "drag": "against drag",
+    "plane": "on a plane",
+    "contact": "where bodies touch",
+    "mechanism": "on joints",
+}
 
 #: Most classes of a kind, and most methods of a class, that a sentence names.
 MOST_CLASSES, MOST_METHODS = 4, 6

@@ -1,7 +1,8 @@
 """A report says which methods are the same algorithm, kind by kind, and does not repeat itself."""
 
+from bodycheck.adapters.options import KINDS
 from bodycheck.judging.classes import MethodClass
-from bodycheck.reports.same_algorithm import MOST_CLASSES, memberships, same_algorithm
+from bodycheck.reports.same_algorithm import MOST_CLASSES, WORDS, memberships, same_algorithm
 from bodycheck.running.key import RunKey
 
 
@@ -29,6 +30,10 @@ def test_kinds_with_the_same_classes_are_told_together() -> None:
         "In flight and against drag, mujoco a and dart b are one algorithm: their motions agree to rounding (3e-15). "
         "On a plane, mujoco a and dart c are one algorithm: their motions agree to rounding (0)."
     )
+
+
+def test_every_kind_of_scene_has_words() -> None:
+    assert set(WORDS) == KINDS
 
 
 def test_methods_that_stand_alone_are_no_finding() -> None:
