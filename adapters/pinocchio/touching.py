@@ -12,7 +12,6 @@ which gravity changes a velocity in a step, so that bodies come to rest.
 """
 
 from collections.abc import Mapping, Sequence
-from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -35,6 +34,9 @@ MODELS = frozenset({"incline", "restitution", "rolling", "pushes", "contacts"})
 
 #: Why there is no script of bodies that touch.
 NO_SCRIPT = "a script of bodies that touch: where they do is found by bodycheck, not by Pinocchio"
+
+#: Tolerance of the impulses and velocities at contacts, in the units of `Contacts`: for stacks, less is lost in rounding.
+TOLERANCE = 1e-12
 
 #: Factor by which ADMM adapts its penalty. With this one it needs fewer decompositions than with its default of 2.
 PENALTY_FACTOR = 5.0
@@ -71,7 +73,8 @@ class Contacts:
         self.data = self.model.createData()
         # For these velocities the mass matrix does not depend on the configuration; here it is in units of the largest mass.
         self.mass = max(own.body.mass for own in bodies)
-        self.inverse = self.mass * pin.computeMinverse(self.model, self.data, pin.neutral(self.model))
+        inverse = self.mass * pin.computeMinverse(self.model, self.data, pin.neutral(self.model))
+        self.inverse = [inverse[start : start + 6, start : start + 6] for start in range(0, self.model.nv, 6)]
         self.fall = scene.gravity * timestep
         self.unit = self.fall or 1.0
         incline = plane_of(scene).incline
@@ -124,38 +127,38 @@ class Contacts:
         found: list[Point] = []
         for place, body in enumerate(placed):
             found.extend(on_plane(place, body, self.plane, float(margins[place])))
-        for one, other in combinations(range(len(placed)), 2):
-            margin = float(margins[one] + margins[other])
-            apart = placed[other].centre - placed[one].centre
-            if apart @ apart <= (self.radii[one] + self.radii[other] + margin) ** 2:
-                found.extend(between((one, other), placed[one], placed[other], margin))
+        centres = np.array([body.centre for body in placed])
+        apart = np.linalg.norm(centres[:, None] - centres, axis=2)
+        sizes = self.radii + margins
+        near = np.argwhere(np.triu(apart <= sizes[:, None] + sizes, 1))  # a few of many pairs
+        for one, other in near.tolist():
+            found.extend(between((one, other), placed[one], placed[other], float(margins[one] + margins[other])))
         return found
 
     def _change(self, points: Sequence[Point], placed: Sequence[Placed], before: Array, v: Array) -> Array:
         """Return the change of the velocities by contacts; v: (6 bodies,) those of the step without contact."""
         laws = [self.others.get(point.bodies, self.usual) for point in points]
-        jacobian = np.vstack([_jacobian(point, placed) for point in points])
-        response = self.inverse @ jacobian.T
-        drift = jacobian @ v
-        normal, incoming = drift[2::3].copy(), (jacobian @ before)[2::3]
+        jacobian = Jacobian(points, placed)
+        drift = jacobian.velocities(v)
+        normal, incoming = drift[2::3].copy(), jacobian.velocities(before)[2::3]
         gaps = np.array([point.gap for point in points])
         given = np.array([law.restitution for law in laws])
         bouncing = (gaps + self.timestep * normal < 0) & (-given * incoming > self.fall)
         drift[2::3] += np.where(bouncing, given * incoming, gaps / self.timestep)
         keys = [(point.bodies, point.number) for point in points]
         guess = np.concatenate([self.guess.get(key, np.zeros(3)) for key in keys])
-        impulses = self._solved(jacobian @ response, drift / self.unit, guess, tuple(law.friction for law in laws))
+        impulses = self._solved(jacobian.delassus(self.inverse), drift / self.unit, guess, tuple(law.friction for law in laws))
         self.guess = dict(zip(keys, impulses.reshape(-1, 3), strict=True))
         for point, pressed in zip(points, self.mass * self.unit * impulses[2::3], strict=True):
             self.pressed[point.bodies] = self.pressed.get(point.bodies, 0.0) + float(pressed)
-        return np.asarray(response @ (self.unit * impulses))
+        return jacobian.change(self.inverse, self.unit * impulses)
 
     def _solved(self, delassus: Array, drift: Array, guess: Array, frictions: tuple[float, ...]) -> Array:
         """Return the impulses (3n,) at n contacts, in units of the largest mass and `unit`, as the other arguments are."""
         if frictions not in self.models:
             self.models[frictions] = (*self._models(frictions), pin.ADMMConstraintSolver(3 * len(frictions)))
         models, datas, admm = self.models[frictions]
-        tolerance = max(contact.SOLVER_TOLERANCE, contact.SPEED_ROUNDING * float(np.abs(drift).max()))
+        tolerance = max(TOLERANCE, contact.SPEED_ROUNDING * float(np.abs(drift).max()))
         asked, result = self.settings, self.result
         asked.absolute_feasibility_tol = asked.relative_feasibility_tol = tolerance
         asked.absolute_complementarity_tol = asked.relative_complementarity_tol = tolerance
@@ -180,18 +183,50 @@ class Contacts:
         return models, datas
 
 
-def _jacobian(point: Point, placed: Sequence[Placed]) -> Array:
-    """Return the rows (3, 6 bodies) from velocities to the velocity of the second body against the first, along the axes."""
-    rows = np.zeros((3, 6 * len(placed)))
-    for place, sign in zip(point.bodies, (-1.0, 1.0), strict=True):
-        if place == WORLD:
-            continue
-        x, y, z = point.place - placed[place].centre
-        crossed = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
-        along = sign * point.axes.T
-        rows[:, 6 * place : 6 * place + 3] = along
-        rows[:, 6 * place + 3 : 6 * place + 6] = along @ crossed @ placed[place].turn
-    return rows
+class Jacobian:
+    """The linear map from the velocities of bodies to those of the second body against the first at n points, along the axes.
+
+    It is kept by bodies, few of which are at any point: the products are small, so that NumPy makes them in one thread.
+    """
+
+    def __init__(self, points: Sequence[Point], placed: Sequence[Placed]) -> None:
+        found: dict[int, list[tuple[int, Array]]] = {}
+        for number, point in enumerate(points):
+            for place, sign in zip(point.bodies, (-1.0, 1.0), strict=True):
+                if place != WORLD:
+                    x, y, z = point.place - placed[place].centre
+                    crossed = np.array([[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]])
+                    along = sign * point.axes.T
+                    found.setdefault(place, []).append((number, np.hstack([along, along @ crossed @ placed[place].turn])))
+        self.size, self.bodies = 3 * len(points), len(placed)
+        self.blocks = {
+            place: (
+                np.concatenate([np.arange(3 * number, 3 * number + 3) for number, _ in own]),
+                np.vstack([b for _, b in own]),
+            )
+            for place, own in found.items()
+        }
+
+    def velocities(self, v: Array) -> Array:
+        """Return the velocities (3n,) at the points of velocities (6 bodies,)."""
+        made = np.zeros(self.size)
+        for place, (rows, block) in self.blocks.items():
+            made[rows] += block @ v[6 * place : 6 * place + 6]
+        return made
+
+    def delassus(self, inverse: Sequence[Array]) -> Array:
+        """Return the map (3n, 3n) from impulses to velocities at the points; inverse: (6, 6), of the masses of each body."""
+        made = np.zeros((self.size, self.size))
+        for place, (rows, block) in self.blocks.items():
+            made[np.ix_(rows, rows)] += block @ inverse[place] @ block.T
+        return made
+
+    def change(self, inverse: Sequence[Array], impulses: Array) -> Array:
+        """Return the velocities (6 bodies,) that impulses (3n,) give."""
+        made = np.zeros(6 * self.bodies)
+        for place, (rows, block) in self.blocks.items():
+            made[6 * place : 6 * place + 6] = inverse[place] @ (block.T @ impulses[rows])
+        return made
 
 
 def settings() -> "pin.ADMMSolverSettings":
