@@ -1,6 +1,7 @@
-"""Print the table of docs/contacts.md on bodies that should rest, or just slide. Run: python docs/resting.py"""
+"""Print the tables of docs/contacts.md on bodies that rest, just slide, and bounce. Run: python docs/resting.py"""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -52,7 +53,28 @@ def last(engine: str, spelling: str, scene: AnyScene) -> tuple[Array, Array]:
     return rows[0], rows[1]
 
 
+def bounce(spelling: str, coefficient: float) -> float:
+    """Return the ratio of the velocities after and before the first impact of a ball that falls by 1 m on MuJoCo's contact."""
+    ball = resting(Sphere(0.1), 1.1, 0.0)
+    adapter = registry.load("mujoco")
+    assert isinstance(adapter, Touching)
+    scene = replace(ball, plane=Plane(FRICTION, restitution=coefficient))
+    strides = np.ones(round(0.7 / TIMESTEP_S), dtype=np.int64)
+    velocity = adapter.prepare_touching(scene, Method.parse(spelling, TIMESTEP_S)).advance(strides)[0, :, 0, 9]
+    return float(-velocity.max() / velocity.min())
+
+
 def main() -> None:
+    resting_bodies()
+    print("\n| coefficient | Euler | Euler:restitution=solref | RK4:restitution=solref | discrete:restitution=solref |")
+    print("| --- | --- | --- | --- | --- |")
+    for coefficient in (0.1, 0.5, 0.8, 1.0):
+        methods = ("Euler", *(f"{name}:restitution=solref" for name in ("Euler", "RK4", "discrete")))
+        print(f"| {coefficient} | {' | '.join(f'{bounce(method, coefficient):.3f}' for method in methods)} |")
+
+
+def resting_bodies() -> None:
+    """Print the table of bodies that should rest, or just slide."""
     blocks = [resting(Brick((0.1, 0.1, 0.1)), 0.1, math.atan(part * FRICTION)) for part in (0.99, 1.01)]
     ball, pile = resting(Sphere(0.1), 0.1, 0.0), stack()
     weight = nearest_inertia(pile.bodies[0]).mass * GRAVITY
