@@ -5,11 +5,14 @@ import numpy as np
 from bodycheck.reference.contact.ball import Ball, slip
 from bodycheck.reference.contact.hodograph import Hodograph, elapsed, parameters
 from bodycheck.reference.contact.phases import Course, Phase
-from bodycheck.reference.contact.turning import MAX_STEPS, TERMS, about_axis, accelerated, chained, stepped
+from bodycheck.reference.contact.turning import MAX_STEPS, STEP, TERMS, about_axis, accelerated, chained, stepped
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.kinematics import dot
 from bodycheck.reference.witness import WideArray
+
+#: The size of a coefficient beside the first one below which it does not count.
+LEAST_TERM = Wide(1e-24)
 
 
 def turns_between(of: Ball, found: Course, starts: WideArray) -> WideArray:
@@ -31,11 +34,12 @@ def turned(of: Ball, phase: Phase, lasting: WideArray) -> WideArray:
     places = parameters(phase.hodograph, lasting)
     end = places.max(initial=Wide(0))
     begins = _grid(of, phase, phase.hodograph, end)
-    return stepped(begins, places, lambda begun: _coefficients(of, phase, begun))
+    orders = _orders(2 * phase.hodograph.rates[1] * np.diff(begins).max(initial=Wide(0)))  # of a product of two
+    return stepped(begins, places, lambda begun: _coefficients(of, phase, begun, orders))
 
 
 def _grid(of: Ball, phase: Phase, slipping: Hodograph, end: Wide) -> WideArray:
-    """Steps (m + 1,) from 0 to the end in the parameter of a hodograph: halves until each turns the body by at most 1 rad."""
+    """Steps (m + 1,) from 0 to the end in the parameter of a hodograph: halves until each is short enough for the series."""
     less, more = slipping.rates
 
     def pace(q: WideArray) -> WideArray:
@@ -47,7 +51,7 @@ def _grid(of: Ball, phase: Phase, slipping: Hodograph, end: Wide) -> WideArray:
     fastest = np.sqrt(dot(phase.start.spin, phase.start.spin)) + gained
     while True:
         lengths = np.diff(ends)
-        sizes = lengths * (more + fastest * np.maximum(pace(ends[:-1]), pace(ends[1:])))
+        sizes = lengths * (more + fastest / Wide(STEP) * np.maximum(pace(ends[:-1]), pace(ends[1:])))
         long = np.flatnonzero(sizes > 1)
         if not len(long):
             return ends
@@ -56,23 +60,31 @@ def _grid(of: Ball, phase: Phase, slipping: Hodograph, end: Wide) -> WideArray:
         ends = np.insert(ends, long + 1, ends[long] + lengths[long] / 2)
 
 
-def _coefficients(of: Ball, phase: Phase, begun: WideArray) -> WideArray:
-    """The coefficients (n, TERMS, 3) of the angular velocity times the rate of time about parameters (n,)."""
+def _orders(exponent: Wide) -> int:
+    """How many coefficients of an exponential function count, with the largest exponent."""
+    term, orders = Wide(1), 1
+    while term > LEAST_TERM and orders < TERMS:
+        term, orders = term * exponent / orders, orders + 1
+    return orders
+
+
+def _coefficients(of: Ball, phase: Phase, begun: WideArray, orders: int) -> WideArray:
+    """The first coefficients (n, orders, 3) of the angular velocity times the rate of time about parameters (n,)."""
     slipping = phase.hodograph
     assert slipping is not None  # the caller has asked
     less, more = slipping.rates
-    shape = len(begun), TERMS
+    shape = len(begun), orders
     along, against, across = np.zeros(shape, Wide), np.zeros(shape, Wide), np.zeros(shape, Wide)
     along[:, 0], against[:, 0] = slipping.along * np.exp(-less * begun), slipping.against * np.exp(-more * begun)
     across[:, 0] = slipping.across * np.exp(-slipping.slowing * begun)
-    for n in range(1, TERMS):
+    for n in range(1, orders):
         along[:, n] = along[:, n - 1] * -less / n
         against[:, n] = against[:, n - 1] * -more / n
         across[:, n] = across[:, n - 1] * -slipping.slowing / n
     pace = along + against
     time = np.zeros(shape, Wide)
     time[:, 0] = elapsed(slipping, begun)
-    time[:, 1:] = pace[:, :-1] / np.arange(1, TERMS)
+    time[:, 1:] = pace[:, :-1] / np.arange(1, orders)
     first = slip(of, phase.start.velocity, phase.start.spin)
     change = np.zeros((*shape, 3), Wide)
     scale = of.radius * (1 + of.ratio)
@@ -80,7 +92,7 @@ def _coefficients(of: Ball, phase: Phase, begun: WideArray) -> WideArray:
     change[..., 1] = (slipping.downhill * time - (along - against)) / scale
     change[:, 0] += phase.start.spin + np.array([-first[1], first[0], Wide(0)]) / scale
     found = np.zeros_like(change)
-    for n in range(TERMS):
+    for n in range(orders):
         for back in range(n + 1):
             found[:, n] += pace[:, back, None] * change[:, n - back]
     return found

@@ -17,14 +17,14 @@ from bodycheck.reference.witness import WideArray
 Coefficients = Callable[[WideArray], WideArray]
 
 #: Angle (rad) of a step, which counts a growth of the angular velocity within it.
-STEP = 1.0
+STEP = 4.0
 
-#: Terms of the series. With h of the angle of a step at its begin and 1 - h added within it, the series of exp(h x/2 +
-#: (1 - h) x^2/4) bounds that of Q; the terms that are left out are below 1e-21.
-TERMS = 30
+#: Terms of the series. With a of the angle of a step at its begin and the rest added within it, the series of
+#: exp(a x/2 + (STEP - a) x^2/4) bounds that of Q; the terms that are left out are below 1e-21.
+TERMS = 46
 
 #: The most steps, which take some seconds.
-MAX_STEPS = 200_000
+MAX_STEPS = 100_000
 
 #: How many steps are made at once, which limits the memory.
 CHUNK = 8192
