@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from bodycheck.reference.contact import block, cylinder, dropped, pushed, rest, sphere
+from bodycheck.reference.contact import block, cylinder, dropped, pushed, rest, rod, sphere
 from bodycheck.reference.contact.coin.way import rolling_coin
 from bodycheck.reference.contact.motion import ContactMotion
 from bodycheck.reference.contact.problem import Problem
@@ -16,6 +16,7 @@ Way = Callable[[Problem, Array], ContactMotion | None]
 WAYS: tuple[Way, ...] = (
     sphere.motion,
     cylinder.motion,
+    rod.motion,
     rolling_coin,
     block.motion,
     rest.motion,

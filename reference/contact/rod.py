@@ -1,0 +1,114 @@
+"""The truth of a body that leans on an edge or on its rim, and is released from rest: a rod that falls.
+
+While friction holds the contact, it is a compound pendulum, in closed form; see `lean`. From the onset of slipping, from the
+loss of contact and from the impact of the next face on, no motion is known.
+"""
+
+import numpy as np
+
+from bodycheck.reference.bounds import EPS
+from bodycheck.reference.contact.lean import Lean, jams, lean, onset, smallest_friction
+from bodycheck.reference.contact.motion import ContactMotion, Event
+from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
+from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.exact.numbers import MP, Real, Wide, wide
+from bodycheck.reference.kinematics import conjugate, multiply, rotate
+from bodycheck.reference.mechanisms.forms.pendulum import Pendulum, follow
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.witness import WideArray
+
+#: Relative error of angles and lengths after a few roundings in the wide type.
+_ROUNDINGS = 16 * float(np.finfo(Wide).eps)
+
+
+def motion(problem: Problem, times: Array) -> ContactMotion | None:
+    """The motion of a body that leans on a level plane at ascending times (n,) >= 0 (s); None for any other problem.
+
+    Raises `NotModelled` where its contact slides at the start and no force of the plane fits.
+    """
+    if len(problem.bodies) != 1 or problem.pushes or problem.bodies[0].spin.any():
+        return None
+    (body,) = problem.bodies
+    falling, friction = lean(problem), problem.pair(0)[0]
+    if falling is None:
+        return None
+    if body.velocity.any():
+        _refuse_jam(falling, friction, body)
+        return None
+    kind, cosine = onset(falling, friction)
+    last = falling.time(cosine)
+    known = times <= float(last)
+    reached = np.minimum(times, float(last))
+    swing = Pendulum(falling.square, MP.pi, falling.angle, MP.mpf(0))
+    form = follow(swing, reached)
+    theta, rate = form.position[:, 0], form.velocity[:, 0]
+    position, velocity, quaternion, spin = _states(falling, body, theta, rate)
+    events = (_event(falling, body, kind, cosine, last),) if kind != "lift" and len(times) and last <= times[-1] else ()
+    whole = kind == "impact" or not len(times) or last > times[-1]
+    least = smallest_friction(falling, float(np.cos(theta[-1]))) if whole and len(times) else 0.0
+    return ContactMotion(
+        np.where(known[:, None], position, np.nan)[None],
+        np.where(known[:, None], velocity, np.nan)[None],
+        np.where(known[:, None], quaternion, np.nan)[None],
+        np.where(known[:, None], spin, np.nan)[None],
+        {
+            name: np.where(known, bound, np.nan)
+            for name, bound in _errors(falling, form.error, form.velocity_error, reached).items()
+        },
+        events,
+        "closed form: fall about an edge",
+        "a body that leans is a pendulum about its contact with the plane, as long as friction holds it",
+        least,
+    )
+
+
+def _refuse_jam(falling: Lean, friction: float, body: ContactBody) -> None:
+    x, y, z = map(float, body.velocity)
+    a, b = map(float, falling.towards)
+    speed = float(np.hypot(x, y))
+    if abs(z) <= NONE * speed and abs(a * y - b * x) <= NONE * speed and jams(falling, friction, a * x + b * y):
+        raise NotModelled("a body that leans and slides where mechanics with rigid bodies gives no motion (Painlevé)")
+
+
+def _states(falling: Lean, body: ContactBody, theta: WideArray, rate: WideArray) -> tuple[WideArray, ...]:
+    """Positions and velocities (n, 3), quaternions (n, 4) and spins (n, 3) at angles (n,), rad, and their rates (n,), rad/s."""
+    a, b = (wide(part) for part in falling.towards)
+    length, begin = wide(falling.length), wide(falling.angle)
+    ahead, none = np.array([a, b, 0], dtype=Wide), np.zeros_like(theta)
+    up, axis = np.array([0, 0, 1], dtype=Wide), np.array([-b, a, 0], dtype=Wide)
+    sine, cosine = np.sin(theta)[:, None], np.cos(theta)[:, None]
+    turned = theta - begin
+    moved = length * ((sine - np.sin(begin)) * ahead + (cosine - np.cos(begin)) * up)
+    turn = np.stack([np.cos(turned / 2), -b * np.sin(turned / 2), a * np.sin(turned / 2), none], axis=-1)
+    quaternion = multiply(turn, np.tile(body.quaternion, (len(theta), 1)))
+    spin = rotate(conjugate(body.quaternion), axis)
+    return body.position + moved, length * rate[:, None] * (cosine * ahead - sine * up), quaternion, rate[:, None] * spin
+
+
+def _errors(falling: Lean, angle: Array, rate: Array, times: Array) -> dict[str, Array]:
+    """The bounds of errors of states from those of the pendulum (n,), and from what its start is not known to.
+
+    An error of the start grows at most as cosh(sqrt(square) t), since sin theta changes by less than theta does.
+    """
+    root, length = float(MP.sqrt(falling.square)), float(falling.length)
+    begun = (_ROUNDINGS + falling.apart) * np.cosh(root * times)
+    off, off_rate = angle + begun, rate + root * begun
+    fastest = 2 * root
+    return {
+        "error": off,
+        "position_error": length * (off + _ROUNDINGS),
+        "velocity_error": length * (off_rate + fastest * off),
+        "angular_velocity_error": off_rate + fastest * _ROUNDINGS,
+    }
+
+
+def _event(falling: Lean, body: ContactBody, kind: str, cosine: Real, time: Real) -> Event:
+    rate, theta = falling.speed(cosine), MP.acos(cosine)
+    states = _states(falling, body, np.array([wide(theta)]), np.array([wide(rate)]))
+    (x, y, z), (u, v, w), (p, q, r) = (states[place][0].astype(float).tolist() for place in (0, 1, 3))
+    begun = (_ROUNDINGS + falling.apart) * float(MP.cosh(MP.sqrt(falling.square) * time))
+    error = 2 * EPS * float(time) + (4 * begun / float(rate) if rate else 0.0)
+    if kind == "slip":
+        return Event("slip", float(time), error, 0, (x, y, z), (u, v, w), (p, q, r))
+    unknown = np.nan, np.nan, np.nan
+    return Event("impact", float(time), error, 0, (x, y, z), unknown, unknown, -w)
