@@ -117,8 +117,9 @@ def _errors(problem: Problem, made: list[Leg], times: Array, tip: float, rising:
 
 def _accelerations(problem: Problem, leg: Leg) -> float:
     """A bound of the accelerations (m/s^2) of drive and friction."""
-    friction = 0.0 if leg.rests else problem.pair(0)[0]
-    return float((MP.hypot(*leg.load.drive) + friction * leg.load.press) / real(problem.bodies[0].mass))
+    if leg.rests:
+        return 0.0
+    return float((MP.hypot(*leg.load.drive) + problem.pair(0)[0] * leg.load.press) / real(problem.bodies[0].mass))
 
 
 def _doubt(problem: Problem, leg: Leg) -> float:
