@@ -89,10 +89,11 @@ class Touching:
                     time = data.time
                     mujoco.mj_step(model, data)
                     refuse_warnings(data, time)
-                    for number, geoms in enumerate(data.contact.geom):
+                    # `contact.geom`, which has both, is not in the first releases of MuJoCo 3.
+                    for number, geoms in enumerate(zip(data.contact.geom1, data.contact.geom2, strict=True)):
                         mujoco.mj_contactForce(model, data, number, force)
                         # The world is MuJoCo's body 0, and the bodies follow in their order.
-                        one, other = sorted((body_of[geoms] - 1).tolist())
+                        one, other = sorted((body_of[list(geoms)] - 1).tolist())
                         found.setdefault((one, other), np.zeros(steps))[step] += force[0]
             self.done = last
         return found
