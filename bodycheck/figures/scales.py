@@ -63,8 +63,8 @@ def _in_body(scene: Scene, truth: Truth, trajectory: Trajectory) -> tuple[float,
     # What is rounded are the coordinates, which count from the origin.
     weighed = scene.body.mass * scene.gravity * np.abs(trajectory.position[:, 2])
     return (
-        float((seen.kinetic_energy + weighed).max()) / float(energy_size(reference)),
-        float(seen.rotational_energy.max()) / float(rotational_energy_size(reference)),
+        float(np.fmax.reduce(seen.kinetic_energy + weighed)) / float(energy_size(reference)),
+        float(np.fmax.reduce(seen.rotational_energy)) / float(rotational_energy_size(reference)),
         largest(seen.angular_momentum) / float(angular_momentum_size(scene, reference)),
     )
 
@@ -76,7 +76,7 @@ def _in_mechanism(mechanism: Mechanism, truth: Truth, trajectory: Trajectory) ->
     weighed = (mass * mechanism.gravity * np.abs(trajectory.position[..., 2])).sum(axis=0)
     momentum = float(mass.sum()) * largest(trajectory.position) * largest(trajectory.velocity)
     return (
-        float((seen.kinetic_energy + np.abs(seen.potential_energy) + weighed).max()) / float(energy_size(reference)),
+        float(np.fmax.reduce(seen.kinetic_energy + np.abs(seen.potential_energy) + weighed)) / float(energy_size(reference)),
         0.0,
         max(1.0, momentum / mechanisms.angular_momentum_size(mechanism, truth.trajectory, reference)),
     )
