@@ -112,11 +112,6 @@ def poses(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray, WideArra
     return position, velocity, quaternion_from_euler(phi, theta, psi), spin
 
 
-def tilt_of(quaternion: WideArray) -> WideArray:
-    """The tilt (n,), rad, of attitudes (n, 4)."""
-    return np.asarray(euler_from_quaternion(quaternion)[1])
-
-
 def energy(coin: Coin, states: WideArray) -> WideArray:
     """The energy (n,) for each unit of mass, counted from the plane."""
     theta, p, q, s = states[:, THETA], states[:, P], states[:, Q], states[:, S]

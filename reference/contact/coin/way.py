@@ -59,7 +59,7 @@ class _Vouched:
     model, witness
         The names of the two solutions.
     slack_error
-        By how much the two disagree in what vanishes at the end.
+        By how much the two disagree in the forces shortly before the end.
     """
 
     poses: _Poses
@@ -94,9 +94,9 @@ def rolling_coin(problem: Problem, times: Array) -> ContactMotion | None:
         quaternion[None],
         spin[None],
         {name: _spread(values, len(t)) for name, values in _bounds(given, vouched).items()},
-        () if end is None else (_event(given, end, vouched.slack_error),),
+        (_event(given, end, vouched.slack_error),) if end is not None and end.kind == "slip" else (),
         vouched.model,
-        REASON,
+        _reason(given, end),
         friction=motion.friction if end is None or math.isinf(friction) else 0.0,
         witness=vouched.witness,
     )
@@ -140,10 +140,7 @@ def _apart(one: _Poses, other: _Poses) -> tuple[Array, ...]:
 
 
 def _slack_error(given: Coin, end: End, other: WideArray) -> float:
-    """By how much two solutions disagree in what vanishes at an end, shortly before it. other: the second one there (1, 10)."""
-    if end.kind == "impact":
-        tilt = angles.tilt_of(bodily.poses(given, other)[2])[0]
-        return abs(float(tilt - end.state_before[angles.THETA]))
+    """By how much two solutions disagree in the forces shortly before an end. other: the second solution there (1, 10)."""
     forces = zip(angles.forces(given, end.state_before[None]), bodily.forces(given, other), strict=True)
     return sum(abs(float((a - b)[0])) for a, b in forces)
 
@@ -176,24 +173,23 @@ def _drift(given: Coin, poses: _Poses, errors: list[Array]) -> Array:
 
 
 def _event(given: Coin, end: End, slack_error: float) -> Event:
-    """The end of a motion. What the coin does after it meets the plane with more than a point is not known."""
+    """The begin of slipping."""
     position, velocity, quaternion, spin = _in_units(given, angles.poses(given, end.state[None]))
-    along = rotate(quaternion, spin)[0]
     time = float(end.time * given.time)
     error = _SAFETY * slack_error / max(abs(end.rate), _GRAZING) * float(given.time) + EPS * time
-    falling = max(0.0, -float(velocity[0, 2]))
-    if end.kind == "impact":
-        velocity, along = np.full_like(velocity, np.nan), np.full_like(along, np.nan)
-    return Event(
-        end.kind,
-        time,
-        error,
-        0,
-        _vector(position[0]),
-        _vector(velocity[0]),
-        _vector(along),
-        falling if end.kind == "impact" else 0.0,
-    )
+    along = rotate(quaternion, spin)[0]
+    return Event("slip", time, error, 0, _vector(position[0]), _vector(velocity[0]), _vector(along))
+
+
+def _reason(given: Coin, end: End | None) -> str:
+    """Why the equations are exact, and until when.
+
+    That the coin meets the plane with more than a point is no event: its rim touches the plane before, and no law says how fast
+    it is after that.
+    """
+    if end is None or end.kind == "slip":
+        return REASON
+    return f"{REASON}, until its face or its side meets the plane at t = {float(end.time * given.time):.12g} s"
 
 
 def _vector(values: WideArray) -> Vector:
