@@ -16,7 +16,7 @@ from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.witness import WideArray
 
 #: The most impacts, which take some seconds.
-MAX_IMPACTS = 20_000
+MAX_IMPACTS = 50_000
 
 #: Ratio of the speed of an impact to that of the first one below which those that follow cannot be told apart.
 LAST_IMPACT = Wide(2.0**-60)
