@@ -9,11 +9,12 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from bodycheck.figures.definition import Comparison, Figure
+from bodycheck.figures.definition import Comparison, Figure, observe
 from bodycheck.reference.contact.impacts import Impact
 from bodycheck.reference.contact.motion import Event, EventKind
 from bodycheck.reference.contact.observables import Rolling, crept, depth, lean, rest, rests, rolling, work
-from bodycheck.reference.contact.touching import Touching, motions, pushes_on
+from bodycheck.reference.contact.touching import Touching, motions, pushes_on, touching
+from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 
@@ -160,15 +161,28 @@ def energy_gain(compared: Comparison) -> Array | None:
     """
     if not compared.touching or isinstance(compared.scene, Scenes):
         return None
-    given = np.zeros(len(compared.trajectory))
-    for place, motion in enumerate(motions(compared.scene, compared.trajectory)):
-        for push in pushes_on(compared.scene, place):
-            given = given + work(push, motion)
-    energy = compared.seen.total_energy - given
-    start = _energy_from_plane(compared, compared.trajectory.part(slice(0, 1)), compared.seen.kinetic_energy[:1])
-    exact = _energy_from_plane(compared, compared.truth.trajectory, compared.expected.kinetic_energy)
+    start = energy_from_plane(compared.scene, compared.trajectory.part(slice(0, 1)))
+    exact = energy_from_plane(compared.scene, compared.truth.trajectory)
     size = float(np.fmax.reduce(np.concatenate([start, exact])))
-    return np.asarray((energy - np.minimum.accumulate(energy)) / (size or 1.0))
+    return gained(compared.scene, compared.trajectory) / (size or 1.0)
+
+
+def gained(scene: AnyScene, trajectory: Trajectory) -> Array:
+    """Return by how much (n,), J, the mechanical energy, less the work of the pushes, exceeds its lowest value so far."""
+    energy = observe(scene, trajectory).total_energy
+    for place, motion in enumerate(motions(scene, trajectory)):
+        for push in pushes_on(scene, place):
+            energy = energy - work(push, motion)
+    return np.asarray(energy - np.minimum.accumulate(energy))
+
+
+def energy_from_plane(scene: AnyScene, trajectory: Trajectory) -> Array:
+    """Return the mechanical energy (n,), J, of all bodies, with a potential energy that is zero in the plane."""
+    energy = np.array(observe(scene, trajectory).kinetic_energy)
+    for body, own in zip(touching(scene), motions(scene, trajectory), strict=True):
+        height = own.position @ np.array(body.normal) * body.normal[2]
+        energy += body.mass * scene.gravity * np.maximum(height, 0.0)
+    return energy
 
 
 def load_error(compared: Comparison) -> float | None:
@@ -224,16 +238,6 @@ def _after(hit: Impact, body: Touching, compared: Comparison) -> Array | None:
         return hit.velocity
     normal = np.array(body.normal)
     return hit.velocity - (hit.velocity @ normal) * normal if _would_bounce(hit, body, compared) else None
-
-
-def _energy_from_plane(compared: Comparison, motion: Trajectory, kinetic: Array) -> Array:
-    """Return the mechanical energy (n,), J, of all bodies, counted from the plane."""
-    assert not isinstance(compared.scene, Scenes)
-    energy = np.array(kinetic)
-    for body, own in zip(compared.touching, motions(compared.scene, motion), strict=True):
-        height = own.position @ np.array(body.normal) * body.normal[2]
-        energy += body.mass * compared.scene.gravity * np.maximum(height, 0.0)
-    return energy
 
 
 def _scalar(compute: Callable[[Comparison], float | None]) -> Callable[[Comparison], float | None]:

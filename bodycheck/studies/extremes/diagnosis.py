@@ -11,10 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Outcome, TimedOut, Unsupported
-from bodycheck.studies.extremes import mechanism_symptoms
+from bodycheck.studies.extremes import mechanism_symptoms, touching_symptoms
 from bodycheck.studies.extremes.rows import HEALTHY, NOTHING, STATUSES
 from bodycheck.studies.extremes.symptoms import Symptom, errors, of_itself, of_truth, restart
 
@@ -43,6 +44,8 @@ def diagnose(scene: AnyScene, outcome: Outcome, truth: Truth | NoTruth) -> Diagn
 
 
 def _of_itself(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
+    if touches(scene):
+        return touching_symptoms.of_itself(scene, trajectory)
     if isinstance(scene, Mechanism):
         return mechanism_symptoms.of_itself(scene, trajectory)
     return of_itself(scene, trajectory)
@@ -51,7 +54,10 @@ def _of_itself(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
 def _completed(scene: AnyScene, trajectory: Trajectory, truth: Truth | NoTruth) -> Diagnosis:
     symptoms = list(_of_itself(scene, trajectory))
     if isinstance(truth, Truth):
-        if isinstance(scene, Mechanism):
+        if touches(scene):
+            symptoms += touching_symptoms.of_truth(scene, trajectory, truth)
+            position, attitude = touching_symptoms.errors(scene, trajectory, truth)
+        elif isinstance(scene, Mechanism):
             symptoms += mechanism_symptoms.of_truth(trajectory, truth)
             position, attitude = mechanism_symptoms.errors(trajectory, truth)
         else:
