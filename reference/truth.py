@@ -13,7 +13,7 @@ import numpy as np
 
 from bodycheck.reference.bounds import Bounds
 from bodycheck.reference.contact.motion import Event, Interface
-from bodycheck.reference.errors import NotFlat, NotModelled, WouldTip, within_range
+from bodycheck.reference.errors import NotFlat, NotModelled, OutOfReach, WouldTip, within_range
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.drag.translation import translation
 from bodycheck.reference.kinematics import dot
@@ -175,9 +175,12 @@ def _missing_contact(scene: AnyScene) -> str | None:
     from bodycheck.reference.contact.ways import contact_motion
 
     try:
-        contact_motion(problem(scene), np.zeros(1))
+        with within_range("the motion"):
+            contact_motion(problem(scene), np.zeros(1))
     except NotModelled as error:
         return str(error)
+    except OutOfReach:  # which its motion raises too, at any instants
+        return None
     return None
 
 

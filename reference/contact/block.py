@@ -143,7 +143,7 @@ def _event(problem: Problem, made: list[Leg], turn: Turn, body: ContactBody) -> 
     error = 2 * EPS * float(turn.time)
     before = next((leg for leg in made if leg.end == turn.time and not leg.rests), None)
     if before is not None and turn.kind != "tip":
-        error += _doubt(problem, before) * float(turn.time) / float(_braking(problem, before))
+        error += float(_doubt(problem, before) * turn.time / _braking(problem, before))
     return Event(turn.kind, float(turn.time), error, 0, (x, y, float(body.position[2])), (u, v, 0.0), (0.0, 0.0, 0.0))
 
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from bodycheck.reference.contact.oblique import EXACT, Oblique, at_angle, oblique, state, states, stop
 from bodycheck.reference.contact.problem import problem
 from bodycheck.reference.contact.ways import contact_motion
-from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import MP, wide
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.kinematics import conjugate, rotate
@@ -275,3 +275,15 @@ def test_a_block_that_spins_on_an_incline_is_refused() -> None:
     spinning = replace(scene, initial=replace(scene.initial, angular_velocity=(0.0, 0.0, 1.0)))
     with pytest.raises(NotModelled, match="spins"):
         truth(spinning, np.array([0.0, 1.0]))
+
+
+def test_numbers_of_any_size_have_a_motion_or_a_reason() -> None:
+    """A stop whose deceleration is no double, and one whose direction hardly turns."""
+    slow = block_on(Plane(1e-200), (-1e-100, 0.0, 0.0), gravity=1e-100)
+    steep = block_on(Plane(math.tan(1e-100), incline=1e-100), (0.0, 1.0, 0.0), gravity=1e100)
+    for scene in (slow, steep):
+        try:
+            found = truth(scene, np.array([0.0, 1.0]))
+        except (NotModelled, OutOfReach):
+            continue
+        assert np.isfinite(found.trajectory.position).all()
