@@ -4,9 +4,10 @@
 - `motion`: what every way makes: states with bounds, and events.
 - `ways`: which way has the motion of which scene, one module a way.
 - `truth`: the truth of a scene from its way.
-- `sphere`, `cylinder`: a sphere alone, and a cylinder on its side. `round_motion` makes their motion from the phases of
-  `phases`; `ball` has the laws of impact and slip, `hodograph` a slip across an inclined plane, `round_turns` and `turning` the
-  attitude, `round_bounds` the bounds.
+- `round`, `flat`, `leaning`, `piles`, `coin`, `dropped`: the ways. What follows the first touch of a body that is dropped on an
+  edge or a corner is judged by inequalities.
+- `no_slip`: the friction that engines get where nothing slips.
+- `touching`, `observables`, `impacts`: what is measured on the samples of a run.
 
 A body that lies flat on a level plane, slides and spins is in `bodycheck.reference.sliding`.
 """

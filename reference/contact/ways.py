@@ -2,10 +2,14 @@
 
 from collections.abc import Callable
 
-from bodycheck.reference.contact import block, cylinder, dropped, pushed, rest, rod, sphere
+from bodycheck.reference.contact import dropped
 from bodycheck.reference.contact.coin.way import rolling_coin
+from bodycheck.reference.contact.flat import block
+from bodycheck.reference.contact.leaning import rod
 from bodycheck.reference.contact.motion import ContactMotion
+from bodycheck.reference.contact.piles import pushed, rest
 from bodycheck.reference.contact.problem import Problem
+from bodycheck.reference.contact.round import cylinder, sphere
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.trajectory import Array
 

@@ -9,7 +9,7 @@ import sympy
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from bodycheck.reference.contact.oblique import EXACT, Oblique, at_angle, oblique, state, states, stop
+from bodycheck.reference.contact.flat.oblique import EXACT, Oblique, at_angle, oblique, state, states, stop
 from bodycheck.reference.contact.problem import problem
 from bodycheck.reference.contact.ways import contact_motion
 from bodycheck.reference.errors import NotModelled, OutOfReach

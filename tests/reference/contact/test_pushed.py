@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from bodycheck.reference.contact import pushed
+from bodycheck.reference.contact.piles import pushed
 from bodycheck.reference.contact.problem import Problem
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.kinematics import rotate

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bodycheck.reference.contact import rest
 from bodycheck.reference.contact.motion import ContactMotion
+from bodycheck.reference.contact.piles import rest
 from bodycheck.reference.contact.problem import Problem
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.mechanisms.mechanism import WORLD, PairContact

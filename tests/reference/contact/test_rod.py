@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from bodycheck.reference.contact.lean import jams, lean, onset
+from bodycheck.reference.contact.leaning.lean import jams, lean, onset
 from bodycheck.reference.contact.problem import problem
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP

@@ -8,9 +8,9 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bodycheck.reference.contact import phases
 from bodycheck.reference.contact.motion import ContactMotion
 from bodycheck.reference.contact.problem import problem
+from bodycheck.reference.contact.round import phases
 from bodycheck.reference.contact.ways import contact_motion
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import MP, Real

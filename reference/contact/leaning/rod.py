@@ -7,7 +7,7 @@ loss of contact and from the impact of the next face on, no motion is known.
 import numpy as np
 
 from bodycheck.reference.bounds import EPS
-from bodycheck.reference.contact.lean import Lean, jams, lean, onset, smallest_friction
+from bodycheck.reference.contact.leaning.lean import Lean, jams, lean, onset, smallest_friction
 from bodycheck.reference.contact.motion import ContactMotion, Event
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
 from bodycheck.reference.errors import NotModelled

@@ -9,10 +9,10 @@ import math
 import numpy as np
 
 from bodycheck.reference.bounds import EPS
-from bodycheck.reference.contact.flat import Vector2, face_of
-from bodycheck.reference.contact.legs import Leg, Turn, legs, loads
+from bodycheck.reference.contact.flat.face import Vector2, face_of
+from bodycheck.reference.contact.flat.legs import Leg, Turn, legs, loads
+from bodycheck.reference.contact.flat.oblique import states
 from bodycheck.reference.contact.motion import ContactMotion, Event, Interface
-from bodycheck.reference.contact.oblique import states
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Real, Wide, real, wide

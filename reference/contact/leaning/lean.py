@@ -19,7 +19,7 @@ from typing import Literal
 
 import numpy as np
 
-from bodycheck.reference.contact.flat import Vector2, exact_quaternion
+from bodycheck.reference.contact.flat.face import Vector2, exact_quaternion
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
 from bodycheck.reference.exact.numbers import MP, Real, real
 from bodycheck.reference.exact.rotations import matrix

@@ -1,9 +1,9 @@
 """A sphere on a plane, alone: flights, impacts, slips and rolling, in closed form from phase to phase."""
 
-from bodycheck.reference.contact.ball import ball
 from bodycheck.reference.contact.motion import ContactMotion
 from bodycheck.reference.contact.problem import Problem
-from bodycheck.reference.contact.round_motion import begin, moved
+from bodycheck.reference.contact.round.ball import ball
+from bodycheck.reference.contact.round.motion import begin, moved
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.scene import Ellipsoid, Shape, Sphere

@@ -13,8 +13,8 @@ import numpy as np
 
 from bodycheck.reference.bounds import EPS
 from bodycheck.reference.contact.motion import ContactMotion, Event, EventKind
+from bodycheck.reference.contact.piles.upright import Upright, margin, upright
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem, holds
-from bodycheck.reference.contact.upright import Upright, margin, upright
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Real, Wide, wide
 from bodycheck.reference.kinematics import conjugate, multiply, rotate

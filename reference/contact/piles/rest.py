@@ -9,10 +9,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from bodycheck.reference.bounds import EPS, STATES
-from bodycheck.reference.contact.bearing import Bearing, balanced, centre_of, loads
 from bodycheck.reference.contact.motion import ContactMotion, Interface
+from bodycheck.reference.contact.piles.bearing import Bearing, balanced, centre_of, loads
+from bodycheck.reference.contact.piles.upright import SLIVER, Upright, margin, meet, upright
 from bodycheck.reference.contact.problem import NONE, Problem
-from bodycheck.reference.contact.upright import SLIVER, Upright, margin, meet, upright
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Wide, wide
 from bodycheck.reference.mechanisms.mechanism import WORLD

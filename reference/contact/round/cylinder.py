@@ -9,10 +9,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from bodycheck.reference.contact.ball import ball
 from bodycheck.reference.contact.motion import ContactMotion
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
-from bodycheck.reference.contact.round_motion import begin, moved
+from bodycheck.reference.contact.round.ball import ball
+from bodycheck.reference.contact.round.motion import begin, moved
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.kinematics import dot, rotate

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linprog
 
+from bodycheck.reference.contact.piles.upright import Upright, common, outline
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
-from bodycheck.reference.contact.upright import Upright, common, outline
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms.mechanism import WORLD
 from bodycheck.reference.trajectory import Array

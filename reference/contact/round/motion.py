@@ -4,12 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.reference.contact.ball import Ball, Moment, rolling_spin, slip
 from bodycheck.reference.contact.motion import ContactMotion, Event, Interface
-from bodycheck.reference.contact.phases import Course, course, states
 from bodycheck.reference.contact.problem import NONE, ContactBody
-from bodycheck.reference.contact.round_bounds import errors, event_errors
-from bodycheck.reference.contact.round_turns import turned, turns_between
+from bodycheck.reference.contact.round.ball import Ball, Moment, rolling_spin, slip
+from bodycheck.reference.contact.round.bounds import errors, event_errors
+from bodycheck.reference.contact.round.phases import Course, course, states
+from bodycheck.reference.contact.round.turns import turned, turns_between
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.kinematics import conjugate, dot, multiply, normalise, rotate

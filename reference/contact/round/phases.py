@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bodycheck.reference.contact.ball import Ball, Moment, after_impact, rolling_spin, slip
-from bodycheck.reference.contact.hodograph import Hodograph, followed, hodograph, parameters
 from bodycheck.reference.contact.motion import EventKind
+from bodycheck.reference.contact.round.ball import Ball, Moment, after_impact, rolling_spin, slip
+from bodycheck.reference.contact.round.hodograph import Hodograph, followed, hodograph, parameters
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.witness import WideArray

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from bodycheck.reference.contact.ball import Ball, slip
-from bodycheck.reference.contact.hodograph import Hodograph, elapsed, parameters
-from bodycheck.reference.contact.phases import Course, Phase
-from bodycheck.reference.contact.turning import MAX_STEPS, STEP, TERMS, about_axis, accelerated, chained, stepped
+from bodycheck.reference.contact.round.ball import Ball, slip
+from bodycheck.reference.contact.round.hodograph import Hodograph, elapsed, parameters
+from bodycheck.reference.contact.round.phases import Course, Phase
+from bodycheck.reference.contact.round.turning import MAX_STEPS, STEP, TERMS, about_axis, accelerated, chained, stepped
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.kinematics import dot

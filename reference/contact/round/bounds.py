@@ -7,8 +7,8 @@ to each other. So the roundings of the phases add up.
 import numpy as np
 
 from bodycheck.reference.bounds import EPS
-from bodycheck.reference.contact.ball import Ball
-from bodycheck.reference.contact.phases import Course
+from bodycheck.reference.contact.round.ball import Ball
+from bodycheck.reference.contact.round.phases import Course
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
