@@ -19,9 +19,11 @@ from bodycheck.casefile.content import Case
 from bodycheck.figures.columns import FIGURES, truth_bounds
 from bodycheck.figures.scales import in_run, largest
 from bodycheck.judging.discrepancy import compare
+from bodycheck.judging.nudged_contacts import nudged_contacts
 from bodycheck.judging.nudged_mechanisms import nudged_mechanism
 from bodycheck.reference.kinematics import multiply, normalise
 from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import State, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
@@ -41,7 +43,8 @@ def nudged(case: Case, run: Run, seed: int) -> Case:
     """Return a case whose initial state is moved in random directions by the expected rounding error of a run.
 
     Each part of the state is moved relative to its largest absolute value in the run. On a plane the body stays flat. Of a
-    mechanism, each coordinate and velocity of a joint and each part of the state of a free body is moved.
+    mechanism, each coordinate and velocity of a joint and each part of the state of a free body is moved. Bodies that touch are
+    moved together, along the plane.
 
     Parameters
     ----------
@@ -56,6 +59,8 @@ def nudged(case: Case, run: Run, seed: int) -> Case:
     random = np.random.default_rng(seed)
     trajectory, scene = run.outcome.trajectory, case.scene
     amount = _unit_of_rounding(trajectory) * math.sqrt(run.outcome.steps)
+    if touches(scene):
+        return replace(case, scene=nudged_contacts(scene, trajectory, amount, random), expectations=())
     if isinstance(scene, Mechanism):
         return replace(case, scene=nudged_mechanism(scene, trajectory, amount, random), expectations=())
     initial = scene.initial

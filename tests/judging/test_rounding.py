@@ -15,6 +15,7 @@ from bodycheck.reference.scene import State
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.running import campaign
 from bodycheck.running.outcome import Completed, Run
+from tests.support.cases import OF_ONE_BODY, TOUCHING
 from tests.support.truths import truth_for_runs
 
 WHOLE = load("intermediate-axis-flip").text.partition("[[expect]]")[0]
@@ -75,14 +76,15 @@ def test_single_precision_is_allowed_its_own_rounding() -> None:
     assert rounding.allowances(reference, coarse, [coarse])["velocity_error"] > 1e-3
 
 
-def test_on_a_plane_a_nudged_body_stays_flat(case_of_one_body: Case) -> None:
-    case = replace(case_of_one_body, samples=3)
+@pytest.mark.parametrize("name", sorted({*OF_ONE_BODY, *TOUCHING}))
+def test_what_touches_or_lies_flat_does_so_when_nudged(name: str) -> None:
+    case = replace(load(name), samples=3)
     adapter = registry.load("mujoco")
     run = simulate(case, "mujoco", offers.offered(adapter.engine, case.scene)[0], 0.01)
     for seed in range(rounding.NUDGES):
         nudged = rounding.nudged(case, run, seed)
         assert nudged.scene != case.scene
-        assert isinstance(simulate(nudged, run.engine, run.method.name, 0.01).outcome, Completed)
+        assert isinstance(simulate(nudged, run.engine, run.method.name, 0.01).outcome, Completed), name
 
 
 def test_what_rounding_decides_is_not_held_against_anyone() -> None:

@@ -143,10 +143,10 @@ def test_figures_are_the_largest_over_bodies_and_joints(case: Case) -> None:
     assert all(value <= 1e-15 for name, value in exact.items() if not FIGURES[name].of_truth)
 
 
-def test_the_columns_of_a_verdict_are_in_the_order_of_the_figures(case: Case) -> None:
+def test_the_verdict_of_a_mechanism_has_the_figures_of_its_joints(case: Case) -> None:
     row = verdict(case, exact_truth(case), run_of(case, coasting.aside)).row()
     assert row["kind"] == "mechanism"
-    assert list(FIGURES)[-4:] == ["joint_position_error", "joint_slide_error", "constraint_error", "momentum_drift"]
+    assert {"joint_position_error", "joint_slide_error", "constraint_error"} <= set(row) & set(FIGURES)
 
 
 def test_angles_and_slides_are_told_apart(case: Case) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 from bodycheck import Case, load
 from bodycheck.casefile.case import shipped
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
 
 SPHERE = {"shape": "sphere", "radius": 0.1, "mass": 1.0}
@@ -17,6 +18,9 @@ Table = Mapping[str, Any]
 
 #: The names of the shipped cases of one body.
 OF_ONE_BODY = tuple(name for name in shipped() if isinstance(load(name).scene, Scene))
+
+#: The names of the shipped cases whose bodies touch otherwise than one that lies flat on a level plane.
+TOUCHING = tuple(name for name in shipped() if touches(load(name).scene))
 
 
 def a_case(
