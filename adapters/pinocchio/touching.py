@@ -41,6 +41,10 @@ TOLERANCE = 1e-12
 #: Factor by which ADMM adapts its penalty. With this one it needs fewer decompositions than with its default of 2.
 PENALTY_FACTOR = 5.0
 
+#: Rules by which ADMM adapts its penalty: the first is faster, and with the second it also solves contacts at many points that
+#: are nearly on a line.
+RULES = ("LINEAR", "SPECTRAL")
+
 #: Coordinates q, then velocities v, of all bodies.
 State = tuple[Array, Array]
 
@@ -163,13 +167,14 @@ class Contacts:
         asked.absolute_feasibility_tol = asked.relative_feasibility_tol = tolerance
         asked.absolute_complementarity_tol = asked.relative_complementarity_tol = tolerance
         asked.rho_init = 2 * float(np.abs(delassus).sum(axis=1).max())
-        result.setConstraintImpulseGuess(guess)
-        if not admm.solve(pin.DelassusOperatorDense(delassus), drift, models, datas, asked, result):
+        for rule in RULES:
+            asked.admm_update_rule = getattr(pin.ADMMUpdateRule, rule)
+            result.setConstraintImpulseGuess(guess)
+            solved = admm.solve(pin.DelassusOperatorDense(delassus), drift, models, datas, asked, result)
             residual = max(result.primal_feasibility, result.dual_feasibility, result.complementarity)
-            if not residual < contact.STALL_RESIDUAL:
-                time = self.steps * self.timestep
-                raise EngineDiverged(f"ADMM stops at a residual of {residual:.3g} at t = {time:.6g} s")
-        return np.asarray(result.retrieveConstraintImpulses()).copy()
+            if solved or residual < contact.STALL_RESIDUAL:
+                return np.asarray(result.retrieveConstraintImpulses()).copy()
+        raise EngineDiverged(f"ADMM stops at a residual of {residual:.3g} at t = {self.steps * self.timestep:.6g} s")
 
     def _models(self, frictions: Sequence[float]) -> tuple[Any, Any]:
         """Return Pinocchio's models of contacts, of which the solver uses the cones of friction alone, and their data."""
@@ -232,7 +237,7 @@ class Jacobian:
 def settings() -> "pin.ADMMSolverSettings":
     """Return ADMM's settings, without the tolerances and the penalty that each step has."""
     made = pin.ADMMSolverSettings()
-    made.solve_ncp, made.admm_update_rule = True, pin.ADMMUpdateRule.LINEAR
+    made.solve_ncp = True
     made.linear_update_rule_factor = PENALTY_FACTOR
     return made
 
