@@ -41,9 +41,10 @@ TOLERANCE = 1e-12
 #: Factor by which ADMM adapts its penalty. With this one it needs fewer decompositions than with its default of 2.
 PENALTY_FACTOR = 5.0
 
-#: Rules by which ADMM adapts its penalty: the first is faster, and with the second it also solves contacts at many points that
-#: are nearly on a line.
-RULES = ("LINEAR", "SPECTRAL")
+#: Rules by which ADMM adapts its penalty, each with the most iterations of a step. The first is faster. Where rounding keeps it
+#: from the tolerance, as in stacks at small steps, more iterations are in vain. With the second, ADMM also solves contacts at
+#: many points that are nearly on a line.
+RULES = {"LINEAR": 200, "SPECTRAL": 1000}
 
 #: Coordinates q, then velocities v, of all bodies.
 State = tuple[Array, Array]
@@ -167,8 +168,8 @@ class Contacts:
         asked.absolute_feasibility_tol = asked.relative_feasibility_tol = tolerance
         asked.absolute_complementarity_tol = asked.relative_complementarity_tol = tolerance
         asked.rho_init = 2 * float(np.abs(delassus).sum(axis=1).max())
-        for rule in RULES:
-            asked.admm_update_rule = getattr(pin.ADMMUpdateRule, rule)
+        for rule, most in RULES.items():
+            asked.admm_update_rule, asked.max_iterations = getattr(pin.ADMMUpdateRule, rule), most
             result.setConstraintImpulseGuess(guess)
             solved = admm.solve(pin.DelassusOperatorDense(delassus), drift, models, datas, asked, result)
             residual = max(result.primal_feasibility, result.dual_feasibility, result.complementarity)
