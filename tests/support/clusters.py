@@ -41,8 +41,10 @@ class Cluster:
         return found
 
     def kill_workers(self, count: int, chance: random.Random) -> int:
-        """Kill some of the workers; return how many there were to be killed."""
-        pids = sorted(self.pids().values())
+        """Kill some of the workers, once so many are there again; return how many there were to be killed."""
+        deadline = time.monotonic() + START_S
+        while len(pids := sorted(self.pids().values())) < count and time.monotonic() < deadline:
+            time.sleep(0.2)
         chosen = chance.sample(pids, min(count, len(pids)))
         for pid in chosen:
             os.kill(pid, signal.SIGKILL)
