@@ -239,7 +239,7 @@ def test_a_cluster_gives_the_same_whatever_is_killed(whole: Path, dask_folder: P
 
 @pytest.mark.slow
 def test_nothing_is_lost_or_twice_after_many_kills(dask_folder: Path, tmp_path: Path) -> None:
-    """Twenty workers and three schedulers; some minutes: `pytest -m slow tests/studies/ensemble/execution/test_execution.py`."""
+    """Twenty workers, three schedulers; five minutes: `pytest -m slow tests/studies/ensemble/execution/test_execution.py`."""
     case, both = brick(members=10_000), ("mujoco", "pinocchio")
     whole = run(case, tmp_path / "whole", Own(2), both, ())
     killing = Killing(20, (4, 6, 8), each=3)
