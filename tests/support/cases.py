@@ -16,11 +16,13 @@ HALF_A_SECOND = {"duration": 0.5, "samples": 6}
 
 Table = Mapping[str, Any]
 
+_SHIPPED = {name: load(name).scene for name in shipped()}
+
 #: The names of the shipped cases of one body.
-OF_ONE_BODY = tuple(name for name in shipped() if isinstance(load(name).scene, Scene))
+OF_ONE_BODY = tuple(name for name, scene in _SHIPPED.items() if isinstance(scene, Scene))
 
 #: The names of the shipped cases whose bodies touch otherwise than one that lies flat on a level plane.
-TOUCHING = tuple(name for name in shipped() if touches(load(name).scene))
+TOUCHING = tuple(name for name, scene in _SHIPPED.items() if touches(scene))
 
 
 def a_case(

@@ -27,7 +27,6 @@ from bodycheck.casefile.content import Case
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.mechanisms.mechanism import alone
-from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
@@ -199,10 +198,6 @@ def run(batch: Batch) -> Ran:
         return Ran(Crashed(f"the adapter of {batch.engine} is at fault in the case {batch.case.name}: {fault}"))
 
 
-#: Why there is no batch of bodies that touch: inclined planes and pushes have horizontal directions.
-NOT_TURNED = "the scenes of a batch are turned about the vertical, and bodies that touch are not turned"
-
-
 @dataclass
 class _Pass:
     """One run of a batch: the states of its first scene, the largest errors of all, and the times (s) that it took."""
@@ -215,8 +210,6 @@ class _Pass:
 
 
 def _measured(batch: Batch) -> Ran:
-    if touches(batch.case.scene):
-        raise SceneUnsupported(NOT_TURNED)
     adapter, scenes = registry.load(batch.engine), turned(alone(batch.case.scene), batch.scenes)
     steps = sampling_steps(batch.case.instants, batch.method.timestep)
     start = time.perf_counter()

@@ -1,16 +1,22 @@
 """Copies of a scene that are turned about the vertical, whose truths are that of the scene turned likewise.
 
-Nothing in a scene has a horizontal direction: gravity is vertical, and so is the normal of the plane; drag and Coulomb friction
-oppose the motion. The copies have other numbers, so that no result of one serves for another one, but they are as difficult.
+Nothing in these scenes has a horizontal direction: gravity is vertical, and so is the normal of the plane; drag and Coulomb
+friction oppose the motion. Inclined planes and pushes have one. The copies have other numbers, so that no result of one serves
+for another one, but they are as difficult.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
+from bodycheck.adapters.contract import SceneUnsupported
 from bodycheck.reference.kinematics import conjugate, geodesic_angle, multiply, rotate
+from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Quaternion, Scene, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
+
+#: Why there are no copies of bodies that touch otherwise than one that lies flat on a level plane.
+NOT_TURNED = "the scenes of a batch are turned about the vertical, and bodies that touch are not turned"
 
 #: The seed of the angles.
 SEED = 20
@@ -25,7 +31,9 @@ def turns(count: int) -> Array:
 
 
 def turned(scene: Scene, count: int) -> list[Scene]:
-    """Return a scene and copies of it that are turned about the vertical, `count` scenes in all."""
+    """Return a scene and copies of it that are turned about the vertical, `count` scenes in all. Raises `SceneUnsupported`."""
+    if touches(scene):
+        raise SceneUnsupported(NOT_TURNED)
     initial, by = scene.initial, turns(count)
     position, velocity = (rotate(by, np.array(part)).tolist() for part in (initial.position, initial.velocity))
     quaternion = multiply(by, np.array(initial.quaternion)).tolist()

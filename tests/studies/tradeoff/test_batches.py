@@ -24,7 +24,7 @@ from bodycheck.studies.tradeoff import batch_page, batches
 from bodycheck.studies.tradeoff import study as tradeoff
 from bodycheck.studies.tradeoff.batches import Batch
 from bodycheck.studies.tradeoff.page import present
-from bodycheck.studies.tradeoff.turned import errors, turned
+from bodycheck.studies.tradeoff.turned import NOT_TURNED, errors, turned
 from tests.support import campaigns
 from tests.support.cases import OF_ONE_BODY, TOUCHING, a_case, shortened
 from tests.support.commands import bodycheck
@@ -75,7 +75,7 @@ def test_copies_are_other_scenes_that_require_the_same() -> None:
 
 
 def test_a_batch_of_bodies_that_touch_is_unsupported_and_says_why() -> None:
-    assert batches.run(batch(load("block-rests-on-ramp"), "mujoco", "Euler", 4)).outcome == Unsupported(batches.NOT_TURNED)
+    assert batches.run(batch(load("block-rests-on-ramp"), "mujoco", "Euler", 4)).outcome == Unsupported(NOT_TURNED)
 
 
 @pytest.mark.parametrize("most", [1, 100, batches.MOST_STATES])
