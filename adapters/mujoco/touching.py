@@ -20,7 +20,6 @@ from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
-from scipy.optimize import brentq
 
 from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Strides
 from bodycheck.adapters.mujoco import contact
@@ -251,6 +250,8 @@ def bounce(restitution: float, timestep: float) -> tuple[float, float]:
 
 def damping_ratio(restitution: float) -> float:
     """Return the damping ratio of a spring that only pushes and gives back a part of the velocity, above 0 to 1."""
+    from scipy.optimize import brentq  # takes longer to import than all else of this adapter besides MuJoCo
+
     wanted = -math.log(restitution)
     if wanted < 2:
         return math.cos(brentq(lambda c: 2 * c / math.tan(c) - wanted, 1e-9, 2.0))

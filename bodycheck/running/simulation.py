@@ -24,9 +24,6 @@ from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case, check_case
 from bodycheck.figures.definition import InterfaceLoad, Load
-from bodycheck.reference.contact.no_slip import finite
-from bodycheck.reference.contact.problem import problem
-from bodycheck.reference.contact.ways import contact_motion
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import slides, touches
@@ -125,7 +122,7 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, s
         return Unsupported(f"the reference does not model {missing}")
     if (lacking := offers.not_modelled(adapter.engine, scene)) is not None:
         return Unsupported(f"{named} {lacking}")
-    given = finite(scene, float(steps[-1]) * method.timestep) if touches(scene) else scene
+    given = _given(scene, float(steps[-1]) * method.timestep)
     outcome = _advance(offers.prepare(adapter, [given], method), scene, method, steps)
     if not isinstance(outcome, Completed):
         return outcome
@@ -136,6 +133,15 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, s
     return replace(outcome, load=_load(adapter, scene, method, outcome))
 
 
+def _given(scene: AnyScene, duration: float) -> AnyScene:
+    """Return a scene as engines are given it: bodies that touch with finite coefficients of friction. duration: in s."""
+    if not touches(scene):
+        return scene
+    from bodycheck.reference.contact.no_slip import finite  # the ways of contact are imported where they are needed
+
+    return finite(scene, duration)
+
+
 def _interfaces(
     adapter: Touching, scene: AnyScene, given: AnyScene, method: Method, outcome: Completed
 ) -> tuple[InterfaceLoad, ...] | None:
@@ -143,7 +149,9 @@ def _interfaces(
 
     given: the scene as the engine is given it.
     """
-    resting = contact_motion(problem(scene), outcome.trajectory.t[[0, -1]]).interfaces
+    from bodycheck.reference.contact.ways import ends  # the ways of contact are imported where they are needed
+
+    resting = ends(scene, float(outcome.trajectory.t[-1])).interfaces
     steps = min(outcome.steps, MAX_LOAD_STEPS)
     if not resting or not steps or (loads := adapter.interface_loads(given, method, steps)) is None:
         return None

@@ -1,13 +1,9 @@
 """The friction that engines are given where nothing slips: engines have no infinite coefficient."""
 
-import functools
 import math
 from dataclasses import replace
 
-import numpy as np
-
-from bodycheck.reference.contact.problem import problem
-from bodycheck.reference.contact.ways import contact_motion
+from bodycheck.reference.contact.ways import ends
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
 
@@ -15,18 +11,17 @@ from bodycheck.reference.requirements import touches
 MARGIN = 2.0
 
 
-@functools.lru_cache(maxsize=8)
 def finite(scene: AnyScene, duration: float) -> AnyScene:
     """A scene in which every infinite coefficient of friction is twice the smallest one that holds along the truth.
 
-    duration: of the run (s). Raises `NotModelled` as `ways.contact_motion` does.
+    duration: of the run (s). Raises `NotModelled` as `ways.ends` does.
     """
     if not touches(scene) or scene.plane is None:
         return scene
     contacts = scene.contacts if isinstance(scene, Mechanism) else ()
     if not any(map(math.isinf, (scene.plane.friction, *(pair.friction for pair in contacts)))):
         return scene
-    smallest = contact_motion(problem(scene), np.array([0.0, duration])).friction
+    smallest = ends(scene, duration).friction
     plane = replace(scene.plane, friction=_finite(scene.plane.friction, smallest))
     if not isinstance(scene, Mechanism):
         return replace(scene, plane=plane)

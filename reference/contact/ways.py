@@ -1,6 +1,9 @@
 """Which way has the motion of which scene of bodies that touch. The first that knows a scene has it."""
 
+import functools
 from collections.abc import Callable
+
+import numpy as np
 
 from bodycheck.reference.contact import dropped
 from bodycheck.reference.contact.coin.way import rolling_coin
@@ -9,8 +12,10 @@ from bodycheck.reference.contact.leaning import rod
 from bodycheck.reference.contact.motion import ContactMotion
 from bodycheck.reference.contact.piles import pushed, rest
 from bodycheck.reference.contact.problem import Problem
+from bodycheck.reference.contact.problem import problem as problem_of
 from bodycheck.reference.contact.round import cylinder, sphere
 from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
 
 #: A way: the motion of a problem at ascending times (n,) >= 0 (s), or None for a problem that it does not know. It raises
@@ -35,3 +40,13 @@ def contact_motion(problem: Problem, times: Array) -> ContactMotion:
         if (found := way(problem, times)) is not None:
             return found
     raise NotModelled("bodies that touch in such a way")
+
+
+@functools.lru_cache(maxsize=8)
+def ends(scene: AnyScene, duration: float) -> ContactMotion:
+    """The motion of a scene of bodies that touch at the start and at the end of a run, whose duration is in s.
+
+    It is what must be known of the motion to run the scene in an engine: the friction that holds, and what bodies at rest bear.
+    A process that runs the scene with many methods computes it once. Raises `NotModelled`.
+    """
+    return contact_motion(problem_of(scene), np.array([0.0, duration]))

@@ -132,6 +132,16 @@ def test_a_process_of_an_engine_imports_nothing_that_reads_files() -> None:
     assert done.stdout == "set()\n"
 
 
+def test_a_process_of_an_engine_imports_no_scipy() -> None:
+    """The motion of bodies that touch needs it, and only with such bodies must a process of an engine know that motion."""
+    code = (
+        "import sys\nfrom bodycheck.running import preparing, simulation, tasks, worker\n"
+        "preparing.import_engine('mujoco')\nprint('scipy' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"
+
+
 @pytest.mark.parametrize(
     ("engine", "fault"),
     [

@@ -1,7 +1,7 @@
 """What bodies at rest bear on each other is measured after a run, and stored with it."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +49,27 @@ def moving(problem: Problem, times: Array) -> ContactMotion:
     """A way of a ball of which nobody says that it rests."""
     found = resting(problem, times)
     return ContactMotion(found.position, found.velocity, found.quaternion, found.spin, {}, (), "", "")
+
+
+@pytest.fixture(autouse=True)
+def _nothing_known() -> Iterator[None]:
+    """No motion of another way is known before a test, or left by it."""
+    ways.ends.cache_clear()
+    yield
+    ways.ends.cache_clear()
+
+
+def test_a_motion_is_computed_once_for_all_methods(monkeypatch: pytest.MonkeyPatch) -> None:
+    computed = []
+
+    def counted(problem: Problem, times: Array) -> ContactMotion:
+        computed.append(problem)
+        return resting(problem, times)
+
+    monkeypatch.setattr(ways, "WAYS", (counted,))
+    for method in ("step", "other"):
+        assert simulation._interfaces(Bearing(), BALL, BALL, Method(method, 0.1), DONE)  # type: ignore[arg-type]
+    assert len(computed) == 1
 
 
 def test_the_mean_and_the_losses_of_contact_after_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
