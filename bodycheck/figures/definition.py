@@ -228,6 +228,13 @@ class Comparison:
         """The bodies of a scene that touch; empty where none do, and of one body that lies flat on a level plane."""
         return () if isinstance(self.scene, Scenes) or not touches(self.scene) else touching(self.scene)
 
+    @cached_property
+    def motions(self) -> tuple[tuple[Trajectory, Trajectory], ...]:
+        """The motions of each body of a scene in the run and in the truth; empty of several scenes."""
+        if isinstance(self.scene, Scenes):
+            return ()
+        return tuple(zip(motions(self.scene, self.trajectory), motions(self.scene, self.truth.trajectory), strict=True))
+
     @property
     def events(self) -> tuple[Event, ...]:
         """The events of the truth."""
@@ -243,9 +250,10 @@ class Comparison:
         """The impacts of the run, by body."""
         if isinstance(self.scene, Scenes):
             return ()
-        scene, parts = self.scene, motions(self.scene, self.trajectory)
+        scene = self.scene
         return tuple(
-            impacts(body, parts[place], scene.gravity, pushes_on(scene, place)) for place, body in enumerate(self.touching)
+            impacts(body, self.motions[place][0], scene.gravity, pushes_on(scene, place))
+            for place, body in enumerate(self.touching)
         )
 
     @cached_property
@@ -258,11 +266,10 @@ class Comparison:
         if not any(event.kind == "impact" for event in self.events):
             return None
         found = np.full(len(self.trajectory), True)
-        exact = motions(self.scene, self.truth.trajectory) if not isinstance(self.scene, Scenes) else ()
         for place, body in enumerate(self.touching):
             there = [event.time for event in self.events if event.kind == "impact" and event.body == place]
             if there:
-                settled = stays(body, exact[place], self.truth.bounds.velocity_error)
+                settled = stays(body, self.motions[place][1], self.truth.bounds.velocity_error)
                 found &= _alike(self.trajectory.t, there, self.impacts[place], settled)
         return found
 

@@ -5,7 +5,7 @@ Exact instants are those of the truth's events, and those of a run are measured 
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -99,15 +99,12 @@ def creep(compared: Comparison) -> float | None:
     It counts from the instant from which on the body rests in the run, or should rest, whichever is later; from the latter
     where it never rests in the run. Where mechanics does not give the motion, it counts over the last tenth of the run.
     """
-    if not compared.touching or isinstance(compared.scene, Scenes):
-        return None
-    exact = motions(compared.scene, compared.truth.trajectory)
     found = []
     for place, (body, motion, events) in enumerate(_bodies(compared)):
         if settles(compared, place):
             found.append(crept(motion, body, (1 - LAST_PART) * float(motion.t[-1])))
             continue
-        still = rests(exact[place], compared.truth.bounds.velocity_error)
+        still = rests(compared.motions[place][1], compared.truth.bounds.velocity_error)
         if still.sum() < 2:
             continue
         begin = float(motion.t[still][0])
@@ -122,9 +119,7 @@ def creep(compared: Comparison) -> float | None:
 
 def settles(compared: Comparison, place: int) -> bool:
     """Return whether a body falls and settles in a way that mechanics does not give: at most impacts are known of it."""
-    if isinstance(compared.scene, Scenes):
-        return False
-    exact = motions(compared.scene, compared.truth.trajectory)[place]
+    _, exact = compared.motions[place]
     others = any(event.body == place and event.kind != "impact" for event in compared.events)
     return bool(np.isnan(exact.position[-1, 0])) and not others
 
@@ -140,11 +135,9 @@ def tilt(compared: Comparison) -> Array | None:
 
     It is NaN where none does. A body whose motion mechanics does not give should lie on a face at the last instant.
     """
-    if not compared.touching or isinstance(compared.scene, Scenes):
-        return None
-    exact, found = motions(compared.scene, compared.truth.trajectory), []
+    found = []
     for place, (body, motion, _) in enumerate(_bodies(compared)):
-        own, should = lean(body, motion), lean(body, exact[place])
+        own, should = lean(body, motion), lean(body, compared.motions[place][1])
         if own is None or should is None:
             continue
         if settles(compared, place):
@@ -204,11 +197,8 @@ def contact_losses(compared: Comparison) -> float | None:
 
 def _bodies(compared: Comparison) -> Iterator[tuple[Touching, Trajectory, list[Event]]]:
     """Yield the bodies that touch, with their motion in the run and their events in the truth."""
-    if not compared.touching or isinstance(compared.scene, Scenes):
-        return
-    parts = motions(compared.scene, compared.trajectory)
     for place, body in enumerate(compared.touching):
-        yield body, parts[place], [event for event in compared.events if event.body == place]
+        yield body, compared.motions[place][0], [event for event in compared.events if event.body == place]
 
 
 def _first(events: list[Event], kind: EventKind) -> Event | None:
@@ -240,11 +230,6 @@ def _after(hit: Impact, body: Touching, compared: Comparison) -> Array | None:
     return hit.velocity - (hit.velocity @ normal) * normal if _would_bounce(hit, body, compared) else None
 
 
-def _scalar(compute: Callable[[Comparison], float | None]) -> Callable[[Comparison], float | None]:
-    """Return a function that computes a figure where bodies touch."""
-    return lambda compared: compute(compared) if compared.touching else None
-
-
 FIGURES = (
     Figure(
         name="transition_time_error",
@@ -252,7 +237,7 @@ FIGURES = (
         meaning="difference between the time at which a body that slips begins to roll and the exact time",
         unit="s",
         remark="of a body that slips until it rolls",
-        compute=_scalar(transition_time_error),
+        compute=transition_time_error,
         scale=lambda scales: scales.duration,
         most=lambda last: last,
     ),
@@ -262,7 +247,7 @@ FIGURES = (
         meaning="difference between the velocity of the centre of mass when rolling begins and the exact one",
         unit="m/s",
         remark="of a body that slips until it rolls",
-        compute=_scalar(roll_speed_error),
+        compute=roll_speed_error,
         scale=lambda scales: scales.speed,
     ),
     Figure(
@@ -271,7 +256,7 @@ FIGURES = (
         meaning="difference between the time of the first impact, where the arcs before and after it meet, and the exact time",
         unit="s",
         remark="of a body that falls on the plane",
-        compute=_scalar(impact_time_error),
+        compute=impact_time_error,
         scale=lambda scales: scales.duration,
         most=lambda last: last,
     ),
@@ -281,7 +266,7 @@ FIGURES = (
         meaning="difference between the velocity of the centre of mass just after the first impact and the exact one",
         unit="m/s",
         remark="of a body that bounces; empty where the samples are too coarse to see the bounce",
-        compute=_scalar(impact_speed_error),
+        compute=impact_speed_error,
         scale=lambda scales: scales.speed,
     ),
     Figure(
@@ -292,7 +277,7 @@ FIGURES = (
             "the largest over all bounces that are seen"
         ),
         remark="of a body that bounces; a bounce is seen where two samples lie on its arc",
-        compute=_scalar(bounce_ratio_error),
+        compute=bounce_ratio_error,
     ),
     Figure(
         name="rest_time_error",
@@ -300,7 +285,7 @@ FIGURES = (
         meaning="difference between the time from which on a body rests and the exact time",
         unit="s",
         remark="of a body that comes to rest",
-        compute=_scalar(rest_time_error),
+        compute=rest_time_error,
         scale=lambda scales: scales.duration,
         most=lambda last: last,
     ),
