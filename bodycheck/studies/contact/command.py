@@ -38,14 +38,16 @@ def contact(
     from bodycheck.console import tables, terminal
     from bodycheck.console.output import say_where
     from bodycheck.console.ran import Selection, ran
+    from bodycheck.judging.judgement import Compared
     from bodycheck.running import origin
     from bodycheck.studies.contact import printing, rows, sheet, study
     from bodycheck.studies.contact.page import present
 
     tables.check(view, printing.LINES)
     selection = Selection(case or sheet.scenes(), engines, integrator, timestep, jobs)
-    with ran(selection, study.plan, out, quiet) as made:
-        found = study.evaluate(made.results, made.engines)
+    compared = Compared()
+    with ran(selection, study.plan, out, quiet, compared.meet) as made:
+        found = study.evaluate(made.results, made.engines, compared)
         if out is not None:
             header = made.results.header
             rows.write(found, out, [origin.stored(header)])

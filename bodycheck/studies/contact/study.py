@@ -1,15 +1,17 @@
 """Run the scenes of contact in engines, at their defaults and with every method that they offer, and make the rows."""
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import offered
 from bodycheck.casefile.content import Case
 from bodycheck.judging import judgement
-from bodycheck.judging.judgement import Verdict
-from bodycheck.reference.truth import Truth
+from bodycheck.judging.judgement import Compared, Verdict
+from bodycheck.judging.run_classes import TRUTHS_KEPT
+from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.running.outcome import Completed
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.running.store import Results
@@ -18,6 +20,9 @@ from bodycheck.studies.contact.sheet import SUBJECTS, truth_error, unit_of
 
 #: The time steps at which settings are tried, relative to the engine's own.
 REFINEMENTS = (1.0, 0.25)
+
+#: A function from the name of a case and a time step (s) to the truth, or why there is none.
+Truths = Callable[[str, float], Truth | NoTruth]
 
 
 def default_step(engine: Engine) -> float:
@@ -68,31 +73,32 @@ def plan(
     return tuple(tasks)
 
 
-def evaluate(results: Results, engines: Mapping[str, Engine]) -> list[ContactRow]:
+def evaluate(results: Results, engines: Mapping[str, Engine], compared: Compared | None = None) -> list[ContactRow]:
     """Return the rows of every case and engine: its figures at the defaults, then the best value of each.
 
-    results: those of the tasks of `plan`.
+    results: those of the tasks of `plan`. compared: the runs that were compared while they were made.
     """
     verdicts: dict[tuple[str, str], list[Verdict]] = defaultdict(list)
-    for verdict in judgement.judge(results):
+    for verdict in judgement.judge(results, compared=compared):
         verdicts[verdict.run.case, verdict.run.engine].append(verdict)
+    truths = lru_cache(TRUTHS_KEPT)(results.truth)
     return [
-        row for (name, engine), own in verdicts.items() for row in rows_of(results.cases[name], engines[engine], own, results)
+        row for (name, engine), own in verdicts.items() for row in rows_of(results.cases[name], engines[engine], own, truths)
     ]
 
 
-def rows_of(case: Case, engine: Engine, verdicts: Sequence[Verdict], results: Results) -> list[ContactRow]:
+def rows_of(case: Case, engine: Engine, verdicts: Sequence[Verdict], truths: Truths) -> list[ContactRow]:
     """Return the rows of one case and engine from the verdicts on all methods."""
     own = default_method(engine, case)
     usual = [verdict for verdict in verdicts if own is not None and verdict.run.method == own]
-    found = [row for verdict in usual for row in _told(case, verdict, "defaults", figures_of(verdict), results)]
-    best: dict[str, Verdict] = {}
+    found = [row for verdict in usual for row in _told(case, verdict, "defaults", figures_of(verdict), truths)]
+    best: dict[str, tuple[float, Verdict]] = {}
     for verdict in verdicts:
         for figure, value in figures_of(verdict).items():
-            if figure not in best or value < figures_of(best[figure])[figure]:
-                best[figure] = verdict
+            if figure not in best or value < best[figure][0]:
+                best[figure] = value, verdict
     for figure in (name for name in SUBJECTS if name in best):
-        found += _told(case, best[figure], "best", (figure,), results)
+        found += _told(case, best[figure][1], "best", (figure,), truths)
     return found
 
 
@@ -105,14 +111,14 @@ def figures_of(verdict: Verdict) -> dict[str, float]:
 
 
 def _told(
-    case: Case, verdict: Verdict, setting: Setting, figures: Mapping[str, float] | Sequence[str], results: Results
+    case: Case, verdict: Verdict, setting: Setting, figures: Mapping[str, float] | Sequence[str], truths: Truths
 ) -> list[ContactRow]:
     """Return the rows of one run: one for each figure, or a row without a figure if it did not complete."""
     run = verdict.run
     head = (run.engine, run.version, run.method.name, run.method.timestep, case.name, setting)
     if not isinstance(verdict.outcome, Completed) or verdict.discrepancy is None:
         return [ContactRow(*head, "", None, "", None, None, verdict.outcome.status)]
-    truth, values = results.truth(case.name, run.method.timestep), verdict.discrepancy.maxima()
+    truth, values = truths(case.name, run.method.timestep), verdict.discrepancy.maxima()
     rows = []
     for figure in figures:
         known = SUBJECTS[figure](case, truth) if isinstance(truth, Truth) else None
