@@ -12,6 +12,7 @@ alternating part of the solution then vanishes with the time step, and the load 
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -44,16 +45,31 @@ HAS_POINT_CONTACTS = hasattr(pin, "PointContactConstraintModel")
 STALL_RESIDUAL = 1e-6
 
 
-def point_contacts(model: pin.Model, joint: int, points: Array, friction: float) -> tuple[Any, Any]:
+def point_contacts(model: pin.Model, joint: int, points: Array, frictions: Sequence[float]) -> tuple[Any, Any]:
     """Return Pinocchio's models of the contacts of points (n, 3), m, in the frame of a joint with the world, and their data."""
     models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
-    for place in points:
+    for place, friction in zip(points, frictions, strict=True):
         point = pin.SE3(np.eye(3), place)
         contact = pin.PointContactConstraintModel(model, UNIVERSE, pin.SE3.Identity(), joint, point)
         contact.setFriction(friction)
         models.append(pin.ConstraintModel(contact))
         datas.append(models[-1].createData())
     return models, datas
+
+
+def residual_of(
+    admm: Any, contacts: tuple[Any, Any], delassus: Array, drift: Array, settings: "pin.ADMMSolverSettings", result: Any
+) -> float:
+    """Return the residual at which ADMM stops, from the guess that its result has; 0 where it reaches its tolerance."""
+    if admm.solve(pin.DelassusOperatorDense(delassus), drift, *contacts, settings, result):
+        return 0.0
+    return float(max(result.primal_feasibility, result.dual_feasibility, result.complementarity))
+
+
+def set_tolerance(settings: "pin.ADMMSolverSettings", tolerance: float) -> None:
+    """Set the tolerance of the impulses and velocities at contacts."""
+    settings.absolute_feasibility_tol = settings.relative_feasibility_tol = tolerance
+    settings.absolute_complementarity_tol = settings.relative_complementarity_tol = tolerance
 
 
 class Solver:
@@ -71,14 +87,12 @@ class Solver:
         guess: (3n,), from which ADMM starts. Raises `EngineDiverged` if ADMM finds no solution.
         """
         self._steps += 1
-        result = self._result
-        result.setConstraintImpulseGuess(guess)
-        if not self._admm.solve(pin.DelassusOperatorDense(delassus), drift, *self._contacts, self._settings, result):
-            residual = max(result.primal_feasibility, result.dual_feasibility, result.complementarity)
-            if not residual < STALL_RESIDUAL:
-                time = self._steps * self._timestep
-                raise EngineDiverged(f"ADMM stops at a residual of {residual:.3g} at t = {time:.6g} s")
-        return np.asarray(result.retrieveConstraintImpulses())
+        self._result.setConstraintImpulseGuess(guess)
+        residual = residual_of(self._admm, self._contacts, delassus, drift, self._settings, self._result)
+        if not residual < STALL_RESIDUAL:
+            time = self._steps * self._timestep
+            raise EngineDiverged(f"ADMM stops at a residual of {residual:.3g} at t = {time:.6g} s")
+        return np.asarray(self._result.retrieveConstraintImpulses())
 
 
 def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -> Step:
@@ -111,7 +125,7 @@ def rigid_contact(scene: Scene, plane: Plane, joints: Joints, timestep: float) -
     data, no_force = model.createData(), np.zeros(6)
     a, b, c = shape.semi_axes
     corners = np.array([[a, b, -c], [-a, b, -c], [-a, -b, -c], [a, -b, -c]])
-    models, datas = point_contacts(model, joint, corners, plane.friction)
+    models, datas = point_contacts(model, joint, corners, [plane.friction] * len(corners))
     contacts = list(zip(models, datas, strict=True))
 
     speed = gravity * timestep
@@ -147,7 +161,6 @@ def solver_settings(shape: Brick, initial: State, velocity: float) -> "pin.ADMMS
     tolerance = max(SOLVER_TOLERANCE, SPEED_ROUNDING * fastest / velocity)
     settings = pin.ADMMSolverSettings()
     settings.solve_ncp = True
-    settings.absolute_feasibility_tol = settings.relative_feasibility_tol = tolerance
-    settings.absolute_complementarity_tol = settings.relative_complementarity_tol = tolerance
+    set_tolerance(settings, tolerance)
     settings.rho_init, settings.admm_update_rule = INITIAL_PENALTY, pin.ADMMUpdateRule.LINEAR
     return settings

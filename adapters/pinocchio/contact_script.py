@@ -71,7 +71,8 @@ def script(scene: Scene, plane: Plane, joints: Joints, model: str, timestep: flo
     contact.rigid_contact(scene, plane, joints, timestep)  # what cannot be modelled is no script
     shape, initial = scene.body.shape, scene.initial
     assert isinstance(shape, Brick)  # else there would be no contacts
-    sources = (Brick, contact.point_contacts, contact.Solver, contact.solver_settings, contact.rigid_contact)
+    functions = (contact.point_contacts, contact.residual_of, contact.set_tolerance)
+    sources = (Brick, *functions, contact.Solver, contact.solver_settings, contact.rigid_contact)
     return SCRIPT.format(
         future=scripts.FUTURE,
         sampling=scripts.sampling(timestep, duration, samples),

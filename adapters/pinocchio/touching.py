@@ -21,7 +21,7 @@ from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported
 from bodycheck.adapters.links import link_of
 from bodycheck.adapters.pinocchio import contact
 from bodycheck.adapters.pinocchio.contact_points import Placed, Point, between, on_plane, radius
-from bodycheck.adapters.pinocchio.joints import UNIVERSE, add_body, world
+from bodycheck.adapters.pinocchio.joints import add_body, world
 from bodycheck.adapters.stepping import Loop
 from bodycheck.adapters.touching import TouchingBody, laws, plane_of, switches, touching_bodies
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene
@@ -92,7 +92,7 @@ class Contacts:
         self.pushes, self.steps = switches(scene.pushes, timestep), 0
         self.acting: tuple[Push, ...] = ()
         self.guess: dict[tuple[tuple[int, int], int], Array] = {}
-        self.models: dict[tuple[float, ...], tuple[Any, Any, Any]] = {}
+        self.models: dict[tuple[float, ...], tuple[tuple[Any, Any], Any]] = {}
         self.settings, self.result = settings(), pin.ADMMSolverResult()
         self.pressed: dict[tuple[int, int], float] = {}
 
@@ -161,32 +161,22 @@ class Contacts:
     def _solved(self, delassus: Array, drift: Array, guess: Array, frictions: tuple[float, ...]) -> Array:
         """Return the impulses (3n,) at n contacts, in units of the largest mass and `unit`, as the other arguments are."""
         if frictions not in self.models:
-            self.models[frictions] = (*self._models(frictions), pin.ADMMConstraintSolver(3 * len(frictions)))
-        models, datas, admm = self.models[frictions]
+            # The solver uses the cones of friction alone, wherever the points are.
+            nowhere = np.zeros((len(frictions), 3))
+            models = contact.point_contacts(self.model, self.joints[0], nowhere, frictions)
+            self.models[frictions] = models, pin.ADMMConstraintSolver(3 * len(frictions))
+        models, admm = self.models[frictions]
         tolerance = max(TOLERANCE, contact.SPEED_ROUNDING * float(np.abs(drift).max()))
         asked, result = self.settings, self.result
-        asked.absolute_feasibility_tol = asked.relative_feasibility_tol = tolerance
-        asked.absolute_complementarity_tol = asked.relative_complementarity_tol = tolerance
+        contact.set_tolerance(asked, tolerance)
         asked.rho_init = 2 * float(np.abs(delassus).sum(axis=1).max())
         for rule, most in RULES.items():
             asked.admm_update_rule, asked.max_iterations = getattr(pin.ADMMUpdateRule, rule), most
             result.setConstraintImpulseGuess(guess)
-            solved = admm.solve(pin.DelassusOperatorDense(delassus), drift, models, datas, asked, result)
-            residual = max(result.primal_feasibility, result.dual_feasibility, result.complementarity)
-            if solved or residual < contact.STALL_RESIDUAL:
+            residual = contact.residual_of(admm, models, delassus, drift, asked, result)
+            if residual < contact.STALL_RESIDUAL:
                 return np.asarray(result.retrieveConstraintImpulses()).copy()
         raise EngineDiverged(f"ADMM stops at a residual of {residual:.3g} at t = {self.steps * self.timestep:.6g} s")
-
-    def _models(self, frictions: Sequence[float]) -> tuple[Any, Any]:
-        """Return Pinocchio's models of contacts, of which the solver uses the cones of friction alone, and their data."""
-        models, datas = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
-        for friction in frictions:
-            none = pin.SE3.Identity()
-            own = pin.PointContactConstraintModel(self.model, UNIVERSE, none, self.joints[0], none)
-            own.setFriction(friction)
-            models.append(pin.ConstraintModel(own))
-            datas.append(models[-1].createData())
-        return models, datas
 
 
 class Jacobian:
