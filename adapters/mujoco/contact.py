@@ -90,10 +90,16 @@ def parts(scene: Scene, plane: Plane, chosen: Mapping[str, str], shortest: float
     )
 
 
-def check_time_constant(chosen: Mapping[str, str], shortest: float) -> None:
-    """Raise `SceneUnsupported` if MuJoCo would raise the time constant of solref to the shortest one (s)."""
-    if 0 < (timeconst := float(chosen.get("solref", "0").split()[0])) < shortest:
-        raise SceneUnsupported(f"MuJoCo would raise the time constant {timeconst:g} s of solref to {shortest:g} s")
+def shortest_time_constant(integrator: str, timestep: float) -> float:
+    """Return the smallest time constant (s) that MuJoCo accepts unchanged with a time step (s)."""
+    # For stability, MuJoCo keeps the time constant of a constraint above two steps; `discrete` does not need this.
+    return 0.0 if integrator == "discrete" else 2 * timestep
+
+
+def check_time_constant(chosen: Mapping[str, str], shortest: float, key: str = "solref") -> None:
+    """Raise `SceneUnsupported` if MuJoCo would raise the time constant of an option like solref to the shortest one (s)."""
+    if 0 < (timeconst := float(chosen.get(key, "0").split()[0])) < shortest:
+        raise SceneUnsupported(f"MuJoCo would raise the time constant {timeconst:g} s of {key} to {shortest:g} s")
 
 
 def dimensions(friction: float, chosen: Mapping[str, str]) -> str:

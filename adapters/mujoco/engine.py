@@ -259,8 +259,7 @@ def description(scene: Scene, method: Method, model: str) -> tuple[str, scene_mo
     braked = scene.plane is not None and model not in scene_models.MODELS_WITH_CONTACT
     parts = None
     if scene.plane is not None and not braked:
-        # For stability, MuJoCo keeps the time constant of a contact above two steps; `discrete` does not need this.
-        shortest = 0.0 if method.integrator == "discrete" else 2 * method.timestep
+        shortest = contact.shortest_time_constant(method.integrator, method.timestep)
         parts = contact.parts(scene, scene.plane, dict(method.options), shortest)
     joints = scene_models.joints(scene, model)
     xml = XML.format(

@@ -120,10 +120,8 @@ def check_options(mechanism: Mechanism, timestep: float, integrator: str, chosen
     ):
         if key in chosen and not there:
             raise SceneUnsupported(f"the option {key}={chosen[key]} for a mechanism without {lacking}")
-    shortest = 0.0 if integrator == "discrete" else 2 * timestep
     for key in ("solref", "solreffriction"):
-        if 0 < (timeconst := float(chosen.get(key, "0").split()[0])) < shortest:
-            raise SceneUnsupported(f"MuJoCo would raise the time constant {timeconst:g} s of {key} to {shortest:g} s")
+        contact.check_time_constant(chosen, contact.shortest_time_constant(integrator, timestep), key)
 
 
 def add_body(

@@ -213,8 +213,7 @@ def check_options(scene: AnyScene, method: Method) -> None:
     chosen = dict(method.options)
     if (model := chosen.get("model")) is not None:
         raise SceneUnsupported(f"no model {model!r} of bodies that touch")
-    # For stability, MuJoCo keeps the time constant of a contact above two steps; `discrete` does not need this.
-    contact.check_time_constant(chosen, 0.0 if method.integrator == "discrete" else 2 * method.timestep)
+    contact.check_time_constant(chosen, contact.shortest_time_constant(method.integrator, method.timestep))
     if "restitution" in chosen:
         if "solref" in chosen:
             raise SceneUnsupported("restitution=solref besides solref: both choose the stiffness of a contact")
