@@ -32,6 +32,11 @@ def matrix(quaternion: ArrayLike) -> Array:
     return rotate(np.broadcast_to(unit, (3, 4)), np.eye(3)).T
 
 
+def scalar_first(quaternion: ArrayLike) -> Array:
+    """Return the quaternion (4,) w, x, y, z of one that an engine has as x, y, z, w."""
+    return np.asarray(quaternion, dtype=float)[[3, 0, 1, 2]]
+
+
 def along(moments: ArrayLike, axes: Array) -> Array:
     """Return the tensor (3, 3) of principal moments (3,), whose axes are the columns of a matrix (3, 3)."""
     return np.asarray(axes * np.asarray(moments, dtype=float) @ axes.T)

@@ -25,7 +25,7 @@ import numpy as np
 import warp as wp
 
 from bodycheck.adapters.quiet import overheard, refusal
-from bodycheck.adapters.robot_numbers import components, finite, matrix, pose, vector
+from bodycheck.adapters.robot_numbers import components, finite, matrix, pose, scalar_first, vector
 from bodycheck.adapters.robot_reading import ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
 from bodycheck.reference.kinematics import normalise, rotate
 from bodycheck.reference.robots.model import Mimic
@@ -177,7 +177,7 @@ def read_joint(robot: Imported, joint: Joint) -> ReadJoint:
         child=robot.names[joint.body],
         first=first,
         count=joint.moved.stop - first,
-        axis=vector(matrix(wxyz(joint.on)) @ model.joint_axis.numpy()[first]) if one else None,
+        axis=vector(matrix(scalar_first(joint.on[3:])) @ model.joint_axis.numpy()[first]) if one else None,
         armature=of(model.joint_armature),
         damping=of(model.joint_damping),
         friction=of(model.joint_friction),
@@ -195,7 +195,7 @@ def terms(robot: Imported, state: RobotState) -> Terms:
     own.joint_q.assign(positions(robot, state).astype(np.float32))
     own.joint_qd.assign(rates(robot, state, state.velocities).astype(np.float32))
     newton.eval_fk(model, own.joint_q, own.joint_qd, own)
-    poses = {name: pose(row[:3], wxyz(row)) for name, row in zip(robot.names, own.body_q.numpy(), strict=True)}
+    poses = {name: pose(row[:3], scalar_first(row[3:])) for name, row in zip(robot.names, own.body_q.numpy(), strict=True)}
     if not number:
         return Terms(poses=poses)
     most = model.max_dofs_per_articulation
@@ -241,8 +241,8 @@ def along_joints(robot: Imported, forces: Array) -> Array:
     made, poses = forces.copy(), robot.state.body_q.numpy().astype(float)
     for joint in robot.moving:
         if joint.type == "floating":
-            parent = np.eye(3) if joint.parent < 0 else matrix(wxyz(poses[joint.parent]))
-            turn = parent @ matrix(wxyz(joint.at))
+            parent = np.eye(3) if joint.parent < 0 else matrix(scalar_first(poses[joint.parent][3:]))
+            turn = parent @ matrix(scalar_first(joint.at[3:]))
             own = made[joint.moved]
             made[joint.moved] = np.concatenate([turn.T @ own[:3], turn.T @ own[3:]])
     return made
@@ -306,9 +306,3 @@ def jacobians(robot: Imported) -> Mapping[str, Array]:
     linear = rows[:, :3] - np.cross(rows[:, 3:], arms[:, :, None], axis=1)
     made = np.concatenate([linear, rows[:, 3:]], axis=1)
     return {robot.names[body]: own for body, own in zip(bodies, made, strict=True)}
-
-
-def wxyz(transform: Array) -> list[float]:
-    """Return the quaternion w, x, y, z of a transform of Warp."""
-    x, y, z, w = (float(value) for value in transform[3:])
-    return [w, x, y, z]

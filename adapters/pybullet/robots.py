@@ -27,7 +27,7 @@ import pybullet
 
 from bodycheck.adapters.pybullet.links import BASE
 from bodycheck.adapters.quiet import overheard, refusal
-from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, vector
+from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, scalar_first, vector
 from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.robots.state import RobotState, Values
@@ -183,13 +183,13 @@ def read_bodies(robot: Loaded) -> tuple[ReadBody, ...]:
 def read_body(robot: Loaded, place: int, name: str, parent: str | None) -> ReadBody:
     """Return a link in its own frame."""
     mass, _, moments, centre, turn, *_ = robot.dynamics(place)
-    return ReadBody(name, parent, mass, vector(centre), components(along(moments, matrix(wxyz(turn)))))
+    return ReadBody(name, parent, mass, vector(centre), components(along(moments, matrix(scalar_first(turn)))))
 
 
 def read_joint(robot: Loaded, joint: Joint) -> ReadJoint:
     """Return a joint that moves. Limits of which the lower one is above the upper one are none to Bullet."""
     _, _, _, _, _, _, damping, friction, lower, upper, effort, _, _, axis, *_ = joint.info
-    limited, turned = lower <= upper, matrix(wxyz(robot.dynamics(joint.place)[4]))
+    limited, turned = lower <= upper, matrix(scalar_first(robot.dynamics(joint.place)[4]))
     return ReadJoint(
         name=joint.name,
         type=joint.type,
@@ -251,7 +251,7 @@ def place(robot: Loaded, state: RobotState) -> None:
         if held is not None and joint.count == 1:
             pybullet.resetJointState(robot.body, joint.place, held[0], physicsClientId=robot.client)
         elif held is not None and joint.type == "spherical":
-            axes = np.array(wxyz(robot.dynamics(joint.place)[4]))
+            axes = scalar_first(robot.dynamics(joint.place)[4])
             w, x, y, z = multiply(multiply(conjugate(axes), np.array(held)), axes).tolist()
             pybullet.resetJointStateMultiDof(robot.body, joint.place, [x, y, z, w], physicsClientId=robot.client)
 
@@ -275,7 +275,7 @@ def posed(robot: Loaded) -> Iterator[tuple[str, Array]]:
         else:
             at, turn, *_ = pybullet.getLinkState(robot.body, place, computeForwardKinematics=True, physicsClientId=robot.client)
         centre, axes = robot.dynamics(place)[3:5]
-        own = multiply(np.array(wxyz(turn)), conjugate(np.array(wxyz(axes))))
+        own = multiply(scalar_first(turn), conjugate(scalar_first(axes)))
         yield name, pose(np.array(at) - rotate(own, np.array(centre)), own)
 
 
@@ -287,9 +287,3 @@ def jacobians(robot: Loaded, held: list[float], still: list[float]) -> Mapping[s
         found = pybullet.calculateJacobian(robot.body, joint.place, origin, held, still, still, physicsClientId=robot.client)
         made[joint.link] = np.concatenate(found)
     return made
-
-
-def wxyz(quaternion: Sequence[float]) -> list[float]:
-    """Return a quaternion w, x, y, z from Bullet's x, y, z, w."""
-    x, y, z, w = quaternion
-    return [w, x, y, z]

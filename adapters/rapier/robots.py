@@ -24,7 +24,7 @@ import rapier3d
 from rapier3d.loaders import urdf as loader
 
 from bodycheck.adapters.quiet import overheard, refusal
-from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, vector
+from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, scalar_first, vector
 from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.robots.terms import Terms
@@ -121,8 +121,7 @@ def loaded(file: RobotFile) -> Loaded:
 def read_body(robot: Loaded, name: str) -> ReadBody:
     """Return a link."""
     own = robot.bodies[robot.handles[name]].mass_properties
-    x, y, z, w = own.principal_inertia_local_frame.quaternion
-    tensor = along([*own.principal_inertia], matrix([w, x, y, z]))
+    tensor = along([*own.principal_inertia], matrix(scalar_first([*own.principal_inertia_local_frame.quaternion])))
     return ReadBody(name, robot.parents.get(name), float(own.mass), vector([*own.local_com]), components(tensor))
 
 
@@ -158,6 +157,5 @@ def terms(robot: Loaded, state: RobotState) -> Terms:
     poses = {}
     for name, handle in robot.handles.items():
         body = robot.bodies[handle]
-        x, y, z, w = body.rotation.quaternion
-        poses[name] = pose(body.translation.to_tuple(), [w, x, y, z])
+        poses[name] = pose(body.translation.to_tuple(), scalar_first([*body.rotation.quaternion]))
     return Terms(poses=poses)
