@@ -19,7 +19,7 @@ from brax.generalized.base import State
 from brax.io import mjcf
 from jax import numpy as jnp
 
-from bodycheck.adapters.mujoco.robot_joints import body_name, coordinates, joints_of
+from bodycheck.adapters.mujoco.robot_joints import body_name, columns
 from bodycheck.adapters.mujoco.robots import described
 from bodycheck.adapters.quiet import overheard, refusal
 from bodycheck.adapters.robot_numbers import pose
@@ -39,13 +39,9 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
     reading = described(compiled, kept(system), file.format)
     if not states:
         return reading
-    joints = joints_of(compiled, file.format)
-    at = [coordinates(compiled, joints, state) for state in states]
-    columns = [
-        jnp.array(np.array(rows)) for rows in zip(*((one.qpos, one.qvel, one.qacc, one.applied) for one in at), strict=True)
-    ]
+    given = [jnp.array(rows) for rows in columns(compiled, file.format, states)]
     names = [body_name(compiled, body) for body in range(1, compiled.nbody)]
-    return replace(reading, terms=terms_of(system.replace(mj_model=None), names, columns, gravity))
+    return replace(reading, terms=terms_of(system.replace(mj_model=None), names, given, gravity))
 
 
 def loaded(path: str) -> Any:
@@ -81,15 +77,15 @@ def kept(system: Any) -> Any:
     )
 
 
-def terms_of(system: Any, names: Sequence[str], columns: Sequence[Any], gravity: Vector) -> tuple[Terms, ...]:
+def terms_of(system: Any, names: Sequence[str], given: Sequence[Any], gravity: Vector) -> tuple[Terms, ...]:
     """Return what Brax computes at states.
 
-    names: those of all links. columns: positions, velocities, accelerations and applied forces (n, k).
+    names: those of all links. given: positions, velocities, accelerations and applied forces (n, k).
     """
     down = jnp.array(gravity)
-    found = jax.jit(jax.vmap(computed, in_axes=(None, None, 0, 0, 0, 0)))(system, down, *columns)
+    found = jax.jit(jax.vmap(computed, in_axes=(None, None, 0, 0, 0, 0)))(system, down, *given)
     numbers = {name: np.array(value, dtype=np.float64) for name, value in found.items()}
-    return tuple(_terms(numbers, names, row) for row in range(len(columns[0])))
+    return tuple(_terms(numbers, names, row) for row in range(len(given[0])))
 
 
 def computed(system: Any, gravity: Any, q: Any, qd: Any, qdd: Any, tau: Any) -> Mapping[str, Any]:

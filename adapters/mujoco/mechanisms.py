@@ -18,7 +18,7 @@ from bodycheck.adapters import mechanism_models, scripts
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.mechanisms import frames, starts
 from bodycheck.adapters.mujoco.compiling import compiled_model
-from bodycheck.adapters.mujoco.exporting import touching_script
+from bodycheck.adapters.mujoco.exporting import ADVANCE, touching_script
 from bodycheck.adapters.mujoco.mechanism_xml import document
 from bodycheck.adapters.mujoco.stepping import Stepper
 from bodycheck.reference.kinematics import conjugate, rotate
@@ -93,10 +93,7 @@ def mechanism_script(mechanism: Mechanism, method: Method, duration: float, samp
         qvel=scripts.written(data.qvel),
         applied=scripts.written(data.qfrc_applied),
         source=scripts.source(conjugate, rotate, states_of),
-        loop=scripts.mechanism_loop(
-            "if step > done:\n    mujoco.mj_step(model, data, step - done)",
-            "states(np.concatenate([data.qpos, data.qvel])[None])[0]",
-        ),
+        loop=scripts.mechanism_loop(ADVANCE, "states(np.concatenate([data.qpos, data.qvel])[None])[0]"),
     )
 
 

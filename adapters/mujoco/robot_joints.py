@@ -127,6 +127,13 @@ def coordinates(model: mujoco.MjModel, joints: Sequence[Joint], state: RobotStat
     return found
 
 
+def columns(model: mujoco.MjModel, format: str, states: Sequence[RobotState]) -> list[Array]:
+    """Return n states of a model from a file of a format: positions (n, nq), velocities, accelerations and forces (n, nv)."""
+    joints = joints_of(model, format)
+    at = [coordinates(model, joints, state) for state in states]
+    return [np.array(rows) for rows in zip(*((one.qpos, one.qvel, one.qacc, one.applied) for one in at), strict=True)]
+
+
 def _position(model: mujoco.MjModel, joint: Joint, value: Array) -> Array:
     """Return a joint's positions in MuJoCo's coordinates."""
     if joint.type == "floating":

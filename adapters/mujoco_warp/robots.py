@@ -17,7 +17,7 @@ import mujoco_warp as mjw
 import numpy as np
 import warp as wp
 
-from bodycheck.adapters.mujoco.robot_joints import body_name, coordinates, joints_of
+from bodycheck.adapters.mujoco.robot_joints import body_name, columns
 from bodycheck.adapters.mujoco.robot_terms import leave_out_what_is_not_asked, mass_matrix
 from bodycheck.adapters.mujoco.robots import described, loaded
 from bodycheck.adapters.robot_numbers import pose
@@ -52,11 +52,9 @@ def read_robot(file: RobotFile, states: Sequence[RobotState], gravity: Vector) -
     reading = replace(reading, bodies=own.bodies, joints=own.joints)
     if not states or not compiled.nv:
         return replace(reading, terms=tuple(Terms() for _ in states))
-    joints = joints_of(compiled, file.format)
-    at = [coordinates(compiled, joints, state) for state in states]
-    columns = [np.array(rows) for rows in zip(*((one.qpos, one.qvel, one.qacc, one.applied) for one in at), strict=True)]
-    terms = terms_of(compiled, model, worlds, columns, gravity)
-    return replace(reading, terms=terms, rounding=rounding(compiled, columns[0]))
+    given = columns(compiled, file.format, states)
+    terms = terms_of(compiled, model, worlds, given, gravity)
+    return replace(reading, terms=terms, rounding=rounding(compiled, given[0]))
 
 
 def rounding(compiled: mujoco.MjModel, qpos: Array) -> float:
@@ -73,12 +71,12 @@ def rounding(compiled: mujoco.MjModel, qpos: Array) -> float:
     return ROUNDINGS * float(np.finfo(np.float32).eps) * largest
 
 
-def terms_of(compiled: mujoco.MjModel, model: Any, worlds: Any, columns: Sequence[Array], gravity: Vector) -> tuple[Terms, ...]:
+def terms_of(compiled: mujoco.MjModel, model: Any, worlds: Any, given: Sequence[Array], gravity: Vector) -> tuple[Terms, ...]:
     """Return what MuJoCo Warp computes at states.
 
-    columns: positions, velocities, accelerations and applied forces (n, k) of the n worlds.
+    given: positions, velocities, accelerations and applied forces (n, k) of the n worlds.
     """
-    qpos, qvel, qacc, applied = columns
+    qpos, qvel, qacc, applied = given
     model.opt.gravity.assign(np.array([gravity]))
     worlds.qpos.assign(qpos)
     worlds.qvel.assign(qvel)
