@@ -1,11 +1,11 @@
 """The contract between bodycheck and the adapter of an engine: a module, or any object, with the attributes of `Adapter`.
 
-An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Nine protocols are optional:
-`Mechanisms` for an adapter that can build bodies on joints, `Models` and `MechanismModels` for one that can model a scene or a
-mechanism in several ways, `Contact` for one that knows the friction law and the load of its contacts, `Scripts` and
-`MechanismScripts` for one that can write a run as a script for the engine alone, `Calls` for one that names the functions of
-its engine which its steps call, `Links` for one that can give its engine a body as links welded together, and `RobotModels`
-for one whose engine reads files of robots.
+An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Ten protocols are optional:
+`Mechanisms` for an adapter that can build bodies on joints, `Touching` for one that can build bodies that touch in any way,
+`Models` and `MechanismModels` for one that can model a scene or a mechanism in several ways, `Contact` for one that knows the
+friction law and the load of its contacts, `Scripts` and `MechanismScripts` for one that can write a run as a script for the
+engine alone, `Calls` for one that names the functions of its engine which its steps call, `Links` for one that can give its
+engine a body as links welded together, and `RobotModels` for one whose engine reads files of robots.
 `bodycheck.adapters.offers` handles for all adapters misspelled methods, scenes that an engine cannot model, and several scenes
 for an engine that steps one scene at a time.
 
