@@ -17,7 +17,7 @@ from bodycheck.reference.robots.model import RobotJointType
 from bodycheck.reference.robots.state import VELOCITIES, RobotState
 from bodycheck.reference.trajectory import Array
 from tests.support.asked import adapter_asked_for
-from tests.support.robot_texts import GRAVITY, RIDES, on, ridden, written
+from tests.support.robot_texts import GRAVITY, RIDES, hinges, on, ridden, written
 from tests.support.robot_truths import assert_the_same
 
 ONLY = adapter_asked_for()
@@ -26,6 +26,9 @@ NAMES = [name for name in INSTALLED if isinstance(registry.load(name), RobotMode
 
 #: Engines whose readers ignore how the frame of an inertia is turned, which is for the study of robot models to tell.
 UNTURNED = {"rapier"}
+
+#: Engines whose adapters leave out the state of a joint that the engine takes for one of another type.
+LEAVING_OUT = {"mujoco", "mujoco_warp", "pinocchio", "pybullet"}
 
 #: The masses (kg) of cart, pole and tip.
 CART, POLE, TIP = 2.0, 1.5, 0.25
@@ -288,6 +291,18 @@ def test_a_joint_that_is_not_there_is_left_out_and_one_without_a_state_stays(nam
     reading = read(name, file, (alone, still))
     for part in ("mass_matrix", "gravity_force", "coriolis_force", "inverse_dynamics"):
         np.testing.assert_array_equal(getattr(reading.terms[0], part), getattr(reading.terms[1], part))
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name in LEAVING_OUT])
+def test_a_state_of_a_joint_of_another_type_is_left_out(name: str, tmp_path: Path) -> None:
+    """As where the engine takes a joint for another one."""
+    single = hinges("ghost", "spin")
+    other = RobotState(
+        *({**getattr(single, part), "ride": (0.3,)} for part in ("positions", "velocities", "accelerations", "efforts"))
+    )
+    given, still = read(name, written(on("floating"), tmp_path), (other, single)).terms
+    np.testing.assert_array_equal(given.poses["arm"], still.poses["arm"])
+    np.testing.assert_array_equal(given.inverse_dynamics, still.inverse_dynamics)
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -1,8 +1,9 @@
-"""An arm as MJCF, which engines that read MJCF and know hinges and slides read alike."""
+"""Arms as MJCF."""
 
 from bodycheck.reference.robots.state import RobotState
 from tests.support.robot_texts import hinges
 
+#: An arm that engines that read MJCF and know hinges and slides read alike.
 ARM = """
 <mujoco model="arm">
   <compiler angle="radian"/>
@@ -22,3 +23,10 @@ ARM = """
 """
 
 STATE: RobotState = hinges("shoulder", "elbow")
+
+#: A hinge between a base on the world and an arm with an inertia.
+ON_A_HINGE = """<mujoco model="arm"><worldbody><body name="base"><body name="arm">
+<inertial pos="0.1 0.2 0.3" mass="2" diaginertia="0.01 0.02 0.025"/>
+<joint name="hinge" type="hinge" axis="0 0 1" damping="0.5"/>
+</body></body></worldbody></mujoco>
+"""

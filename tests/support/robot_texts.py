@@ -52,6 +52,15 @@ WELDED_BASE = robot(
 #: A link that moves and has no mass.
 MASSLESS = robot(link("base"), link("ghost", ""), joint("hinge", "revolute", "base", "ghost", '<axis xyz="0 0 1"/>' + LIMIT))
 
+#: A link without mass that is welded to one that moves.
+TIP = robot(
+    link("base"),
+    link("arm"),
+    link("tip", ""),
+    joint("hinge", "revolute", "base", "arm", LIMIT),
+    joint("weld", "fixed", "arm", "tip"),
+)
+
 #: A joint that follows another one.
 MIMIC = robot(
     link("base"),

@@ -7,16 +7,10 @@ import pytest
 
 from bodycheck.adapters.dart import robots
 from bodycheck.reference.robots.model import Mimic
-from tests.support.robot_texts import GRAVITY, LIMIT, MIMIC, RIDES, hinges, joint, link, on, ridden, robot, written
+from tests.support.robot_mjcf import ON_A_HINGE
+from tests.support.robot_texts import GRAVITY, LIMIT, MIMIC, RIDES, TIP, hinges, joint, link, on, ridden, robot, written
 from tests.support.robot_truths import assert_the_same
 from tests.support.tree_readings import assert_trees_agree
-
-#: A hinge between a base on the world and an arm with an inertia.
-MJCF = """<mujoco model="arm"><worldbody><body name="base"><body name="arm">
-<inertial pos="0.1 0.2 0.3" mass="2" diaginertia="0.01 0.02 0.025"/>
-<joint name="hinge" type="hinge" axis="0 0 1" damping="0.5"/>
-</body></body></worldbody></mujoco>
-"""
 
 
 def test_random_trees_are_read_as_they_are(tmp_path: Path) -> None:
@@ -26,14 +20,7 @@ def test_random_trees_are_read_as_they_are(tmp_path: Path) -> None:
 
 
 def test_a_link_without_inertia_has_a_kilogram(tmp_path: Path) -> None:
-    text = robot(
-        link("base"),
-        link("arm"),
-        link("tip", ""),
-        joint("hinge", "revolute", "base", "arm", LIMIT),
-        joint("weld", "fixed", "arm", "tip"),
-    )
-    tip = robots.read_robot(written(text, tmp_path), [], GRAVITY).bodies[-1]
+    tip = robots.read_robot(written(TIP, tmp_path), [], GRAVITY).bodies[-1]
     assert (tip.name, tip.mass, tip.center_of_mass, tip.inertia) == ("tip", 1.0, (0, 0, 0), (1, 1, 1, 0, 0, 0))
 
 
@@ -77,6 +64,6 @@ def test_a_mimic_joint_takes_its_effort_in_the_forward_dynamics(tmp_path: Path) 
 
 
 def test_an_inertia_of_an_mjcf_is_ignored(tmp_path: Path) -> None:
-    reading = robots.read_robot(written(MJCF, tmp_path, "mjcf"), [hinges("hinge")], GRAVITY)
+    reading = robots.read_robot(written(ON_A_HINGE, tmp_path, "mjcf"), [hinges("hinge")], GRAVITY)
     assert [(body.name, body.mass) for body in reading.bodies] == [("world", None), ("base", 1.0), ("arm", 1.0)]
     assert [(own.name, own.type, own.damping) for own in reading.joints] == [("hinge", "revolute", 0.5)]

@@ -123,14 +123,3 @@ def test_springs_damping_and_dry_friction_are_passive_forces(tmp_path: Path) -> 
     np.testing.assert_allclose(
         terms.passive_force[:2], [slide, hinge - 0.3 * np.sign(STACKED.velocities["hinge"][0])], rtol=0, atol=1e-14
     )
-
-
-def test_a_state_of_a_joint_of_another_type_is_left_out(tmp_path: Path) -> None:
-    """As where the engine takes a joint for another one."""
-    single = hinges("ghost", "spin")
-    other = RobotState(
-        *({**getattr(single, part), "ride": (0.3,)} for part in ("positions", "velocities", "accelerations", "efforts"))
-    )
-    given, still = robots.read_robot(written(on("floating"), tmp_path), [other, single], GRAVITY).terms
-    np.testing.assert_array_equal(given.poses["arm"], still.poses["arm"])
-    np.testing.assert_array_equal(given.inverse_dynamics, still.inverse_dynamics)

@@ -117,14 +117,3 @@ def test_several_joints_of_a_body_keep_their_names(tmp_path: Path) -> None:
         ("twist", "revolute", 2, 1),
     ]
     assert_the_same(reading.terms[0], mujoco_robots.compiled(str(tmp_path / "robot.xml")), state, GRAVITY)
-
-
-def test_a_state_of_a_joint_of_another_type_is_left_out(tmp_path: Path) -> None:
-    """As where the engine takes a joint for another one."""
-    single = hinges("ghost", "spin")
-    other = RobotState(
-        *({**getattr(single, part), "ride": (0.3,)} for part in ("positions", "velocities", "accelerations", "efforts"))
-    )
-    given, still = robots.read_robot(written(on("floating"), tmp_path), [other, single], GRAVITY).terms
-    np.testing.assert_array_equal(given.poses["arm"], still.poses["arm"])
-    np.testing.assert_array_equal(given.inverse_dynamics, still.inverse_dynamics)

@@ -8,15 +8,9 @@ import pytest
 from bodycheck.adapters.pybullet import robots
 from bodycheck.adapters.robot_numbers import components
 from bodycheck.reference.robots.dynamics import terms
+from tests.support.robot_mjcf import ON_A_HINGE
 from tests.support.robot_texts import GRAVITY, LIMIT, RIDES, hinges, joint, link, on, ridden, robot, written
 from tests.support.tree_readings import assert_trees_agree
-
-#: A hinge between a base on the world and an arm with an inertia.
-MJCF = """<mujoco model="arm"><worldbody><body name="base"><body name="arm">
-<inertial pos="0.1 0.2 0.3" mass="2" diaginertia="0.01 0.02 0.025"/>
-<joint name="hinge" type="hinge" axis="0 0 1" damping="0.5"/>
-</body></body></worldbody></mujoco>
-"""
 
 
 def test_random_trees_are_read_as_they_are_but_for_the_rounding_of_principal_axes(tmp_path: Path) -> None:
@@ -68,7 +62,7 @@ def test_the_text_of_a_refusal_is_what_is_printed(tmp_path: Path) -> None:
 
 
 def test_masses_of_an_mjcf_are_kept_and_moments_are_not(tmp_path: Path) -> None:
-    reading = robots.read_robot(written(MJCF, tmp_path, "mjcf"), [hinges("hinge")], GRAVITY)
+    reading = robots.read_robot(written(ON_A_HINGE, tmp_path, "mjcf"), [hinges("hinge")], GRAVITY)
     arm = next(body for body in reading.bodies if body.name == "arm")
     assert (arm.mass, arm.inertia) == (2.0, (0, 0, 0, 0, 0, 0))
     assert [(own.name, own.type) for own in reading.joints] == [("hinge", "revolute")]

@@ -8,7 +8,7 @@ from bodycheck.adapters import registry
 from bodycheck.adapters.contract import RobotModels
 from bodycheck.adapters.robot_reading import ModelRefused
 from bodycheck.reference.robots.model import Mimic
-from tests.support.robot_texts import GRAVITY, LIMIT, MIMIC, hinges, joint, link, robot, written
+from tests.support.robot_texts import GRAVITY, LIMIT, MIMIC, TIP, hinges, joint, link, robot, written
 from tests.support.tree_readings import assert_trees_agree
 
 LOADED = registry.load("sapien")
@@ -32,14 +32,7 @@ def test_friction_and_effort_limits_are_dropped_and_damping_is_kept(tmp_path: Pa
 
 
 def test_a_massless_link_gets_a_mass_from_physx(tmp_path: Path) -> None:
-    text = robot(
-        link("base"),
-        link("arm"),
-        link("tip", ""),
-        joint("hinge", "revolute", "base", "arm", LIMIT),
-        joint("weld", "fixed", "arm", "tip"),
-    )
-    bodies = {body.name: body for body in SAPIEN.read_robot(written(text, tmp_path), [], GRAVITY).bodies}
+    bodies = {body.name: body for body in SAPIEN.read_robot(written(TIP, tmp_path), [], GRAVITY).bodies}
     assert bodies["tip"].mass is not None
     assert bodies["tip"].mass > 0
 
