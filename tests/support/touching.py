@@ -8,7 +8,7 @@ import numpy as np
 
 from bodycheck.reference.definition import Solid
 from bodycheck.reference.mechanisms.mechanism import BodyStart, JointedBody, Mechanism
-from bodycheck.reference.scene import Body, Brick, Plane, Scene, Shape, Sphere, State, Vector
+from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Scene, Shape, Sphere, State, Vector
 from bodycheck.reference.trajectory import Array
 
 GRAVITY, RADIUS, MASS, INCLINE = 9.81, 0.1, 2.0, 0.3
@@ -35,6 +35,18 @@ def several(shapes: Sequence[tuple[Shape, Vector]], plane: Plane, **others: obje
         for place, (shape, (x, y, z)) in enumerate(shapes)
     )
     return replace(Mechanism(made, gravity=GRAVITY, plane=plane), **others)  # type: ignore[arg-type]
+
+
+def lying(plane: Plane) -> Mechanism:
+    """A cylinder on its side, with its axis across the plane."""
+    scene = several([(Cylinder(RADIUS, RADIUS), (0.0, 0.0, RADIUS))], plane)
+    (body,) = scene.bodies
+    assert body.start is not None
+    w, _, y, _ = body.start.attitude
+    half = math.sqrt(0.5)
+    return replace(
+        scene, bodies=(replace(body, start=replace(body.start, attitude=(w * half, w * half, y * half, -y * half))),)
+    )
 
 
 def downhill(state: Array) -> Array:

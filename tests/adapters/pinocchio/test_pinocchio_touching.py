@@ -17,7 +17,21 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism, PairConta
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Push, Scene, Shape, Sphere, State
 from bodycheck.reference.support import reach
 from bodycheck.reference.trajectory import Array
-from tests.support.touching import BALL, CUBE, DOWNHILL, GRAVITY, INCLINE, MASS, OF_BALL, OF_CUBE, RADIUS, downhill, on, several
+from tests.support.touching import (
+    BALL,
+    CUBE,
+    DOWNHILL,
+    GRAVITY,
+    INCLINE,
+    MASS,
+    OF_BALL,
+    OF_CUBE,
+    RADIUS,
+    downhill,
+    lying,
+    on,
+    several,
+)
 
 pytestmark = pytest.mark.skipif(not HAS_POINT_CONTACTS, reason="releases before 4 have no point contacts")
 
@@ -38,18 +52,6 @@ def test_a_block_rests_or_slides_as_coulomb_has_it(part: float) -> None:
     seen = states(on(Plane(part * math.tan(INCLINE), incline=INCLINE), OF_CUBE), 0.4)[-1, 0]
     assert downhill(seen) == pytest.approx(max(0.0, 1 - part) * DOWNHILL * 0.4, abs=EXACT)
     assert seen[10:] == pytest.approx(0, abs=1e-9)
-
-
-def lying(plane: Plane) -> Mechanism:
-    """A cylinder on its side, with its axis across the plane."""
-    scene = several([(Cylinder(RADIUS, RADIUS), (0.0, 0.0, RADIUS))], plane)
-    (body,) = scene.bodies
-    assert body.start is not None
-    w, _, y, _ = body.start.attitude
-    half = math.sqrt(0.5)
-    return replace(
-        scene, bodies=(replace(body, start=replace(body.start, attitude=(w * half, w * half, y * half, -y * half))),)
-    )
 
 
 def test_round_bodies_roll_or_slip_down_as_they_must() -> None:
@@ -132,8 +134,8 @@ def test_a_thin_rod_falls_and_lies_down() -> None:
     scene = load("falling-rod").scene
     assert isinstance(scene, Scene)
     assert isinstance(scene.body.shape, Cylinder)
-    lying = states(scene, 1.0)[-1, 0]
-    assert lying[2] == pytest.approx(scene.body.shape.radius, abs=1e-4)
+    landed = states(scene, 1.0)[-1, 0]
+    assert landed[2] == pytest.approx(scene.body.shape.radius, abs=1e-4)
 
 
 @pytest.mark.parametrize("shape", [Sphere(0.1), Brick((0.1, 0.2, 0.3)), Ellipsoid((0.1, 0.2, 0.3)), Cylinder(0.1, 0.2)])
