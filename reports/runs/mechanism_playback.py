@@ -31,6 +31,7 @@ from bodycheck.reports.runs.playback import (
     choose,
     common_step,
     course_of,
+    fitting,
     name_of,
     shown_run,
     solid_of,
@@ -97,26 +98,20 @@ def animation(
     if (room := most - len(as_json(parts))) < 0:
         return Playback(None, "", ("There is no animation, to keep this file small.",))
     first = choose(played, stage.extent)
-    entries: dict[Shown, dict[str, Any]] = {}
-    undrawn, left_out = [], []
-    for one in (*first, *(other for other in played if other not in first)):
-        if (entry := _run(stage, one)) is None:
-            undrawn.append(name_of(one.line))
-        elif (room := room - len(as_json(entry))) < 0:
-            left_out.append(name_of(one.line))
-        else:
-            entries[one] = entry
-    order = [one for one in played if one in entries]
+    by_rank = (*first, *(other for other in played if other not in first))
+    kept, left_out = fitting({one: _run(stage, one) for one in by_rank}, room)
+    undrawn = [name_of(one.line) for one in by_rank if one not in kept and one not in left_out]
+    order = [one for one in played if one in kept]
     data = {
         **stage.described(),
         "extent": stage.extent,
         "within": tracks.TOLERANCE,
         "end": float(truth.trajectory.t[-1]),
         "truth": {"parts": parts},
-        "runs": [entries[one] for one in order],
-        "shown": [order.index(one) for one in first if one in entries],
+        "runs": [kept[one] for one in order],
+        "shown": [order.index(one) for one in first if one in kept],
     }
-    return Playback(data, _alt(played), tuple(_notes(timestep, runs, undrawn, left_out)))
+    return Playback(data, _alt(played), tuple(_notes(timestep, runs, undrawn, [name_of(one.line) for one in left_out])))
 
 
 class _Stage:

@@ -120,7 +120,7 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
     if (room := most - len(as_json(record))) < 0:
         return Playback(None, "", ("There is no animation, to keep this file small.",))
     by_rank = (*first, *(other for other in played if other not in first))
-    kept, left_out = _fitting({one: _run(one, scene, reach, rates) for one in by_rank}, room)
+    kept, left_out = fitting({one: _run(one, scene, reach, rates) for one in by_rank}, room)
     undrawn += [name_of(one.line) for one in by_rank if one not in kept and one not in left_out]
     order = [one for one in played if one in kept]
     data = {
@@ -137,7 +137,7 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
     return Playback(data, _alt(scene, played), tuple(notes))
 
 
-def _fitting(entries: Mapping[Shown, dict[str, Any] | None], room: int) -> tuple[dict[Shown, dict[str, Any]], list[Shown]]:
+def fitting(entries: Mapping[Shown, dict[str, Any] | None], room: int) -> tuple[dict[Shown, dict[str, Any]], list[Shown]]:
     """Return the entries that have room in so many characters, the first ones first, and those that are left out."""
     kept, left_out = dict[Shown, dict[str, Any]](), list[Shown]()
     for one, entry in entries.items():
