@@ -86,6 +86,11 @@ def number(value: float | None, digits: int = 4) -> str:
     return f"{float(f'{mantissa}e{exponent}'):.0f}" if 0 < int(exponent) < 4 else f"{mantissa}e{int(exponent)}"
 
 
+def vector(components: Sequence[float]) -> str:
+    """Return components as numbers in parentheses."""
+    return f"({', '.join(map(number, components))})"
+
+
 def bound(value: float, digits: int = 4) -> str:
     """Return an upper bound as text, rounded up so that the text is a bound too (except for one part in a million)."""
     return number(rounded_up(value, digits), digits)

@@ -13,7 +13,7 @@ from bodycheck.reference.planar import Stop
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere
 from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.reports.quantities import bound, count, listing, number
+from bodycheck.reports.quantities import bound, count, listing, number, vector
 from bodycheck.reports.runs.mechanism_facts import described
 from bodycheck.reports.runs.surroundings import on_plane, pushed
 
@@ -77,8 +77,8 @@ def _of_body(scene: Scene) -> tuple[tuple[str, str], ...]:
     """Return the terms and texts of the facts of a scene of one body."""
     body, start = scene.body, scene.initial
     spin, speed = math.hypot(*start.angular_velocity), math.hypot(*start.velocity)
-    motion = f"spinning at {number(spin)} rad/s, {_vector(start.angular_velocity)} about I, J, K" if spin else "not spinning"
-    travel = f"moving at {number(speed)} m/s, {_vector(start.velocity)} along x, y, z" if speed else "centre of mass at rest"
+    motion = f"spinning at {number(spin)} rad/s, {vector(start.angular_velocity)} about I, J, K" if spin else "not spinning"
+    travel = f"moving at {number(speed)} m/s, {vector(start.velocity)} along x, y, z" if speed else "centre of mass at rest"
     environment = [f"gravity {number(scene.gravity)} m/s²" if scene.gravity else "no gravity"]
     if scene.plane is not None:
         environment.append(on_plane(scene.plane) if touches(scene) else _flat_plane(scene.plane))
@@ -86,7 +86,7 @@ def _of_body(scene: Scene) -> tuple[tuple[str, str], ...]:
     if scene.drag:
         environment.append(f"drag {number(scene.drag)} kg/m times speed squared")
     return (
-        ("Body", f"{_shape(body.shape)}, {number(body.mass)} kg, principal moments {_vector(body.moments)} kg m²"),
+        ("Body", f"{_shape(body.shape)}, {number(body.mass)} kg, principal moments {vector(body.moments)} kg m²"),
         ("Start", f"{motion}; {travel}"),
         ("Environment", ", ".join(environment)),
     )
@@ -122,7 +122,7 @@ def _stop(truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
     for truth in truths:
         if isinstance(truth, Told) and truth.stop is not None:
             stop = truth.stop
-            where = f"at {_vector(stop.position)} m, with a yaw of {number(stop.yaw)} rad"
+            where = f"at {vector(stop.position)} m, with a yaw of {number(stop.yaw)} rad"
             return (Fact("Rest", f"after {number(stop.time)} s {where}"),)
     return ()
 
@@ -139,10 +139,6 @@ def _shape(shape: Shape | None) -> str:
             return f"sphere of radius {number(radius)} m"
         case None:
             return "body without a shape"
-
-
-def _vector(components: Sequence[float]) -> str:
-    return f"({', '.join(map(number, components))})"
 
 
 def _truth(truths: Sequence[Told | NoTruth]) -> str:

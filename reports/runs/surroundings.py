@@ -1,11 +1,10 @@
 """Planes, contacts and pushes in words."""
 
 import math
-from collections.abc import Sequence
 
 from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism, PairContact
 from bodycheck.reference.scene import Plane, Push
-from bodycheck.reports.quantities import number
+from bodycheck.reports.quantities import number, vector
 
 
 def on_plane(plane: Plane) -> str:
@@ -24,14 +23,10 @@ def pushed(push: Push, name: str = "") -> str:
     """Return a constant force in words. name: of the body, where there are several."""
     during = f" from {number(push.start)} s" if push.start else ""
     during += f" until {number(push.end)} s" if math.isfinite(push.end) else ""
-    where = f" at {_vector(push.point)} m from the centre of mass" if any(push.point) else ""
-    return f"pushed {f'{name} ' if name else ''}with {_vector(push.force)} N{where}{during}"
+    where = f" at {vector(push.point)} m from the centre of mass" if any(push.point) else ""
+    return f"pushed {f'{name} ' if name else ''}with {vector(push.force)} N{where}{during}"
 
 
 def _touching(friction: float, restitution: float) -> str:
     rough = "friction so large that nothing slips" if math.isinf(friction) else f"friction coefficient {number(friction)}"
     return f"{rough} and coefficient of restitution {number(restitution)}"
-
-
-def _vector(components: Sequence[float]) -> str:
-    return f"({', '.join(map(number, components))})"
