@@ -161,10 +161,6 @@ class InitialTable(Table):
     angular_velocity: Vector | None = Field(default=None, description="X, Y, Z in the body frame, rad/s")
 
 
-#: What `friction` says where nothing slips.
-NO_SLIP = "no-slip"
-
-
 def _kind_of_friction(value: Any) -> str:
     return "word" if isinstance(value, str) else "coefficient"
 
