@@ -1,10 +1,13 @@
-"""Suggest the closest known name for a misspelled one."""
+"""Names in messages: the closest known one for one that is misspelled, and the first of those that are allowed."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from difflib import get_close_matches
 
 #: Longer words get no suggestion, because the comparison would take too long.
 MAX_WORD_LENGTH = 100
+
+#: The most names that a message lists.
+MAX_LISTED = 20
 
 
 def did_you_mean(word: str, known: Collection[str]) -> str:
@@ -18,3 +21,8 @@ def did_you_mean(word: str, known: Collection[str]) -> str:
     alike = [name for name in known if name.casefold() in near]
     nearest = get_close_matches(word, alike, n=1, cutoff=0)
     return f"; did you mean {nearest[0]!r}?" if nearest else ""
+
+
+def first_names(names: Sequence[str]) -> list[str]:
+    """Return the names that a message lists: the first ones, and an ellipsis for all others."""
+    return [*names[:MAX_LISTED], *(["…"] if len(names) > MAX_LISTED else [])]

@@ -11,20 +11,17 @@ from typing import Any
 import numpy as np
 
 from bodycheck.casefile import grammar
-from bodycheck.casefile.raw_values import mapping, number
+from bodycheck.casefile.raw_values import mapping, number, tables_of
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import MAX_CONTACTS, MAX_PUSHES
 from bodycheck.reference.mechanisms.mechanism import WORLD, PairContact
 from bodycheck.reference.scene import Plane, Push, Quaternion, Shape, Vector
 from bodycheck.reference.support import reach
-from bodycheck.suggestion import did_you_mean
+from bodycheck.suggestion import did_you_mean, first_names
 
 #: The name of the body of a file of format 1, and that of the plane among the bodies.
 BODY = "body"
 PLANE = "plane"
-
-#: The most names that a message lists.
-MAX_LISTED = 20
 
 
 def surroundings_faults(document: Mapping[str, Any], names: Sequence[str]) -> Iterator[tuple[Path, str]]:
@@ -33,12 +30,11 @@ def surroundings_faults(document: Mapping[str, Any], names: Sequence[str]) -> It
     The raw document may have any other faults too.
     """
     scene = mapping(document.get("scene"))
-    contacts, pushes = scene.get("contacts"), scene.get("push")
-    for index, contact in enumerate(contacts[:MAX_CONTACTS] if isinstance(contacts, list) else []):
-        for path, message in _of_contact(mapping(contact), names, "plane" in scene):
+    for index, contact in enumerate(tables_of(scene, "contacts", MAX_CONTACTS)):
+        for path, message in _of_contact(contact, names, "plane" in scene):
             yield ("scene", "contacts", index, *path), message
-    for index, push in enumerate(pushes[:MAX_PUSHES] if isinstance(pushes, list) else []):
-        if "until" in mapping(push) and number(push["until"]) <= number(push.get("from")):
+    for index, push in enumerate(tables_of(scene, "push", MAX_PUSHES)):
+        if "until" in push and number(push["until"]) <= number(push.get("from")):
             yield ("scene", "push", index, "until"), "must be later than from"
     plane = mapping(scene.get("plane"))
     if plane.get("law") == "decoupled" and plane.get("pressure") == "balanced":
@@ -55,7 +51,7 @@ def _of_contact(contact: Mapping[str, Any], names: Sequence[str], on_plane: bool
         return
     for place, pattern in enumerate(pair):
         if pattern != PLANE and not any(fnmatchcase(name, pattern) for name in names):
-            shown = ", ".join([PLANE, *names[:MAX_LISTED], *(["…"] if len(names) > MAX_LISTED else [])])
+            shown = ", ".join([PLANE, *first_names(names)])
             yield ("bodies", place), f"there is no such body; allowed: {shown}{did_you_mean(pattern, [PLANE, *names])}"
     if pair[0] == pair[1] and (pair[0] == PLANE or "*" not in pair[0]):
         yield ("bodies",), "a contact is of two different bodies"

@@ -6,19 +6,16 @@ from typing import Any
 from bodycheck.casefile.body_faults import body_faults
 from bodycheck.casefile.contradictions import run_faults, start_faults
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, MAX_LOOPS, WORLD, with_shape
-from bodycheck.casefile.raw_values import mapping, numbers
+from bodycheck.casefile.raw_values import mapping, numbers, tables_of
 from bodycheck.casefile.surroundings import surroundings_faults
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import MAX_PUSHES
-from bodycheck.suggestion import did_you_mean
-
-#: The most names that a message lists.
-MAX_LISTED = 20
+from bodycheck.suggestion import did_you_mean, first_names
 
 
 def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
     """Yield the faults between keys, as pairs of path and message. The raw document may have any other faults too."""
-    bodies, joints = _tables(document, "bodies", MAX_BODIES), _tables(document, "joints", MAX_BODIES)
+    bodies, joints = tables_of(document, "bodies", MAX_BODIES), tables_of(document, "joints", MAX_BODIES)
     if "model" not in document:
         if document.get("bodies", []) == []:
             yield ("bodies",), "is missing; a mechanism has [[bodies]], or a [model] with a file"
@@ -35,17 +32,11 @@ def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
         for path, message in (*_of_joint(joint, names), *_of_child(index, joint, joints, holder)):
             yield ("joints", index, *path), message
     yield from _circles(joints)
-    for index, loop in enumerate(_tables(document, "loops", MAX_LOOPS)):
+    for index, loop in enumerate(tables_of(document, "loops", MAX_LOOPS)):
         for path, message in _of_loop(loop, names):
             yield ("loops", index, *path), message
     yield from _of_surroundings(document, names)
     yield from run_faults(document)
-
-
-def _tables(document: Mapping[str, Any], name: str, most: int) -> list[dict[str, Any]]:
-    """Return the tables of an array, as many of them as there may be."""
-    value = document.get(name)
-    return [mapping(item) for item in value[:most]] if isinstance(value, list) else []
 
 
 def _twice(name: str, tables: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Path, str]]:
@@ -130,9 +121,7 @@ def _circles(joints: Sequence[Mapping[str, Any]]) -> Iterator[tuple[Path, str]]:
         if body in way:
             names = list(way)
             circle = names[names.index(body) :]
-            round_ = " <- ".join(
-                [*map(_quoted, circle[:MAX_LISTED]), *(["…"] if len(circle) > MAX_LISTED else []), _quoted(body)]
-            )
+            round_ = " <- ".join([*map(_quoted, first_names(circle)), _quoted(body)])
             first = min(way[name] for name in circle)
             yield (
                 ("joints", first, "parent"),
@@ -157,7 +146,7 @@ def _of_surroundings(document: Mapping[str, Any], names: Sequence[str]) -> Itera
     scene = mapping(document.get("scene"))
     if "plane" in scene and (document.get("joints") or "model" in document):
         yield ("scene", "plane"), "bodies on joints touch nothing; allowed: a plane, or joints"
-    for index, push in enumerate(_tables(scene, "push", MAX_PUSHES)):
+    for index, push in enumerate(tables_of(scene, "push", MAX_PUSHES)):
         if "body" not in push and len(names) > 1:
             yield ("scene", "push", index, "body"), f"is missing; allowed: {_listed(names)}"
         elif "body" in push and (fault := _unknown(push["body"], names)) is not None:
@@ -172,7 +161,7 @@ def _unknown(name: Any, names: Sequence[str]) -> str | None:
 
 
 def _listed(names: Sequence[str]) -> str:
-    return ", ".join([*names[:MAX_LISTED], *(["…"] if len(names) > MAX_LISTED else [])]) or "no body, as there is none"
+    return ", ".join(first_names(names)) or "no body, as there is none"
 
 
 def _quoted(name: Any) -> str:
