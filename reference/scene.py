@@ -6,8 +6,9 @@ cheap to send to another process.
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, SupportsFloat
 
 if TYPE_CHECKING:
     from bodycheck.reference.definition import Definition
@@ -17,6 +18,12 @@ Vector = tuple[float, float, float]
 
 #: The components w, x, y, z of a quaternion.
 Quaternion = tuple[float, float, float, float]
+
+
+def vector_of(components: Iterable[SupportsFloat]) -> Vector:
+    """Three components as doubles, such as those of an array (3,) of any floating-point type."""
+    x, y, z = components
+    return float(x), float(y), float(z)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from bodycheck.casefile.raw_values import mapping, number, tables_of
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import MAX_CONTACTS, MAX_PUSHES
 from bodycheck.reference.mechanisms.mechanism import WORLD, PairContact
-from bodycheck.reference.scene import Plane, Push, Quaternion, Shape, Vector
+from bodycheck.reference.scene import Plane, Push, Quaternion, Shape, Vector, vector_of
 from bodycheck.reference.support import reach
 from bodycheck.suggestion import did_you_mean, first_names
 
@@ -106,8 +106,7 @@ def position_on(plane: Plane | None, shape: Shape | None, quaternion: Quaternion
     if plane is None or shape is None:
         return 0.0, 0.0, 0.0
     height = float(reach(shape, np.array([quaternion]), plane.normal)[0])
-    x, y, z = (height * part for part in plane.normal)
-    return x, y, z
+    return vector_of(height * part for part in plane.normal)
 
 
 def _coefficient(friction: float | str) -> float:

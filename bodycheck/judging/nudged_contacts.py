@@ -12,7 +12,7 @@ import numpy as np
 from bodycheck.figures.scales import largest
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import AnyScene, BodyStart, JointedBody, Mechanism
-from bodycheck.reference.scene import Plane, Vector
+from bodycheck.reference.scene import Plane, Vector, vector_of
 from bodycheck.reference.trajectory import Array, Trajectory
 
 Change = Callable[[Vector], Vector]
@@ -35,12 +35,10 @@ def nudged_contacts(scene: AnyScene, trajectory: Trajectory, amount: float, rand
     faster = 1.0 + amount * random.choice([-1.0, 1.0])
 
     def beside(position: Vector) -> Vector:
-        x, y, z = (np.array(position) + along).tolist()
-        return x, y, z
+        return vector_of(np.array(position) + along)
 
     def scaled(velocity: Vector) -> Vector:
-        x, y, z = (faster * np.array(velocity)).tolist()
-        return x, y, z
+        return vector_of(faster * np.array(velocity))
 
     if isinstance(scene, Mechanism):
         return replace(scene, bodies=tuple(_body(body, beside, scaled) for body in scene.bodies))
@@ -63,6 +61,6 @@ def _direction(plane: Plane, random: np.random.Generator) -> Array:
 
 def _body(body: JointedBody, beside: Change, scaled: Change) -> JointedBody:
     start = BodyStart() if body.start is None else body.start
-    a, b, c = (float(rate) for rate in exact.rates(start.attitude, start.rotation))
-    moved = replace(start, position=beside(start.position), velocity=scaled(start.velocity), rotation=scaled((a, b, c)))
+    rates = vector_of(exact.rates(start.attitude, start.rotation))
+    moved = replace(start, position=beside(start.position), velocity=scaled(start.velocity), rotation=scaled(rates))
     return replace(body, start=moved)

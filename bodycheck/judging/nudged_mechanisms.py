@@ -9,7 +9,7 @@ from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.mechanisms import exact, kinematics
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.mechanism import BodyStart, Joint, JointedBody, Mechanism
-from bodycheck.reference.scene import Vector
+from bodycheck.reference.scene import Vector, vector_of
 from bodycheck.reference.trajectory import Array, Trajectory
 
 
@@ -52,16 +52,15 @@ def _body(body: JointedBody, states: Trajectory, amount: float, random: np.rando
 
     def beside(given: Vector, size: float) -> Vector:
         direction = random.normal(size=3)
-        x, y, z = (np.array(given) + amount * size * direction / np.linalg.norm(direction)).tolist()
-        return x, y, z
+        return vector_of(np.array(given) + amount * size * direction / np.linalg.norm(direction))
 
-    a, b, c = (float(rate) for rate in exact.rates(start.attitude, start.rotation))
+    rates = vector_of(exact.rates(start.attitude, start.rotation))
     w, x, y, z = multiply(np.array(exact.nearest_turn(start.attitude)), _turned(amount / 2, random)).tolist()
     moved = BodyStart(
         beside(start.position, largest(states.position)),
         (w, x, y, z),
         beside(start.velocity, largest(states.velocity)),
-        beside((a, b, c), largest(states.angular_velocity)),
+        beside(rates, largest(states.angular_velocity)),
     )
     return replace(body, start=moved)
 

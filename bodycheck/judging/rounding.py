@@ -24,7 +24,7 @@ from bodycheck.judging.nudged_mechanisms import nudged_mechanism
 from bodycheck.reference.kinematics import multiply, normalise
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.requirements import touches
-from bodycheck.reference.scene import State, Vector
+from bodycheck.reference.scene import State, vector_of
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Truth
 from bodycheck.running.outcome import Completed, Run
@@ -74,10 +74,10 @@ def nudged(case: Case, run: Run, seed: int) -> Case:
     turn = multiply(np.concatenate([[1.0], step(about, 0.5)]), np.array(initial.quaternion))
     w, x, y, z = normalise(turn).tolist()
     state = State(
-        _vector(np.array(initial.position) + step(within, largest(trajectory.position))),
+        vector_of(np.array(initial.position) + step(within, largest(trajectory.position))),
         (w, x, y, z),
-        _vector(np.array(initial.velocity) + step(within, largest(trajectory.velocity))),
-        _vector(np.array(initial.angular_velocity) + step(about, largest(trajectory.angular_velocity))),
+        vector_of(np.array(initial.velocity) + step(within, largest(trajectory.velocity))),
+        vector_of(np.array(initial.angular_velocity) + step(about, largest(trajectory.angular_velocity))),
     )
     return replace(case, scene=replace(scene, initial=state), expectations=())
 
@@ -133,8 +133,3 @@ def _unit_of_rounding(trajectory: Trajectory) -> float:
     with np.errstate(over="ignore"):
         single = np.array_equal(states.astype(np.float32), states)
     return 2.0**-24 if single else 2.0**-53
-
-
-def _vector(values: Array) -> Vector:
-    x, y, z = values.tolist()
-    return x, y, z

@@ -18,7 +18,7 @@ from bodycheck.reference.exact.start import start
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.amplification import amplification
 from bodycheck.reference.kinematics import conjugate, rotate
-from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Quaternion, Scene, Sphere, State, Vector
+from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Quaternion, Scene, Sphere, State, Vector, vector_of
 from bodycheck.reference.support import reach
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
@@ -103,7 +103,7 @@ def _alone(body: ContactBody) -> Scene:
     a, b, c = map(float, body.moments)
     w, x, y, z = map(float, body.quaternion)
     attitude: Quaternion = (w, x, y, z)
-    return Scene(Body(float(body.mass), (a, b, c)), State(quaternion=attitude, angular_velocity=_vector(body.spin)))
+    return Scene(Body(float(body.mass), (a, b, c)), State(quaternion=attitude, angular_velocity=vector_of(body.spin)))
 
 
 def _gaps(problem: Problem, body: ContactBody, times: Array) -> WideArray:
@@ -176,7 +176,7 @@ def _impact(problem: Problem, body: ContactBody, instant: float) -> Event:
     closing = max(float(before) / step, math.sqrt(2 * high * abs(float(problem.gravity[2]))), np.finfo(float).tiny)
     unknown = (math.nan, math.nan, math.nan)
     error = 8 * EPS * instant + 2 * high / closing
-    return Event("impact", instant, error, 0, _vector(position[0]), unknown, unknown, -float(velocity[0, 2]))
+    return Event("impact", instant, error, 0, vector_of(position[0]), unknown, unknown, -float(velocity[0, 2]))
 
 
 def _states(problem: Problem, body: ContactBody, times: Array, until: float, events: tuple[Event, ...]) -> ContactMotion:
@@ -204,8 +204,3 @@ def _states(problem: Problem, body: ContactBody, times: Array, until: float, eve
         "free flight until the first touch, then inequalities",
         "the motion after an impact beside the centre of mass, or at several points, follows from no law",
     )
-
-
-def _vector(values: WideArray) -> Vector:
-    x, y, z = map(float, values)
-    return x, y, z

@@ -12,7 +12,7 @@ from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.mechanisms import ways
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.scene import Vector
+from bodycheck.reference.scene import Vector, vector_of
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import Computed, Truth
 from bodycheck.reference.witness import WideArray, conserved_errors
@@ -91,5 +91,4 @@ def _event_in_world(event: Event, turn: WideArray) -> Event:
 
 
 def _vector(turn: WideArray, given: Vector) -> Vector:
-    x, y, z = rotate(turn, np.array(given, dtype=turn.dtype)).tolist()
-    return float(x), float(y), float(z)
+    return vector_of(rotate(turn, np.array(given, dtype=turn.dtype)))

@@ -13,7 +13,7 @@ from bodycheck.adapters.links import carried, link_of, state_in
 from bodycheck.reference.inertia import inertia_tensor
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.principal_frame import IDENTITY
-from bodycheck.reference.scene import Body, Quaternion, Scene, Vector
+from bodycheck.reference.scene import Body, Quaternion, Scene, Vector, vector_of
 from bodycheck.reference.trajectory import Array
 
 #: How far apart the centres of mass of two links are: mu d^T S^-1 d of `split`, which is 1 where nothing else is left of them.
@@ -96,8 +96,8 @@ def split(body: Body, share: float, position: Vector, quaternion: Quaternion) ->
     aside = rotate(back, (1 - share) * apart - np.array(position))
     turned = rotate(back, rotate(back, share * own).T)
     return (
-        Link((1 - share) * body.mass, _components((1 - share) * own), _vector(-share * apart)),
-        Link(share * body.mass, _components(turned), _vector(aside), position, quaternion),
+        Link((1 - share) * body.mass, _components((1 - share) * own), vector_of(-share * apart)),
+        Link(share * body.mass, _components(turned), vector_of(aside), position, quaternion),
     )
 
 
@@ -116,11 +116,6 @@ def along_principal_axes(given: Representation, rows: Array) -> Array:
     The columns of both are those of `bodycheck.adapters.contract.Simulation.advance`.
     """
     return carried(rows, given.centre, given.axes)
-
-
-def _vector(components: Array) -> Vector:
-    x, y, z = components.tolist()
-    return x, y, z
 
 
 def _components(tensor: Array) -> tuple[float, float, float, float, float, float]:

@@ -12,7 +12,7 @@ import numpy as np
 from bodycheck.adapters.contract import SceneUnsupported
 from bodycheck.reference.kinematics import conjugate, geodesic_angle, multiply, rotate
 from bodycheck.reference.requirements import touches
-from bodycheck.reference.scene import Quaternion, Scene, Vector
+from bodycheck.reference.scene import Quaternion, Scene, vector_of
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: Why there are no copies of bodies that touch otherwise than one that lies flat on a level plane.
@@ -38,7 +38,7 @@ def turned(scene: Scene, count: int) -> list[Scene]:
     position, velocity = (rotate(by, np.array(part)).tolist() for part in (initial.position, initial.velocity))
     quaternion = multiply(by, np.array(initial.quaternion)).tolist()
     copies = [
-        replace(scene, initial=replace(initial, position=_vector(p), quaternion=_quaternion(q), velocity=_vector(v)))
+        replace(scene, initial=replace(initial, position=vector_of(p), quaternion=_quaternion(q), velocity=vector_of(v)))
         for p, q, v in zip(position, quaternion, velocity, strict=True)
     ]
     return [scene, *copies[1:]]
@@ -57,11 +57,6 @@ def errors(states: Array, truth: Trajectory) -> tuple[Array, Array]:
     back = conjugate(turns(len(states)))[:, None]
     apart = rotate(back, states[..., :3]) - truth.position
     return np.linalg.norm(apart, axis=-1), geodesic_angle(multiply(back, states[..., 3:7]), truth.quaternion)
-
-
-def _vector(components: list[float]) -> Vector:
-    x, y, z = components
-    return x, y, z
 
 
 def _quaternion(components: list[float]) -> Quaternion:

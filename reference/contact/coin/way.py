@@ -15,7 +15,7 @@ from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.integration.collocation import integrate
 from bodycheck.reference.kinematics import rotate
-from bodycheck.reference.scene import Vector
+from bodycheck.reference.scene import vector_of
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray, angle_between
 
@@ -178,7 +178,7 @@ def _event(given: Coin, end: End, slack_error: float) -> Event:
     time = float(end.time * given.time)
     error = _SAFETY * slack_error / max(abs(end.rate), _GRAZING) * float(given.time) + EPS * time
     along = rotate(quaternion, spin)[0]
-    return Event("slip", time, error, 0, _vector(position[0]), _vector(velocity[0]), _vector(along))
+    return Event("slip", time, error, 0, vector_of(position[0]), vector_of(velocity[0]), vector_of(along))
 
 
 def _reason(given: Coin, end: End | None) -> str:
@@ -190,11 +190,6 @@ def _reason(given: Coin, end: End | None) -> str:
     if end is None or end.kind == "slip":
         return REASON
     return f"{REASON}, until its face or its side meets the plane at t = {float(end.time * given.time):.12g} s"
-
-
-def _vector(values: WideArray) -> Vector:
-    x, y, z = values.astype(float).tolist()
-    return x, y, z
 
 
 def _in_units(given: Coin, poses: _Poses) -> _Poses:

@@ -18,7 +18,7 @@ from bodycheck.reference.contact.problem import NONE, ContactBody, Problem, hold
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Real, Wide, wide
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
-from bodycheck.reference.scene import Brick, Sphere, Vector
+from bodycheck.reference.scene import Brick, Sphere, vector_of
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
 
@@ -81,8 +81,8 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
     if kind is None or until > times[-1]:
         return made
     there = _states(scene, found, np.array([until]), math.inf)
-    position, velocity = (_vector(rows[place, 0]) for rows in (there.position, there.velocity))
-    spin = _vector(rotate(there.quaternion, there.spin)[place, 0])
+    position, velocity = (vector_of(rows[place, 0]) for rows in (there.position, there.velocity))
+    spin = vector_of(rotate(there.quaternion, there.spin)[place, 0])
     return replace(made, events=(Event(kind, until, 4 * EPS * until, place, position, velocity, spin),))
 
 
@@ -284,8 +284,3 @@ def _states(scene: Pushed, found: Accelerations, times: Array, until: float) -> 
         "all accelerations are constant while box and spheres slide or roll on",
         friction=found.friction,
     )
-
-
-def _vector(values: WideArray) -> Vector:
-    x, y, z = map(float, values)
-    return x, y, z

@@ -14,7 +14,7 @@ from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.kinematics import conjugate, dot, multiply, normalise, rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD
-from bodycheck.reference.scene import Vector
+from bodycheck.reference.scene import vector_of
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
 
@@ -102,18 +102,13 @@ def _events(of: Ball, found: Course) -> tuple[Event, ...]:
             float(change.moment.time),
             float(error),
             0,
-            _vector(change.moment.position),
-            _vector(change.moment.velocity),
-            _vector(change.moment.spin),
+            vector_of(change.moment.position),
+            vector_of(change.moment.velocity),
+            vector_of(change.moment.spin),
             float(change.normal_speed),
         )
         for change, error in zip(found.changes, event_errors(of, found), strict=True)
     )
-
-
-def _vector(values: WideArray) -> Vector:
-    x, y, z = values.tolist()
-    return float(x), float(y), float(z)
 
 
 def _friction(of: Ball, found: Course) -> float:
