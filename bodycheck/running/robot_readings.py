@@ -78,19 +78,6 @@ def reader(engines: Sequence[str], jobs: int, limit: float = TIME_LIMIT_S) -> It
         yield read_file
 
 
-def read_all(
-    engines: Sequence[str],
-    file: RobotFile,
-    states: Sequence[RobotState],
-    gravity: Vector,
-    limit: float = TIME_LIMIT_S,
-    jobs: int = 1,
-) -> dict[str, Answer]:
-    """Return what engines make of one file, by their names; parameters are those of `reader`."""
-    with reader(engines, jobs, limit) as read_file:
-        return read_file(file, states, gravity)
-
-
 def read(call: Call) -> RobotReading | Refused | FormatMissing:
     """Return what an engine makes of a file, in the process where the engine lives."""
     adapter = registry.load(call.engine)
@@ -126,12 +113,6 @@ def compiler(limit: float = TIME_LIMIT_S) -> Iterator[Callable[[str], RobotModel
     """Provide a function from the path of an MJCF file to the model that MuJoCo, which defines the format, makes of it."""
     with pool.caller(_compiled, limit, group=_mujoco, home=home) as call:
         yield call
-
-
-def compiled(path: str, limit: float = TIME_LIMIT_S) -> RobotModel | Refused | Crashed | TimedOut:
-    """Return the model that MuJoCo makes of an MJCF file."""
-    with compiler(limit) as call:
-        return call(path)
 
 
 def _compiled(path: str) -> RobotModel | Refused:

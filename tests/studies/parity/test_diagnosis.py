@@ -23,9 +23,6 @@ from tests.support.robot_trees import random_rotation, random_tree
 #: Differences that are no rounding: the reference computes both sides, in which rounding leaves some 1e-16.
 TOLERANCE = 1e-10
 
-#: Faults in what an engine tells of its joints alone, which an engine that tells nothing of them shows by its forces.
-BY_NAME = {fault.name: fault for fault in FAULTS}
-
 
 def rows(file: RobotModel, engine: RobotModel, count: int = 12, **options: object) -> tuple[Compared, ...]:
     states = seeded_states(file, count, 0)
