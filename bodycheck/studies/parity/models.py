@@ -11,10 +11,9 @@ from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.casefile.case import load
 from bodycheck.casefile.finding import is_case_file
 from bodycheck.errors import BadInput
-from bodycheck.files import reading
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.robots.model import RobotModel
-from bodycheck.robots import urdf
+from bodycheck.robots import elements, urdf
 from bodycheck.robots.checked import checked
 from bodycheck.robots.faults import FileFault
 from bodycheck.robots.from_mechanism import robot_model
@@ -22,9 +21,6 @@ from bodycheck.robots.mjcf_text import mjcf
 from bodycheck.robots.urdf_text import urdf as urdf_text
 from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.running.robot_readings import Refused
-
-#: The largest file of a robot, in bytes.
-MAX_BYTES = 1 << 26
 
 #: A function from the path of an MJCF to the model that the engine makes of it which defines the format.
 Compile = Callable[[str], RobotModel | Refused | Crashed | TimedOut]
@@ -108,7 +104,7 @@ def robot(name: str, path: Path, packages: Sequence[Path], into: Path, compile_:
             return Robot(name, str(path), copy.file, compiled, (), True, copy.removed)
         fault = FileFault("model", "", f"{path}: {compiled.reason}")
         return Robot(name, str(path), copy.file, None, (fault,), True, copy.removed)
-    found = urdf.read(reading.content(path, MAX_BYTES, follow=True), path.name)
+    found = urdf.read(elements.content(path), path.name)
     return Robot(name, str(path), copy.file, found.model, found.faults, False, copy.removed)
 
 
