@@ -55,6 +55,9 @@ class Call:
 #: A function from a file, states and gravity to the answers of all engines by name.
 Reader = Callable[[RobotFile, Sequence[RobotState], Vector], dict[str, Answer]]
 
+#: A function from the path of an MJCF to the model that the engine makes of it which defines the format.
+Compile = Callable[[str], RobotModel | Refused | Crashed | TimedOut]
+
 
 @contextmanager
 def reader(engines: Sequence[str], jobs: int, limit: float = TIME_LIMIT_S) -> Iterator[Reader]:
@@ -109,7 +112,7 @@ def check_shapes(reading: RobotReading, states: int) -> None:
 
 
 @contextmanager
-def compiler(limit: float = TIME_LIMIT_S) -> Iterator[Callable[[str], RobotModel | Refused | Crashed | TimedOut]]:
+def compiler(limit: float = TIME_LIMIT_S) -> Iterator[Compile]:
     """Provide a function from the path of an MJCF file to the model that MuJoCo, which defines the format, makes of it."""
     with pool.caller(_compiled, limit, group=_mujoco, home=home) as call:
         yield call

@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -19,11 +19,7 @@ from bodycheck.robots.faults import FileFault
 from bodycheck.robots.from_mechanism import robot_model
 from bodycheck.robots.mjcf_text import mjcf
 from bodycheck.robots.urdf_text import urdf as urdf_text
-from bodycheck.running.outcome import Crashed, TimedOut
-from bodycheck.running.robot_readings import Refused
-
-#: A function from the path of an MJCF to the model that the engine makes of it which defines the format.
-Compile = Callable[[str], RobotModel | Refused | Crashed | TimedOut]
+from bodycheck.running.robot_readings import Compile
 
 
 @dataclass(frozen=True, eq=False)

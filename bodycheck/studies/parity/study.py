@@ -15,10 +15,10 @@ from bodycheck.reference.robots.state import VELOCITIES
 from bodycheck.reference.robots.states import seeded_states
 from bodycheck.robots.elements import printable
 from bodycheck.running import robot_readings
-from bodycheck.running.robot_readings import Answer, FormatMissing, Reader
+from bodycheck.running.robot_readings import Answer, Compile, FormatMissing, Reader
 from bodycheck.studies.parity.comparing import Asked, asked, compare
 from bodycheck.studies.parity.diagnosis.explaining import diagnosed
-from bodycheck.studies.parity.models import Compile, Robot, named, robot
+from bodycheck.studies.parity.models import Robot, named, robot
 from bodycheck.studies.parity.motion import sentence
 from bodycheck.studies.parity.quantities import FILE, MODEL, QUANTITIES, Quantity
 from bodycheck.studies.parity.rows import Compared, ParityRow, row
