@@ -42,7 +42,7 @@ def render(
         "skipped": len(unchecked) - lost + len(untested),
         "time": _seconds(rows),
     }
-    root = _element("testsuites", name="bodycheck", **counts)
+    root = element("testsuites", name="bodycheck", **counts)
     suite = _sub(root, "testsuite", name="bodycheck", timestamp=header["started"], **counts)
     versions = {"bodycheck": header["bodycheck"], **header["engines"]}
     _properties(suite, {f"version of {name}": version for name, version in versions.items()})
@@ -64,6 +64,11 @@ def render(
     for name in untested:
         test = _sub(suite, "testcase", classname=name, name="expectations")
         _sub(test, "skipped", message="none of its runs has expectations: nothing was checked")
+    return document(root)
+
+
+def document(root: Element) -> str:
+    """Return the text of an XML document with a root, which is indented."""
     ElementTree.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
@@ -79,14 +84,15 @@ def _seconds(rows: Sequence[Mapping[str, Any]]) -> str:
     return f"{sum(row.get('wall_time', 0.0) for row in rows):.6f}"
 
 
-def _element(tag: str, **attributes: Any) -> Element:
+def element(tag: str, **attributes: Any) -> Element:
+    """Return an element whose attributes are values as text that XML can hold."""
     return Element(tag, {name: clean(str(value)) for name, value in attributes.items()})
 
 
 def _sub(parent: Element, tag: str, **attributes: Any) -> Element:
-    element = _element(tag, **attributes)
-    parent.append(element)
-    return element
+    made = element(tag, **attributes)
+    parent.append(made)
+    return made
 
 
 def clean(text: str) -> str:

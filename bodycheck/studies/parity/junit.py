@@ -2,12 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
-from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 from bodycheck.files import writing
-from bodycheck.reports.runs.junit import clean
+from bodycheck.reports.runs.junit import clean, document, element
 from bodycheck.running.header import Header
 from bodycheck.studies.parity.quantities import FILE
 from bodycheck.studies.parity.rows import ParityRow, failed
@@ -29,12 +27,11 @@ def render(found: Sequence[Parity], header: Header) -> str:
         "errors": 0,
         "skipped": sum(test.find("skipped") is not None for test in tests),
     }
-    root = _element("testsuites", name="bodycheck", **counts)
-    suite = _element("testsuite", name="bodycheck parity", timestamp=header["started"], **counts)
+    root = element("testsuites", name="bodycheck", **counts)
+    suite = element("testsuite", name="bodycheck parity", timestamp=header["started"], **counts)
     suite.extend(tests)
     root.append(suite)
-    ElementTree.indent(root)
-    return '<?xml version="1.0" encoding="utf-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+    return document(root)
 
 
 def _tests(one: Parity) -> Iterator[Element]:
@@ -45,20 +42,16 @@ def _tests(one: Parity) -> Iterator[Element]:
 
 
 def _test(one: Parity, engine: str, rows: Sequence[ParityRow], told: Sequence[str]) -> Element:
-    test = _element("testcase", classname=one.name, name=engine, time="0.000000")
+    test = element("testcase", classname=one.name, name=engine, time="0.000000")
     text = "\n".join(told)
     if any(map(failed, rows)):
-        failure = _element("failure", type="parity", message="; ".join(told))
+        failure = element("failure", type="parity", message="; ".join(told))
         failure.text = clean("\n".join([text, *(_line(row) for row in rows if failed(row))]))
         test.append(failure)
     elif all(row.status == "not-modelled" for row in rows):
-        test.append(_element("skipped", message=text))
+        test.append(element("skipped", message=text))
     return test
 
 
 def _line(row: ParityRow) -> str:
     return f"{row.quantity or ''} {row.subject}: {row.engine_value} instead of {row.truth_value} {row.cause}"
-
-
-def _element(tag: str, **attributes: Any) -> Element:
-    return Element(tag, {name: clean(str(value)) for name, value in attributes.items()})
