@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from bodycheck.casefile.finding import is_case_file
-from bodycheck.runner_log import harmless
+from bodycheck.runner_log import harmless, printable
 
 if TYPE_CHECKING:
     from bodycheck.adapters.contract import Method
@@ -177,7 +177,7 @@ class CaseFile(pytest.File):
         try:
             case = load(self.path)
         except CaseFaults as error:
-            faults = _printable("\n".join(str(replace(fault, file=shown)) for fault in error.faults))
+            faults = printable("\n".join(str(replace(fault, file=shown)) for fault in error.faults))
             raise self.CollectError(faults) from error
         if not case.expectations:
             self.config.stash[BARE_FILES][self.nodeid] = None
@@ -220,7 +220,7 @@ class CaseItem(pytest.Item):
         verdict = _verdict(self.case, self.engine, self.method, _perform(self.config))
         figures = [(name, value) for name, value in verdict.row().items() if name not in ("passed", "reason")]
         known = [(KNOWN_PROPERTY, judged.text) for judged in verdict.judged if judged.expectation.known and judged.held]
-        self.user_properties += [(name, _printable(str(value))) for name, value in figures + known]
+        self.user_properties += [(name, printable(str(value))) for name, value in figures + known]
         if not verdict.passed:
             raise Broken(verdict)
 
@@ -231,7 +231,7 @@ class CaseItem(pytest.Item):
             case Broken(verdict=verdict):
                 return self._explained(verdict)
             case BadInput() as error:
-                return _printable(f"{_user_path(self.path, self.config)}:{self.line}: integrator: {error}")
+                return printable(f"{_user_path(self.path, self.config)}:{self.line}: integrator: {error}")
         return super().repr_failure(excinfo)
 
     def reportinfo(self) -> tuple[Path, int, str]:
@@ -261,7 +261,7 @@ class CaseItem(pytest.Item):
             for step in steps(verdict, judged, shown, place):
                 lines += [f"    {step.why}:", f"        {step.what}"]
         lines += ["", f"All figures and curves: {shlex.join(command)} --timestep {run.method.timestep!r} --out results"]
-        return _printable("\n".join(lines))
+        return printable("\n".join(lines))
 
 
 class Broken(Exception):
@@ -346,8 +346,3 @@ def _user_path(path: Path, config: pytest.Config) -> str:
         return os.path.relpath(path, config.invocation_params.dir)
     except ValueError:  # on another drive
         return str(path)
-
-
-def _printable(text: str) -> str:
-    """Return a text with control characters and commands to runners escaped: an engine's messages may contain them."""
-    return harmless("".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode("ascii") for c in text))

@@ -22,6 +22,11 @@ def harmless(text: str) -> str:
     return COMMAND.sub(lambda found: rf"{found[1]}\u003a" if found[1] else rf"{found[2]}\u0023", text)
 
 
+def printable(text: str) -> str:
+    """Return a text of whole lines with control characters and commands to runners escaped."""
+    return harmless("".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode("ascii") for c in text))
+
+
 class Guarded:
     """A stream that writes whole lines, after `harmless`, to another one."""
 

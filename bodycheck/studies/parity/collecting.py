@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from bodycheck.runner_log import harmless
+from bodycheck.runner_log import harmless, printable
 
 if TYPE_CHECKING:
     from bodycheck.studies.parity.study import Parity
@@ -49,9 +49,9 @@ class ModelItem(pytest.Item):
 
         match excinfo.value:
             case Different(found=found):
-                return _printable(_explained(found))
+                return printable(_explained(found))
             case BadInput() as error:
-                return _printable(str(error))
+                return printable(str(error))
         return super().repr_failure(excinfo)
 
     def reportinfo(self) -> tuple[Path, None, str]:
@@ -99,8 +99,3 @@ def _compare(config: pytest.Config) -> "Callable[[Path], Parity]":
 
         config.stash[COMPARE_KEY] = compare
     return config.stash[COMPARE_KEY]
-
-
-def _printable(text: str) -> str:
-    """Return a text with control characters and commands to runners escaped: a file and an engine may contain them."""
-    return harmless("".join(c if c.isprintable() or c == "\n" else c.encode("unicode_escape").decode("ascii") for c in text))
