@@ -1,10 +1,13 @@
-"""Rotations of frames of robot models in the 80-bit type: matrices, quaternions, and the axes of a plane."""
+"""Rotations of frames of robot models: matrices, quaternions, and the axes of a plane.
+
+`matrices` and `rotation_vector` keep the floating-point type of their input.
+"""
 
 from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.kinematics import normalise
+from bodycheck.reference.kinematics import Float, Floats, normalise
 from bodycheck.reference.robots.model import Wide
 
 
@@ -14,7 +17,7 @@ def about(axis: Wide, angle: Wide) -> Wide:
     return np.concatenate([np.cos(half)[:, None], np.sin(half)[:, None] * axis], axis=1)
 
 
-def matrices(turn: Wide) -> Wide:
+def matrices(turn: Floats[Float]) -> Floats[Float]:
     """Rotation matrices (n, 3, 3) of unit quaternions w, x, y, z (n, 4)."""
     w, x, y, z = turn.T
     entries = [
@@ -55,7 +58,7 @@ def plane_axes(normal: Wide) -> Wide:
     return np.asarray(matrices(normalise(np.array([[1 + z, -y, x, 0]], np.longdouble)))[0])
 
 
-def rotation_vector(turn: Wide) -> Wide:
+def rotation_vector(turn: Floats[Float]) -> Floats[Float]:
     """The vectors (n, 3) along the axes of rotations, whose lengths are their angles, at most pi; from quaternions (n, 4)."""
     nearer: Any = np.where(turn[:, :1] < 0, -turn, turn)
     sine = np.sqrt((nearer[:, 1:] ** 2).sum(axis=1, keepdims=True))

@@ -13,9 +13,10 @@ from typing import Literal, get_args
 import numpy as np
 
 from bodycheck.reference.robots.model import RobotModel
+from bodycheck.reference.robots.rotations import matrices
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.trajectory import Array
-from bodycheck.studies.parity.rotations import crossing, matrices
+from bodycheck.studies.parity.rotations import crossing
 from bodycheck.studies.parity.stacks import Stack
 
 Frame = Literal["joint", "child", "parent"]

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.reference.kinematics import conjugate, multiply, normalise
+from bodycheck.reference.kinematics import geodesic_angle, multiply, normalise
 from bodycheck.reference.robots.dynamics import terms, velocity_labels
 from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.robots.state import VELOCITIES, RobotState
@@ -139,7 +139,6 @@ def _apart(name: str, kind: str, one: Mapping[str, Array], other: Mapping[str, A
     if kind == "prismatic":
         return Drift(name, float(gap[0]) * 1e3, "mm")
     if (first := QUATERNIONS.get(kind)) is not None:
-        between = multiply(conjugate(one[name][first:]), other[name][first:])
-        angle = 2 * math.atan2(float(np.linalg.norm(between[1:])), abs(float(between[0])))
-        return Drift(name, math.degrees(angle), "°")
+        angle = geodesic_angle(one[name][first:], other[name][first:])
+        return Drift(name, math.degrees(float(angle)), "°")
     return Drift(name, math.degrees(float(gap[-1])), "°")

@@ -1,15 +1,9 @@
-"""Small matrices of rotations and twists in double precision, with any leading axes."""
+"""Poses in double precision, and the matrices of cross products, with any leading axes."""
 
 import numpy as np
 
-from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.kinematics import conjugate, geodesic_angle, multiply, normalise, rotate
 from bodycheck.reference.trajectory import Array
-
-
-def matrices(quaternions: Array) -> Array:
-    """Return the rotation matrices (..., 3, 3) of unit quaternions w, x, y, z (..., 4)."""
-    columns = [rotate(quaternions, np.broadcast_to(axis, (*quaternions.shape[:-1], 3))) for axis in np.eye(3)]
-    return np.stack(columns, axis=-1)
 
 
 def crossing(vectors: Array) -> Array:
@@ -17,14 +11,6 @@ def crossing(vectors: Array) -> Array:
     x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
     zero = np.zeros_like(x)
     return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*vectors.shape[:-1], 3, 3)
-
-
-def rotation_vectors(quaternions: Array) -> Array:
-    """Return the vectors (..., 3) along the axes of rotations whose lengths are their angles, of unit quaternions (..., 4)."""
-    nearer = np.where(quaternions[..., :1] < 0, -quaternions, quaternions)
-    sine = np.linalg.norm(nearer[..., 1:], axis=-1, keepdims=True)
-    angle = 2 * np.arctan2(sine, nearer[..., :1])
-    return np.asarray(nearer[..., 1:] * np.where(sine > 0, angle / np.where(sine > 0, sine, 1.0), 2.0))
 
 
 def relative(parent: Array, child: Array) -> Array:
@@ -43,3 +29,9 @@ def inverse(poses: Array) -> Array:
     """Return the inverse poses (..., 7)."""
     back = conjugate(poses[..., 3:])
     return np.concatenate([-rotate(back, poses[..., :3]), back], axis=-1)
+
+
+def gaps(one: Array, other: Array) -> tuple[Array, Array]:
+    """Return the distances (...) between the origins of poses (..., 7) (m), and the angles (...) between their axes (rad)."""
+    shift = np.linalg.norm(one[..., :3] - other[..., :3], axis=-1)
+    return shift, geodesic_angle(normalise(one[..., 3:]), normalise(other[..., 3:]))

@@ -14,7 +14,7 @@ import numpy as np
 
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.parity.quantities import FORCES, Quantity
-from bodycheck.studies.parity.rotations import relative, rotation_vectors
+from bodycheck.studies.parity.rotations import gaps
 from bodycheck.studies.parity.stacks import Label, Stack
 
 #: Parts of what a force could be at most, and of the largest force of any kind, below which it is not taken for the size of
@@ -171,9 +171,7 @@ def _poses(engine: Mapping[str, Array], truth: Mapping[str, Array], own: Sizes) 
     for name in engine:
         if name not in truth:
             continue
-        between = relative(truth[name], engine[name])
-        shift = np.linalg.norm(between[:, :3], axis=1)
-        turn = np.linalg.norm(rotation_vectors(between[:, 3:]), axis=1)
+        shift, turn = gaps(truth[name], engine[name])
         error = _finite(np.maximum(shift / own.length, turn))
         state = int(np.argmax(error))
         if worst is None or error[state] > worst.relative:

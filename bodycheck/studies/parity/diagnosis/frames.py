@@ -4,15 +4,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from bodycheck.reference.kinematics import conjugate, multiply
 from bodycheck.reference.robots.model import RobotJoint, RobotModel
-from bodycheck.reference.robots.rotations import matrices, quaternion
+from bodycheck.reference.robots.rotations import matrices, quaternion, rotation_vector
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.parity.comparing import Comparison
 from bodycheck.studies.parity.diagnosis.fault import Fault
 from bodycheck.studies.parity.numbers import text
 from bodycheck.studies.parity.quantities import Cause
-from bodycheck.studies.parity.rotations import composed, inverse, relative, rotation_vectors
+from bodycheck.studies.parity.rotations import composed, gaps, inverse, relative
 from bodycheck.studies.parity.rows import Compared
 from bodycheck.studies.parity.stacks import values
 
@@ -84,7 +83,7 @@ def _axis(own: Comparison, joint: RobotJoint, engine: Array) -> Array | None:
     chosen = int(np.argmax(np.where(np.abs(steps) < 3.0, np.abs(steps), 0.0)))
     step = steps[chosen]
     between = relative(engine[0], engine[chosen + 1])
-    axis = (between[:3] if joint.type == "prismatic" else rotation_vectors(between[None, 3:])[0]) / step
+    axis = (between[:3] if joint.type == "prismatic" else rotation_vector(between[None, 3:])[0]) / step
     length = float(np.linalg.norm(axis))
     return axis / length if abs(length - 1) < 1e-6 else None
 
@@ -136,9 +135,8 @@ def _quaternion(joint: RobotJoint) -> Array:
 def _alike(own: Comparison, one: Array, other: Array) -> bool:
     """Return whether poses (s, 7) are the same, up to what rounding in the precision of the engine leaves."""
     least = max(SAME, own.tolerance)
-    shift = np.linalg.norm(one[:, :3] - other[:, :3], axis=1) / own.sizes.length
-    turn = np.linalg.norm(rotation_vectors(multiply(conjugate(one[:, 3:]), other[:, 3:])), axis=1)
-    return bool(np.all(shift < least) and np.all(turn < least))
+    shift, turn = gaps(one, other)
+    return bool(np.all(shift / own.sizes.length < least) and np.all(turn < least))
 
 
 def _row(subject: str, engine: Array, truth: Array) -> Compared:

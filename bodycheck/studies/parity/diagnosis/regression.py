@@ -9,10 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.reference.robots.rotations import matrices
 from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.parity.diagnosis.inertias import Inertial, steiner
-from bodycheck.studies.parity.rotations import crossing, matrices
+from bodycheck.studies.parity.rotations import crossing
 from bodycheck.studies.parity.stacks import Stack
 
 #: Places of the components of an inertia in its matrix.
