@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from bodycheck.adapters.robot_reading import Components, ReadBody, ReadJoint, RobotReading
+from bodycheck.adapters.robot_numbers import components, vector
+from bodycheck.adapters.robot_reading import ReadBody, ReadJoint, RobotReading
 from bodycheck.reference.robots.dynamics import terms_at, velocity_labels
 from bodycheck.reference.robots.fusing import fused
 from bodycheck.reference.robots.model import RobotModel
@@ -70,11 +71,7 @@ def _body(model: RobotModel, place: int, tells: bool) -> ReadBody:
     parent = None if joint is None else model.links[joint.parent].name
     if not tells:
         return ReadBody(link.name, parent)
-    centre: Vector = tuple(float(part) for part in link.center_of_mass)  # type: ignore[assignment]
-    inertia: Components = tuple(  # type: ignore[assignment]
-        float(link.inertia[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-    )
-    return ReadBody(link.name, parent, float(link.mass), centre, inertia)
+    return ReadBody(link.name, parent, float(link.mass), vector(link.center_of_mass), components(link.inertia))
 
 
 def _joint(model: RobotModel, name: str, labels: Sequence[tuple[str, int]], tells: bool) -> ReadJoint:
@@ -82,7 +79,7 @@ def _joint(model: RobotModel, name: str, labels: Sequence[tuple[str, int]], tell
     child, first = model.links[joint.child].name, labels.index((name, 0))
     if not tells:
         return ReadJoint(name, joint.type, child, first, VELOCITIES[joint.type], mimic=joint.mimic)
-    axis: Vector | None = tuple(float(part) for part in joint.axis) if np.any(joint.axis) else None  # type: ignore[assignment]
+    axis = vector(joint.axis) if np.any(joint.axis) else None
     return ReadJoint(
         *(name, joint.type, child, first, VELOCITIES[joint.type], axis),
         *(joint.armature, joint.damping, joint.friction, joint.stiffness),

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from bodycheck.adapters.robot_numbers import components
 from bodycheck.adapters.robot_reading import Components, ReadBody, ReadJoint, RobotReading
 from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, Wide
 from bodycheck.reference.trajectory import Array
@@ -20,13 +21,7 @@ OFFSET_PART = 1e-5
 NO_LIMIT = 1e9
 
 
-def components(tensor: Array | Wide) -> Components:
-    """Return the components xx, yy, zz, xy, xz, yz of a tensor (3, 3)."""
-    xx, yy, zz, xy, xz, yz = (float(tensor[i, j]) for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
-    return (xx, yy, zz, xy, xz, yz)
-
-
-def tensor(own: Components) -> Array:
+def tensor(own: Components | Array) -> Array:
     """Return the tensor (3, 3) of components xx, yy, zz, xy, xz, yz."""
     xx, yy, zz, xy, xz, yz = own
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

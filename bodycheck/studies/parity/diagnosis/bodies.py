@@ -66,7 +66,7 @@ def of_body(
     near
         The relative difference up to which numbers are the same in the engine's precision.
     """
-    truth, engine = _inertial(link), _read(body, link)
+    truth, engine = inertial(link), _read(body, link)
     values, joined = _wide(engine), parts(model, link.name, kept)
     fused = len(joined) > 1 and _is_joined_wrongly(engine, truth, joined, body, near)
     filled = not fused and _is_filled(engine, truth, joined, near)
@@ -88,7 +88,7 @@ def parts(model: RobotModel, body: str, kept: set[str]) -> tuple[Part, ...]:
     waiting: list[tuple[int, tuple[tuple[np.ndarray, np.ndarray], ...]]] = [(names.index(body), ())]
     while waiting:
         place, welds = waiting.pop(0)
-        found.append(Part(names[place], _inertial(model.links[place]), welds))
+        found.append(Part(names[place], inertial(model.links[place]), welds))
         for joint in model.joints:
             if joint.parent == place and joint.type == "fixed" and names[joint.child] not in kept:
                 weld = (np.asarray(joint.rotation, np.float64), np.asarray(joint.position, np.float64))
@@ -221,13 +221,14 @@ def _same_trace(one: Inertial, other: Inertial) -> bool:
     return bool(abs(np.trace(one.tensor) - np.trace(other.tensor)) <= TRACE * size_of(one.tensor, other.tensor))
 
 
-def _inertial(link: RobotLink) -> Inertial:
+def inertial(link: RobotLink) -> Inertial:
+    """Return the mass, the centre of mass and the inertia of a link in double precision."""
     return Inertial(float(link.mass), np.asarray(link.center_of_mass, np.float64), np.asarray(link.inertia, np.float64))
 
 
 def _read(body: ReadBody, link: RobotLink) -> Inertial:
     """Return the numbers of an engine; those of the file where the engine tells none."""
-    truth = _inertial(link)
+    truth = inertial(link)
     return Inertial(
         truth.mass if body.mass is None else body.mass,
         truth.centre if body.center_of_mass is None else np.array(body.center_of_mass),

@@ -11,14 +11,15 @@ from itertools import combinations, product
 
 import numpy as np
 
+from bodycheck.adapters.robot_numbers import components
 from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.parity.comparing import Comparison
-from bodycheck.studies.parity.diagnosis.bodies import inertia_cause, parts
+from bodycheck.studies.parity.diagnosis.bodies import inertia_cause, inertial, parts
 from bodycheck.studies.parity.diagnosis.fault import Fault
 from bodycheck.studies.parity.diagnosis.inertias import Inertial, joined_wrongly
-from bodycheck.studies.parity.diagnosis.regression import ENTRIES, Regression, parameters, regression
-from bodycheck.studies.parity.numbers import components, scalar, vector
+from bodycheck.studies.parity.diagnosis.regression import Regression, parameters, regression
+from bodycheck.studies.parity.numbers import scalar, tensor, vector
 from bodycheck.studies.parity.stacks import Stack
 
 #: The part of a difference that is rounding.
@@ -40,10 +41,7 @@ class _Kind:
 
 
 def _with_tensor(own: Inertial, numbers: Array) -> Inertial:
-    added = np.zeros((3, 3))
-    for (i, j), number in zip(ENTRIES, numbers, strict=True):
-        added[i, j] = added[j, i] = number
-    return Inertial(own.mass, own.centre, own.tensor + added)
+    return Inertial(own.mass, own.centre, own.tensor + tensor(numbers))
 
 
 #: The kinds of changes, those with fewest numbers first.
@@ -71,9 +69,7 @@ def faults(own: Comparison, terms: Stack, model: RobotModel) -> Iterator[Fault]:
     """
     told = {body.name for body in own.reading.bodies if body.inertia is not None}
     hidden = {
-        link.name: Inertial(float(link.mass), np.asarray(link.center_of_mass, float), np.asarray(link.inertia, float))
-        for link in model.links
-        if link.name not in told and (link.mass or np.any(link.inertia))
+        link.name: inertial(link) for link in model.links if link.name not in told and (link.mass or np.any(link.inertia))
     }
     found = None
     if not own.found.reduced:

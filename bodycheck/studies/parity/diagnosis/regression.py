@@ -9,15 +9,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.adapters.robot_numbers import components
 from bodycheck.reference.robots.rotations import matrices
 from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.parity.diagnosis.inertias import Inertial, steiner
+from bodycheck.studies.parity.numbers import tensor
 from bodycheck.studies.parity.rotations import crossing
 from bodycheck.studies.parity.stacks import Stack
-
-#: Places of the components of an inertia in its matrix.
-ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,9 +83,7 @@ def _units(jacobian: Array, poses: Array, gravity: Array) -> list[tuple[Array, A
         mixed = _t(linear) @ (-cross) @ angular  # linear velocity of the centre of mass: v - h x w
         torque = np.cross(np.broadcast_to(axis, pull.shape), pull)
         found.append((mixed + _t(mixed), -(_t(angular) @ torque[..., None])[..., 0]))
-    for i, j in ENTRIES:
-        unit = np.zeros((3, 3))
-        unit[i, j] = unit[j, i] = 1.0
+    for unit in map(tensor, np.eye(6)):
         found.append((_t(angular) @ unit @ angular, np.zeros(linear.shape[::2])))
     return found
 
@@ -98,4 +95,4 @@ def _t(matrix: Array) -> Array:
 def parameters(own: Inertial) -> Array:
     """Return the ten parameters of a body."""
     about = own.tensor + steiner(own.mass, own.centre)
-    return np.array([own.mass, *(own.mass * own.centre), *(about[i, j] for i, j in ENTRIES)])
+    return np.array([own.mass, *(own.mass * own.centre), *components(about)])
