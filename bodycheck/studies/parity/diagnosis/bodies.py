@@ -67,7 +67,7 @@ def of_body(
         The relative difference up to which numbers are the same in the engine's precision.
     """
     truth, engine = inertial(link), _read(body, link)
-    values, joined = _wide(engine), parts(model, link.name, kept)
+    values, joined = attributes(engine), parts(model, link.name, kept)
     fused = len(joined) > 1 and _is_joined_wrongly(engine, truth, joined, body, near)
     filled = not fused and _is_filled(engine, truth, joined, near)
     turned = None if fused or filled else _turned_part(engine, truth, joined, near)
@@ -236,7 +236,7 @@ def _read(body: ReadBody, link: RobotLink) -> Inertial:
     )
 
 
-def _wide(own: Inertial) -> dict[str, Any]:
+def attributes(own: Inertial) -> dict[str, Any]:
     """Return the attributes of a link, which have the names of the quantities."""
     centre, tensor_ = (np.asarray(part, np.longdouble) for part in (own.centre, own.tensor))
     return {"mass": own.mass, "center_of_mass": centre, "inertia": tensor_}

@@ -15,11 +15,13 @@ from bodycheck.adapters.robot_numbers import components
 from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.parity.comparing import Comparison
-from bodycheck.studies.parity.diagnosis.bodies import inertia_cause, inertial, parts
+from bodycheck.studies.parity.diagnosis.bodies import attributes, inertia_cause, inertial, parts
 from bodycheck.studies.parity.diagnosis.fault import Fault
-from bodycheck.studies.parity.diagnosis.inertias import Inertial, joined_wrongly
+from bodycheck.studies.parity.diagnosis.inertias import Inertial, joined_wrongly, size_of
 from bodycheck.studies.parity.diagnosis.regression import Regression, parameters, regression
 from bodycheck.studies.parity.numbers import scalar, tensor, vector
+from bodycheck.studies.parity.quantities import Cause, Quantity
+from bodycheck.studies.parity.rows import Compared
 from bodycheck.studies.parity.stacks import Stack
 
 #: The part of a difference that is rounding.
@@ -193,41 +195,36 @@ def _is_known(bodies: dict[str, Inertial], changed: dict[str, Inertial], kinds: 
 
 
 def _of_body(own: Comparison, name: str, truth: Inertial, engine: Inertial) -> Iterator[Fault]:
-    """Yield the faults of a body whose numbers were found."""
-    joined = parts(own.found.model, name, {link.name for link in own.found.bodies.links})
+    """Yield the faults of a body whose numbers were found: of one whose links are joined wrongly, of each that differs."""
+    joined, values = parts(own.found.model, name, {link.name for link in own.found.bodies.links}), attributes(engine)
+    size = size_of(engine.tensor, truth.tensor)
+    rows: dict[Quantity, Compared] = {
+        "mass": scalar("mass", name, engine.mass, truth.mass, own.tolerance),
+        "center_of_mass": vector(
+            "center_of_mass", name, engine.centre, np.asarray(truth.centre), own.sizes.length, own.tolerance
+        ),
+        "inertia": vector("inertia", name, components(engine.tensor), components(truth.tensor), size, own.tolerance),
+    }
     if len(joined) > 1 and any(np.array_equal(wrong.tensor, engine.tensor) for wrong in joined_wrongly(joined)):
-        yield from _fused(own, name, truth, engine)
-    elif not engine.mass and truth.mass:
-        row = scalar("mass", name, 0.0, truth.mass, own.tolerance)
-        yield Fault("inertia-dropped", "mass", name, {"mass": 0.0, "inertia": np.zeros((3, 3), np.longdouble)}, row=row)
-    elif engine.mass != truth.mass:
-        row = scalar("mass", name, engine.mass, truth.mass, own.tolerance)
-        yield Fault("mass", "mass", name, {"mass": engine.mass}, row=row)
-    elif np.any(engine.centre != truth.centre):
-        row = vector("center_of_mass", name, engine.centre, np.asarray(truth.centre), own.sizes.length, own.tolerance)
-        change = {"center_of_mass": np.asarray(engine.centre, np.longdouble)}
-        yield Fault("center-of-mass", "center_of_mass", name, change, row=row)
-    else:
-        numbers, expected = components(engine.tensor), components(truth.tensor)
-        row = vector("inertia", name, numbers, expected, max(map(abs, (*numbers, *expected))), own.tolerance)
-        cause = inertia_cause(engine, truth, False, False)
-        yield Fault(cause, "inertia", name, {"inertia": np.asarray(engine.tensor, np.longdouble)}, row=row)
+        for quantity, row in rows.items():
+            if row.status == "differs":
+                yield Fault("inertia-fused", quantity, name, {quantity: values[quantity]}, row=row)
+        return
+    if not engine.mass and truth.mass:
+        without = {"mass": 0.0, "inertia": np.zeros((3, 3), np.longdouble)}
+        yield Fault("inertia-dropped", "mass", name, without, row=rows["mass"])
+        return
+    quantity, cause = _changed(truth, engine)
+    yield Fault(cause, quantity, name, {quantity: values[quantity]}, row=rows[quantity])
 
 
-def _fused(own: Comparison, name: str, truth: Inertial, engine: Inertial) -> Iterator[Fault]:
-    """Yield the faults of a body whose links are joined wrongly: of each of its numbers that differs."""
-    numbers, expected = components(engine.tensor), components(truth.tensor)
-    size = max(map(abs, (*numbers, *expected)))
-    row = scalar("mass", name, engine.mass, truth.mass, own.tolerance)
-    if row.status == "differs":
-        yield Fault("inertia-fused", "mass", name, {"mass": engine.mass}, row=row)
-    row = vector("center_of_mass", name, engine.centre, np.asarray(truth.centre), own.sizes.length, own.tolerance)
-    if row.status == "differs":
-        change = {"center_of_mass": np.asarray(engine.centre, np.longdouble)}
-        yield Fault("inertia-fused", "center_of_mass", name, change, row=row)
-    row = vector("inertia", name, numbers, expected, size, own.tolerance)
-    if row.status == "differs":
-        yield Fault("inertia-fused", "inertia", name, {"inertia": np.asarray(engine.tensor, np.longdouble)}, row=row)
+def _changed(truth: Inertial, engine: Inertial) -> tuple[Quantity, Cause]:
+    """Return which number of a body of one link is another one, and why."""
+    if engine.mass != truth.mass:
+        return "mass", "mass"
+    if np.any(engine.centre != truth.centre):
+        return "center_of_mass", "center-of-mass"
+    return "inertia", inertia_cause(engine, truth, False, False)
 
 
 def _armatures(own: Comparison, free: list[int], more: Array) -> Iterator[Fault]:
