@@ -15,7 +15,7 @@ from bodycheck.studies.parity import conventions
 from bodycheck.studies.parity.conventions import Convention, in_world, written
 from bodycheck.studies.parity.matching import Match
 from bodycheck.studies.parity.quantities import FORCES
-from bodycheck.studies.parity.stacks import Stack, stacked, values
+from bodycheck.studies.parity.stacks import Stack, stacked, times, transposed, values
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,12 +127,12 @@ def _turned(engine: Stack, truth: Stack, found: Match, asked: Motion, convention
     if not how:
         return engine
     matrix, change = _matrices(found, asked, how)
-    back = np.swapaxes(matrix, 1, 2)
-    drift = _times(change, asked.velocities)  # what the derivative of the matrix adds to accelerations
-    vectors: dict[str, Any] = {name: None if (own := getattr(engine, name)) is None else _times(back, own) for name in FORCES}
+    back = transposed(matrix)
+    drift = times(change, asked.velocities)  # what the derivative of the matrix adds to accelerations
+    vectors: dict[str, Any] = {name: None if (own := getattr(engine, name)) is None else times(back, own) for name in FORCES}
     mass, coriolis, forward, inverse = engine.mass_matrix, vectors["coriolis_force"], engine.forward_dynamics, None
     if mass is not None and coriolis is not None:
-        coriolis = coriolis + _times(back, _times(mass, drift))
+        coriolis = coriolis + times(back, times(mass, drift))
     if forward is not None:
         forward = _forward(engine, asked, matrix, drift, truth)
     if engine.inverse_dynamics is not None:
@@ -165,9 +165,9 @@ def _forward(engine: Stack, asked: Motion, matrix: Array, drift: Array, truth: S
     back = np.asarray(np.linalg.inv(matrix), np.float64)
     converted = [forward]
     if engine.mass_matrix is not None:
-        missing = _times(np.swapaxes(back, 1, 2), asked.efforts) - asked.efforts
+        missing = times(transposed(back), asked.efforts) - asked.efforts
         converted.append(forward + _solved(engine.mass_matrix, missing))
-    return _nearest([_times(back, own - drift) for own in converted], truth.forward_dynamics)
+    return _nearest([times(back, own - drift) for own in converted], truth.forward_dynamics)
 
 
 def _inverse(engine: Stack, asked: Motion, matrix: Array, drift: Array, truth: Stack) -> Array:
@@ -176,13 +176,13 @@ def _inverse(engine: Stack, asked: Motion, matrix: Array, drift: Array, truth: S
     An engine may have been given the accelerations as they are in the state, or converted to its own velocities with or
     without the derivative of the conversion: whichever is nearest to the truth is taken.
     """
-    inverse, back = np.asarray(engine.inverse_dynamics), np.swapaxes(matrix, 1, 2)
+    inverse, back = np.asarray(engine.inverse_dynamics), transposed(matrix)
     converted = [inverse]
     if engine.mass_matrix is not None:
-        right = _times(matrix, asked.accelerations) + drift
-        given = (_times(matrix, asked.accelerations), asked.accelerations)
-        converted += [inverse + _times(engine.mass_matrix, right - own) for own in given]
-    return _nearest([_times(back, own) for own in converted], truth.inverse_dynamics)
+        right = times(matrix, asked.accelerations) + drift
+        given = (times(matrix, asked.accelerations), asked.accelerations)
+        converted += [inverse + times(engine.mass_matrix, right - own) for own in given]
+    return _nearest([times(back, own) for own in converted], truth.inverse_dynamics)
 
 
 def _nearest(candidates: Sequence[Array], truth: Array | None) -> Array:
@@ -200,10 +200,6 @@ def _solved(mass: Array, forces: Array) -> Array:
         return np.asarray(np.linalg.solve(mass, forces[..., None]))[..., 0]
     except np.linalg.LinAlgError:
         return np.full(forces.shape, np.nan)
-
-
-def _times(matrix: Array, vectors: Array) -> Array:
-    return np.asarray((matrix @ vectors[..., None])[..., 0])
 
 
 def model_terms(model: RobotModel, found: Match, asked: Motion, gravity: Vector) -> Stack:

@@ -17,7 +17,7 @@ from bodycheck.reference.robots.rotations import matrices
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.parity.rotations import crossing
-from bodycheck.studies.parity.stacks import Stack
+from bodycheck.studies.parity.stacks import Stack, transposed
 
 Frame = Literal["joint", "child", "parent"]
 Point = Literal["origin", "center of mass", "origin of the joint"]
@@ -172,8 +172,10 @@ def _floating(position: Array, velocity: Array, centre: Array, socket: Array, ho
         case "origin of the joint":
             arm, moves = -position[:, :3], -velocity[:, :3]
     lever, levers = -crossing(arm) @ turn, -crossing(moves) @ turn - crossing(arm) @ spun
-    axes, axes_change = (_t(turn), _t(spun)) if how.linear == "child" else (np.broadcast_to(np.eye(3), turn.shape), zero)
-    if how.linear == "parent":
+    axes, axes_change = np.broadcast_to(np.eye(3), turn.shape), zero
+    if how.linear == "child":
+        axes, axes_change = transposed(turn), transposed(spun)
+    elif how.linear == "parent":
         axes = np.broadcast_to(socket, turn.shape)
     own, own_change = _turning(how.angular, socket, turn, spin)
     matrix = np.block([[axes, axes @ lever], [zero, own]])
@@ -196,10 +198,6 @@ def in_world(jacobian: Array, poses: Array, centre: Array, how: JacobianFrame) -
     elif how.point == "world":
         linear = linear - crossing(poses[:, :3]) @ angular
     return np.concatenate([linear, angular], axis=1)
-
-
-def _t(matrix: Array) -> Array:
-    return np.swapaxes(matrix, -1, -2)
 
 
 def find(
@@ -252,7 +250,7 @@ def _of_masses(engine: Stack, truth: Stack, changes: Mapping[str, tuple[Sequence
     """
     if engine.mass_matrix is None or truth.mass_matrix is None or not truth.mass_matrix.size:
         return 0.0
-    found = _rewritten(_t(_rewritten(engine.mass_matrix, changes)), changes)
+    found = _rewritten(transposed(_rewritten(engine.mass_matrix, changes)), changes)
     error = _error(found, truth.mass_matrix)
     return error if error >= ALIKE else 0.0
 
@@ -287,7 +285,7 @@ def _by_mass(
     errors = []
     for how in CANDIDATES[joint.type]:
         matrix = written(model, name, states, how)[0]
-        errors.append(_error(_t(matrix) @ own @ matrix, expected))
+        errors.append(_error(transposed(matrix) @ own @ matrix, expected))
     return CANDIDATES[joint.type][_least(errors)]
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.parity.quantities import FORCES, Quantity
 from bodycheck.studies.parity.rotations import gaps
-from bodycheck.studies.parity.stacks import Label, Stack
+from bodycheck.studies.parity.stacks import Label, Stack, times
 
 #: Parts of what a force could be at most, and of the largest force of any kind, below which it is not taken for the size of
 #: forces of its kind.
@@ -138,7 +138,7 @@ def _forward(engine: Stack, truth: Stack, own: Sizes) -> Apart | None:
     if not known.any():
         return None
     found, expected, mass, roots = found[known], expected[known], mass[known], own.roots[known]
-    error = _finite((mass @ (found - expected)[..., None])[..., 0] / roots / (own.forces["forward_dynamics"] or 1.0))
+    error = _finite(times(mass, found - expected) / roots / (own.forces["forward_dynamics"] or 1.0))
     state, place = np.unravel_index(np.argmax(error), error.shape)
     told = _told(error, found, expected, (state, place), own.labels[place][0])
     return replace(told, state=int(np.flatnonzero(known)[state]))

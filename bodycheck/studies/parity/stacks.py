@@ -58,6 +58,16 @@ def values(states: Sequence[RobotState], labels: Sequence[Label], part: Callable
     return np.array(found, np.float64).reshape(len(states), len(labels))
 
 
+def times(matrices: Array, vectors: Array) -> Array:
+    """Return the products (s, k) of matrices (s, k, n) and vectors (s, n)."""
+    return np.asarray((matrices @ vectors[..., None])[..., 0])
+
+
+def transposed(matrices: Array) -> Array:
+    """Return the transposes (..., n, k) of matrices (..., k, n)."""
+    return np.swapaxes(matrices, -1, -2)
+
+
 def _value(known: Values, label: Label) -> float:
     name, component = label
     return known[name][component] if name in known else 0.0

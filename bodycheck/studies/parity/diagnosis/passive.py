@@ -13,7 +13,7 @@ from bodycheck.studies.parity.diagnosis.joints import number_cause
 from bodycheck.studies.parity.numbers import text
 from bodycheck.studies.parity.quantities import Quantity
 from bodycheck.studies.parity.rows import Compared
-from bodycheck.studies.parity.stacks import Stack, values
+from bodycheck.studies.parity.stacks import Stack, times, values
 
 #: Difference, relative to the largest of the forces that add to it, below which a force is explained by numbers of a joint.
 SAME = 1e-7
@@ -111,7 +111,7 @@ def passive_part(own: Comparison) -> Array | None:
     if any(part is None for part in known):
         return None
     mass, coriolis, gravity, forward = (np.asarray(part) for part in known)
-    return np.asarray((mass @ forward[..., None])[..., 0] + coriolis + gravity - own.motion.efforts)
+    return np.asarray(times(mass, forward) + coriolis + gravity - own.motion.efforts)
 
 
 def _same(own: Comparison) -> float:
@@ -123,7 +123,7 @@ def _scale(terms: Stack, force: Array, quantity: Quantity) -> Array:
     """Return for each velocity the size (n,) of the forces of which rounding leaves something in a passive force."""
     parts = [part for part in (force, terms.gravity_force, terms.coriolis_force) if part is not None]
     if quantity == "forward_dynamics" and terms.mass_matrix is not None and terms.forward_dynamics is not None:
-        parts.append((np.abs(terms.mass_matrix) @ np.abs(terms.forward_dynamics)[..., None])[..., 0])
+        parts.append(times(np.abs(terms.mass_matrix), np.abs(terms.forward_dynamics)))
     return np.asarray(np.max([np.max(np.abs(part), axis=0) for part in parts], axis=0))
 
 

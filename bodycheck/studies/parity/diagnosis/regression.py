@@ -16,7 +16,7 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.studies.parity.diagnosis.inertias import Inertial, steiner
 from bodycheck.studies.parity.numbers import tensor
 from bodycheck.studies.parity.rotations import crossing
-from bodycheck.studies.parity.stacks import Stack
+from bodycheck.studies.parity.stacks import Stack, times, transposed
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,22 +74,18 @@ def regression(engine: Stack, model: Stack, names: Sequence[str], gravity: Vecto
 def _units(jacobian: Array, poses: Array, gravity: Array) -> list[tuple[Array, Array]]:
     """Return the mass matrix (s, n, n) and the gravity forces (s, n) that a unit of each parameter of a body makes."""
     turn = matrices(poses[:, 3:])
-    back = np.swapaxes(turn, 1, 2)
+    back = transposed(turn)
     linear, angular = back @ jacobian[:, :3], back @ jacobian[:, 3:]  # along the axes of the body
     pull = back @ gravity
-    found = [(_t(linear) @ linear, -(_t(linear) @ pull[..., None])[..., 0])]
+    found = [(transposed(linear) @ linear, -times(transposed(linear), pull))]
     for axis in np.eye(3):
         cross = crossing(axis)
-        mixed = _t(linear) @ (-cross) @ angular  # linear velocity of the centre of mass: v - h x w
+        mixed = transposed(linear) @ (-cross) @ angular  # linear velocity of the centre of mass: v - h x w
         torque = np.cross(np.broadcast_to(axis, pull.shape), pull)
-        found.append((mixed + _t(mixed), -(_t(angular) @ torque[..., None])[..., 0]))
+        found.append((mixed + transposed(mixed), -times(transposed(angular), torque)))
     for unit in map(tensor, np.eye(6)):
-        found.append((_t(angular) @ unit @ angular, np.zeros(linear.shape[::2])))
+        found.append((transposed(angular) @ unit @ angular, np.zeros(linear.shape[::2])))
     return found
-
-
-def _t(matrix: Array) -> Array:
-    return np.swapaxes(matrix, -1, -2)
 
 
 def parameters(own: Inertial) -> Array:
