@@ -137,8 +137,7 @@ def _with_constraints(own: Comparison) -> Comparison:
     is below that, and whether it opposes the velocity that a joint has or the one that it is about to have.
     """
     passive, velocities = own.engine.passive_force, own.motion.velocities
-    joints = {joint.name: joint for joint in own.found.model.joints}
-    most = np.array([joints[name].friction for name, _ in own.found.labels])
+    most = own.found.numbers("friction")
     if passive is None or own.truth.passive_force is None or own.found.reduced or not np.any(most > 0):
         return own
     without = own.truth.passive_force + most * np.sign(velocities)

@@ -12,6 +12,7 @@ from bodycheck.reference.robots.fusing import fused
 from bodycheck.reference.robots.model import RobotJoint, RobotModel
 from bodycheck.reference.robots.state import VELOCITIES
 from bodycheck.reference.trajectory import Array
+from bodycheck.studies.parity.quantities import Quantity
 from bodycheck.studies.parity.stacks import Label
 
 
@@ -56,6 +57,11 @@ class Match:
     def reduced(self) -> bool:
         """Whether joints that follow others have no velocities of their own in the engine."""
         return bool(self.expansion.shape[0] != self.expansion.shape[1])
+
+    def numbers(self, quantity: Quantity) -> Array:
+        """Return what the file has of a quantity, such as damping, for the joint of each velocity that is compared (n,)."""
+        joints = {joint.name: joint for joint in self.model.joints}
+        return np.array([float(getattr(joints[name], quantity)) for name, _ in self.labels])
 
 
 def match(model: RobotModel, reading: RobotReading) -> Match:

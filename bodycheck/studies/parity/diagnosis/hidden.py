@@ -148,9 +148,8 @@ def _welds(own: Comparison, name: str) -> Iterator[_Kind]:
 
 def _are_possible(own: Comparison, free: list[int], more: Array) -> bool:
     """Return whether no armature is negative, beyond rounding."""
-    joints = {joint.name: joint for joint in own.found.model.joints}
     least = -LEFT * float(np.max(np.abs(more), initial=0.0))
-    return all(joints[own.found.labels[place][0]].armature + number >= least for place, number in zip(free, more, strict=True))
+    return bool(np.all(own.found.numbers("armature")[free] + more >= least))
 
 
 def _newton(
@@ -229,12 +228,12 @@ def _changed(truth: Inertial, engine: Inertial) -> tuple[Quantity, Cause]:
 
 def _armatures(own: Comparison, free: list[int], more: Array) -> Iterator[Fault]:
     """Yield the faults of armatures that were found."""
-    joints = {joint.name: joint for joint in own.found.model.joints}
+    armatures = own.found.numbers("armature")
     least = LEFT * float(np.max(np.abs(more), initial=0.0))
     for place, number in zip(free, more, strict=True):
         name, component = own.found.labels[place]
         if abs(number) > least and component == 0:
-            truth = float(joints[name].armature)
+            truth = float(armatures[place])
             row = scalar("armature", name, truth + float(number), truth, own.tolerance)
             yield Fault("armature", "armature", name, joint={"armature": truth + float(number)}, row=row)
 

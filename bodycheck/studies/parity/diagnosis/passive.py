@@ -61,8 +61,7 @@ def is_friction_of_a_constraint(own: Comparison, quantity: Quantity, without: St
     expected = without.passive_force
     if force is None or expected is None or not force.size:
         return False
-    joints = {joint.name: joint for joint in own.found.model.joints}
-    most = np.array([joints[name].friction for name, _ in own.found.labels])
+    most = own.found.numbers("friction")
     gap = np.abs(force - expected)
     return bool(np.any(most > 0) and np.all(gap <= most + _same(own) * _scale(own.engine, force, quantity)))
 
@@ -77,9 +76,7 @@ def implicit_step(own: Comparison) -> float | None:
     forward = own.engine.forward_dynamics
     if made is None or expected is None or forward is None or not forward.size:
         return None
-    joints = {joint.name: joint for joint in own.found.model.joints}
-    damping = np.array([joints[name].damping for name, _ in own.found.labels])
-    left, along = made - expected, -damping * forward
+    left, along = made - expected, -own.found.numbers("damping") * forward
     if not np.any(along):
         return None
     step = float(np.sum(left * along) / np.sum(along * along))
