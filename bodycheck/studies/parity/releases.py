@@ -12,7 +12,7 @@ from bodycheck.running import engines, obtaining
 from bodycheck.studies.parity.quantities import MODEL, Cause, Quantity, Status
 from bodycheck.studies.parity.rows import ParityRow
 from bodycheck.studies.parity.study import Asking, Parity, study
-from bodycheck.studies.parity.wording import engines_of
+from bodycheck.studies.parity.wording import engines_of, name_of
 
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
@@ -56,7 +56,7 @@ class Meaning:
     @property
     def text(self) -> str:
         """The change as words, without the subject."""
-        what = "the file" if self.quantity is None else self.quantity.replace("_", " ")
+        what = "the file" if self.quantity is None else name_of(self.quantity)
         cause = f" ({self.cause})" if self.cause else ""
         return f"{self.before} to {self.after}: {what} {self.was}, then {self.status}{cause}"
 

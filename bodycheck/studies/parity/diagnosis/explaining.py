@@ -147,14 +147,14 @@ def _largest(case: _Case, quantity: Quantity, alone: Mapping[Cause, Stack]) -> C
 
 def _passive(case: _Case, quantity: Quantity) -> tuple[_Case, Cause]:
     """Return a case with the passive forces that an engine has otherwise than the file, and the cause of a quantity."""
-    frictionless = [
-        Fault("representation", "friction", joint.name, joint={"friction": 0.0}) for joint in case.own.found.model.joints
-    ]
-    more = tuple(passive.faults(case.own, quantity))
     step = passive.implicit_step(case.own) if quantity == "forward_dynamics" else None
     if step is not None:
         return replace(case, faults=(*case.faults, *passive.implicit(case.own, step))), "representation"
+    more = tuple(passive.faults(case.own, quantity))
     if not more:
+        frictionless = [
+            Fault("representation", "friction", joint.name, joint={"friction": 0.0}) for joint in case.own.found.model.joints
+        ]
         without = case.terms([*case.faults, *frictionless])
         if not passive.is_friction_of_a_constraint(case.few, quantity, without):
             return case, "unexplained"
