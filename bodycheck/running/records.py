@@ -10,6 +10,7 @@ from pydantic import AfterValidator, Field, TypeAdapter, ValidationError
 from bodycheck.adapters.method import Method, current
 from bodycheck.casefile.values import EngineName, Finite, Name
 from bodycheck.errors import BadInput
+from bodycheck.reference.contact.motion import EventKind
 from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
 
 T = TypeVar("T")
@@ -121,7 +122,7 @@ class LoadRecord:
 class EventRecord:
     """An event of bodies that touch; what mechanics does not give of the state after it is null."""
 
-    kind: Literal["impact", "roll", "slip", "rest", "tip"]
+    kind: EventKind
     time: Duration
     error: Duration
     body: Count
