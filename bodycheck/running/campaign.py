@@ -126,7 +126,7 @@ def results(
             for argument, result in answers:
                 for done in _add(writer, arrivals, argument, result, places, head["engines"]):
                     progress(done)
-        if any(_has_plane(case) for case in cases.values()):
+        if any(slides(case.scene) for case in cases.values()):
             _add_stops(writer, store.read(folder), cases, jobs, limit, memory, progress)
         yield replace(store.read(folder), complete=True, known=cases)
 
@@ -236,10 +236,6 @@ def _stop_tasks(cases: Mapping[str, Case], runs: Sequence[Run]) -> tuple[StopTas
         if slides(scene) and isinstance(made.outcome, Completed):
             found |= {StopTask(case, law): None for law in (scene.plane, made.contact_law) if law is not None}
     return tuple(found)
-
-
-def _has_plane(case: Case) -> bool:
-    return slides(case.scene)
 
 
 def _name(argument: StopTask | Task) -> str:
