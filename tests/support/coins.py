@@ -8,7 +8,7 @@ import numpy as np
 from bodycheck.reference.contact.coin.start import Coin, coin
 from bodycheck.reference.contact.problem import problem
 from bodycheck.reference.kinematics import conjugate, quaternion_from_euler, rotate
-from bodycheck.reference.scene import Body, Cylinder, Plane, Scene, State
+from bodycheck.reference.scene import Body, Cylinder, Plane, Scene, State, vector_of
 from bodycheck.reference.trajectory import Array
 
 #: A coin of 5 cm radius and 1 cm thickness (m, kg), and the gravity (m/s^2).
@@ -39,7 +39,7 @@ def rolling(
     spin = np.array([p * math.cos(psi) + q * math.sin(psi), q * math.cos(psi) - p * math.sin(psi), s])
     height = shape.half_length * math.cos(tilt) + shape.radius * math.sin(tilt)
     velocity = rotate(quaternion, np.cross(to_rim(quaternion, shape), spin))
-    state = State((0.0, 0.0, height), _quadruple(quaternion), _triple(velocity), _triple(spin))
+    state = State((0.0, 0.0, height), _quadruple(quaternion), vector_of(velocity), vector_of(spin))
     return Scene(coin, state, GRAVITY, Plane(friction))
 
 
@@ -56,11 +56,6 @@ def as_coin(scene: Scene) -> Coin:
     found = coin(problem(scene))
     assert found is not None
     return found
-
-
-def _triple(values: Any) -> tuple[float, float, float]:
-    x, y, z = (float(value) for value in values)
-    return x, y, z
 
 
 def _quadruple(values: Any) -> tuple[float, float, float, float]:

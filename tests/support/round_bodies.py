@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from bodycheck.reference.scene import Body, Cylinder, Plane, Scene, Sphere, State, Vector
+from bodycheck.reference.scene import Body, Cylinder, Plane, Scene, Sphere, State, vector_of
 from bodycheck.reference.trajectory import Array
 
 #: Slip (m/s) at which the integration of a slip ends; what is left of it takes its square in what follows.
@@ -50,7 +50,7 @@ def in_world(plane: Plane, state: State) -> State:
     turn = _about_y(plane.incline)
     half = plane.incline / 2
     w, x, y, z = _product(np.array([math.cos(half), 0.0, math.sin(half), 0.0]), np.array(state.quaternion)).tolist()
-    return State(_vector(turn @ state.position), (w, x, y, z), _vector(turn @ state.velocity), state.angular_velocity)
+    return State(vector_of(turn @ state.position), (w, x, y, z), vector_of(turn @ state.velocity), state.angular_velocity)
 
 
 def integrated(plane: Plane, state: State, times: Array, *, radius: float = 0.1, ratio: float = 0.4) -> Integrated:
@@ -175,11 +175,6 @@ class _Laws:
 
 def _cross(a: Array, b: Array) -> Array:
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
-
-
-def _vector(values: Array) -> Vector:
-    x, y, z = values.tolist()
-    return x, y, z
 
 
 def _about_y(angle: float) -> Array:
