@@ -30,8 +30,7 @@ def euler(angles: Sequence[Real], sequence: str) -> Quaternion4:
 
 def from_z(z: Vector3) -> Quaternion4:
     """Return the shortest rotation that turns the axis z into the direction of a vector."""
-    length = MP.sqrt(sum(part * part for part in z))
-    x, y, z_part = (part / length for part in z)
+    x, y, z_part = normed(z)
     if not (x or y):
         return IDENTITY if z_part > 0 else HALF_TURN
     return about_axis((-y, x, MP.mpf(0)), MP.atan2(MP.hypot(x, y), z_part))
@@ -39,10 +38,10 @@ def from_z(z: Vector3) -> Quaternion4:
 
 def from_axes(x: Vector3, y: Vector3) -> Quaternion4:
     """Return the attitude with an axis x, and an axis y from which its part along x is taken away."""
-    x = _normed(x)
+    x = normed(x)
     along = sum(a * b for a, b in zip(x, y, strict=True))
     a, b, c = (own - along * part for own, part in zip(y, x, strict=True))
-    y = _normed((a, b, c))
+    y = normed((a, b, c))
     first = from_z((x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]))
     # What is left is a rotation about the third axis, after which the first axis is x.
     w, i, j, k = first
@@ -50,7 +49,8 @@ def from_axes(x: Vector3, y: Vector3) -> Quaternion4:
     return multiply(first, about_axis(vector((0, 0, 1)), MP.atan2(back[2], back[1])))
 
 
-def _normed(v: Vector3) -> Vector3:
+def normed(v: Vector3) -> Vector3:
+    """Return the direction of a vector, which has length 1."""
     length = MP.sqrt(sum(part * part for part in v))
     x, y, z = (part / length for part in v)
     return x, y, z

@@ -18,6 +18,7 @@ from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, 
 from bodycheck.robots import elements, urdf_parts
 from bodycheck.robots.elements import Element, quoted
 from bodycheck.robots.faults import About, FileReading
+from bodycheck.robots.orientations import normed
 from bodycheck.robots.urdf_parts import JointPart, LinkPart
 
 #: Most links and joints of a model, and most characters of a name. Jacobians of all links at many states take the square of
@@ -222,7 +223,7 @@ def _joint(part: JointPart, places: dict[str, int]) -> RobotJoint:
         places[part.child],
         rounded(part.origin),
         np.array([rounded(row) for row in matrix(part.attitude)]),
-        rounded(_unit(part.axis)),
+        rounded(normed(part.axis) if any(part.axis) else part.axis),
         damping=part.damping,
         friction=part.friction,
         effort_limit=part.limits.effort,
@@ -231,15 +232,6 @@ def _joint(part: JointPart, places: dict[str, int]) -> RobotJoint:
         upper=part.limits.upper,
         mimic=part.mimic,
     )
-
-
-def _unit(axis: Vector3) -> Vector3:
-    """Return an axis of length 1, or 0 where it is 0."""
-    if not any(axis):
-        return axis
-    length = MP.sqrt(sum(part * part for part in axis))
-    x, y, z = (part / length for part in axis)
-    return x, y, z
 
 
 def rounded(values: Vector3) -> Wide:
