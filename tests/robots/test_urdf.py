@@ -13,6 +13,7 @@ from bodycheck.errors import BadInput
 from bodycheck.reference.robots.model import Mimic, RobotJoint, RobotModel, Wide
 from bodycheck.robots import elements, urdf
 from bodycheck.robots.faults import MAX_FAULTS, FaultyQuantity, FileReading
+from tests.support.robot_texts import rotation
 
 BOX = '<mass value="2"/><inertia ixx="0.1" iyy="0.2" izz="0.25" ixy="0.01" ixz="0.02" iyz="0.03"/>'
 
@@ -61,21 +62,6 @@ def joints(text: str = ROBOT) -> dict[str, RobotJoint]:
     return {joint.name: joint for joint in model(text).joints}
 
 
-def turn(axis: int, angle: float) -> Wide:
-    """The matrix of a turn about one axis."""
-    rows = np.eye(3, dtype=np.longdouble)
-    first, second = (axis + 1) % 3, (axis + 2) % 3
-    rows[first, first] = rows[second, second] = np.cos(np.longdouble(angle))
-    rows[second, first] = np.sin(np.longdouble(angle))
-    rows[first, second] = -rows[second, first]
-    return rows
-
-
-def rpy(roll: float, pitch: float, yaw: float) -> Wide:
-    """Turns about fixed axes: the first one is the rightmost factor."""
-    return turn(2, yaw) @ turn(1, pitch) @ turn(0, roll)
-
-
 #: Roundings of a few products of matrices with elements of order one, in the widest type.
 ROUNDING = 16 * float(np.finfo(np.longdouble).eps)
 
@@ -107,7 +93,7 @@ def test_masses_and_inertias_in_the_frames_of_the_links() -> None:
     assert links["base"].center_of_mass.tolist() == [0.1, 0.2, 0.3]
     assert links["slider"].center_of_mass.tolist() == [1.0, 2.0, 3.0]
     for name, angles in {"base": (0.4, -0.5, 0.6), "arm": (0.0, 0.0, 0.0), "wheel": (1.0, 0.0, 0.0)}.items():
-        assert_near(links[name].inertia, rpy(*angles) @ own @ rpy(*angles).T)
+        assert_near(links[name].inertia, rotation(*angles) @ own @ rotation(*angles).T)
         assert links[name].inertia.dtype == np.longdouble
     assert (links["arm"].inertia == own).all()
     assert links["frame"].mass == 0.0, "without <inertial>"
@@ -118,7 +104,7 @@ def test_joints_and_their_defaults() -> None:
     made = joints()
     shoulder, drawer, axle = made["shoulder"], made["drawer"], made["axle"]
     assert shoulder.position.tolist() == [1.0, -2.0, 3.0]
-    assert_near(shoulder.rotation, rpy(0.1, 0.2, 0.3))
+    assert_near(shoulder.rotation, rotation(0.1, 0.2, 0.3))
     assert_near(shoulder.axis, np.array([0, 3, 4], np.longdouble) / 5)
     assert (shoulder.damping, shoulder.friction) == (0.5, 0.25)
     assert (shoulder.lower, shoulder.upper, shoulder.effort_limit, shoulder.velocity_limit) == (-1.0, 2.0, 3.0, 4.0)
@@ -149,7 +135,7 @@ def test_a_mimic_has_defaults_and_may_follow_a_joint_that_follows() -> None:
 def test_any_angles_are_turns_about_fixed_axes(angles: list[float]) -> None:
     words = " ".join(map(repr, angles))
     made = joints(ROBOT.replace('rpy="0.1 0.2 0.3"', f'rpy="{words}"'))["shoulder"]
-    assert_near(made.rotation, rpy(*angles))
+    assert_near(made.rotation, rotation(*angles))
 
 
 def test_a_quaternion_counts_from_version_1_1_on() -> None:
@@ -158,7 +144,9 @@ def test_a_quaternion_counts_from_version_1_1_on() -> None:
     assert (joints(text)["shoulder"].rotation == np.eye(3)).all(), "version 1.0 does not have it"
     newer = text.replace('name="robot"', 'name="robot" version="1.1"')
     # sqrt(3) is rounded to a double.
-    np.testing.assert_allclose(joints(newer)["shoulder"].rotation.astype(float), turn(2, math.pi / 3).astype(float), atol=1e-15)
+    np.testing.assert_allclose(
+        joints(newer)["shoulder"].rotation.astype(float), rotation(0.0, 0.0, math.pi / 3).astype(float), atol=1e-15
+    )
     both = read(newer.replace("quat_xyzw=", 'rpy="0 0 0" quat_xyzw='))
     assert [fault.quantity for fault in both.faults] == ["pose"]
 

@@ -11,19 +11,11 @@ from bodycheck.errors import BadInput
 from bodycheck.reference.robots.changed import with_joint
 from bodycheck.reference.robots.model import Mimic, Wide
 from bodycheck.robots.urdf_text import roll_pitch_yaw, urdf
+from tests.support.robot_texts import rotation
 from tests.support.robot_trees import random_rotation, random_tree, urdf_with_turned_inertias
 
 #: Some roundings of products of three numbers in the 80-bit type, and of the doubles that are read.
 ROUNDINGS, READ = 1e2 * float(np.finfo(np.longdouble).eps), 1e-15
-
-
-def made(angles: Wide) -> Wide:
-    """The rotation (3, 3) by roll, pitch and yaw about the fixed axes x, y and z."""
-    (a, b, c), (x, y, z) = np.cos(angles), np.sin(angles)
-    roll = np.array([[1, 0, 0], [0, a, -x], [0, x, a]])
-    pitch = np.array([[b, 0, y], [0, 1, 0], [-y, 0, b]])
-    yaw = np.array([[c, -z, 0], [z, c, 0], [0, 0, 1]])
-    return yaw @ pitch @ roll
 
 
 def read(text: str) -> Wide:
@@ -35,10 +27,10 @@ def test_angles_make_the_rotation_that_they_are_of() -> None:
     random = Random(1)
     rotations = [random_rotation(random) for _ in range(50)]
     quarter = np.longdouble(math.pi) / 2  # not quite a quarter turn, and a quarter turn up to rounding
-    rotations += [made(np.array([0.3, pitch, yaw], np.longdouble)) for pitch in (quarter, -quarter) for yaw in (0.0, 2.0, -3.0)]
+    rotations += [rotation(0.3, pitch, yaw) for pitch in (quarter, -quarter) for yaw in (0.0, 2.0, -3.0)]
     rotations += [np.array([[0, 0, 1], [0, 1, 0], [-1, 0, 0]], np.longdouble), np.diag([1, -1, -1]).astype(np.longdouble)]
-    for rotation in rotations:
-        assert np.abs(made(roll_pitch_yaw(rotation)) - rotation).max() < ROUNDINGS
+    for turn in rotations:
+        assert np.abs(rotation(*roll_pitch_yaw(turn)) - turn).max() < ROUNDINGS
 
 
 def test_numbers_have_all_their_digits() -> None:
@@ -48,7 +40,7 @@ def test_numbers_have_all_their_digits() -> None:
         origin, axis = element.find("origin"), element.find("axis")
         assert element.find("parent").get("link") == model.links[joint.parent].name
         assert np.array_equal(read(origin.get("xyz")), joint.position)
-        assert np.abs(made(read(origin.get("rpy"))) - joint.rotation).max() < READ
+        assert np.abs(rotation(*read(origin.get("rpy"))) - joint.rotation).max() < READ
         assert axis is None or np.abs(read(axis.get("xyz")) - joint.axis).max() < READ
     for link, element in zip(model.links, root.iter("link"), strict=True):
         inertia = element.find("inertial/inertia")
@@ -64,7 +56,7 @@ def test_inertia_is_written_along_other_axes() -> None:
     root = ElementTree.fromstring(urdf_with_turned_inertias(model, Random(1)))
     for link, element in zip(model.links, root.iter("link"), strict=True):
         if link.mass:
-            turn = made(read(element.find("inertial/origin").get("rpy")))
+            turn = rotation(*read(element.find("inertial/origin").get("rpy")))
             names = [["ixx", "ixy", "ixz"], ["ixy", "iyy", "iyz"], ["ixz", "iyz", "izz"]]
             inertia = element.find("inertial/inertia")
             tensor = np.array([[np.longdouble(inertia.get(name)) for name in row] for row in names])
