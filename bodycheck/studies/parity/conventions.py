@@ -220,19 +220,27 @@ def find(
     engine, truth, some = engine.at(few), truth.at(few), states[: len(few)]
     centres = {link.name: np.asarray(link.center_of_mass, np.float64) for link in model.links}
     known = [name for name in centres if name in engine.jacobians and name in truth.jacobians]
+    ways = {name: _ways(model, name, some) for name in places}
     if not known:
-        return Convention({name: _by_mass(model, name, own, some, engine, truth) for name, own in places.items()})
+        return Convention({name: _by_mass(ways[name], own, engine, truth) for name, own in places.items()})
+    children = {joint.name: model.links[joint.child].name for joint in model.joints}
     best, chosen = (-1, 0.0, 0.0), Convention()
     for frame in JACOBIAN_FRAMES:
         found = {name: in_world(engine.jacobians[name], truth.poses[name], centres[name], frame) for name in known}
-        joints = {name: _by_jacobian(model, name, own, some, found, truth) for name, own in places.items()}
-        changes = {name: (places[name], written(model, name, some, how)[0]) for name, how in joints.items()}
+        joints = {name: _by_jacobian(ways[name], children[name], own, found, truth) for name, own in places.items()}
+        changes = {name: (places[name], ways[name][how]) for name, how in joints.items()}
         errors = np.array([_error(_rewritten(found[name], changes), truth.jacobians[name]) for name in known])
         left = float(np.sum(np.where(errors < ALIKE, 0.0, np.minimum(errors, 1.0))))
         score = (int(np.sum(errors < ALIKE)), -left, -_of_masses(engine, truth, changes))
         if score > best:
             best, chosen = score, Convention(joints, frame)
     return chosen
+
+
+def _ways(model: RobotModel, name: str, states: Sequence[RobotState]) -> Mapping[Written, Array]:
+    """Return what is tried for a joint, that of `RobotState` first, each with its matrices (s, k, k): see `written`."""
+    joint = next(one for one in model.joints if one.name == name)
+    return {how: written(model, name, states, how)[0] for how in CANDIDATES[joint.type]}
 
 
 def _rewritten(jacobian: Array, changes: Mapping[str, tuple[Sequence[int], Array]]) -> Array:
@@ -256,42 +264,28 @@ def _of_masses(engine: Stack, truth: Stack, changes: Mapping[str, tuple[Sequence
 
 
 def _by_jacobian(
-    model: RobotModel,
-    name: str,
-    places: Sequence[int],
-    states: Sequence[RobotState],
-    found: Mapping[str, Array],
-    truth: Stack,
+    ways: Mapping[Written, Array], child: str, places: Sequence[int], found: Mapping[str, Array], truth: Stack
 ) -> Written:
     """Return how a joint's velocity is written, by the columns of the Jacobian of the body that it moves."""
-    joint = next(one for one in model.joints if one.name == name)
-    child = model.links[joint.child].name
     if child not in found:
         return Written()
     own, expected = found[child][:, :, places], truth.jacobians[child][:, :, places]
-    errors = [_error(own @ written(model, name, states, how)[0], expected) for how in CANDIDATES[joint.type]]
-    return CANDIDATES[joint.type][_least(errors)]
+    return _least({how: _error(own @ matrix, expected) for how, matrix in ways.items()})
 
 
-def _by_mass(
-    model: RobotModel, name: str, places: Sequence[int], states: Sequence[RobotState], engine: Stack, truth: Stack
-) -> Written:
+def _by_mass(ways: Mapping[Written, Array], places: Sequence[int], engine: Stack, truth: Stack) -> Written:
     """Return how a joint's velocity is written, by its block of the mass matrix."""
     if engine.mass_matrix is None or truth.mass_matrix is None:
         return Written()
-    joint = next(one for one in model.joints if one.name == name)
-    block = np.ix_(range(len(states)), places, places)
+    block = np.ix_(range(len(truth.mass_matrix)), places, places)
     own, expected = engine.mass_matrix[block], truth.mass_matrix[block]
-    errors = []
-    for how in CANDIDATES[joint.type]:
-        matrix = written(model, name, states, how)[0]
-        errors.append(_error(transposed(matrix) @ own @ matrix, expected))
-    return CANDIDATES[joint.type][_least(errors)]
+    return _least({how: _error(transposed(matrix) @ own @ matrix, expected) for how, matrix in ways.items()})
 
 
-def _least(errors: Sequence[float]) -> int:
-    """Return the place of the first error that is as small as the least, up to rounding."""
-    return next(place for place, error in enumerate(errors) if error <= min(errors) + ALIKE)
+def _least(errors: Mapping[Written, float]) -> Written:
+    """Return the first convention whose error is as small as the least, up to rounding."""
+    least = min(errors.values()) + ALIKE
+    return next(how for how, error in errors.items() if error <= least)
 
 
 def _error(found: Array, expected: Array) -> float:
