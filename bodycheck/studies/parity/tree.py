@@ -47,14 +47,15 @@ def joint_types(found: Match, model: RobotModel, tolerance: float) -> Iterator[C
             yield Compared("not-modelled" if rare else "differs", "joint_type", joint.name, "fixed", expected)
             continue
         words = _words(SYNONYMS.get(told.type, told.type), told.lower, told.upper, told.mimic)
-        same = _same_type(joint, told) and same_mimic(joint.mimic, told.mimic) and same_limits(joint, told, tolerance)
+        same = same_type(joint, told) and same_mimic(joint.mimic, told.mimic) and same_limits(joint, told, tolerance)
         yield Compared("agrees" if same else "differs", "joint_type", joint.name, words, expected)
     for extra in found.extra:
         status: Status = "agrees" if extra.type in ("floating", "free") else "differs"
         yield Compared(status, "joint_type", extra.name, extra.type, "fixed")
 
 
-def _same_type(joint: RobotJoint, told: ReadJoint) -> bool:
+def same_type(joint: RobotJoint, told: ReadJoint) -> bool:
+    """Return whether a joint has the same type on both sides, by whatever word of the engine."""
     return SYNONYMS.get(told.type, told.type) == joint.type
 
 

@@ -13,7 +13,7 @@ from bodycheck.studies.parity.diagnosis.inertias import same
 from bodycheck.studies.parity.numbers import none_if_unlimited
 from bodycheck.studies.parity.quantities import Cause, Quantity
 from bodycheck.studies.parity.rows import Compared
-from bodycheck.studies.parity.tree import SYNONYMS, same_mimic
+from bodycheck.studies.parity.tree import same_mimic, same_type
 
 #: What one number is of another where radians were taken for degrees, or the reverse.
 DEGREES = (180 / math.pi, math.pi / 180)
@@ -72,7 +72,7 @@ def _axis_cause(engine: np.ndarray, joint: RobotJoint) -> Cause:
 
 
 def _type_cause(joint: RobotJoint, told: ReadJoint | None) -> Cause:
-    if told is None or SYNONYMS.get(told.type, told.type) != joint.type:
+    if told is None or not same_type(joint, told):
         return "representation"
     if not same_mimic(joint.mimic, told.mimic):
         return "mimic-ignored" if told.mimic is None else "unexplained"
