@@ -9,6 +9,9 @@ OK, FAILED, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
 #: Errors of the operating system if the disk is full or read-only, or a file too large for a quota or a limit.
 NO_ROOM = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS})
 
+#: The longest part of the name of a file or folder in a message about its length (characters).
+SHOWN_OF_NAME = 60
+
 
 class BadInput(Exception):
     """Bad input or usage. The text says what was read and what is allowed; the command line exits with code 2."""

@@ -1,5 +1,6 @@
 """The command line: it registers all commands, and turns errors into messages and exit codes."""
 
+import errno
 import sys
 
 from cyclopts import App, CycloptsError, Parameter
@@ -14,7 +15,7 @@ from bodycheck.commands.query import query
 from bodycheck.commands.report import report
 from bodycheck.commands.run import run
 from bodycheck.commands.truth import truth
-from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, NO_ROOM, BadInput, Failed
+from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, NO_ROOM, SHOWN_OF_NAME, BadInput, Failed
 from bodycheck.runner_log import guarded
 from bodycheck.studies.ablation.command import ablate
 from bodycheck.studies.audit.command import audit
@@ -58,9 +59,12 @@ def main() -> None:
             print(error, file=sys.stderr)
             code = FAILED
         except OSError as error:
-            if error.errno not in NO_ROOM:
+            if error.errno == errno.ENAMETOOLONG:
+                print(f"{str(error.filename)[:SHOWN_OF_NAME]!r}…: this name is too long for a file or folder", file=sys.stderr)
+            elif error.errno in NO_ROOM:
+                print(f"bodycheck: cannot write: {error}", file=sys.stderr)
+            else:
                 raise
-            print(f"bodycheck: cannot write: {error}", file=sys.stderr)
             code = BAD_INPUT
         except KeyboardInterrupt:
             print("bodycheck: interrupted", file=sys.stderr)

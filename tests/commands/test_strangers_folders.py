@@ -190,3 +190,10 @@ def test_a_trajectory_that_never_ends_is_refused(folder: Path) -> None:
     done = bodycheck("report", folder)
     assert done.returncode == 2
     assert f"{path}: is not a regular file" in done.stderr
+
+
+def test_a_name_that_is_too_long_for_a_folder_is_said_in_one_short_line(case: Path, tmp_path: Path) -> None:
+    done = bodycheck_process("run", case, *RUN, "--out", tmp_path / ("a" * 10_000))
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1)
+    assert done.stderr.endswith("this name is too long for a file or folder\n")
+    assert len(done.stderr) < 200
