@@ -46,7 +46,8 @@ def ensemble_faults(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
             continue
         if (other := next((other for other in taken if other.is_about(key)), None)) is not None:
             what = "the attitude" if attitude else key.text
-            yield at, f"{what} is drawn twice, as {other.text} is drawn too; give only one"
+            too = "" if key.text == other.text else f", as {other.text} is drawn too"
+            yield at, f"{what} is drawn twice{too}; give only one"
         taken.append(key)
         for name, message in _of_distribution(variation, key):
             yield (*path, *name), message
