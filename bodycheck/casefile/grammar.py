@@ -161,12 +161,16 @@ class InitialTable(Table):
     angular_velocity: Vector | None = Field(default=None, description="X, Y, Z in the body frame, rad/s")
 
 
+#: The tag of a word where a number may stand too.
+WORD = "word"
+
+
 def _kind_of_friction(value: Any) -> str:
-    return "word" if isinstance(value, str) else "coefficient"
+    return WORD if isinstance(value, str) else "coefficient"
 
 
 Friction = Annotated[
-    Annotated[NonNegative, Tag("coefficient")] | Annotated[Literal["no-slip"], Tag("word")], Discriminator(_kind_of_friction)
+    Annotated[NonNegative, Tag("coefficient")] | Annotated[Literal["no-slip"], Tag(WORD)], Discriminator(_kind_of_friction)
 ]
 Restitution = Annotated[Finite, Field(ge=0, le=1)]
 

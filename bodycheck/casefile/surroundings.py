@@ -4,6 +4,7 @@ Both formats have them. The body of a file of format 1 is called `BODY` here.
 """
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from typing import Any
@@ -13,7 +14,7 @@ import numpy as np
 from bodycheck.casefile import grammar
 from bodycheck.casefile.raw_values import mapping, number, tables_of
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import MAX_CONTACTS, MAX_PUSHES
+from bodycheck.casefile.values import BODY_PATTERN, MAX_CONTACTS, MAX_NAME_LENGTH, MAX_PUSHES
 from bodycheck.reference.mechanisms.mechanism import WORLD, PairContact
 from bodycheck.reference.scene import Plane, Push, Quaternion, Shape, Vector, vector_of
 from bodycheck.reference.support import reach
@@ -50,6 +51,8 @@ def _of_contact(contact: Mapping[str, Any], names: Sequence[str], on_plane: bool
     if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(name, str) for name in pair):
         return
     for place, pattern in enumerate(pair):
+        if len(pattern) > MAX_NAME_LENGTH or re.fullmatch(BODY_PATTERN, pattern) is None:
+            continue  # a fault of its own
         if pattern != PLANE and not any(fnmatchcase(name, pattern) for name in names):
             shown = ", ".join([PLANE, *first_names(names)])
             yield ("bodies", place), f"there is no such body; allowed: {shown}{did_you_mean(pattern, [PLANE, *names])}"

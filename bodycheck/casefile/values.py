@@ -71,10 +71,18 @@ NonNegative = Annotated[Finite, Field(ge=0, le=MAX_NUMBER), AfterValidator(_not_
 Ratio = Annotated[Finite, Field(ge=1e-20, le=1)]
 Factor = Annotated[Finite, Field(ge=1e-10, le=1e10)]
 Text = Annotated[str, Field(strict=True, max_length=MAX_TEXT_LENGTH), AfterValidator(_printable)]
-Name = Annotated[str, Field(strict=True, pattern=r"^[a-z0-9-]+$", max_length=MAX_NAME_LENGTH)]
+#: The patterns of names: of cases, of bodies and joints, and of bodies where * stands for any characters.
+NAME, PART_NAME, BODY_PATTERN = r"^[a-z0-9-]+$", r"^[A-Za-z0-9_.:/-]+$", r"^[A-Za-z0-9_.:/*-]+$"
+#: What each of these patterns allows, in words.
+CHARACTERS = {
+    NAME: "small letters, digits and hyphens",
+    PART_NAME: "letters a to z, digits and _ . : / -",
+    BODY_PATTERN: "letters a to z, digits and _ . : / - *",
+}
+Name = Annotated[str, Field(strict=True, pattern=NAME, max_length=MAX_NAME_LENGTH)]
 Label = Annotated[str, Field(strict=True, min_length=1, max_length=MAX_NAME_LENGTH), AfterValidator(_printable)]
 #: The name of a body, in which * stands for any characters.
-BodyPattern = Annotated[str, Field(strict=True, pattern=r"^[A-Za-z0-9_.:/*-]+$", max_length=MAX_NAME_LENGTH)]
+BodyPattern = Annotated[str, Field(strict=True, pattern=BODY_PATTERN, max_length=MAX_NAME_LENGTH)]
 Spelling = Annotated[Label, AfterValidator(_spelling)]
 EngineName = Annotated[Label, AfterValidator(_engine)]
 Vector = tuple[Number, Number, Number]

@@ -7,7 +7,9 @@ from typing import Any
 
 from bodycheck.casefile import formats
 from bodycheck.casefile.formats import Format
+from bodycheck.casefile.grammar import WORD
 from bodycheck.casefile.toml_positions import Path
+from bodycheck.casefile.values import CHARACTERS
 from bodycheck.suggestion import did_you_mean
 
 #: The longest quotation (characters).
@@ -51,8 +53,14 @@ def explain(record: Any, document: dict[str, Any], form: Format) -> tuple[Path, 
     if kind in ("too_long", "too_short"):
         side, bound = ("most", "max_length") if kind == "too_long" else ("least", "min_length")
         message = f"has {len(record['input'])} items; allowed: at {side} {record['ctx'][bound]}"
+    if kind == "string_too_long":
+        message = f"allowed: at most {record['ctx']['max_length']} characters"
+    if kind == "string_pattern_mismatch":
+        message = f"allowed: {CHARACTERS[record['ctx']['pattern']]}"
     message = LONG_POWER.sub(lambda power: f"1e{len(power[1])}", message)
     if kind == "literal_error":
+        if record["loc"][-1] == WORD:
+            message = f"allowed: a number, or {record['ctx']['expected']}"
         message += _suggestion(record["input"], re.findall("'([^']*)'", record["ctx"]["expected"]))
     return path, message
 

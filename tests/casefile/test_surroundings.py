@@ -119,7 +119,7 @@ def test_pushes_have_times_and_bodies() -> None:
         ("[scene.plane]\nincline = 1.6", "scene.plane.incline: read 1.6; should be less than 1.5707963267948966"),
         ("[scene.plane]\nincline = -0.1", "scene.plane.incline: read -0.1; should be greater than or equal to 0"),
         ("[scene.plane]\nrestitution = 1.1", "scene.plane.restitution: read 1.1; should be less than or equal to 1"),
-        ('[scene.plane]\nfriction = "rough"', "scene.plane.friction: read 'rough'; should be 'no-slip'"),
+        ('[scene.plane]\nfriction = "rough"', "scene.plane.friction: read 'rough'; allowed: a number, or 'no-slip'"),
         ("[[scene.push]]\npoint = [0.0, 0.0, 0.0]", "scene.push[1].force: is missing"),
         (
             "[[scene.push]]\nforce = [1.0, 0.0, 0.0]\nfrom = 1.0\nuntil = 1.0",
@@ -174,3 +174,21 @@ def test_what_the_reference_does_not_model_is_unsupported(text: str, missing: st
     assert missing in getattr(outcome, "reason", "")
     with pytest.raises(NotModelled, match=missing):
         truth(read(text))
+
+
+@pytest.mark.parametrize(
+    ("first", "told"),
+    [
+        ("b\\u001b[31mox", "allowed: letters a to z, digits and _ . : / - *"),
+        ("<script>", "allowed: letters a to z, digits and _ . : / - *"),
+        ("größe", "allowed: letters a to z, digits and _ . : / - *"),
+        ("a" * 10_000, "allowed: at most 100 characters"),
+        ("bax", "there is no such body; allowed: plane, ball-1, ball-2, box; did you mean 'box'?"),
+    ],
+)
+def test_a_name_that_no_body_has_is_one_fault(first: str, told: str) -> None:
+    contact = f'[scene.plane]\n[[scene.contacts]]\nbodies = ["{first}", "plane"]\nfriction = 0.5\n'
+    with pytest.raises(CaseFaults) as refused:
+        read(BALLS + contact)
+    (fault,) = refused.value.faults
+    assert (fault.key, fault.message.partition("; ")[2] or fault.message) == ("scene.contacts[1].bodies[1]", told)

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
 from bodycheck.casefile import grammar
 from bodycheck.casefile.ensemble_grammar import EnsembleTable
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_PUSHES, Name, NonNegative, Number, Table, Text, Vector
+from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_PUSHES, PART_NAME, Name, NonNegative, Number, Table, Text, Vector
 
 #: Version of the format of case files of mechanisms.
 FORMAT = 2
@@ -35,9 +35,7 @@ def _not_a_number(value: str) -> str:
 
 
 #: The name of a body or joint. It may stand between the dots of a key path.
-PartName = Annotated[
-    str, Field(strict=True, pattern=r"^[A-Za-z0-9_.:/-]+$", max_length=MAX_NAME_LENGTH), AfterValidator(_not_a_number)
-]
+PartName = Annotated[str, Field(strict=True, pattern=PART_NAME, max_length=MAX_NAME_LENGTH), AfterValidator(_not_a_number)]
 
 
 class JointedTable(Table):

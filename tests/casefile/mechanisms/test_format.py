@@ -151,7 +151,7 @@ def test_all_faults_at_once_each_with_its_line() -> None:
         ('child = "cart"', 'child = "cart"\nparent = "pole"', "20 joints[1].parent", "circle: cart <- pole <- cart"),
         ('child = "pole"', 'child = "pole"\nstiffnes = 1.0', "28 joints[2].stiffnes", "did you mean 'stiffness'?"),
         ('name = "pin"', 'name = "7"', "24 joints[2].name", "should have more than digits"),
-        ('name = "pin"', 'name = "pin 7"', "24 joints[2].name", "should match pattern"),
+        ('name = "pin"', 'name = "pin 7"', "24 joints[2].name", "allowed: letters a to z, digits"),
         ("axis = [0.0, 1.0, 0.0]\n", "", "23 joints[2].axis", "is missing"),
         ("mass = 0.4\n", "", "10 bodies[2].mass", "is missing"),
         ("mass = 0.4\n", "mass = 1e200\n", "12 bodies[2].mass", "less than or equal to 1e100"),
