@@ -27,7 +27,7 @@ def _interval(row: Row) -> str:
 #: The columns of the table of methods, which are those of ensemble.csv.
 ROWS: tuple[Column[Any], ...] = (
     attribute("case", goes=9),
-    attribute("engine", goes=1),
+    attribute("engine"),
     attribute("version", goes=10),
     attribute("integrator"),
     attribute("timestep", "step", "g", goes=5),
@@ -40,13 +40,13 @@ ROWS: tuple[Column[Any], ...] = (
     attribute("q50", "median"),
     attribute("q95", "95 %", goes=4),
     attribute("q99", "99 %"),
-    attribute("max"),
+    attribute("max", goes=1),
     attribute("worst_member", "member", "d", goes=3),
 )
 
 #: The columns of the table of dependences, which are those of sensitivity.csv.
 DEPENDENCES: tuple[Column[Any], ...] = (
-    attribute("engine", goes=1),
+    attribute("engine"),
     attribute("integrator"),
     attribute("timestep", "step", "g", goes=3),
     attribute("figure"),

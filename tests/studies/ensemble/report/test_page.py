@@ -8,6 +8,7 @@ import pytest
 import vl_convert
 
 from bodycheck.console.options import AS_USUAL
+from bodycheck.console.tables import layout
 from bodycheck.reports import html, markdown
 from bodycheck.reports.study import Animation, StudyReport
 from bodycheck.studies.ensemble import printing
@@ -109,3 +110,13 @@ def test_tables_fit_a_terminal_of_80_columns(tmp_path: Path) -> None:
     text = stream.getvalue()
     assert "1000 members, attitude_error, the best method first" in text
     assert "|initial.angular_velocity|" in text
+
+
+def test_a_terminal_of_80_columns_names_the_engine_of_each_method() -> None:
+    """Several engines have integrators of one name; the longest names there are leave room for the errors."""
+    names = {"engine": "mujoco_warp", "integrator": "SemiExplicitEuler2:settings=engine", "failed": "100 %"}
+    columns = [column for column in printing.ROWS if not column.asked]
+    cells = [[f"{names.get(column.name, '1.23e-1')[:-1]}{place}" for column in columns] for place in (1, 2)]
+    found = layout(columns, cells, 80)
+    assert not found.listed
+    assert {"engine", "integrator", "failed", "q50", "q99"} <= {columns[place].name for place in found.shown}
