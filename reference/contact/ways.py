@@ -39,7 +39,7 @@ def contact_motion(problem: Problem, times: Array) -> ContactMotion:
     for way in WAYS:
         if (found := way(problem, times)) is not None:
             return found
-    raise NotModelled("bodies that touch in such a way")
+    raise NotModelled("such a motion of bodies that touch (docs/truth.md lists those that it models)")
 
 
 @functools.lru_cache(maxsize=8)

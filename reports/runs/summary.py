@@ -27,7 +27,9 @@ def headline(results: Results, verdicts: Sequence[Verdict]) -> str:
     elif failed:
         text = f"{failed} of {count(runs, 'run')} failed"
     elif refused == runs:
-        text = f"None of {count(runs, 'run')} is supported by its engine"
+        reasons = {verdict.outcome.reason for verdict in verdicts if isinstance(verdict.outcome, Unsupported)}
+        why = reasons.pop() if len(reasons) == 1 else "the engines or the truth do not support them"
+        text = f"None of {count(runs, 'run')} has a result: {why}"
     elif held or tolerated:
         known = f" and {tolerated} {verb(tolerated, 'has', 'have')} a known discrepancy" if tolerated else ""
         text = f"None of {count(runs, 'run')} failed: {held} met all expectations{known}"

@@ -17,6 +17,7 @@ from bodycheck.reports.quantities import QUANTITIES, bound, number
 from bodycheck.reports.runs import html_report, markdown_report
 from bodycheck.reports.runs.contents import Contents, gather
 from bodycheck.reports.runs.run_table import WITHIN_TRUTH
+from bodycheck.reports.runs.summary import headline
 from bodycheck.reports.tables import pieces
 from bodycheck.running import store
 from bodycheck.running.outcome import Crashed, Diverged, TimedOut, Unsupported
@@ -196,6 +197,18 @@ def test_a_case_that_no_engine_supports_has_no_table(results: Results, verdicts:
     for text in (Page(html_report.render(contents)).text, markdown_report.render(contents)):
         assert text.count("No engine supports a run of this case.") == 1
         assert "Without results: rotation by mujoco and pinocchio (it does not turn)." in text
+
+
+def test_a_headline_says_why_no_run_has_a_result(results: Results, verdicts: list[Verdict]) -> None:
+    """The engine need not be the reason: a scene may have no truth."""
+
+    def told(*reasons: str) -> str:
+        refused = map(Unsupported, reasons)
+        runs = [replace(one, outcome=end, discrepancy=None, passed=None) for one, end in zip(verdicts, refused, strict=False)]
+        return headline(results, runs)
+
+    assert told("it has no truth", "it has no truth") == "None of 2 runs has a result: it has no truth"
+    assert told("it has no truth", "no drag").endswith(": the engines or the truth do not support them")
 
 
 def test_ways_to_fail(results: Results, verdicts: list[Verdict]) -> None:
