@@ -14,6 +14,9 @@ from bodycheck.studies.cost import Stretch
 from bodycheck.studies.recommend import search
 from bodycheck.studies.recommend.rows import Answer, Probe
 
+#: Why a method has no result whose runs ended well.
+UNSEEN = "no run shows this figure: the scene does not have it, or the time steps are too large to see it"
+
 
 def errors_of(probes: Iterable[Probe]) -> dict[float, float]:
     """Return the errors of a method by its time steps (s); infinite where a run failed, none where it timed out."""
@@ -40,7 +43,7 @@ def answer_of(engine: str, version: str, method: Method, probes: Sequence[Probe]
     step = kept if kept is not None else min(finite, key=lambda step: finite[step], default=None)
     error = None if step is None else finite[step]
     reasons = [probe.reason for probe in sorted(probes, key=lambda probe: probe.timestep) if probe.reason]
-    why = reasons[0] if reasons else "the figure does not exist in this scene"
+    why = reasons[0] if reasons else UNSEEN
     return Answer(
         *(engine, version, method.name, step, error),
         cost=None,

@@ -55,6 +55,10 @@ LEAST_STEPS, MOST_STEPS = 10, 100_000
 #: Rotation of the body (rad) in the step at which a search begins; most methods break near it.
 FIRST_TURN = 1.0
 
+#: A figure that is not seen with this many time steps is not looked for with smaller ones. A bounce is seen only if two samples
+#: lie on its arc, which a large step may prevent.
+MOST_UNSEEN = 4
+
 #: Time limit (s) of one run, more than ten times what `MOST_STEPS` steps take in Python.
 TIME_LIMIT_S = 60.0
 
@@ -276,7 +280,8 @@ def _is_done(search: Search, probes: Sequence[Probe], progress: Advance) -> bool
     """Return whether a search is done, and tell so."""
     # What is not supported at one step is not at any, and what takes too long takes longer with a smaller one.
     ended = any(probe.status in (Unsupported.status, TimedOut.status) for probe in probes)
-    unmeasured = any(probe.status == Completed.status and probe.error is None for probe in probes)
+    completed = [probe for probe in probes if probe.status == Completed.status]
+    unmeasured = len(completed) >= MOST_UNSEEN and all(probe.error is None for probe in completed)
     if not (ended or unmeasured) and following(errors_of(probes), search.within) is not None:
         return False
     progress(f"{search.engine} {search.method.name} · {len(probes)} time steps")

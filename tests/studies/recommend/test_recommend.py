@@ -18,6 +18,7 @@ from bodycheck.running.outcome import Completed
 from bodycheck.running.plan import plan
 from bodycheck.studies import cost
 from bodycheck.studies.recommend import study, wording
+from bodycheck.studies.recommend.answers import UNSEEN
 from bodycheck.studies.recommend.page import present
 from bodycheck.studies.recommend.rows import Answer, Probe, Recommendation
 from bodycheck.studies.recommend.search import answer
@@ -204,12 +205,23 @@ def test_figures_are_chosen_by_short_names_and_by_their_own() -> None:
         study.figure_of(flight, "order")
 
 
+def test_a_figure_that_large_steps_do_not_show_is_found_with_smaller_ones() -> None:
+    """The search begins with a tenth of the run, with which no bounce of the ball has two samples."""
+    found = recommended(load("dropped-ball"), 0.01, ("mujoco",), quantity="bounce_ratio_error", integrators=("Euler",))
+    largest, *_, smallest = found.probes
+    assert (largest.status, largest.error) == ("ok", None)
+    assert smallest.error == pytest.approx(0.8, abs=0.01), "MuJoCo's ball does not bounce"
+    (own,) = found.answers
+    assert not own.reached
+    assert own.reason != UNSEEN
+
+
 def test_a_figure_that_a_scene_does_not_have_is_said() -> None:
     found = recommended(load("projectile"), 1e-3, ("mujoco",), quantity="stop_time_error", integrators=("RK4",))
     (own,) = found.answers
     assert not own.reached
-    assert own.reason == "the figure does not exist in this scene"
-    assert own.steps == 1
+    assert own.reason == UNSEEN
+    assert own.steps == study.MOST_UNSEEN
     pages.check(html.render_study(present(header("mujoco"), found)))
 
 
