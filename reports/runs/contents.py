@@ -51,7 +51,7 @@ DRAWING_LIMIT_S = 120.0
 
 
 #: Why a case has no runs to show.
-NONE_FINISHED, ALL_REFUSED = "No run of this case finished.", "No engine supports a run of this case."
+NONE_FINISHED, ALL_REFUSED = "No run of this case finished.", "No run of this case has a result."
 
 
 @dataclass(frozen=True)

@@ -195,7 +195,7 @@ def test_a_case_that_no_engine_supports_has_no_table(results: Results, verdicts:
     assert {section.name: section.table is None for section in contents.sections} == {FLIP: True, FLIGHT: False}
     assert [matrix.kind.name for matrix in contents.matrices] == ["translation"]
     for text in (Page(html_report.render(contents)).text, markdown_report.render(contents)):
-        assert text.count("No engine supports a run of this case.") == 1
+        assert text.count("No run of this case has a result.") == 1
         assert "Without results: rotation by mujoco and pinocchio (it does not turn)." in text
 
 
