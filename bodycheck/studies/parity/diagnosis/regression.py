@@ -54,6 +54,8 @@ def regression(engine: Stack, model: Stack, names: Sequence[str], gravity: Vecto
     size = float(np.max(np.abs(model.gravity_force) / roots, initial=0.0)) if model.gravity_force is not None else 0.0
     pulls = pulls and size > 0
 
+    # An engine may tell mass matrices of any size where the file has a body that cannot be; what overflows explains nothing.
+    @np.errstate(over="ignore")
     def rows(matrices_: Array, forces: Array | None) -> Array:
         found = [(matrices_ * weights)[:, upper[0], upper[1]].ravel()]
         if pulls:
