@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.reference.kinematics import conjugate, geodesic_angle, multiply
+from bodycheck.reference.robots.rotations import rotation_vector
 from bodycheck.reference.trajectory import Array
 from bodycheck.reports.series import corners
 
@@ -124,7 +125,7 @@ def turning(t: Array, quaternion: Array, rate: Array, rate_tolerance: float) -> 
         return None
     whole = Turning(
         t,
-        _rounded(_rotation_vector(quaternion), math.pi),
+        _rounded(rotation_vector(quaternion), math.pi),
         _rounded(rate, _largest_component(rate)),
     )
     kept = np.unique(np.searchsorted(turned, np.linspace(0, turned[-1], 2 + int(turned[-1] / WIDEST))).clip(0, len(t) - 1))
@@ -174,7 +175,7 @@ def played(track: Turning, t: Array) -> tuple[Array, Array]:
     h = (track.t[span + 1] - track.t[span])[:, None]
     s = (t - track.t[span])[:, None] / h
     knots = _quaternion(track.turn)
-    turns = _rotation_vector(multiply(conjugate(knots[:-1]), knots[1:]))
+    turns = rotation_vector(multiply(conjugate(knots[:-1]), knots[1:]))
     whole = turns[span]
     start, stop = h * track.rate[span], h * _derivative(turns, track.rate[1:])[span]
     vector = (s - 2 * s**2 + s**3) * start + (3 * s**2 - 2 * s**3) * whole + (s**3 - s**2) * stop
@@ -192,14 +193,6 @@ def _quaternion(vector: Array) -> Array:
     """Return the unit quaternions (n, 4) of rotation vectors (n, 3), rad."""
     half = np.linalg.norm(vector, axis=1, keepdims=True) / 2
     return np.hstack([np.cos(half), np.sinc(half / np.pi) / 2 * vector])
-
-
-def _rotation_vector(quaternion: Array) -> Array:
-    """Return the rotation vectors (n, 3), rad, of at most half a turn, of quaternions (n, 4)."""
-    shorter = np.where(quaternion[:, :1] < 0, -quaternion, quaternion)
-    sine = np.linalg.norm(shorter[:, 1:], axis=1, keepdims=True)
-    angle = 2 * np.arctan2(sine, shorter[:, :1])
-    return np.asarray(shorter[:, 1:] * np.divide(angle, sine, out=np.full_like(sine, 2.0), where=sine > 0))
 
 
 def _rate(vector: Array, change: Array) -> Array:
