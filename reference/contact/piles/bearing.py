@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linprog
 
 from bodycheck.reference.contact.piles.upright import Upright, common, outline
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
@@ -124,6 +123,8 @@ def balanced(problem: Problem, faces: Sequence[Upright], bearings: Sequence[Bear
 
     They act at the corners of what two faces have in common, which is as good as anywhere in it. slope: of the plane.
     """
+    from scipy.optimize import linprog  # takes longer to import than all ways of contact
+
     points = [_seen(problem, faces, bearing, slope) for bearing in bearings]
     columns = np.repeat(np.arange(len(bearings)), [len(own) for own in points])
     places = np.concatenate(points)
