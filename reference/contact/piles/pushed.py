@@ -16,7 +16,7 @@ from bodycheck.reference.contact.motion import ContactMotion, Event, EventKind
 from bodycheck.reference.contact.piles.upright import Upright, margin, upright
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem, holds
 from bodycheck.reference.errors import NotModelled
-from bodycheck.reference.exact.numbers import MP, Real, Wide, wide
+from bodycheck.reference.exact.numbers import MP, Real, Wide, real, wide
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.scene import Brick, Sphere, vector_of
 from bodycheck.reference.trajectory import Array
@@ -133,12 +133,7 @@ def _touching(one: Upright, other: Upright) -> Wide:
 def _roundness(body: ContactBody) -> Real:
     """The moment of a sphere over its mass and the square of its radius: k, which is 2/5 for a homogeneous one."""
     assert isinstance(body.shape, Sphere)
-    return _exact(body.moments[0]) / (_exact(body.mass) * MP.mpf(body.shape.radius) ** 2)
-
-
-def _exact(value: Wide) -> Real:
-    head = float(value)
-    return MP.mpf(head) + MP.mpf(float(value - Wide(head)))
+    return real(body.moments[0]) / (real(body.mass) * MP.mpf(body.shape.radius) ** 2)
 
 
 def accelerations(scene: Pushed) -> Accelerations:
@@ -147,8 +142,8 @@ def accelerations(scene: Pushed) -> Accelerations:
     What all bodies take up of the push grows with the acceleration of the box, so that one acceleration takes up all of it.
     """
     problem, box = scene.problem, scene.box
-    gravity = -_exact(problem.gravity[2])
-    masses = [_exact(body.mass) for body in problem.bodies]
+    gravity = -real(problem.gravity[2])
+    masses = [real(body.mass) for body in problem.bodies]
     weight, friction = gravity * sum(masses), problem.pair(box)[0]
     if holds(friction, scene.force, weight):
         return Accelerations(np.zeros(len(masses), dtype=Wide), float(scene.force / weight))

@@ -12,7 +12,7 @@ import numpy as np
 
 from bodycheck.reference.contact.problem import ContactBody, Problem
 from bodycheck.reference.errors import NotModelled
-from bodycheck.reference.exact.numbers import MP, Real, Wide
+from bodycheck.reference.exact.numbers import MP, Wide, real
 from bodycheck.reference.witness import WideArray
 
 #: Roundings in the velocity of the point that touches.
@@ -75,7 +75,7 @@ def ball(problem: Problem, body: ContactBody, radius: float, moment: Wide) -> Ba
     if not moment > 0:
         raise NotModelled("a round body on a plane that has no moment of inertia")
     friction, restitution = problem.pair(0)
-    exact = _exact(moment) / (_exact(body.mass) * MP.mpf(radius) ** 2)
+    exact = real(moment) / (real(body.mass) * MP.mpf(radius) ** 2)
     incline = MP.mpf(problem.plane.incline)
     grips = (
         math.isinf(friction)
@@ -92,12 +92,6 @@ def ball(problem: Problem, body: ContactBody, radius: float, moment: Wide) -> Ba
         -problem.gravity[2],
         bool(grips),
     )
-
-
-def _exact(value: Wide) -> Real:
-    """A number of the widest type as two doubles, which hold all of its digits."""
-    head = float(value)
-    return MP.mpf(head) + MP.mpf(float(value - Wide(head)))
 
 
 def slip(of: Ball, velocity: WideArray, spin: WideArray) -> WideArray:
