@@ -30,9 +30,6 @@ from bodycheck.reference.trajectory import Array
 #: Name of the way in results, before that of the solver.
 NAME = "Euler-Lagrange"
 
-#: Decimal digits of the arithmetic of heyoka's solver.
-WIDE_DIGITS = 19
-
 
 @dataclass(frozen=True, eq=False)
 class Prepared:

@@ -29,9 +29,6 @@ MAX_STEPS = 100_000
 #: How many steps are made at once, which limits the memory.
 CHUNK = 8192
 
-#: Relative error of a product of two quaternions, and of a step by its series, in roundings.
-STEP_ROUNDINGS = 16.0
-
 
 def about_axis(spin: WideArray, angle: WideArray) -> WideArray:
     """The quaternions (n, 4) of rotations by angles (n,), rad, about the direction of vectors (n, 3) or (3,)."""
