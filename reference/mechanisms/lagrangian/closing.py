@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape, along, gradient, made, plus
+from bodycheck.reference.mechanisms.lagrangian.differentiation import Node, Tape, along, made, plus
 from bodycheck.reference.mechanisms.lagrangian.mass_matrix import Solid
 from bodycheck.reference.trajectory import Array
 
@@ -51,16 +51,6 @@ def _upwards(parents: Sequence[int | None], place: int | None) -> Iterator[int]:
     while place is not None:
         yield place
         place = parents[place]
-
-
-def rows_of(
-    tape: Tape, gaps: Sequence[Node], coordinates: Sequence[Node], carried: Callable[[list[Node]], list[Node]]
-) -> list[list[Node]]:
-    """J: the derivatives of gaps in the directions of all velocities.
-
-    carried: makes these from the derivatives by the coordinates.
-    """
-    return [carried(gradient(tape, each, coordinates)) for each in gaps]
 
 
 def closed(

@@ -130,9 +130,9 @@ def parts_of(tape: Tape, structure: Structure) -> Parts:
 
 
 def rows_of(tape: Tape, structure: Structure, parts: Parts) -> list[list[Node]]:
-    """By which velocities those components of gaps change that hold loops together."""
-    gaps = [parts.gaps[place] for place in structure.rows]
-    return closing.rows_of(tape, gaps, parts.coordinates, lambda slopes: parts.carried(tape, structure, slopes))
+    """J of `closing`: by which velocities those components of gaps change that hold loops together."""
+    slopes = (gradient(tape, parts.gaps[place], parts.coordinates) for place in structure.rows)
+    return [parts.carried(tape, structure, each) for each in slopes]
 
 
 @functools.lru_cache(maxsize=32)
