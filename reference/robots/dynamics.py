@@ -12,9 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.reference.kinematics import cross
 from bodycheck.reference.robots.cholesky import solved
 from bodycheck.reference.robots.model import RobotModel, Wide
-from bodycheck.reference.robots.motion import PlacedLink, cross, each, jacobians, placed, poses, rows, velocity_maps
+from bodycheck.reference.robots.motion import PlacedLink, each, jacobians, placed, poses, rows, velocity_maps
 from bodycheck.reference.robots.passive import passive_force
 from bodycheck.reference.robots.state import VELOCITIES, RobotState, Values
 from bodycheck.reference.robots.terms import Terms

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.reference.kinematics import multiply, normalise
+from bodycheck.reference.kinematics import cross, multiply, normalise
 from bodycheck.reference.robots.model import RobotJoint, RobotModel, Wide
 from bodycheck.reference.robots.order import from_the_root
 from bodycheck.reference.robots.rotations import about, matrices, plane_axes, quaternion
@@ -182,10 +182,3 @@ def jacobians(links: Sequence[PlacedLink], maps: Sequence[tuple[Wide, Wide]], na
 def each(matrices: Wide, vectors: Wide) -> Wide:
     """Matrices (n, 3, 3) times vectors (n, 3)."""
     return np.asarray((matrices @ vectors[..., None])[..., 0])
-
-
-def cross(a: Wide, b: Wide) -> Wide:
-    """Cross products (..., 3)."""
-    x, y, z = a[..., 0], a[..., 1], a[..., 2]
-    p, q, r = b[..., 0], b[..., 1], b[..., 2]
-    return np.stack([y * r - z * q, z * p - x * r, x * q - y * p], axis=-1)

@@ -13,7 +13,7 @@ import numpy as np
 
 from bodycheck.reference.contact.coin.start import Coin
 from bodycheck.reference.integration.collocation import Derivatives
-from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
+from bodycheck.reference.kinematics import conjugate, cross, multiply, normalise, rotate
 from bodycheck.reference.witness import WideArray
 
 _Vectors = tuple[WideArray, WideArray, WideArray]
@@ -47,14 +47,14 @@ def accelerated(coin: Coin, states: WideArray) -> _Vectors:
     steep = np.hypot(upward[:, :1], upward[:, 1:2])
     uphill = (upward - upward[:, 2:] * axis) / steep
     rho = -coin.half_length * axis - coin.radius * uphill
-    turned = _cross(omega, axis)
+    turned = cross(omega, axis)
     slope_rate = (upward * turned).sum(axis=1, keepdims=True)
     uphill_rate = uphill * (upward[:, 2:] * slope_rate / steep**2) - (slope_rate * axis + upward[:, 2:] * turned) / steep
     rho_rate = -coin.half_length * turned - coin.radius * uphill_rate
-    pushed = _cross(rho_rate, omega) + coin.gravity * upward
-    right = _cross(moments * omega, omega) + _cross(rho, pushed)
+    pushed = cross(rho_rate, omega) + coin.gravity * upward
+    right = cross(moments * omega, omega) + cross(rho, pushed)
     turning = _solved(moments, rho, right)
-    return turning, _cross(rho, omega), _cross(rho_rate, omega) + _cross(rho, turning)
+    return turning, cross(rho, omega), cross(rho_rate, omega) + cross(rho, turning)
 
 
 def forces(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray]:
@@ -90,14 +90,3 @@ def _solved(moments: WideArray, rho: WideArray, right: WideArray) -> WideArray:
     share = (rho * one).sum(axis=1, keepdims=True) / (1 - (rho * other).sum(axis=1, keepdims=True))
     found: WideArray = one + share * other
     return found
-
-
-def _cross(a: WideArray, b: WideArray) -> WideArray:
-    return np.stack(
-        [
-            a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1],
-            a[:, 2] * b[:, 0] - a[:, 0] * b[:, 2],
-            a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0],
-        ],
-        axis=1,
-    )

@@ -10,7 +10,7 @@ import numpy as np
 
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import Wide
-from bodycheck.reference.kinematics import dot, multiply, normalise
+from bodycheck.reference.kinematics import cross, dot, multiply, normalise
 from bodycheck.reference.witness import WideArray
 
 #: Gives the coefficients (k, j, 3) of the series of the angular velocity about parameters (k,).
@@ -79,7 +79,7 @@ def accelerated(spin: WideArray, rate: WideArray, times: WideArray) -> WideArray
 
     Raises `OutOfReach` where the axis turns and there are too many steps.
     """
-    if not np.any(_cross(spin, rate)):
+    if not np.any(cross(spin, rate)):
         axis = spin if np.any(spin) else rate
         size = np.sqrt(dot(axis, axis))
         if not size:
@@ -116,7 +116,3 @@ def stepped(begins: WideArray, places: WideArray, coefficients: Coefficients) ->
     whole = chained(np.concatenate([np.zeros((0, 4), Wide), *steps]))
     at = np.clip(np.searchsorted(begins, places, side="right") - 1, 0, max(len(begins) - 2, 0))
     return multiply(series(coefficients(begins[at]), places - begins[at]), whole[at])
-
-
-def _cross(a: WideArray, b: WideArray) -> WideArray:
-    return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])

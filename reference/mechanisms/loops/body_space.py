@@ -14,9 +14,10 @@ from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Vector3, Wide, vector, wide
 from bodycheck.reference.exact.pairs import WideArray
 from bodycheck.reference.exact.rotations import IDENTITY, conjugate, matrix, multiply, turned, unit
+from bodycheck.reference.kinematics import cross
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.kinematics import from_the_root
-from bodycheck.reference.mechanisms.loops.vectors import cross, dot, rounded
+from bodycheck.reference.mechanisms.loops.vectors import dot, rounded
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, Mechanism
 
 #: Coordinates and velocities of a body.
@@ -112,9 +113,9 @@ def _joint(mechanism: Mechanism, joint: Joint) -> Link:
     one, other = _side(mechanism, joint.parent, joint.position, turn), _side(mechanism, joint.child, (0.0, 0.0, 0.0), here)
     axis = rounded(list(exact.unit_axis(joint))) if joint.type in ("revolute", "prismatic") else here[2]
     # Two directions across the axis.
-    first = cross(axis, here[int(np.argmin(np.abs(axis)))])
+    first: WideArray = cross(axis, here[int(np.argmin(np.abs(axis)))])
     first = first / np.sqrt(dot(first, first))
-    second = cross(axis, first)
+    second: WideArray = cross(axis, first)
     aligned = ((first, axis), (second, axis))
     fixed = (*aligned, (first, second))
     nothing = here[:0]

@@ -15,16 +15,6 @@ def rounded(values: Any) -> WideArray:
     return np.asarray(wide(values))
 
 
-def cross(a: WideArray, b: WideArray) -> WideArray:
-    """Vector products (..., 3)."""
-    x, y, z = a[..., 0], a[..., 1], a[..., 2]
-    p, q, r = b[..., 0], b[..., 1], b[..., 2]
-    first = y * r - z * q
-    found = np.empty((*first.shape, 3), dtype=Wide)
-    found[..., 0], found[..., 1], found[..., 2] = first, z * p - x * r, x * q - y * p
-    return found
-
-
 def dot(a: WideArray, b: WideArray) -> WideArray:
     """Scalar products (...) of vectors (..., 3)."""
     found: WideArray = a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
