@@ -63,6 +63,12 @@ def normalise(q: Floats[Float]) -> Floats[Float]:
     return np.asarray(q / np.sqrt(dot(q, q))[..., None])
 
 
+def about(axis: Floats[Float], angle: Floats[Float]) -> Floats[Float]:
+    """Unit quaternions (n, 4) of rotations about unit axes (n, 3), or about one (3,), by angles (n,), in rad."""
+    half = angle / 2
+    return np.concatenate([np.cos(half)[:, None], np.sin(half)[:, None] * axis], axis=1)
+
+
 def rotate(q: Floats[Float], v: Floats[Float]) -> Floats[Float]:
     """World components (..., 3) of vectors v (..., 3) in the body frame, for unit quaternions q (..., 4), body to world."""
     w, x, y, z = q[..., 0], q[..., 1], q[..., 2], q[..., 3]

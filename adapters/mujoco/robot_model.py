@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from bodycheck.adapters.mujoco.robot_joints import TYPES, body_name, effort_limit, joint_name, limits, mimics
+from bodycheck.reference.kinematics import about
 from bodycheck.reference.robots.model import Mimic, RobotJoint, RobotLink, RobotModel, Wide
-from bodycheck.reference.robots.rotations import about, matrices
+from bodycheck.reference.robots.rotations import matrices
 from bodycheck.reference.scene import Vector
 
 NOWHERE, UNTURNED = np.zeros(3, np.longdouble), np.eye(3, dtype=np.longdouble)

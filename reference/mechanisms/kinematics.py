@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.reference.kinematics import conjugate, dot, multiply, normalise, rotate
+from bodycheck.reference.kinematics import about, conjugate, dot, multiply, normalise, rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.coordinates import JointMotion, places
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, JointType, Mechanism
@@ -213,16 +213,16 @@ def _moved(joint: Joint, q: Array, v: Array) -> _Frame:
     axis = np.array(exact.nearest_axis(joint))
     match joint.type:
         case "revolute":
-            return _Frame(still.origin, _about(axis, q[:, 0]), still.velocity, axis * v)
+            return _Frame(still.origin, about(axis, q[:, 0]), still.velocity, axis * v)
         case "prismatic":
             return _Frame(axis * q, still.turn, axis * v, still.rate)
         case "universal":
-            first, second = _about(_X, q[:, 0]), _about(_Y, q[:, 1])
+            first, second = about(_X, q[:, 0]), about(_Y, q[:, 1])
             rate = _first_axis_of_universal(q[:, 1]) * v[:, :1] + _Y * v[:, 1:]
             return _Frame(still.origin, multiply(first, second), still.velocity, rate)
         case "planar":
             flat = np.array([1.0, 1.0, 0.0])
-            return _Frame(q * flat, _about(_Z, q[:, 2]), v * flat, _Z * v[:, 2:])
+            return _Frame(q * flat, about(_Z, q[:, 2]), v * flat, _Z * v[:, 2:])
         case "spherical":
             return _Frame(still.origin, normalise(q), still.velocity, v)
         case "free":
@@ -237,11 +237,6 @@ _X, _Y, _Z = np.eye(3)
 def _first_axis_of_universal(second: Array) -> Array:
     """The first axis (n, 3) of a universal joint along the axes of the child, from the second angle (n,)."""
     return np.stack([np.cos(second), np.zeros(len(second)), np.sin(second)], axis=-1)
-
-
-def _about(axis: Array, angle: Array) -> Array:
-    """The quaternions (n, 4) of rotations about a unit axis by angles (n,)."""
-    return np.concatenate([np.cos(angle / 2)[:, None], np.sin(angle / 2)[:, None] * axis], axis=-1)
 
 
 def _coordinates(joint: Joint, seen: _Frame, t: Array) -> tuple[Array, Array]:

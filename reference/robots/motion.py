@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.reference.kinematics import cross, multiply, normalise
+from bodycheck.reference.kinematics import about, cross, multiply, normalise
 from bodycheck.reference.robots.model import RobotJoint, RobotModel, Wide
 from bodycheck.reference.robots.order import from_the_root
-from bodycheck.reference.robots.rotations import about, matrices, plane_axes, quaternion
+from bodycheck.reference.robots.rotations import matrices, plane_axes, quaternion
 from bodycheck.reference.robots.state import VELOCITIES, RobotState, Values
 
 _NOTHING, _ALL = np.zeros((3, 3), np.longdouble), np.eye(3, dtype=np.longdouble)

@@ -11,12 +11,6 @@ from bodycheck.reference.kinematics import Float, Floats, normalise
 from bodycheck.reference.robots.model import Wide
 
 
-def about(axis: Wide, angle: Wide) -> Wide:
-    """Unit quaternions (n, 4) of rotations about a unit axis (3,) by angles (n,), in rad."""
-    half = angle / 2
-    return np.concatenate([np.cos(half)[:, None], np.sin(half)[:, None] * axis], axis=1)
-
-
 def matrices(turn: Floats[Float]) -> Floats[Float]:
     """Rotation matrices (n, 3, 3) of unit quaternions w, x, y, z (n, 4)."""
     w, x, y, z = turn.T

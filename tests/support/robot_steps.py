@@ -6,10 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.kinematics import multiply
+from bodycheck.reference.kinematics import about, multiply
 from bodycheck.reference.robots.dynamics import velocity_labels
 from bodycheck.reference.robots.model import RobotModel, Wide
-from bodycheck.reference.robots.rotations import about
 from bodycheck.reference.robots.state import RobotState, Values
 
 

@@ -12,7 +12,7 @@ from bodycheck.reference.contact.motion import ContactMotion, Event
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Real, Wide, wide
-from bodycheck.reference.kinematics import conjugate, multiply, rotate
+from bodycheck.reference.kinematics import about, conjugate, multiply, rotate
 from bodycheck.reference.mechanisms.forms.pendulum import Pendulum, follow
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
@@ -74,13 +74,11 @@ def _states(falling: Lean, body: ContactBody, theta: WideArray, rate: WideArray)
     """Positions and velocities (n, 3), quaternions (n, 4) and spins (n, 3) at angles (n,), rad, and their rates (n,), rad/s."""
     a, b = (wide(part) for part in falling.towards)
     length, begin = wide(falling.length), wide(falling.angle)
-    ahead, none = np.array([a, b, 0], dtype=Wide), np.zeros_like(theta)
-    up, axis = np.array([0, 0, 1], dtype=Wide), np.array([-b, a, 0], dtype=Wide)
+    ahead, up, axis = (np.array(each, dtype=Wide) for each in ((a, b, 0), (0, 0, 1), (-b, a, 0)))
     sine, cosine = np.sin(theta)[:, None], np.cos(theta)[:, None]
     turned = theta - begin
     moved = length * ((sine - np.sin(begin)) * ahead + (cosine - np.cos(begin)) * up)
-    turn = np.stack([np.cos(turned / 2), -b * np.sin(turned / 2), a * np.sin(turned / 2), none], axis=-1)
-    quaternion = multiply(turn, np.tile(body.quaternion, (len(theta), 1)))
+    quaternion = multiply(about(axis, turned), np.tile(body.quaternion, (len(theta), 1)))
     spin = rotate(conjugate(body.quaternion), axis)
     return body.position + moved, length * rate[:, None] * (cosine * ahead - sine * up), quaternion, rate[:, None] * spin
 

@@ -17,7 +17,7 @@ from bodycheck.reference.contact.piles.upright import Upright, margin, upright
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem, holds
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Real, Wide, real, wide
-from bodycheck.reference.kinematics import conjugate, multiply, rotate
+from bodycheck.reference.kinematics import about, conjugate, multiply, rotate
 from bodycheck.reference.scene import Brick, Sphere, vector_of
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
@@ -254,7 +254,7 @@ def _states(scene: Pushed, found: Accelerations, times: Array, until: float) -> 
         # The friction acts below the centre, so that a sphere turns against the direction in which it would roll on the plane.
         rate = Wide(0) if place == scene.box else -acceleration / (wide(_roundness(body)) * scene.faces[place].half[0])
         angles[place] = rate * t * t / 2
-        turn = np.concatenate([np.cos(angles[place] / 2)[:, None], np.multiply.outer(np.sin(angles[place] / 2), axis)], axis=1)
+        turn = about(axis, angles[place])
         quaternion[place] = multiply(turn, np.broadcast_to(body.quaternion, turn.shape))
         spin[place] = rotate(conjugate(quaternion[place]), np.multiply.outer(rate * t, axis))
     speeds, rates = (np.abs(rows).max(axis=(0, 2)) for rows in (velocity, spin))

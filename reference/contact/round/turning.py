@@ -10,7 +10,7 @@ import numpy as np
 
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import Wide
-from bodycheck.reference.kinematics import cross, dot, multiply, normalise
+from bodycheck.reference.kinematics import about, cross, dot, multiply, normalise
 from bodycheck.reference.witness import WideArray
 
 #: Gives the coefficients (k, j, 3) of the series of the angular velocity about parameters (k,).
@@ -34,8 +34,7 @@ def about_axis(spin: WideArray, angle: WideArray) -> WideArray:
     """The quaternions (n, 4) of rotations by angles (n,), rad, about the direction of vectors (n, 3) or (3,)."""
     size = np.sqrt(dot(spin, spin))
     axis = spin / np.where(size > 0, size, 1)[..., None]
-    half = angle / 2
-    return np.concatenate([np.cos(half)[:, None], np.sin(half)[:, None] * np.broadcast_to(axis, (len(half), 3))], axis=1)
+    return about(axis, angle)
 
 
 def series(rates: WideArray, lengths: WideArray) -> WideArray:
