@@ -8,7 +8,7 @@ import numpy as np
 from bodycheck.reference.kinematics import euler_from_quaternion
 from bodycheck.reference.planar import Stop, yaw
 from bodycheck.reference.scene import Scene
-from bodycheck.reference.support import reach
+from bodycheck.reference.support import depth
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: Fraction of the initial speed below which a body counts as stopped; bodies on soft contacts keep creeping below it.
@@ -28,8 +28,7 @@ def penetration(scene: Scene, trajectory: Trajectory) -> Array:
     """
     if scene.plane is None or scene.body.shape is None:
         return np.zeros(len(trajectory))
-    height = trajectory.position @ np.array(scene.plane.normal)
-    return np.asarray(np.maximum(reach(scene.body.shape, trajectory.quaternion, scene.plane.normal) - height, 0.0))
+    return depth(scene.body.shape, trajectory, scene.plane.normal)
 
 
 def measured_stop(scene: Scene, trajectory: Trajectory) -> Stop:

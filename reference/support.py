@@ -1,10 +1,10 @@
-"""How far the surface of a body reaches in a direction: the support function of its shape."""
+"""How far the surface of a body reaches in a direction, by the support function of its shape, and how deep into a plane."""
 
 import numpy as np
 
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere, Vector
-from bodycheck.reference.trajectory import Array
+from bodycheck.reference.trajectory import Array, Trajectory
 
 
 def reach(shape: Shape, quaternion: Array, normal: Vector) -> Array:
@@ -29,3 +29,9 @@ def reach(shape: Shape, quaternion: Array, normal: Vector) -> Array:
             return np.asarray(half_length * np.abs(down[:, 2]) + radius * np.hypot(down[:, 0], down[:, 1]))
         case Sphere(radius):
             return np.full(len(quaternion), radius)
+
+
+def depth(shape: Shape, motion: Trajectory, normal: Vector) -> Array:
+    """Depth (n,), m, of the lowest point of a body below a plane through the origin, along its unit normal; zero above it."""
+    height = motion.position @ np.array(normal)
+    return np.asarray(np.maximum(reach(shape, motion.quaternion, normal) - height, 0.0))

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from bodycheck.reference import support
 from bodycheck.reference.contact.impacts import Impact
 from bodycheck.reference.contact.touching import Touching, into_plane, lowest
 from bodycheck.reference.contact_observables import STOP_SPEED_FRACTION
 from bodycheck.reference.kinematics import dot, rotate
 from bodycheck.reference.scene import Brick, Cylinder, Push, Sphere
-from bodycheck.reference.support import reach
 from bodycheck.reference.trajectory import Array, Trajectory
 
 
@@ -28,8 +28,7 @@ class Rolling:
 
 def depth(body: Touching, motion: Trajectory) -> Array:
     """Depth (n,), m, of the lowest point of a body below the plane, along its normal; zero where it is above it."""
-    height = motion.position @ np.array(body.normal)
-    return np.asarray(np.maximum(reach(body.shape, motion.quaternion, body.normal) - height, 0.0))
+    return support.depth(body.shape, motion, body.normal)
 
 
 def lean(body: Touching, motion: Trajectory) -> Array | None:
