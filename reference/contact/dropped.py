@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from bodycheck.reference.bounds import EPS
-from bodycheck.reference.contact.motion import ContactMotion, Event
+from bodycheck.reference.contact.motion import ContactMotion, Event, known_at
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import Wide
@@ -181,8 +181,7 @@ def _impact(problem: Problem, body: ContactBody, instant: float) -> Event:
 
 def _states(problem: Problem, body: ContactBody, times: Array, until: float, events: tuple[Event, ...]) -> ContactMotion:
     """The states of the flight, and NaN from an instant on."""
-    unknown = times >= until
-    *states, turned, spun = _flight(problem, body, times)
+    position, velocity, quaternion, spin, turned, spun = _flight(problem, body, times)
     size = np.abs(body.position).max() + times * (np.abs(body.velocity).max() + times * np.abs(problem.gravity).max())
     speed = np.abs(body.velocity).max() + times * np.abs(problem.gravity).max()
     errors = {
@@ -191,16 +190,14 @@ def _states(problem: Problem, body: ContactBody, times: Array, until: float, eve
         "velocity_error": ROUNDINGS * speed,
         "angular_velocity_error": spun,
     }
-    position, velocity, quaternion, spin = (
-        np.where(unknown[:, None], Wide(math.nan), rows)[None].astype(Wide) for rows in states
-    )
-    return ContactMotion(
-        position,
-        velocity,
-        quaternion,
-        spin,
-        {name: np.where(unknown, math.nan, values.astype(float)) for name, values in errors.items()},
+    found = ContactMotion(
+        position[None],
+        velocity[None],
+        quaternion[None],
+        spin[None],
+        {name: values.astype(float) for name, values in errors.items()},
         events,
         "free flight until the first touch, then inequalities",
         "the motion after an impact beside the centre of mass, or at several points, follows from no law",
     )
+    return known_at(found, times < until)

@@ -1,9 +1,14 @@
 """What every way of bodies that touch makes: their states, the bounds of these, and events."""
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
@@ -88,3 +93,11 @@ class ContactMotion:
     friction: float = 0.0
     interfaces: tuple[Interface, ...] = ()
     witness: str = ""
+
+
+def known_at(found: ContactMotion, known: NDArray[np.bool_]) -> ContactMotion:
+    """A motion whose states and bounds are NaN at those of its instants (n,) at which it is not known."""
+    states = found.position, found.velocity, found.quaternion, found.spin
+    position, velocity, quaternion, spin = (np.where(known[:, None], rows, Wide(math.nan)) for rows in states)
+    errors = {name: np.where(known, bound, math.nan) for name, bound in found.errors.items()}
+    return replace(found, position=position, velocity=velocity, quaternion=quaternion, spin=spin, errors=errors)

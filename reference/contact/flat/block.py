@@ -12,7 +12,7 @@ from bodycheck.reference.bounds import EPS
 from bodycheck.reference.contact.flat.face import Vector2, face_of
 from bodycheck.reference.contact.flat.legs import Leg, Turn, legs, loads
 from bodycheck.reference.contact.flat.oblique import states
-from bodycheck.reference.contact.motion import ContactMotion, Event, Interface
+from bodycheck.reference.contact.motion import ContactMotion, Event, Interface, known_at
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Real, Wide, real, wide
@@ -44,20 +44,21 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
     position, velocity = (_exact(vector) for vector in (body.position, body.velocity))
     made, turns = legs(problem, face, position, velocity)
     tip = next((float(turn.time) for turn in turns if turn.kind == "tip"), math.inf)
-    where, speeds = _states(body, made, times, tip)
+    where, speeds = _states(body, made, times)
     count, last = len(times), float(times[-1]) if len(times) else 0.0
-    return ContactMotion(
+    found = ContactMotion(
         where[None],
         speeds[None],
-        np.where((times > tip)[:, None], np.nan, np.tile(body.quaternion, (count, 1)))[None],
-        np.where((times > tip)[:, None], np.nan, np.zeros((count, 3), dtype=Wide))[None],
-        _errors(problem, made, times, tip, abs(z)),
+        np.tile(body.quaternion, (count, 1))[None],
+        np.zeros((1, count, 3), dtype=Wide),
+        _errors(problem, made, times, abs(z)),
         tuple(_event(problem, made, turn, body) for turn in turns if turn.time <= last),
         _model(made, last),
         "a block that lies flat moves along the plane as a point does, as long as its face bears the load",
         _smallest_friction(problem, made, min(last, tip)),
         _interfaces(made, last, tip),
     )
+    return known_at(found, times <= tip)
 
 
 def _spins_about_normal(body: ContactBody) -> bool:
@@ -70,8 +71,8 @@ def _exact(vector: WideArray) -> Vector2:
     return real(vector[0]), real(vector[1])
 
 
-def _states(body: ContactBody, made: list[Leg], times: Array, tip: float) -> tuple[WideArray, WideArray]:
-    """Positions (n, 3) and velocities (n, 3); NaN after the onset of tipping."""
+def _states(body: ContactBody, made: list[Leg], times: Array) -> tuple[WideArray, WideArray]:
+    """Positions (n, 3) and velocities (n, 3) until the onset of tipping."""
     where, speeds = np.tile(body.position, (len(times), 1)), np.zeros((len(times), 3), dtype=Wide)
     speeds[:, :2] = body.velocity[:2]  # at an onset at t = 0 there is no leg
     for leg in made:
@@ -88,12 +89,10 @@ def _states(body: ContactBody, made: list[Leg], times: Array, tip: float) -> tup
         else:
             way, there = states(leg.oblique, passed)
         where[within, :2], speeds[within, :2] = start + way, there
-    gone = times > tip
-    where[gone], speeds[gone] = np.nan, np.nan
     return where, speeds
 
 
-def _errors(problem: Problem, made: list[Leg], times: Array, tip: float, rising: float) -> dict[str, Array]:
+def _errors(problem: Problem, made: list[Leg], times: Array, rising: float) -> dict[str, Array]:
     """The bounds of errors of states.
 
     Two motions from one start under drives that differ by d part by at most d t^2 / 2, since friction brings them together.
@@ -106,13 +105,12 @@ def _errors(problem: Problem, made: list[Leg], times: Array, tip: float, rising:
     doubt = np.zeros(len(times))
     for leg in made:
         doubt = np.maximum(doubt, np.where(times >= float(leg.start), _doubt(problem, leg), 0.0))
-    known = {
+    return {
         "error": np.full(len(times), _ROUNDINGS),
         "position_error": _ROUNDINGS * (size + (speed + drive * times) * times) + doubt * np.square(times) / 2,
         "velocity_error": _ROUNDINGS * (speed + drive * times) + doubt * times + rising,
         "angular_velocity_error": np.zeros(len(times)),
     }
-    return {name: np.where(times > tip, np.nan, values) for name, values in known.items()}
 
 
 def _accelerations(problem: Problem, leg: Leg) -> float:

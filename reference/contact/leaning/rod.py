@@ -8,7 +8,7 @@ import numpy as np
 
 from bodycheck.reference.bounds import EPS
 from bodycheck.reference.contact.leaning.lean import Lean, jams, lean, onset, smallest_friction
-from bodycheck.reference.contact.motion import ContactMotion, Event
+from bodycheck.reference.contact.motion import ContactMotion, Event, known_at
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.exact.numbers import MP, Real, Wide, wide
@@ -37,7 +37,6 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
         return None
     kind, cosine = onset(falling, friction)
     last = falling.time(cosine)
-    known = times <= float(last)
     reached = np.minimum(times, float(last))
     swing = Pendulum(falling.square, MP.pi, falling.angle, MP.mpf(0))
     form = follow(swing, reached)
@@ -46,20 +45,18 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
     events = (_event(falling, body, kind, cosine, last),) if kind != "lift" and len(times) and last <= times[-1] else ()
     whole = kind == "impact" or not len(times) or last > times[-1]
     least = smallest_friction(falling, float(np.cos(theta[-1]))) if whole and len(times) else 0.0
-    return ContactMotion(
-        np.where(known[:, None], position, np.nan)[None],
-        np.where(known[:, None], velocity, np.nan)[None],
-        np.where(known[:, None], quaternion, np.nan)[None],
-        np.where(known[:, None], spin, np.nan)[None],
-        {
-            name: np.where(known, bound, np.nan)
-            for name, bound in _errors(falling, form.error, form.velocity_error, reached).items()
-        },
+    found = ContactMotion(
+        position[None],
+        velocity[None],
+        quaternion[None],
+        spin[None],
+        _errors(falling, form.error, form.velocity_error, reached),
         events,
         "closed form: fall about an edge",
         "a body that leans is a pendulum about its contact with the plane, as long as friction holds it",
         least,
     )
+    return known_at(found, times <= float(last))
 
 
 def _refuse_jam(falling: Lean, friction: float, body: ContactBody) -> None:
