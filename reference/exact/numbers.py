@@ -16,7 +16,8 @@ MP.dps = DIGITS
 #: A number of this arithmetic.
 Real = Any
 
-#: Three numbers of this arithmetic.
+#: Two and three numbers of this arithmetic.
+Vector2 = tuple[Real, Real]
 Vector3 = tuple[Real, Real, Real]
 
 #: The components w, x, y, z of a quaternion in this arithmetic.

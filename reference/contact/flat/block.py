@@ -9,13 +9,13 @@ import math
 import numpy as np
 
 from bodycheck.reference.bounds import EPS
-from bodycheck.reference.contact.flat.face import Vector2, face_of
+from bodycheck.reference.contact.flat.face import face_of
 from bodycheck.reference.contact.flat.legs import Leg, Turn, legs, loads
 from bodycheck.reference.contact.flat.oblique import states
 from bodycheck.reference.contact.motion import ContactMotion, Event, Interface, known_at
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
 from bodycheck.reference.errors import NotModelled
-from bodycheck.reference.exact.numbers import MP, Real, Wide, real, wide
+from bodycheck.reference.exact.numbers import MP, Real, Vector2, Wide, real, wide
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import WORLD
 from bodycheck.reference.trajectory import Array

@@ -5,13 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from bodycheck.reference.contact.problem import NONE, ContactBody
-from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3, real
+from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector2, Vector3, real
 from bodycheck.reference.exact.rotations import matrix, turned
 from bodycheck.reference.scene import Brick, Cylinder
 from bodycheck.reference.witness import WideArray
-
-#: A vector along the plane in exact arithmetic.
-Vector2 = tuple[Real, Real]
 
 #: By how much of a half-length a load may be outside of a face: what rounding to the wide type leaves of a balance.
 _ROUNDING = 16 * MP.mpf(float(np.finfo(np.longdouble).eps))

@@ -16,11 +16,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from bodycheck.reference.contact.flat.face import Face, Vector2, along_plane, exact_quaternion
+from bodycheck.reference.contact.flat.face import Face, along_plane, exact_quaternion
 from bodycheck.reference.contact.flat.oblique import Oblique, at_angle, oblique, state, stop
 from bodycheck.reference.contact.problem import NONE, Problem
 from bodycheck.reference.errors import NotModelled
-from bodycheck.reference.exact.numbers import MP, Real, real
+from bodycheck.reference.exact.numbers import MP, Real, Vector2, real
 
 
 @dataclass(frozen=True)

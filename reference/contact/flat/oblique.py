@@ -23,11 +23,8 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.exact.numbers import MP, Real, real, wide
+from bodycheck.reference.exact.numbers import MP, Real, Vector2, real, wide
 from bodycheck.reference.witness import WideArray
-
-#: A vector along the plane in exact arithmetic.
-Vector2 = tuple[Real, Real]
 
 #: The argument of an exponential beyond which what is left of it is below all digits of the wide type.
 _GONE = 100

@@ -19,9 +19,9 @@ from typing import Literal
 
 import numpy as np
 
-from bodycheck.reference.contact.flat.face import Vector2, exact_quaternion
+from bodycheck.reference.contact.flat.face import exact_quaternion
 from bodycheck.reference.contact.problem import NONE, ContactBody, Problem
-from bodycheck.reference.exact.numbers import MP, Real, real
+from bodycheck.reference.exact.numbers import MP, Real, Vector2, real
 from bodycheck.reference.exact.rotations import matrix
 from bodycheck.reference.scene import Brick, Cylinder
 
