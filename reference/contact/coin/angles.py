@@ -110,12 +110,3 @@ def poses(coin: Coin, states: WideArray) -> tuple[WideArray, WideArray, WideArra
     velocity = np.stack([rates[:, X], rates[:, Y], p * (r * cosine - h * sine)], axis=1)
     spin = np.stack([p * np.cos(psi) + q * np.sin(psi), q * np.cos(psi) - p * np.sin(psi), s], axis=1)
     return position, velocity, quaternion_from_euler(phi, theta, psi), spin
-
-
-def energy(coin: Coin, states: WideArray) -> WideArray:
-    """The energy (n,) for each unit of mass, counted from the plane."""
-    theta, p, q, s = states[:, THETA], states[:, P], states[:, Q], states[:, S]
-    r, h = coin.radius, coin.half_length
-    kinetic = (coin.across + r * r + h * h) * p * p + coin.across * q * q + coin.along * s * s + (q * h - s * r) ** 2
-    found: WideArray = kinetic / 2 + coin.gravity * (h * np.cos(theta) + r * np.sin(theta))
-    return found
