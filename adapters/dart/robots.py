@@ -28,6 +28,7 @@ from bodycheck.adapters.quiet import overheard, refusal
 from bodycheck.adapters.robot_files import mimics
 from bodycheck.adapters.robot_numbers import components, finite, pose, vector
 from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
+from bodycheck.adapters.rotation_vectors import rotation_vector
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.robots.model import Mimic
 from bodycheck.reference.robots.rotations import plane_axes
@@ -236,7 +237,9 @@ def put(skeleton: Any, state: RobotState) -> None:
 
 
 def coordinates(joint: Any, position: Sequence[float]) -> Any:
-    """Return DART's coordinates of a joint."""
+    """Return DART's coordinates of a joint. A ball joint has a rotation vector."""
+    if joint.getType() == "BallJoint":
+        return rotation_vector(np.array(position))
     if joint.getType() == "FreeJoint":
         return dart.dynamics.FreeJoint.convertToPositions(isometry(position[:3], position[3:]))
     return in_plane(joint) @ position if joint.getType() == "PlanarJoint" else position

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from bodycheck.adapters.dart import robots
+from bodycheck.adapters.robot_numbers import matrix
 from bodycheck.reference.robots.model import Mimic
+from bodycheck.reference.robots.state import RobotState
 from tests.support.robot_mjcf import ON_A_HINGE
 from tests.support.robot_texts import GRAVITY, LIMIT, MIMIC, RIDES, TIP, hinges, joint, link, on, ridden, robot, written
 from tests.support.robot_truths import assert_the_same
@@ -67,3 +69,16 @@ def test_an_inertia_of_an_mjcf_is_ignored(tmp_path: Path) -> None:
     reading = robots.read_robot(written(ON_A_HINGE, tmp_path, "mjcf"), [hinges("hinge")], GRAVITY)
     assert [(body.name, body.mass) for body in reading.bodies] == [("world", None), ("base", 1.0), ("arm", 1.0)]
     assert [(own.name, own.type, own.damping) for own in reading.joints] == [("hinge", "revolute", 0.5)]
+
+
+def test_a_ball_joint_of_an_mjcf_is_where_the_state_has_it(tmp_path: Path) -> None:
+    """With velocities along the axes of the child."""
+    text = ON_A_HINGE.replace('type="hinge" axis="0 0 1"', 'type="ball"')
+    turn, spin = RIDES["spherical"].positions["ride"], RIDES["spherical"].velocities["ride"]
+    state = RobotState({"hinge": turn}, {"hinge": spin}, {}, {})
+    reading = robots.read_robot(written(text, tmp_path, "mjcf"), [state], GRAVITY)
+    assert [(own.type, own.count) for own in reading.joints] == [("spherical", 3)]
+    (terms,) = reading.terms
+    # Roundings of a rotation vector and back.
+    assert abs(terms.poses["arm"][3:] @ turn) == pytest.approx(1, abs=1e-14)
+    np.testing.assert_allclose(terms.jacobians["arm"][3:], matrix(turn), rtol=0, atol=1e-14)
