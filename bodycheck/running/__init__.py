@@ -7,6 +7,7 @@
 - `pool` calls functions in worker processes, whose memory and lifetime `limits` restricts and whose `guard` ends what they
   start; they talk through a `channel`, and `process_state` tells whether a call has changed its process.
 - `store` writes and reads a folder of results, with `journal` and `records` for its records, `header` for its header,
-  `trajectory_files` for its states and `csv_tables` for tables. `key` identifies a run.
+  `truth_records` for what they say of truths, `trajectory_files` for its states and `csv_tables` for tables. `key` identifies a
+  run.
 - `machine` describes the machine. `smoke` checks an adapter with scenes whose solution is obvious.
 """

@@ -6,7 +6,6 @@ files.
 """
 
 import contextlib
-import math
 import os
 from bisect import bisect_left
 from collections import defaultdict
@@ -18,17 +17,16 @@ from typing import Any, cast
 
 from bodycheck.casefile.case import Case, parse_stored
 from bodycheck.errors import BadFolder
-from bodycheck.figures.definition import InterfaceLoad, Load
+from bodycheck.figures.definition import Load
 from bodycheck.figures.revisions import REVISIONS
 from bodycheck.files import reading, writing
 from bodycheck.reference.bounds import NAMES
-from bodycheck.reference.contact.motion import Event, Interface
 from bodycheck.reference.mechanisms.kinematics import joints
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
 from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running import journal, records, trajectory_files
+from bodycheck.running import journal, records, trajectory_files, truth_records
 from bodycheck.running.header import LATER, Header, StoredHeader
 from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed, Crashed, Diverged, Run, TimedOut, Unsupported
@@ -37,8 +35,6 @@ from bodycheck.running.unchecked import Unchecked
 
 #: Version of the format of results folders.
 FORMAT = 1
-#: The vectors of an event of bodies that touch.
-EVENT_VECTORS = ("position", "velocity", "spin")
 #: The file with the records.
 RECORDS = "run.jsonl"
 #: The files of cases that all are shipped.
@@ -101,17 +97,7 @@ class Writer:
         if truth.growth is not None:
             bounds[trajectory_files.GROWTH_COLUMN] = truth.growth
         trajectory_files.write(self.folder, truth_path(case.name, timestep), truth.trajectory, bounds, _bodies(truth.scene))
-        record: dict[str, Any] = {"case": case.name, "timestep": timestep, "model": truth.model, "why": truth.reason}
-        record |= {"backend": truth.backend, "witnesses": truth.witnesses}
-        if truth.stop is not None:
-            record["stop"] = asdict(truth.stop)
-        if truth.events:
-            record["events"] = [_told(event) for event in truth.events]
-        if truth.friction:
-            record["friction"] = truth.friction
-        if truth.interfaces:
-            record["interfaces"] = [asdict(interface) for interface in truth.interfaces]
-        self.journal.add({"record": "truth", **record})
+        self.journal.add({"record": "truth", "case": case.name, "timestep": timestep, **truth_records.told(truth)})
 
     def add_missing_truth(self, case: Case, timestep: float, missing: NoTruth) -> None:
         """Record why there is no truth for the runs of a case with a time step (s)."""
@@ -239,7 +225,7 @@ class Results:
         scene = self.cases[case].scene
         trajectory, bounds, growth = trajectory_files.read_truth(self.folder / _path_of(record), _bodies(scene))
         moved = joints(scene, trajectory) if isinstance(scene, Mechanism) else None
-        return Truth(scene, trajectory, bounds, **_ways(record), joints=moved, growth=growth)
+        return Truth(scene, trajectory, bounds, **truth_records.ways(record), joints=moved, growth=growth)
 
     def ways(self, case: str, timestep: float) -> dict[str, Any] | None:
         """Return how the truth for the runs of a case with a time step (s) was found, which needs no trajectory.
@@ -247,12 +233,12 @@ class Results:
         It is what `Truth` has besides its scene, trajectory and bounds, by name; None where there is no truth.
         """
         record = self._truths.get((case, timestep), {"reason": ""})
-        return None if "reason" in record else _ways(record)
+        return None if "reason" in record else truth_records.ways(record)
 
     def stop_of(self, case: str) -> Stop | None:
         """Return where and when the body of a case stops, by its truths; None if it still moves at their last instants."""
         own = [record for (name, _), record in self._truths.items() if name == case]
-        return next((_stop(record["stop"]) for record in own if record.get("stop") is not None), None)
+        return next((truth_records.stop(record["stop"]) for record in own if record.get("stop") is not None), None)
 
     @cached_property
     def stops(self) -> dict[tuple[str, Plane], Stop | None]:
@@ -260,7 +246,7 @@ class Results:
 
         An entry is None if the reference knows no stop. Interrupted results lack some entries, those of earlier versions all.
         """
-        return {_law_of(record): _stop(record["stop"]) for record in self.records if record["record"] == "stop"}
+        return {_law_of(record): truth_records.stop(record["stop"]) for record in self.records if record["record"] == "stop"}
 
     def _case(self, name: str, text: str) -> Case:
         case = self.known.get(name)
@@ -294,7 +280,7 @@ class Results:
                 states = StoredTrajectory(self.folder / _path_of(record), _bodies(scene))
                 load = Load(**record["load"]) if record["load"] else None
                 norm_error = record.get("quaternion_norm_error")  # results of earlier versions have none
-                done = Completed(states, record["steps"], record["wall_time"], load, norm_error, _interfaces(record))
+                done = Completed(states, record["steps"], record["wall_time"], load, norm_error, truth_records.loads(record))
                 return replace(run, outcome=done)
             case TimedOut.status:
                 return replace(run, outcome=TimedOut(record["limit"]))
@@ -337,44 +323,9 @@ def _law_of(record: dict[str, Any]) -> tuple[str, Plane]:
     return record["case"], Plane(**record["law"])
 
 
-def _ways(record: dict[str, Any]) -> dict[str, Any]:
-    """Return how the truth of a record was found, by the names of `Truth`."""
-    return {
-        "model": record["model"],
-        "reason": record["why"],
-        "backend": record["backend"],
-        "witnesses": tuple(record["witnesses"]),
-        "stop": _stop(record.get("stop")),
-        "events": tuple(_event(told) for told in record.get("events", ())),
-        "friction": record.get("friction", 0.0),
-        "interfaces": tuple(Interface(tuple(told["bodies"]), told["load"]) for told in record.get("interfaces", ())),
-    }
-
-
-def _event(told: dict[str, Any]) -> Event:
-    vectors = {name: tuple(math.nan if one is None else one for one in told[name]) for name in EVENT_VECTORS}
-    return Event(**(told | vectors))
-
-
-def _told(event: Event) -> dict[str, Any]:
-    """Return an event for a record, in which what mechanics does not give is null."""
-    told = asdict(event)
-    return told | {name: [None if math.isnan(one) else one for one in told[name]] for name in EVENT_VECTORS}
-
-
 def _bodies(scene: AnyScene | None) -> tuple[str, ...]:
     """Return the names of the bodies of a mechanism; empty for any other scene."""
     return tuple(body.name for body in scene.bodies) if isinstance(scene, Mechanism) else ()
-
-
-def _interfaces(record: dict[str, Any]) -> tuple[InterfaceLoad, ...] | None:
-    """Return the loads between bodies at rest in the record of a run; earlier versions recorded none."""
-    told = record.get("interfaces")
-    return None if told is None else tuple(InterfaceLoad(tuple(one["bodies"]), one["load"], one["losses"]) for one in told)
-
-
-def _stop(told: dict[str, Any] | None) -> Stop | None:
-    return None if told is None else Stop(told["time"], tuple(told["position"]), told["yaw"])
 
 
 def _path_of(record: dict[str, Any]) -> Path:

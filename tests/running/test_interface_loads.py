@@ -17,7 +17,7 @@ from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms.mechanism import WORLD
 from bodycheck.reference.scene import Body, Plane, Scene, Sphere, State
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.running import records, simulation, store
+from bodycheck.running import records, simulation, truth_records
 from bodycheck.running.outcome import Completed
 
 BALL = Scene(Body(1.0, (0.004, 0.004, 0.004), Sphere(0.1)), State((0.0, 0.0, 0.1)), 10.0, Plane(0.5))
@@ -86,8 +86,8 @@ def test_a_run_of_bodies_that_move_has_none(monkeypatch: pytest.MonkeyPatch) -> 
 def test_they_are_stored_and_read_again(tmp_path: Path) -> None:
     told = {"interfaces": [{"bodies": [-1, 0], "load": 10.5, "losses": 3}]}
     kept = json.loads(json.dumps(told))
-    assert store._interfaces(kept) == (InterfaceLoad((WORLD, 0), 10.5, 3),)
-    assert store._interfaces({}) is None
+    assert truth_records.loads(kept) == (InterfaceLoad((WORLD, 0), 10.5, 3),)
+    assert truth_records.loads({}) is None
     reader = TypeAdapter(records.BorneRecord)
     assert reader.validate_python(kept["interfaces"][0]).losses == 3
 
