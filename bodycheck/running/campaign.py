@@ -56,6 +56,7 @@ def header(command: Sequence[str], records: Mapping[str, Engine], missing: Mappi
         "environments": locks(records),
         "demonstrations": {name: own for name, record in records.items() if (own := demonstrations(record))},
         "precisions": {name: record.precision for name, record in records.items()},
+        "defaults": {name: dict(record.defaults) for name, record in records.items()},
     }
 
 

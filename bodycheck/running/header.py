@@ -22,10 +22,14 @@ class Header(TypedDict):
         "For each engine, the integrators that its adapter offers to demonstrate something, and what.",
     ]
     precisions: Annotated[dict[str, str], "For each engine, the precision of its arithmetic: float64 or float32."]
+    defaults: Annotated[
+        dict[str, dict[str, str]],
+        "For each engine, what it chooses where a user does not: integrator, timestep and tolerance, as far as it has them.",
+    ]
 
 
 #: The entries that results of earlier versions lack.
-LATER: dict[str, dict[str, dict[str, str]]] = {"environments": {}, "demonstrations": {}, "precisions": {}}
+LATER: dict[str, dict[str, dict[str, str]]] = {"environments": {}, "demonstrations": {}, "precisions": {}, "defaults": {}}
 
 
 class StoredCase(TypedDict):

@@ -53,6 +53,7 @@ class HeaderRecord:
     environments: dict[Printable, dict[Printable, Printable]] = field(default_factory=dict)
     demonstrations: dict[Printable, dict[Printable, Printable]] = field(default_factory=dict)
     precisions: dict[Printable, Literal["float64", "float32"]] = field(default_factory=dict)
+    defaults: dict[Printable, dict[Printable, Printable]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

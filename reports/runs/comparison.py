@@ -92,6 +92,7 @@ def header(sets: Sequence[ResultSet]) -> Header:
         "environments": _merged_by_engine([own["environments"] for own in headers.values()]),
         "demonstrations": _merged_by_engine([own["demonstrations"] for own in headers.values()]),
         "precisions": _merged_group({label: own["precisions"] for label, own in headers.items()}),
+        "defaults": _merged_by_engine([own["defaults"] for own in headers.values()]),
     }
 
 

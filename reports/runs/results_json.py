@@ -71,7 +71,9 @@ def schema() -> str:
     text: Schema = {"type": "string"}
     versions: Schema = {"type": "object", "additionalProperties": text}
     kinds: dict[str, Schema] = {"bodycheck": text, "command": _list(text), "started": text | {"format": "date-time"}}
-    kinds |= {name: {"type": "object", "additionalProperties": versions} for name in ("environments", "demonstrations")}
+    kinds |= {
+        name: {"type": "object", "additionalProperties": versions} for name in ("environments", "demonstrations", "defaults")
+    }
     header = {name: kinds.get(name, versions) | {"description": description} for name, description in DESCRIPTIONS.items()}
     finding = {
         "subject": text | {"description": "Subject of the sentence."},

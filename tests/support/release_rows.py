@@ -19,6 +19,7 @@ HEADER = {
     "environments": {},
     "demonstrations": {},
     "precisions": {},
+    "defaults": {},
     "versions": ["1.0", "2.0", "3.0"],
     "cases": {"spin": "0"},
     "unmeasured": {},

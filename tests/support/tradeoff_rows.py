@@ -24,6 +24,7 @@ HEADER = {
     "environments": {},
     "demonstrations": {},
     "precisions": {},
+    "defaults": {},
 }
 
 
