@@ -61,7 +61,7 @@ $(VENV)/.installed: pyproject.toml constraints.txt
 	touch $@
 
 $(VENV)/.installed-for-development: $(VENV)/.installed
-	$(INSTALL) '.[all,test,lint]' || $(BIN)/pip install --quiet --constraint constraints.txt --editable '.[all,test,lint]'
+	$(INSTALL) '.[all,test,lint,docs]' || $(BIN)/pip install --quiet --constraint constraints.txt --editable '.[all,test,lint,docs]'
 	touch $@
 
 clean:
