@@ -11,7 +11,7 @@ LOWEST := .venv-lowest
 LOWEST_TESTS := tests/adapters/test_contract.py tests/casefile/test_case.py tests/commands/test_command_line.py \
 	tests/commands/test_pytest_plugin.py tests/running/test_store.py tests/reports/test_plot_files.py
 
-.PHONY: run test lint types tests lowest slow engines benchmarks screenshots clean
+.PHONY: run test lint types tests lowest slow engines benchmarks docs linkcheck screenshots clean
 
 run: $(VENV)/.installed
 	$(BIN)/bodycheck run --out $(RESULTS)
@@ -49,6 +49,15 @@ engines: $(VENV)/.installed-for-development
 
 benchmarks: $(VENV)/.installed-for-development
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
+
+# A warning is an error, and a name that leads nowhere a warning. Notebooks are executed.
+SPHINX = $(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --nitpicky --jobs auto --doctree-dir build/doctrees
+docs: $(VENV)/.installed-for-development
+	$(SPHINX) --builder html docs build/docs
+
+# Asks every address that a page names, which needs the network.
+linkcheck: $(VENV)/.installed-for-development
+	$(SPHINX) --builder linkcheck docs build/linkcheck
 
 screenshots: $(VENV)/.installed-for-development run
 	$(BIN)/python docs/screenshots.py $(RESULTS)/report.html --out $(RESULTS)/screenshots

@@ -1,0 +1,1 @@
+// Search from disk, and the choice of a version.
