@@ -1,7 +1,7 @@
 """Pages that are made when the documentation is built, from what they describe.
 
-The file of such a page is an ordinary page with the line `MARKER`, which the generated text replaces. So the page has its place in
-the table of contents, may say something in front, and can be linked to in the repository.
+The file of such a page is an ordinary page with the line `MARKER`, which the generated text replaces. So the page has its place
+in the table of contents, may say something in front, and can be linked to in the repository.
 """
 
 import re
