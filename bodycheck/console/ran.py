@@ -14,7 +14,7 @@ from bodycheck.console.progress import progress as shown
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.running import campaign
 from bodycheck.running.arrivals import Meet, unmet
-from bodycheck.running.plan import Plan
+from bodycheck.running.plan import Plan, without_method
 from bodycheck.running.store import Results
 from bodycheck.running.unchecked import ALLOWED, SHIPPED, unchecked
 
@@ -147,7 +147,7 @@ def ran_of(
     tolerated = _tolerated(selection.allow_missing, given.shipped)
     engines = load_engines(selection.engines, _releases(cases, tolerated))
     tasks = plan(cases, engines.records, selection.integrators, selection.timesteps)
-    header = campaign.header(command, engines.records, engines.missing)
+    header = campaign.header(command, engines.records, engines.missing, without_method(cases, engines.records, tasks))
     lost = tuple(unchecked(cases, engines.absence, tolerated, selection.integrators, selection.timesteps))
     with ExitStack() as stack:
         folder = out or stack.enter_context(temporary_folder())

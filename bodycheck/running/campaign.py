@@ -29,6 +29,9 @@ from bodycheck.running.unchecked import Unchecked
 #: Time limit of one run or one truth.
 TIME_LIMIT_S = 300.0
 
+#: The cases without a method where every engine has one for each case.
+NOTHING: Mapping[str, dict[str, str]] = {}
+
 
 class Advance(Protocol):
     """A function that is called with a text about the last completed work, and the number of completed units."""
@@ -40,10 +43,16 @@ def _no_progress(done: str, count: int = 1, /) -> None:
     pass
 
 
-def header(command: Sequence[str], records: Mapping[str, Engine], missing: Mapping[str, str]) -> Header:
+def header(
+    command: Sequence[str],
+    records: Mapping[str, Engine],
+    missing: Mapping[str, str],
+    without_method: Mapping[str, dict[str, str]] = NOTHING,
+) -> Header:
     """What a results folder says of itself: versions, machine, command; engines that could not be used, and why.
 
-    records: those of the engines that are used, by the names by which they were asked for.
+    records: those of the engines that are used, by the names by which they were asked for. without_method: the cases for which
+    an engine has no method, with why, by the names of engines; see `bodycheck.running.plan.without_method`.
     """
     return {
         "bodycheck": version("bodycheck"),
@@ -57,6 +66,7 @@ def header(command: Sequence[str], records: Mapping[str, Engine], missing: Mappi
         "demonstrations": {name: own for name, record in records.items() if (own := demonstrations(record))},
         "precisions": {name: record.precision for name, record in records.items()},
         "defaults": {name: dict(record.defaults) for name, record in records.items()},
+        "without_method": dict(without_method),
     }
 
 

@@ -26,10 +26,16 @@ class Header(TypedDict):
         dict[str, dict[str, str]],
         "For each engine, what it chooses where a user does not: integrator, timestep and tolerance, as far as it has them.",
     ]
+    without_method: Annotated[
+        dict[str, dict[str, str]],
+        "For each engine, the cases for which it has none of the methods that were asked for, with why.",
+    ]
 
 
 #: The entries that results of earlier versions lack.
-LATER: dict[str, dict[str, dict[str, str]]] = {"environments": {}, "demonstrations": {}, "precisions": {}, "defaults": {}}
+LATER: dict[str, dict[str, dict[str, str]]] = {
+    name: {} for name in ("environments", "demonstrations", "precisions", "defaults", "without_method")
+}
 
 
 class StoredCase(TypedDict):

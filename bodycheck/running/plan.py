@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import product
 
 from bodycheck.adapters import offers
-from bodycheck.adapters.contract import Engine, Method
+from bodycheck.adapters.contract import Engine, Kind, Method, kind_of
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.expectation import REFINEMENTS
@@ -12,6 +12,15 @@ from bodycheck.errors import BadInput
 from bodycheck.running.tasks import Task as Task
 from bodycheck.running.tasks import check_timestep
 from bodycheck.suggestion import did_you_mean
+
+#: Why an engine has no task for a case, by the kind of its scene.
+NO_METHOD: dict[Kind, str] = {
+    "flight": "no method for free flight",
+    "drag": "no method for drag",
+    "plane": "no method for a body that slides on a plane",
+    "mechanism": "no method for mechanisms",
+    "contact": "no method for bodies that touch",
+}
 
 #: A function that returns the tasks for cases, engines by name, spellings of methods, and time steps (s).
 Plan = Callable[[Sequence[Case], Mapping[str, Engine], Sequence[str], Sequence[float]], tuple[Task, ...]]
@@ -87,6 +96,15 @@ def refuse_nothing(tasks: Sequence[object], engines: Mapping[str, Engine], integ
     """Raise `BadInput` if there are no tasks."""
     if not tasks:
         raise BadInput(f"nothing to run: no case has a scene for which {', '.join(engines)} offer {', '.join(integrators)}")
+
+
+def without_method(cases: Sequence[Case], engines: Mapping[str, Engine], tasks: Sequence[Task]) -> dict[str, dict[str, str]]:
+    """Return for each engine the cases for which there is no task, since it has none of the methods asked for, with why."""
+    planned = {(task.engine, task.case.name) for task in tasks}
+    return {
+        name: {case.name: NO_METHOD[kind_of(case.scene)] for case in cases if (name, case.name) not in planned}
+        for name in engines
+    }
 
 
 def _methods(case: Case, name: str, engine: Engine, integrators: Sequence[str], timesteps: Sequence[float]) -> Iterator[Method]:

@@ -93,6 +93,7 @@ def header(sets: Sequence[ResultSet]) -> Header:
         "demonstrations": _merged_by_engine([own["demonstrations"] for own in headers.values()]),
         "precisions": _merged_group({label: own["precisions"] for label, own in headers.items()}),
         "defaults": _merged_by_engine([own["defaults"] for own in headers.values()]),
+        "without_method": _merged_by_engine([own["without_method"] for own in headers.values()]),
     }
 
 

@@ -71,9 +71,8 @@ def schema() -> str:
     text: Schema = {"type": "string"}
     versions: Schema = {"type": "object", "additionalProperties": text}
     kinds: dict[str, Schema] = {"bodycheck": text, "command": _list(text), "started": text | {"format": "date-time"}}
-    kinds |= {
-        name: {"type": "object", "additionalProperties": versions} for name in ("environments", "demonstrations", "defaults")
-    }
+    by_engine = ("environments", "demonstrations", "defaults", "without_method")
+    kinds |= {name: {"type": "object", "additionalProperties": versions} for name in by_engine}
     header = {name: kinds.get(name, versions) | {"description": description} for name, description in DESCRIPTIONS.items()}
     finding = {
         "subject": text | {"description": "Subject of the sentence."},

@@ -25,6 +25,7 @@ HEADER = {
     "demonstrations": {},
     "precisions": {},
     "defaults": {},
+    "without_method": {},
 }
 
 

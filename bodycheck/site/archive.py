@@ -1,0 +1,92 @@
+"""Submissions as zip files: written the same way each time, and read with a limit for everything."""
+
+import io
+import json
+import re
+import zipfile
+from typing import Any
+
+from bodycheck.errors import BadInput
+from bodycheck.site.contents import FORMAT, Contents, checked
+from bodycheck.site.submission import Submission
+from bodycheck.site.tables import TABLES
+
+#: The file with the header and the digests of all others.
+MANIFEST = "submission.json"
+
+#: Most bytes of a zip file, of one file in it, and of all files in it.
+MOST_PACKED, MOST_OF_ONE, MOST_OF_ALL = 1 << 26, 1 << 26, 1 << 28
+
+#: Most files in a zip file.
+MOST_FILES = 2000
+
+#: The names that files may have.
+NAME = re.compile(
+    rf"tables/({'|'.join(map(re.escape, TABLES))})|cases/[a-z0-9][a-z0-9_.-]{{0,99}}\.case\.toml|tracks\.parquet|submission\.json"
+)
+
+#: The date of every file in a zip file, so that the same contents give the same bytes: the first that the format knows.
+DATE = (1980, 1, 1, 0, 0, 0)
+
+
+def manifest(contents: Contents) -> bytes:
+    """Return the content of submission.json: format, header and digests."""
+    told = {"format": FORMAT, "header": dict(contents.header), "files": contents.digests}
+    return (json.dumps(told, indent=1, sort_keys=True, ensure_ascii=True, allow_nan=False) + "\n").encode()
+
+
+def zipped(contents: Contents) -> bytes:
+    """Return the bytes of a zip file with all files and submission.json."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name, content in [(MANIFEST, manifest(contents)), *sorted(contents.files.items())]:
+            archive.writestr(zipfile.ZipInfo(name, DATE), content, zipfile.ZIP_DEFLATED, 9)
+    return stream.getvalue()
+
+
+def read(content: bytes) -> Submission:
+    """Return the submission in a zip file. Raises `BadInput` if it is not as `zipped` writes it."""
+    files = _files(content)
+    if MANIFEST not in files:
+        raise BadInput(f"has no {MANIFEST}; `bodycheck submit DIR --out FILE.zip` writes such files")
+    told = files.pop(MANIFEST)
+    header, digests = _told(told)
+    found = Contents(header, files)
+    if found.digests != digests:
+        different = sorted({*digests.items()} ^ {*found.digests.items()}, key=str)[0][0]
+        raise BadInput(f"{str(different)[:100]}: is missing, or is not the file that {MANIFEST} names")
+    return checked(found, told)
+
+
+def _told(content: bytes) -> tuple[dict[str, Any], dict[str, str]]:
+    try:
+        told = json.loads(content)
+        if told["format"] != FORMAT:
+            raise BadInput(f"{MANIFEST}: has format {str(told['format'])[:20]}; this version reads format {FORMAT}")
+        return dict(told["header"]), dict(told["files"])
+    except (ValueError, TypeError, KeyError, RecursionError) as error:
+        raise BadInput(f"{MANIFEST}: is not as bodycheck writes it") from error
+
+
+def _files(content: bytes) -> dict[str, bytes]:
+    """Return the files of a zip file, none of which is larger than allowed."""
+    found: dict[str, bytes] = {}
+    room = MOST_OF_ALL
+    try:
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
+            entries = archive.infolist()
+            if len(entries) > MOST_FILES:
+                raise BadInput(f"has {len(entries)} files; at most {MOST_FILES} are allowed")
+            for entry in entries:
+                if not NAME.fullmatch(entry.filename) or entry.filename in found:
+                    raise BadInput(f"has a file {entry.filename[:60]!r}, which bodycheck does not write")
+                limit = min(MOST_OF_ONE, room)
+                with archive.open(entry) as stream:
+                    own = stream.read(limit + 1)
+                if len(own) > limit:
+                    raise BadInput(f"{entry.filename}: is larger than {limit} bytes, which is the most that is allowed")
+                found[entry.filename] = own
+                room -= len(own)
+    except (zipfile.BadZipFile, EOFError, OSError, NotImplementedError, RuntimeError, ValueError) as error:
+        raise BadInput(f"is no zip file that can be read: {error}") from error
+    return found

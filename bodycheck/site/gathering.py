@@ -1,0 +1,78 @@
+"""Submissions from paths: zip files, results folders, and folders of both. What is not as it should be is left out."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from bodycheck.errors import BadInput
+from bodycheck.files import reading
+from bodycheck.site import archive, packing
+from bodycheck.site.contents import checked
+from bodycheck.site.submission import LeftOut, Submission
+from bodycheck.site.tables import TABLES
+
+#: What reading a stranger's files may raise besides `BadInput`.
+DAMAGE = (OSError, ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
+
+#: Most characters of a reason.
+LONGEST = 500
+
+
+def gathered(paths: Sequence[Path]) -> tuple[tuple[Submission, ...], tuple[LeftOut, ...]]:
+    """Return the submissions at paths from the oldest to the newest, and what is left out.
+
+    Parameters
+    ----------
+    paths
+        Zip files of `bodycheck submit`, results folders, and folders that contain such.
+
+    Raises
+    ------
+    BadInput
+        There is nothing at a path.
+    """
+    found: dict[str, Submission] = {}
+    left_out = []
+    for path in paths:
+        if not path.exists():
+            raise BadInput(f"{path}: there is no such file or folder")
+        for one in _places(path):
+            try:
+                submission = read(one)
+            except BadInput as error:
+                left_out.append(LeftOut(_name(one), _reason(str(error), one)))
+            except DAMAGE as error:
+                left_out.append(LeftOut(_name(one), _reason(f"is damaged: {type(error).__name__}: {error}", one)))
+            else:
+                found[submission.key] = submission
+    in_order = sorted(found.values(), key=lambda one: (one.header.started, one.key))
+    return tuple(in_order), tuple(left_out)
+
+
+def read(path: Path) -> Submission:
+    """Return the submission in a zip file or results folder. Raises `BadInput`, and those of `DAMAGE`."""
+    if path.is_dir():
+        contents = packing.contents(path)
+        return checked(contents, archive.manifest(contents))
+    return archive.read(reading.content(path, archive.MOST_PACKED))
+
+
+def _places(path: Path) -> Iterator[Path]:
+    """Yield the zip files and results folders at a path."""
+    if not path.is_dir() or any((path / name).is_file() for name in TABLES):
+        yield path
+        return
+    for name in sorted(reading.names_in(path)):
+        inner = path / name
+        if inner.suffix == ".zip" or (inner.is_dir() and not name.startswith(".")):
+            yield inner
+
+
+def _name(path: Path) -> str:
+    """Return the name of a path for readers."""
+    return "".join(letter if letter.isprintable() else "?" for letter in path.name)[:100]
+
+
+def _reason(text: str, path: Path) -> str:
+    """Return a reason on one line, without the folders of a path."""
+    told = packing.PATH.sub("", " ".join(text.removeprefix(f"{path}: ").split()))
+    return "".join(letter if letter.isprintable() else "?" for letter in told)[:LONGEST]
