@@ -17,6 +17,7 @@ from bodycheck.commands.run import run
 from bodycheck.commands.truth import truth
 from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, NO_ROOM, SHOWN_OF_NAME, BadInput, Failed
 from bodycheck.runner_log import guarded
+from bodycheck.site.command import site, submit
 from bodycheck.studies.ablation.command import ablate
 from bodycheck.studies.audit.command import audit
 from bodycheck.studies.contact.command import contact
@@ -39,7 +40,7 @@ app = App(
 #: All commands, in the order of their registration.
 COMMANDS = (
     *(run, tradeoff, recommend, extremes, ensemble, ablate, audit, parity, contact, gather, query, releases, bisect),
-    *(report, diff, truth, export, cases, engines, validate, new, schema, expect),
+    *(report, diff, site, submit, truth, export, cases, engines, validate, new, schema, expect),
 )
 
 for command in COMMANDS:

@@ -22,7 +22,14 @@ MOST_FILES = 2000
 
 #: The names that files may have.
 NAME = re.compile(
-    rf"tables/({'|'.join(map(re.escape, TABLES))})|cases/[a-z0-9][a-z0-9_.-]{{0,99}}\.case\.toml|tracks\.parquet|submission\.json"
+    "|".join(
+        (
+            rf"tables/({'|'.join(map(re.escape, TABLES))})",
+            r"cases/[a-z0-9][a-z0-9_.-]{0,99}\.case\.toml",
+            r"tracks\.parquet",
+            r"submission\.json",
+        )
+    )
 )
 
 #: The date of every file in a zip file, so that the same contents give the same bytes: the first that the format knows.

@@ -21,6 +21,7 @@ FLOORS = (
     {"judging"},
     {"reports", "console"},
     {"studies"},
+    {"site"},
     {"commands", "interface", "pytest_plugin"},
     {"__main__", "__init__"},
 )

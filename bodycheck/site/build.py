@@ -1,0 +1,68 @@
+"""The whole site: every file of a catalogue, and their writing into a folder."""
+
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from bodycheck.errors import BadInput
+from bodycheck.files import reading, writing
+from bodycheck.site.catalogue import Catalogue
+from bodycheck.site.pages import errors, index
+from bodycheck.site.render import File, asset
+
+#: The file that lists what bodycheck has written into the folder of a site.
+LIST = "site.json"
+
+#: Most bytes of that list.
+MOST_BYTES = 1 << 24
+
+#: Styles and scripts.
+ASSETS = ("site.css", "site.js")
+
+#: The modules that make pages of a catalogue.
+PAGES = (index, errors)
+
+
+def files(catalogue: Catalogue) -> Iterator[File]:
+    """Yield the files of the site."""
+    for name in ASSETS:
+        yield asset(name)
+    for module in PAGES:
+        yield from module.pages(catalogue)
+
+
+def write(made: Sequence[File], folder: Path) -> None:
+    """Write files into a folder, and remove those of an earlier site that are no longer there.
+
+    Raises
+    ------
+    BadInput
+        The folder has other files than those of a site, or it cannot be written.
+    """
+    there = reading.names_in(folder)
+    before: set[str] = set()
+    if there:
+        if LIST not in there:
+            raise BadInput(f"--out {folder}: is not empty, and not the folder of a site; give a new folder")
+        reading.refuse_links(folder)
+        before = _listed(folder / LIST)
+    for one in made:
+        path = folder / one.path
+        writing.make_folder(path.parent)
+        writing.write(path, one.content)
+    paths = {one.path for one in made}
+    for gone in before - paths:
+        (folder / gone).unlink(missing_ok=True)
+    writing.write(folder / LIST, (json.dumps(sorted(paths), indent=1) + "\n").encode())
+
+
+def _listed(path: Path) -> set[str]:
+    """Return the paths of the files of an earlier site, which all lie in its folder."""
+    try:
+        listed = json.loads(reading.content(path, MOST_BYTES))
+        if not isinstance(listed, list) or not all(isinstance(one, str) for one in listed):
+            raise ValueError("is no list of paths")
+    except (ValueError, RecursionError) as error:
+        raise BadInput(f"{path}: is not as bodycheck writes it") from error
+    inside = [one for one in listed if not Path(one).is_absolute() and ".." not in Path(one).parts]
+    return set(inside)

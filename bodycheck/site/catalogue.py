@@ -1,0 +1,227 @@
+"""Everything that submissions say, in the order in which pages ask for it: by engine, release, scene and robot."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from packaging.version import InvalidVersion, Version
+
+from bodycheck.adapters.engine_name import adapter_of
+from bodycheck.casefile import case as case_files
+from bodycheck.casefile.content import Case
+from bodycheck.casefile.identity import identity
+from bodycheck.reports.quantities import QUANTITIES, Quantity
+from bodycheck.reports.runs.matrix import Kind, kind_of
+from bodycheck.site.submission import LeftOut, Row, Submission
+
+#: The words by which a reason says that the engine itself refused the model or the file.
+REFUSES = " refuses the "
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """A row of a table of a submission.
+
+    Parameters
+    ----------
+    source
+        The submission.
+    table
+        The file name of the table.
+    place
+        The place of the row in the table, from 0.
+    """
+
+    source: Submission
+    table: str
+    place: int
+
+    @property
+    def row(self) -> Row:
+        """Return the values by column."""
+        return self.source.tables[self.table][self.place]
+
+    def get(self, column: str) -> Any:
+        """Return the value of a column; None if the row has none."""
+        return self.row.get(column)
+
+    @property
+    def engine(self) -> str:
+        """Return the name of the engine without a version."""
+        return adapter_of(self.row["engine"])
+
+    @property
+    def version(self) -> str:
+        """Return the version of the engine."""
+        return str(self.row["version"])
+
+    @property
+    def method(self) -> tuple[str, float | None]:
+        """Return the integrator with its options, and the time step (s)."""
+        return self.row["integrator"], self.row["timestep"]
+
+    @property
+    def order(self) -> tuple[Version, str, str]:
+        """Return what sorts entries: those of newer versions are later, and of one version those that were made later."""
+        return version_key(self.version), self.source.header.started, self.source.key
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A case that anything is known of.
+
+    Parameters
+    ----------
+    name
+        Its name.
+    case
+        What its file says.
+    shipped
+        Whether it comes with bodycheck.
+    runs
+        Its rows in all tables results.csv, the oldest versions first.
+    """
+
+    name: str
+    case: Case
+    shipped: bool
+    runs: tuple[Entry, ...]
+
+    @property
+    def kind(self) -> Kind:
+        """Return the kind of the scene, which has the quantity that shows discrepancies best."""
+        return kind_of(self.case.scene)
+
+    @property
+    def quantity(self) -> Quantity:
+        """Return the quantity that shows discrepancies best."""
+        return QUANTITIES[self.kind.quantity]
+
+
+@dataclass(frozen=True, eq=False)
+class Catalogue:
+    """All submissions of a site.
+
+    Parameters
+    ----------
+    submissions
+        The submissions, the oldest first.
+    left_out
+        What the site does not show, and why.
+    scenes
+        The cases by name.
+    """
+
+    submissions: tuple[Submission, ...]
+    left_out: tuple[LeftOut, ...]
+    scenes: Mapping[str, Scene]
+
+    def entries(self, table: str) -> Iterator[Entry]:
+        """Yield the rows of a table in all submissions, the oldest first."""
+        for source in self.submissions:
+            for place in range(len(source.tables.get(table, ()))):
+                yield Entry(source, table, place)
+
+    @cached_property
+    def engines(self) -> tuple[str, ...]:
+        """Return the names of all engines that any table is about, in alphabetical order."""
+        told = {adapter_of(name) for source in self.submissions for name in source.header.engines}
+        rows = {
+            adapter_of(row["engine"])
+            for source in self.submissions
+            for table in source.tables.values()
+            for row in table
+            if row.get("engine")
+        }
+        return tuple(sorted((told | rows) - {"file"}))
+
+    @cached_property
+    def versions(self) -> Mapping[str, tuple[str, ...]]:
+        """Return the versions of each engine of which there are runs, the oldest first."""
+        found: dict[str, set[str]] = {name: set() for name in self.engines}
+        for entry in self.entries("results.csv"):
+            found[entry.engine].add(entry.version)
+        for entry in self.entries("releases.csv"):
+            found[entry.engine].add(entry.version)
+        return {name: tuple(sorted(versions, key=version_key)) for name, versions in found.items()}
+
+    @cached_property
+    def runs(self) -> Mapping[tuple[str, str], tuple[Entry, ...]]:
+        """Return the runs of each engine and scene, by the names of both, the oldest versions first."""
+        found: dict[tuple[str, str], list[Entry]] = defaultdict(list)
+        for name, scene in self.scenes.items():
+            for entry in scene.runs:
+                found[entry.engine, name].append(entry)
+        return {key: tuple(entries) for key, entries in found.items()}
+
+    @cached_property
+    def without_method(self) -> Mapping[tuple[str, str], str]:
+        """Return why an engine has no run of a scene, by the names of both, as the newest submission that says so tells."""
+        return {
+            (adapter_of(engine), case): why
+            for source in self.submissions
+            for engine, cases in source.header.without_method.items()
+            for case, why in cases.items()
+        }
+
+    @cached_property
+    def robots(self) -> Mapping[str, tuple[Entry, ...]]:
+        """Return the rows of parity.csv by robot model, those of the newest submission that has the model and the engine."""
+        newest: dict[tuple[str, str, str], tuple[Submission, list[Entry]]] = {}
+        for entry in self.entries("parity.csv"):
+            key = (entry.row["model"], entry.engine, entry.version)
+            if key not in newest or newest[key][0] is not entry.source:
+                newest[key] = (entry.source, [])
+            newest[key][1].append(entry)
+        found: dict[str, list[Entry]] = defaultdict(list)
+        for (model, _, _), (_, entries) in sorted(newest.items()):
+            found[model] += entries
+        return {model: tuple(entries) for model, entries in found.items()}
+
+
+def version_key(version: str) -> Version:
+    """Return what sorts versions; one that is not of PEP 440 is the oldest."""
+    try:
+        return Version(version)
+    except InvalidVersion:
+        return Version("0.dev0")
+
+
+def catalogued(submissions: Sequence[Submission], left_out: Iterable[LeftOut]) -> Catalogue:
+    """Return the catalogue of submissions.
+
+    A submission with a case that has the name of another case, but not its physics, is left out: its rows would stand beside
+    those of a different motion. The case that counts is the one that comes with bodycheck, or else the oldest one.
+    """
+    cases: dict[str, Case] = {}
+    kept, refused = [], list(left_out)
+    for source in submissions:
+        own = {name: _case(name, text) for name, text in source.cases.items()}
+        other = [name for name, case in own.items() if identity(cases.get(name) or _shipped(name) or case) != identity(case)]
+        if other:
+            reason = f"its case {other[0]} is not the case that the others have under this name"
+            refused.append(LeftOut(source.key, reason))
+            continue
+        kept.append(source)
+        for name, case in own.items():
+            cases.setdefault(name, _shipped(name) or case)
+    runs: dict[str, list[Entry]] = defaultdict(list)
+    for source in kept:
+        for place, row in enumerate(source.tables.get("results.csv", ())):
+            runs[row["case"]].append(Entry(source, "results.csv", place))
+    scenes = {
+        name: Scene(name, case, case_files.is_shipped(name), tuple(sorted(runs[name], key=lambda entry: entry.order)))
+        for name, case in sorted(cases.items())
+    }
+    return Catalogue(tuple(kept), tuple(refused), scenes)
+
+
+def _shipped(name: str) -> Case | None:
+    return case_files.load(name) if case_files.is_shipped(name) else None
+
+
+def _case(name: str, text: str) -> Case:
+    shipped = _shipped(name)
+    return shipped if shipped is not None and shipped.text == text else case_files.parse_stored(text, f"{name}.case.toml")

@@ -1,0 +1,84 @@
+"""What is said of an engine and a scene in one cell: a verdict with its number, the truth's bound, and what changed."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from bodycheck.adapters.engine_name import adapter_of
+from bodycheck.site import changes
+from bodycheck.site.catalogue import REFUSES, Catalogue, Entry, Scene
+from bodycheck.site.changes import Change
+
+#: The verdicts. "exact": the error is within the truth's own. "error": there is an error, which is the number of the cell.
+#: "broken": the run breaks an expectation of its case. "failed": it diverged, crashed or took too long. "refused": the engine
+#: itself refuses the model. "unsupported": engine or adapter cannot model the scene. "not run": nothing is known.
+Verdict = Literal["exact", "error", "broken", "failed", "refused", "unsupported", "not run"]
+
+
+@dataclass(frozen=True, eq=False)
+class Cell:
+    """What is known of a scene in an engine.
+
+    Parameters
+    ----------
+    verdict
+        The verdict on the engine's own choice of a method.
+    run
+        The run of that method; None if there is none.
+    value, bound
+        The error in the quantity of the scene and the bound of the truth's own error, in the quantity's unit; None without.
+    best
+        The completed run of the engine with the smallest error; None if there is none.
+    changes
+        What changed in any method of the engine since the last date, or since the release before; none if nothing is known of
+        before.
+    reason
+        Why there is no number; empty if there is one.
+    """
+
+    verdict: Verdict
+    run: Entry | None = None
+    value: float | None = None
+    bound: float | None = None
+    best: Entry | None = None
+    changes: tuple[Change, ...] = ()
+    reason: str = ""
+
+
+def cell(catalogue: Catalogue, engine: str, scene: Scene) -> Cell:
+    """Return the cell of an engine and a scene: of the newest version of the engine with which the scene was run."""
+    runs = catalogue.runs.get((engine, scene.name), ())
+    if not runs:
+        why = catalogue.without_method.get((engine, scene.name), "")
+        return Cell("unsupported" if why else "not run", reason=why)
+    newest = [entry for entry in runs if entry.version == runs[-1].version and entry.source is runs[-1].source]
+    own = default_run(newest)
+    changed = tuple(changes.since(runs, newest, scene.quantity))
+    done = [entry for entry in newest if entry.get("status") == "ok" and entry.get(scene.quantity.name) is not None]
+    best = min(done, key=lambda entry: float(entry.get(scene.quantity.name)), default=None)
+    value, bound = own.get(scene.quantity.name), own.get(scene.quantity.bound_name)
+    return Cell(verdict(own, scene), own, value, bound, best, changed, str(own.get("reason") or ""))
+
+
+def verdict(run: Entry, scene: Scene) -> Verdict:
+    """Return the verdict on a run."""
+    status = run.get("status")
+    if status == "unsupported":
+        return "refused" if REFUSES in str(run.get("reason")) else "unsupported"
+    if status != "ok":
+        return "failed"
+    if run.get("passed") is False:
+        return "broken"
+    value, bound = run.get(scene.quantity.name), run.get(scene.quantity.bound_name)
+    return "exact" if value is not None and bound is not None and value <= bound else "error"
+
+
+def default_run(runs: list[Entry]) -> Entry:
+    """Return the run of the method that the engine itself chooses, or that its adapter offers first.
+
+    runs: at least one, those of one scene in one version of an engine in one submission, in the order of the table.
+    """
+    in_order = sorted(runs, key=lambda entry: entry.place)
+    named = in_order[0].get("engine")
+    defaults = in_order[0].source.header.defaults
+    own = (defaults.get(named) or defaults.get(adapter_of(named)) or {}).get("integrator", "")
+    return next((entry for entry in in_order if entry.get("integrator") == own), in_order[0])

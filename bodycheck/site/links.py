@@ -1,0 +1,59 @@
+"""The addresses of pages inside the site, relative to its root. Every page names others through these functions alone."""
+
+import re
+from hashlib import sha256
+from urllib.parse import quote
+
+from bodycheck.site.catalogue import Entry
+from bodycheck.site.submission import Submission
+
+INDEX, COMPARE, ERRORS, ROW, FEED = "index.html", "compare.html", "errors.html", "row.html", "feed.atom"
+
+#: The pages that the head of every page leads to, with their titles.
+MAIN = ((INDEX, "Results"), (COMPARE, "Compare"), (ERRORS, "Left out"))
+
+#: Most characters of the name of a page.
+LONGEST = 80
+
+
+def engine(name: str) -> str:
+    """Return the address of the page of an engine."""
+    return f"engines/{slug(name)}.html"
+
+
+def scene(name: str) -> str:
+    """Return the address of the page of a case."""
+    return f"scenes/{slug(name)}.html"
+
+
+def robot(model: str) -> str:
+    """Return the address of the page of a robot model."""
+    return f"robots/{slug(model)}.html"
+
+
+def release(name: str, version: str) -> str:
+    """Return the address of the page of a release of an engine."""
+    return f"releases/{slug(f'{name}-{version}')}.html"
+
+
+def badge(name: str) -> str:
+    """Return the address of the badge of an engine."""
+    return f"badges/{slug(name)}.svg"
+
+
+def data(source: Submission) -> str:
+    """Return the address of the data of a submission, without its end: .json for programs, .js for pages."""
+    return f"data/{source.key}"
+
+
+def row(entry: Entry) -> str:
+    """Return the address of the page of a raw row, which has its case file and its command."""
+    return f"{ROW}#{entry.source.key}/{quote(entry.table)}/{entry.place}"
+
+
+def slug(name: str) -> str:
+    """Return the name of a file for a name. Different names have different files, also where capitals do not count."""
+    plain = re.sub(r"[^a-z0-9._-]+", "-", name.lower()).strip("-.")
+    if plain == name and len(plain) <= LONGEST:
+        return plain
+    return f"{plain[:LONGEST]}-{sha256(name.encode('utf-8', 'replace')).hexdigest()[:8]}"

@@ -1,0 +1,66 @@
+"""Files of the site from templates."""
+
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import jinja2
+
+from bodycheck.reports.html import json_text
+from bodycheck.reports.quantities import bound, count, milliseconds, number
+from bodycheck.site import links, wording
+
+
+@dataclass(frozen=True)
+class File:
+    """A file of the site.
+
+    Parameters
+    ----------
+    path
+        Its path inside the site, with slashes.
+    content
+        Its content.
+    """
+
+    path: str
+    content: bytes
+
+
+def page(path: str, template: str, **values: Any) -> File:
+    """Return a page of the site.
+
+    Parameters
+    ----------
+    path
+        Its path inside the site.
+    template
+        The name of the template in the folder `templates`. It has `root`, which leads from the page to the root of the site,
+        the functions of `links` and `wording`, and `number`, `bound`, `count` and `milliseconds` for numbers.
+    values
+        Further variables of the template.
+    """
+    root = "../" * path.count("/")
+    return File(path, _environment().get_template(template).render(root=root, path=path, **values).encode())
+
+
+def asset(name: str) -> File:
+    """Return a style or a script of the folder `templates`, which stands in `assets/` of the site."""
+    return File(f"assets/{name}", (resources.files("bodycheck.site") / "templates" / name).read_bytes())
+
+
+@cache
+def _environment() -> jinja2.Environment:
+    templates = resources.files("bodycheck.site") / "templates"
+    environment = jinja2.Environment(
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        loader=jinja2.FunctionLoader(lambda name: (templates / name).read_text("utf-8")),
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"json": json_text}
+    environment.globals |= {"links": links, "words": wording.WORDS, "cell_text": wording.text}
+    environment.globals |= {"number": number, "bound": bound, "count": count, "milliseconds": milliseconds}
+    return environment
