@@ -15,7 +15,17 @@ from tests.support import ROOT
 from tests.support.distributions import build_editable, build_sdist, build_wheel, installed
 
 FOLDERS = {"bodycheck": ""} | {name: f"{name}/" for name in ("reference", "adapters", "cases", "reports")}
-SHIPPED = ("**/*.py", "**/*.case.toml", "template*.toml", "*.schema.json", "templates/*.*", "templates/player/*.js", "py.typed")
+SHIPPED = (
+    "**/*.py",
+    "**/*.case.toml",
+    "template*.toml",
+    "*.schema.json",
+    "templates/*.*",
+    "templates/player/*.js",
+    "site/*.toml",
+    "site/templates/*.*",
+    "py.typed",
+)
 
 
 @pytest.fixture(scope="module")
