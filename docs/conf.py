@@ -22,6 +22,7 @@ extensions = [
     "sphinx_design",
     "docs.extensions.generated",
     "docs.extensions.mathml",
+    "docs.extensions.versions",
 ]
 exclude_patterns = ["_build", "**/.ipynb_checkpoints"]
 nitpicky = True
@@ -44,6 +45,7 @@ nb_merge_streams = True
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented_params"
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 

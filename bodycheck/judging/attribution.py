@@ -36,8 +36,21 @@ QUANTITIES = ("stop_time", "stop_distance", "stop_yaw")
 class Attribution:
     """The signed parts of the error of one quantity, engine minus truth, in the quantity's unit.
 
-    The total is the sum of model_form, constraint and time_step. model_form is None if the reference has no law for the
-    engine's contacts; constraint then contains it. The last two are None for a method that was run with one time step only.
+    Attributes
+    ----------
+    case, engine, version, integrator, timestep
+        The case and the method; the time step is in s.
+    quantity
+        The quantity.
+    total
+        The error, which is the sum of the other parts.
+    model_form
+        The part that the engine's law of contact causes; None if the reference has no such law, and `constraint` then contains
+        it.
+    constraint
+        What is left for vanishing time steps; None for a method that was run with one time step only.
+    time_step
+        The part that vanishes with the time step; None for a method that was run with one time step only.
     """
 
     case: str

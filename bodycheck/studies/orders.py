@@ -16,7 +16,7 @@ class Order:
     order, order_low, order_high
         The observed order, and its interval over the time steps in the asymptotic range; None if no such range was found.
     floor
-        The error, in the unit of `convergence.UNITS`, below which no time step gets; None if it was not reached.
+        The error, in the unit of the quantity, below which no time step gets; None if it was not reached.
     floor_cause
         Where the floor comes from: "limit", if runs with smaller and smaller time steps tend to a motion that differs from the
         truth by it, or "rounding" in the engine's precision; empty if there is no floor, or neither is known to be the cause.

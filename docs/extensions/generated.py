@@ -11,6 +11,8 @@ from typing import Any
 
 from sphinx.application import Sphinx
 
+from docs.extensions import case_grammar, command_line, python_interface, result_columns
+
 ROOT = Path(__file__).resolve().parents[2]
 
 MARKER = "<!-- this page is made by docs/extensions/generated.py when the documentation is built -->"
@@ -51,5 +53,9 @@ DEVELOPMENT = {"CONTRIBUTING": "contributing", "SECURITY": "security", "CHANGELO
 
 #: What makes the generated parts of pages, by the pages' names.
 PAGES: dict[str, Callable[[], str]] = {
+    "reference/case-files": case_grammar.page,
+    "reference/columns": result_columns.page,
+    "reference/command-line": command_line.page,
+    "reference/python": python_interface.page,
     **{f"development/{page}": _of_the_repository(f"{name}.md") for name, page in DEVELOPMENT.items()},
 }

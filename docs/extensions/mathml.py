@@ -39,7 +39,7 @@ def _block(translator: Any, node: nodes.math_block) -> None:
 def _converted(node: nodes.Element, as_block: bool) -> str:
     text = node.astext()
     try:
-        return tex2mathml(text, as_block=as_block)
+        return str(tex2mathml(text, as_block=as_block))
     except MathError as error:
         logger.warning("mathematics that cannot be displayed: %s", error, location=node)
         return f"<code>{nodes.unescape(text)}</code>"

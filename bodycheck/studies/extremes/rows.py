@@ -16,7 +16,19 @@ STATUSES = (
 class Row:
     """One run of a method, with a case changed along an axis to a value.
 
-    `status` is one of `STATUSES`, `engine_said` is the message of the engine, and `detail` describes the symptoms.
+    Attributes
+    ----------
+    case, engine, version, integrator, timestep
+        The case and the method; the time step is in s.
+    axis, value
+        What is changed, and its value, in the unit of the axis.
+    status
+        How the run ended: ok, inaccurate, energy-loss, energy-gain, frozen, diverged, silent-reset, crashed, timeout or
+        unsupported.
+    engine_said
+        The message of the engine: "healthy" if it ended without warnings, and "nothing" if its process gave no answer.
+    detail
+        A description of the symptoms.
     """
 
     case: str
@@ -38,9 +50,20 @@ class Row:
 
 @dataclass(frozen=True)
 class Limit:
-    """The largest stable time step (s) of a method at a spin (rad/s), and the rotation of the body (rad) in that step.
+    """The largest stable time step of a method at a spin.
 
-    Both are None if no step was stable; `smallest_unstable_timestep` is None if all were, up to a full turn per step.
+    Attributes
+    ----------
+    case, engine, version, integrator
+        The case and the method.
+    spin
+        The rate at which the body spins (rad/s).
+    largest_stable_timestep
+        The largest stable time step (s); None if no step was stable.
+    spin_times_step
+        The rotation of the body in that step (rad); None if no step was stable.
+    smallest_unstable_timestep
+        The smallest unstable time step (s); None if all steps were stable, up to a full turn per step.
     """
 
     case: str
