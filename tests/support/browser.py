@@ -40,20 +40,29 @@ class Visit:
 
 @contextmanager
 def visiting(
-    browser: Any, path: Path, width: int = 1280, height: int = 800, scheme: Literal["light", "dark"] = "light"
+    browser: Any,
+    path: Path,
+    width: int = 1280,
+    height: int = 800,
+    scheme: Literal["light", "dark"] = "light",
+    site: Path | None = None,
+    place: str = "",
 ) -> Iterator[Visit]:
-    """A file opened from disk in a window of so many pixels. Fails where the page complained or asked for anything."""
+    """A file opened from disk in a window of so many pixels. Fails where the page complained or asked for anything.
+
+    site: a folder whose files the page may ask for. place: what follows the path in the address, such as "#part".
+    """
     context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=scheme)
     try:
         visit = Visit(context.new_page())
         visit.page.on("console", lambda line: line.type in ("error", "warning") and visit.complaints.append(line.text))
         visit.page.on("pageerror", lambda error: visit.complaints.append(str(error)))
-        own = path.resolve().as_uri()
+        own = (site or path).resolve().as_uri()
         visit.page.on(
             "request",
             lambda asked: asked.url.startswith(("data:", "blob:", own)) or visit.requests.append(asked.url),
         )
-        visit.page.goto(own)
+        visit.page.goto(path.resolve().as_uri() + place)
         yield visit
         assert not visit.complaints
         assert not visit.requests
