@@ -25,12 +25,15 @@ def call(*arguments: object) -> int:
     return code
 
 
-def bodycheck(*arguments: object, folder: Path | None = None, **environment: str) -> Done:
+def bodycheck(
+    *arguments: object, folder: Path | None = None, stdout: io.StringIO | None = None, **environment: str
+) -> Done:
     """A command in this process, from `main` on: its exit code and what it printed.
 
-    folder: where it is called, environment: variables to be set. Those of GitHub's workflows are not there unless given.
+    folder: where it is called, stdout: what it prints to, environment: variables to be set. Those of GitHub's workflows are not
+    there unless given.
     """
-    stdout, stderr = io.StringIO(), io.StringIO()
+    stdout, stderr = stdout or io.StringIO(), io.StringIO()
     command = ["bodycheck", *map(str, arguments)]
     with pytest.MonkeyPatch.context() as patch, redirect_stdout(stdout), redirect_stderr(stderr), warnings.catch_warnings():
         patch.setattr(sys, "argv", command)
