@@ -25,9 +25,7 @@ def call(*arguments: object) -> int:
     return code
 
 
-def bodycheck(
-    *arguments: object, folder: Path | None = None, stdout: io.StringIO | None = None, **environment: str
-) -> Done:
+def bodycheck(*arguments: object, folder: Path | None = None, stdout: io.StringIO | None = None, **environment: str) -> Done:
     """A command in this process, from `main` on: its exit code and what it printed.
 
     folder: where it is called, stdout: what it prints to, environment: variables to be set. Those of GitHub's workflows are not

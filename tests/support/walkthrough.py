@@ -1,15 +1,18 @@
 """Pages to be followed: their commands, the files that they show, and whether what is printed is what they show.
 
-In a page, a block `console` has commands after `$ ` and below each what it prints. A block in any other language is a file, whose
-name ends the paragraph before it, as in "Save this as `name.toml`:". The comment `<!-- downloads -->` stands before a block whose
-commands need a network. In what a page shows, `…` stands for anything.
+In a page, a block `console` has commands after `$ ` and below each what it prints. A block in any other language is a file,
+whose name ends the paragraph before it, as in "Save this as `name.toml`:". The comment `<!-- downloads -->` stands before a
+block whose commands need a network. In what a page shows, `…` stands for anything.
 """
 
 import os
+import pty
 import re
+import shlex
 import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -99,7 +102,7 @@ def follow_here(page: Path, folder: Path) -> list[Printed]:
 
 def _here(command: Command, folder: Path) -> Printed:
     with terminal(WIDTH) as screen:
-        ended = bodycheck(*command.text.split()[1:], folder=folder, stdout=screen, COLUMNS=str(WIDTH), NO_COLOR="1")
+        ended = bodycheck(*shlex.split(command.text)[1:], folder=folder, stdout=screen, COLUMNS=str(WIDTH), NO_COLOR="1")
     # Faults of input go to stderr, which a reader sees on the same terminal.
     return Printed(command, screen.getvalue() + (ended.stderr if ended.returncode == 2 else ""), ended.returncode)
 
@@ -110,6 +113,49 @@ def _by_shell(command: Command, folder: Path, code: int) -> Printed:
     script = f"(exit {code}); {command.text}"
     ended = subprocess.run(["bash", "-c", script], cwd=folder, env=environment, text=True, stdout=subprocess.PIPE)
     return Printed(command, ended.stdout, ended.returncode)
+
+
+def follow_afresh(page: Path, folder: Path, environment: Mapping[str, str]) -> list[Printed]:
+    """Follow a page from a folder by one shell on a terminal, as a reader does, with all that needs a network.
+
+    environment: the variables of the shell, to which those of the terminal come.
+    """
+    folder.mkdir(exist_ok=True)
+    errors = folder.parent / "errors"
+    errors.mkdir()
+    commands: list[Command] = []
+    script = [f"cd {shlex.quote(str(folder))}", "code=0"]
+    for step in steps(page):
+        if isinstance(step, File):
+            script.append(f"cat > {shlex.quote(step.name)} << 'END OF FILE'\n{step.text}END OF FILE")
+        else:
+            # The command sees the exit code of the one before it.
+            run = f"{{ {step.text}\n}} 2> {shlex.quote(str(errors / str(len(commands))))}"
+            script += ["(exit $code)", run, "code=$?", r"printf '\036%s\036' $code"]
+            commands.append(step)
+    (folder.parent / "script").write_text("\n".join(script) + "\n", "utf-8")
+    fields = _on_terminal(["bash", str(folder.parent / "script")], environment).split("\036")
+    done = []
+    for number, command in enumerate(commands):
+        text, code = fields[2 * number : 2 * number + 2]
+        faults = (errors / str(number)).read_text("utf-8")
+        done.append(Printed(command, text + (faults if int(code) else ""), int(code)))
+    return done
+
+
+def _on_terminal(command: Sequence[str], environment: Mapping[str, str]) -> str:
+    """What a program prints on a terminal of its own."""
+    screen, end = pty.openpty()
+    variables = {**environment, "COLUMNS": str(WIDTH), "LINES": "24", "NO_COLOR": "1", "TERM": "dumb"}
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=end, env=variables, start_new_session=True):
+        os.close(end)
+        parts = []
+        # A terminal whose program has ended is an error to read on Linux.
+        with suppress(OSError):
+            while part := os.read(screen, 65536):
+                parts.append(part)
+    os.close(screen)
+    return b"".join(parts).decode("utf-8")
 
 
 def failures(done: Sequence[Printed]) -> list[str]:
@@ -156,4 +202,3 @@ def _alike(shown: str, seen: str) -> bool:
         return shown == seen
     one, other = abs(float(shown)), abs(float(seen))
     return abs(float(shown) - float(seen)) <= TOLERANCE * max(one, other) or max(one, other) < ROUNDING
-
