@@ -61,8 +61,12 @@ def test_commands_have_the_options_that_documents_name(document: Path) -> None:
                 assert option in options(command), f"bodycheck {command} {option}"
 
 
-def test_the_case_of_the_readme_is_valid(tmp_path: Path) -> None:
-    (text,) = blocks(ROOT / "README.md", "toml")
+#: The page that says in short how bodycheck is used.
+USE = ROOT / "docs" / "start" / "use.md"
+
+
+def test_the_case_of_the_page_on_use_is_valid(tmp_path: Path) -> None:
+    (text,) = blocks(USE, "toml")
     (tmp_path / "my-case.case.toml").write_text(text, encoding="utf-8")
     assert load(tmp_path / "my-case.case.toml").name == "my-case"
 
@@ -87,8 +91,20 @@ def test_the_mechanisms_of_the_guide_to_cases_are_valid(tmp_path: Path) -> None:
     assert load(path).name == "cart-pole"
 
 
-def test_the_python_of_the_readme_runs(capsys: pytest.CaptureFixture[str]) -> None:
-    (code,) = blocks(ROOT / "README.md", "python")
+def test_the_python_of_the_page_on_use_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    (code,) = blocks(USE, "python")
     exec(code, {})
-    # The README says 17.3 m, three digits.
+    # The page says 17.3 m, three digits.
     assert float(capsys.readouterr().out) == pytest.approx(17.3, abs=0.05)
+
+
+def test_the_page_on_use_names_every_command() -> None:
+    named = re.findall(r"^    bodycheck (\w+)", USE.read_text(encoding="utf-8"), re.MULTILINE)
+    assert sorted(named) == sorted(name for name in app if not name.startswith("-"))
+
+
+def test_the_readme_is_one_screen() -> None:
+    """Lines of 80 columns, of which a browser shows some 60 at once beside the picture."""
+    lines = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= 70
+    assert max(map(len, lines)) <= 80
