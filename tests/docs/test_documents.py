@@ -17,7 +17,7 @@ DOCUMENTS = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
 FOLDERS = ("adapters", "benchmarks", "bodycheck", "cases", "docs", "reference", "reports", "tests")
 
 #: Names in documents that stand for names which readers choose.
-PLACEHOLDERS = ("NAME", "my-case")
+PLACEHOLDERS = ("NAME", "my-case", "thrown-phone")
 
 
 @functools.cache

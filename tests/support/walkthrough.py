@@ -161,7 +161,7 @@ def _on_terminal(command: Sequence[str], environment: Mapping[str, str]) -> str:
 def failures(done: Sequence[Printed]) -> list[str]:
     """What of the commands of a page is not as the page says, in words. One that fails is followed by `echo $?`."""
     told = []
-    for printed, after in zip(done, [*done[1:], None], strict=True):
+    for printed, after in zip(done, [*done, None][1:], strict=True):
         where = f"line {printed.command.line}: {printed.command.text}"
         if printed.code and (after is None or after.command.text != "echo $?"):
             told.append(f"{where}\nhas the exit code {printed.code}\n{printed.text}")
