@@ -149,6 +149,18 @@ def read(path: Path) -> Contents:
     return Contents(header, tuple(records[:-1] if complete else records), complete)
 
 
+def header(path: Path) -> Record:
+    """Return the header of a journal, of which nothing else is read. Raises `BadJournal`."""
+    try:
+        line = reading.content(path, MAX_BYTES).partition(b"\n")[0]
+        found = _record(line, 1, CHECKED_LINE.fullmatch(line) is not None)
+        if found.get("record") != "header":
+            raise ValueError("the first line must be a header")
+    except (OSError, ValueError, RecursionError) as error:
+        raise BadJournal(f"{path}: not a journal: {error}") from error
+    return found
+
+
 def _lock(path: Path) -> BaseFileLock:
     """Lock a journal, in a folder that is made if need be. Raises `BadJournal` if another process has locked it."""
     writing.make_folder(path.parent)

@@ -4,28 +4,32 @@ import io
 import json
 import re
 import zipfile
+import zlib
 from typing import Any
 
 from bodycheck.errors import BadInput
-from bodycheck.site.contents import FORMAT, Contents, checked
+from bodycheck.site.contents import FORMAT, Contents, checked, manifest
 from bodycheck.site.submission import Submission
 from bodycheck.site.tables import TABLES
 
 #: The file with the header and the digests of all others.
 MANIFEST = "submission.json"
 
-#: Most bytes of a zip file, of one file in it, and of all files in it.
-MOST_PACKED, MOST_OF_ONE, MOST_OF_ALL = 1 << 26, 1 << 26, 1 << 28
+#: Most bytes of a zip file, of one file in it, of all files in it, and of submission.json.
+MOST_PACKED, MOST_OF_ONE, MOST_OF_ALL, MOST_OF_MANIFEST = 1 << 24, 1 << 25, 1 << 26, 1 << 21
 
 #: Most files in a zip file.
-MOST_FILES = 2000
+MOST_FILES = 1000
+
+#: What the entry of a file in the directory of a zip file begins with.
+ENTRY = b"PK\x01\x02"
 
 #: The names that files may have.
 NAME = re.compile(
     "|".join(
         (
-            rf"tables/({'|'.join(map(re.escape, TABLES))})",
-            r"cases/[a-z0-9][a-z0-9_.-]{0,99}\.case\.toml",
+            rf"tables/(?:{'|'.join(map(re.escape, TABLES))})",
+            r"cases/[a-z0-9][a-z0-9-]{0,99}\.case\.toml",
             r"tracks\.parquet",
             r"submission\.json",
         )
@@ -34,12 +38,6 @@ NAME = re.compile(
 
 #: The date of every file in a zip file, so that the same contents give the same bytes: the first that the format knows.
 DATE = (1980, 1, 1, 0, 0, 0)
-
-
-def manifest(contents: Contents) -> bytes:
-    """Return the content of submission.json: format, header and digests."""
-    told = {"format": FORMAT, "header": dict(contents.header), "files": contents.digests}
-    return (json.dumps(told, indent=1, sort_keys=True, ensure_ascii=True, allow_nan=False) + "\n").encode()
 
 
 def zipped(contents: Contents) -> bytes:
@@ -62,10 +60,12 @@ def read(content: bytes) -> Submission:
     if found.digests != digests:
         different = sorted({*digests.items()} ^ {*found.digests.items()}, key=str)[0][0]
         raise BadInput(f"{str(different)[:100]}: is missing, or is not the file that {MANIFEST} names")
-    return checked(found, told)
+    return checked(found)
 
 
 def _told(content: bytes) -> tuple[dict[str, Any], dict[str, str]]:
+    if len(content) > MOST_OF_MANIFEST:
+        raise BadInput(f"{MANIFEST}: has {len(content)} bytes; at most {MOST_OF_MANIFEST} are allowed")
     try:
         told = json.loads(content)
         if told["format"] != FORMAT:
@@ -79,6 +79,8 @@ def _files(content: bytes) -> dict[str, bytes]:
     """Return the files of a zip file, none of which is larger than allowed."""
     found: dict[str, bytes] = {}
     room = MOST_OF_ALL
+    if content.count(ENTRY) > 2 * MOST_FILES:  # before the directory is read, which takes memory for each entry
+        raise BadInput(f"has too many files; at most {MOST_FILES} are allowed")
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             entries = archive.infolist()
@@ -87,6 +89,8 @@ def _files(content: bytes) -> dict[str, bytes]:
             for entry in entries:
                 if not NAME.fullmatch(entry.filename) or entry.filename in found:
                     raise BadInput(f"has a file {entry.filename[:60]!r}, which bodycheck does not write")
+                if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+                    raise BadInput(f"{entry.filename}: is compressed in another way than bodycheck does it")
                 limit = min(MOST_OF_ONE, room)
                 with archive.open(entry) as stream:
                     own = stream.read(limit + 1)
@@ -94,6 +98,6 @@ def _files(content: bytes) -> dict[str, bytes]:
                     raise BadInput(f"{entry.filename}: is larger than {limit} bytes, which is the most that is allowed")
                 found[entry.filename] = own
                 room -= len(own)
-    except (zipfile.BadZipFile, EOFError, OSError, NotImplementedError, RuntimeError, ValueError) as error:
-        raise BadInput(f"is no zip file that can be read: {error}") from error
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError, ValueError) as error:
+        raise BadInput(f"is no zip file that can be read: {str(error)[:200]}") from error
     return found

@@ -3,17 +3,16 @@
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 from packaging.version import InvalidVersion, Version
 
 from bodycheck.adapters.engine_name import adapter_of
-from bodycheck.casefile import case as case_files
 from bodycheck.casefile.content import Case
-from bodycheck.casefile.identity import identity
 from bodycheck.reports.quantities import QUANTITIES, Quantity
 from bodycheck.reports.runs.matrix import Kind, kind_of
+from bodycheck.site import cases
 from bodycheck.site.submission import LeftOut, Row, Submission
 
 #: The words by which a reason says that the engine itself refused the model or the file.
@@ -75,7 +74,7 @@ class Scene:
     Parameters
     ----------
     name
-        Its name.
+        Its name; that of a case which does not come with bodycheck ends with a part of the digest of its text.
     case
         What its file says.
     shipped
@@ -181,6 +180,7 @@ class Catalogue:
         return {model: tuple(entries) for model, entries in found.items()}
 
 
+@lru_cache(maxsize=4096)
 def version_key(version: str) -> Version:
     """Return what sorts versions; one that is not of PEP 440 is the oldest."""
     try:
@@ -190,38 +190,17 @@ def version_key(version: str) -> Version:
 
 
 def catalogued(submissions: Sequence[Submission], left_out: Iterable[LeftOut]) -> Catalogue:
-    """Return the catalogue of submissions.
-
-    A submission with a case that has the name of another case, but not its physics, is left out: its rows would stand beside
-    those of a different motion. The case that counts is the one that comes with bodycheck, or else the oldest one.
-    """
-    cases: dict[str, Case] = {}
-    kept, refused = [], list(left_out)
-    for source in submissions:
-        own = {name: _case(name, text) for name, text in source.cases.items()}
-        other = [name for name, case in own.items() if identity(cases.get(name) or _shipped(name) or case) != identity(case)]
-        if other:
-            reason = f"its case {other[0]} is not the case that the others have under this name"
-            refused.append(LeftOut(source.key, reason))
-            continue
-        kept.append(source)
-        for name, case in own.items():
-            cases.setdefault(name, _shipped(name) or case)
+    """Return the catalogue of submissions, given from the oldest to the newest, and of what is left out."""
+    found: dict[str, Case] = {}
     runs: dict[str, list[Entry]] = defaultdict(list)
-    for source in kept:
+    for source in submissions:
+        for name, text in source.cases.items():
+            if name not in found:
+                found[name] = cases.shipped(name) or cases.read(name.partition(".")[0], text)
         for place, row in enumerate(source.tables.get("results.csv", ())):
             runs[row["case"]].append(Entry(source, "results.csv", place))
     scenes = {
-        name: Scene(name, case, case_files.is_shipped(name), tuple(sorted(runs[name], key=lambda entry: entry.order)))
-        for name, case in sorted(cases.items())
+        name: Scene(name, case, cases.shipped(name) is not None, tuple(sorted(runs[name], key=lambda entry: entry.order)))
+        for name, case in sorted(found.items())
     }
-    return Catalogue(tuple(kept), tuple(refused), scenes)
-
-
-def _shipped(name: str) -> Case | None:
-    return case_files.load(name) if case_files.is_shipped(name) else None
-
-
-def _case(name: str, text: str) -> Case:
-    shipped = _shipped(name)
-    return shipped if shipped is not None and shipped.text == text else case_files.parse_stored(text, f"{name}.case.toml")
+    return Catalogue(tuple(submissions), tuple(left_out), scenes)

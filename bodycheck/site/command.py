@@ -42,8 +42,8 @@ def site(*folders: Path, out: Path) -> int:
 def submit(folder: Path, *, out: Path) -> int:
     """Check a results folder, and pack it for others.
 
-    The zip file has the tables, the case files, versions and machine, with a digest of each file. It has no paths and no names
-    of users. `bodycheck site` reads it.
+    The zip file has the tables, the case files, versions and machine, with a digest of each file. Paths, e-mail addresses and
+    the names of the machine and its user are removed from its texts. `bodycheck site` reads it.
 
     Exit codes: 0 the file was written; 2 the folder is not as bodycheck writes it, or bad usage.
 
@@ -55,14 +55,15 @@ def submit(folder: Path, *, out: Path) -> int:
         The file (.zip) to write.
     """
     from bodycheck.files import writing
-    from bodycheck.site import archive, packing
+    from bodycheck.site import submitting
 
     if out.suffix != ".zip":
         raise BadInput(f"--out {out}: the name of the file must end in .zip")
     if not folder.is_dir():
         raise BadInput(f"{folder}: there is no such folder")
-    content = archive.zipped(packing.contents(folder))
-    archive.read(content)
-    writing.write_named(out, content)
+    packed = submitting.packed(folder)
+    writing.write_named(out, packed.content)
+    for line in submitting.told(packed):
+        print(line, file=sys.stderr)
     print(f"submission: {out}", file=sys.stderr)
     return OK

@@ -1,34 +1,34 @@
 """What a submission contains as files, and their check, which makes a `Submission` of them."""
 
-import re
+import json
 from collections.abc import Mapping
-from dataclasses import dataclass
-from datetime import datetime
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from typing import Any
 
-from bodycheck.casefile import case as case_files
+from bodycheck.casefile.content import Case
+from bodycheck.casefile.finding import SUFFIX as CASE_END
 from bodycheck.errors import BadInput
-from bodycheck.running import records
 from bodycheck.running.records import HeaderRecord
-from bodycheck.site import tables
-from bodycheck.site.submission import Submission
+from bodycheck.site import cases as case_texts
+from bodycheck.site import headers, plausible, tables
+from bodycheck.site.submission import Row, Submission
+from bodycheck.site.texts import text
 
 #: The version of the format.
 FORMAT = 1
 
 #: The names of files.
 TABLES, CASES, TRACKS = "tables/", "cases/", "tracks.parquet"
-CASE_END = ".case.toml"
 
-#: Characters of the digest that name a submission.
-KEY_LENGTH = 12
+#: Characters of the digest that name a submission: so many that nobody finds other contents with the same ones.
+KEY_LENGTH = 20
 
-#: Most cases that do not come with bodycheck.
-MOST_OWN_CASES = 200
+#: Characters of the digest of a case that does not come with bodycheck, which its name ends with on the site.
+MARK_LENGTH = 12
 
-#: An instant as bodycheck writes it.
-STARTED = re.compile(r"\d{4}-\d{2}-\d{2}T\d{2}:\d{2}:\d{2}\+00:00")
+#: Most cases that do not come with bodycheck, and most bytes of one.
+MOST_OWN_CASES, LONGEST_CASE = 100, 1 << 19
 
 
 @dataclass(frozen=True)
@@ -44,28 +44,30 @@ class Contents:
         return {name: sha256(content).hexdigest() for name, content in sorted(self.files.items())}
 
 
-def checked(contents: Contents, manifest: bytes) -> Submission:
+def manifest(contents: Contents) -> bytes:
+    """Return the content of submission.json: format, header and digests."""
+    told = {"format": FORMAT, "header": dict(contents.header), "files": contents.digests}
+    return (json.dumps(told, indent=1, sort_keys=True, ensure_ascii=True, allow_nan=False) + "\n").encode()
+
+
+def checked(contents: Contents) -> Submission:
     """Return the submission that files make.
 
-    Parameters
-    ----------
-    contents
-        The files.
-    manifest
-        The bytes that stand for all of them, whose SHA-256 names the submission.
+    A case that does not come with bodycheck has, in the submission, its name with a part of the digest of its text, such as
+    `my-case.1f0c9a3b5d7e`: cases of two strangers are never taken for each other, and none can take the name of another.
 
     Raises
     ------
     BadInput
         Something is not as bodycheck writes it; the text says what and where.
     """
-    header = _header(contents.header)
-    cases = {
+    header = headers.checked(contents.header)
+    texts = {
         name.removeprefix(CASES).removesuffix(CASE_END): _text(name, content)
         for name, content in contents.files.items()
         if name.startswith(CASES)
     }
-    _check_cases(cases)
+    cases = _cases(texts)
     rows = {
         name.removeprefix(TABLES): tables.read(name.removeprefix(TABLES), content)
         for name, content in contents.files.items()
@@ -73,43 +75,66 @@ def checked(contents: Contents, manifest: bytes) -> Submission:
     }
     if not any(rows.values()):
         raise BadInput("there is no table with a row; `bodycheck run --out DIR` and studies write such folders")
-    if untold := {row["case"] for row in rows.get("results.csv", ())} - cases.keys():
-        raise BadInput(f"results.csv has runs of {min(untold)}, but there is no such case file")
-    return Submission(sha256(manifest).hexdigest()[:KEY_LENGTH], header, rows, cases, contents.files.get(TRACKS, b""))
-
-
-def _header(header: Mapping[str, Any]) -> HeaderRecord:
-    try:
-        found = records.typed(HeaderRecord, header)
-        if not STARTED.fullmatch(found.started):
-            raise ValueError(f"started: {found.started[:40]!r} is no instant, such as 2026-11-23T16:54:16+00:00")
-        datetime.fromisoformat(found.started)
-    except ValueError as error:
-        raise BadInput(f"header: {' '.join(str(error).split())[:400]}") from error
-    return found
+    for name, table in rows.items():
+        plausible.check(name, table, cases, header.engines)
+    key = sha256(manifest(replace(contents, header=headers.as_record(header)))).hexdigest()[:KEY_LENGTH]
+    marked = {name: _marked(name, text) for name, text in texts.items() if case_texts.shipped(name) is None}
+    return Submission(
+        key,
+        replace(header, without_method=_without_method(header, marked)),
+        {name: tuple(_renamed(row, marked) for row in table) if marked else table for name, table in rows.items()},
+        {marked.get(name, name): text for name, text in texts.items()},
+        contents.files.get(TRACKS, b""),
+    )
 
 
 def _text(name: str, content: bytes) -> str:
+    if len(content) > LONGEST_CASE:
+        raise BadInput(f"{name}: has {len(content)} bytes; at most {LONGEST_CASE} are allowed")
     try:
         return content.decode("utf-8")
     except UnicodeDecodeError as error:
         raise BadInput(f"{name}: is not UTF-8 text") from error
 
 
-def _check_cases(cases: Mapping[str, str]) -> None:
-    """Raise `BadInput` if a case file is none, or is not the case after which it is named."""
-    own = [name for name in cases if not case_files.is_shipped(name)]
+def _cases(texts: Mapping[str, str]) -> dict[str, Case]:
+    """Return the cases of a submission by name. Raises `BadInput` if one is none, or another than its name says."""
+    own = [name for name in texts if case_texts.shipped(name) is None]
     if len(own) > MOST_OWN_CASES:
         raise BadInput(f"there are {len(own)} cases that do not come with bodycheck; at most {MOST_OWN_CASES} are allowed")
-    for name, text in cases.items():
-        if case_files.is_shipped(name) and case_files.load(name).text == text:
-            continue
-        try:
-            parsed = case_files.parse_stored(text, f"{name}{CASE_END}")
-        except case_files.CaseFaults as error:
-            raise BadInput(f"cases: {error}") from error
-        if parsed.name != name:
-            raise BadInput(f"{name}{CASE_END}: is the case {parsed.name!r}")
-        for shown in (parsed.title, parsed.source, *parsed.tags):
-            if tables.LOADING.search(shown):
-                raise BadInput(f"{name}{CASE_END}: has markup that a browser would load or run")
+    found = {}
+    for name, content in texts.items():
+        found[name] = case = case_texts.read(name, content)
+        if case.name != name:
+            raise BadInput(f"{CASES}{name}{CASE_END}: is the case {case.name!r}")
+        shipped = case_texts.shipped(name)
+        if shipped is not None and case_texts.physics(name, content) != case_texts.physics(name, shipped.text):
+            raise BadInput(
+                f"{CASES}{name}{CASE_END}: is not the case that comes with bodycheck under this name; give it another name, or"
+                " run the one that comes with this version"
+            )
+        for key, shown in (("title", case.title), ("source", case.source), *(("tags", tag) for tag in case.tags)):
+            try:
+                text(shown)
+            except ValueError as error:
+                raise BadInput(f"{CASES}{name}{CASE_END}: {key}: {shown[:60]!r} {error}") from error
+    return found
+
+
+def _marked(name: str, text: str) -> str:
+    """Return the name that a case which does not come with bodycheck has on the site."""
+    return f"{name}.{sha256(text.encode()).hexdigest()[:MARK_LENGTH]}"
+
+
+def _renamed(row: Row, names: Mapping[str, str]) -> Row:
+    """Return a row with other names of cases."""
+    return {**row, **{column: names[row[column]] for column in ("case", "scene") if row.get(column) in names}}
+
+
+def _without_method(header: HeaderRecord, names: Mapping[str, str]) -> dict[str, dict[str, str]]:
+    """Return why engines of the submission have no run of cases, with other names of cases."""
+    return {
+        engine: {names.get(case, case): why for case, why in cases.items()}
+        for engine, cases in header.without_method.items()
+        if engine in header.engines
+    }

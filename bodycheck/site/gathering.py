@@ -5,10 +5,11 @@ from pathlib import Path
 
 from bodycheck.errors import BadInput
 from bodycheck.files import reading
-from bodycheck.site import archive, packing
+from bodycheck.site import archive, packing, personal
 from bodycheck.site.contents import checked
 from bodycheck.site.submission import LeftOut, Submission
 from bodycheck.site.tables import TABLES
+from bodycheck.site.texts import shown
 
 #: What reading a stranger's files may raise besides `BadInput`.
 DAMAGE = (OSError, ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)
@@ -51,8 +52,7 @@ def gathered(paths: Sequence[Path]) -> tuple[tuple[Submission, ...], tuple[LeftO
 def read(path: Path) -> Submission:
     """Return the submission in a zip file or results folder. Raises `BadInput`, and those of `DAMAGE`."""
     if path.is_dir():
-        contents = packing.contents(path)
-        return checked(contents, archive.manifest(contents))
+        return checked(packing.contents(path))
     return archive.read(reading.content(path, archive.MOST_PACKED))
 
 
@@ -69,10 +69,9 @@ def _places(path: Path) -> Iterator[Path]:
 
 def _name(path: Path) -> str:
     """Return the name of a path for readers."""
-    return "".join(letter if letter.isprintable() else "?" for letter in path.name)[:100]
+    return shown(path.name, 100)
 
 
 def _reason(text: str, path: Path) -> str:
     """Return a reason on one line, without the folders of a path."""
-    told = packing.PATH.sub("", " ".join(text.removeprefix(f"{path}: ").split()))
-    return "".join(letter if letter.isprintable() else "?" for letter in told)[:LONGEST]
+    return shown(personal.Cleaning().text(" ".join(text.removeprefix(f"{path}: ").split())), LONGEST)

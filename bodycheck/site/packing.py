@@ -1,79 +1,125 @@
-"""A results folder as a submission, without what is personal: paths, and with them names of users."""
+"""A results folder as the contents of a submission, without what is personal."""
 
+import csv
+import io
 import json
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from bodycheck.casefile import case as case_files
+from bodycheck.casefile.finding import SUFFIX as CASE_END
 from bodycheck.errors import BadInput
 from bodycheck.files import reading
 from bodycheck.running import journal, records, store
+from bodycheck.running.csv_tables import entry as csv_entry
 from bodycheck.running.origin import BESIDE
-from bodycheck.site.contents import CASE_END, CASES, TABLES, Contents
-from bodycheck.site.tables import TABLES as KNOWN
+from bodycheck.site import cases as case_texts
+from bodycheck.site import tables
+from bodycheck.site.contents import CASES, TABLES, Contents
+from bodycheck.site.personal import Cleaning
+from bodycheck.site.texts import shown
 
 #: Most bytes of a table, and of the file beside it.
-MOST_BYTES = 1 << 26
+MOST_BYTES, MOST_BESIDE = 1 << 25, 1 << 23
 
-#: A path from the root up to its last part; of a text it is left out. A scheme and a unit such as m/s are no paths.
-PATH = re.compile(r"(?<![\w.:/])(?:[A-Za-z]:)?[/\\](?:[^\s/\\:;,'\"<>|]+[/\\])+")
+#: Tables of studies that the site has no pages for.
+UNKNOWN = ("extremes.csv", "recommend.csv", "ablation.csv")
 
-#: Options of commands whose value is a path or concerns the machine alone.
-LEFT_OUT = ("--out", "--junit", "--save", "--jobs", "--package-path")
+#: Columns whose texts are names of parts of models, which may look like paths.
+PARTS = ("subject", "model")
 
 
-def contents(folder: Path) -> Contents:
+def contents(folder: Path, cleaning: Cleaning | None = None) -> Contents:
     """Return what a submission of a results folder contains.
 
-    Raises `BadInput` if the folder has no table of bodycheck, or a damaged one.
+    Parameters
+    ----------
+    folder
+        A folder that `--out` of a command wrote.
+    cleaning
+        What removes personal parts of texts; by default one that knows no names.
+
+    Raises
+    ------
+    BadInput
+        The folder has no table of bodycheck, or a damaged one.
     """
-    reading.refuse_links(folder)
-    names = [name for name in KNOWN if (folder / name).is_file()]
+    clean = cleaning or Cleaning()
+    names = [name for name in tables.TABLES if (folder / name).is_file()]
     if not names:
-        raise BadInput(f"{folder}: has none of the tables {', '.join(KNOWN)}; `bodycheck run --out DIR` and studies write them")
-    note = _note(folder / names[0])
+        raise BadInput(f"{folder}: {_nothing(folder)}")
+    for path in (folder / store.RECORDS, *(folder / f"{name}{end}" for name in names for end in ("", BESIDE))):
+        if path.is_symlink():
+            raise BadInput(f"{path}: is a symbolic link; a results folder must not contain any, remove it")
+    note = _note([folder / name for name in names])
     header = {name: note[name] for name in records.HeaderRecord.__dataclass_fields__ if name in note}
-    header["command"] = cleaned_command([str(word) for word in header.get("command", ())])
-    files = {f"{TABLES}{name}": without_paths(reading.content(folder / name, MOST_BYTES)) for name in names}
-    files |= {f"{CASES}{name}{CASE_END}": text.encode() for name, text in _cases(folder, note).items()}
-    return Contents(_printable(header), files)
+    words = header.pop("command", None)
+    if not isinstance(words, list):
+        raise BadInput(f"{folder / names[0]}{BESIDE}: has no command")
+    header = {**_cleaned(header, clean), "command": [shown(word) for word in clean.command([str(word) for word in words])]}
+    files = {f"{TABLES}{name}": _table(folder / name, clean) for name in names}
+    files |= {f"{CASES}{name}{CASE_END}": text.encode() for name, text in _cases(folder, note, clean).items()}
+    return Contents(header, files)
 
 
-def cleaned_command(words: Sequence[str]) -> list[str]:
-    """Return the words of a command without paths, and without options that concern the machine alone."""
-    kept, skip = [], False
-    for word in words[1:]:
-        if skip:
-            skip = False
-        elif word in LEFT_OUT:
-            skip = True
-        elif not word.startswith(tuple(f"{option}=" for option in LEFT_OUT)):
-            kept.append(word if word.startswith("-") else re.split(r"[/\\]", word.rstrip("/\\"))[-1])
-    return ["bodycheck", *kept]
+def _nothing(folder: Path) -> str:
+    """Return why a folder without any of the tables makes no submission."""
+    if other := next((name for name in UNKNOWN if (folder / name).is_file()), None):
+        return f"has {other}, which the site has no pages for; allowed: {', '.join(tables.TABLES)}"
+    return f"has none of the tables {', '.join(tables.TABLES)}; `bodycheck run --out DIR` and studies write them"
 
 
-def without_paths(content: bytes) -> bytes:
-    """Return a table in whose texts only the last parts of paths are left."""
-    return PATH.sub("", content.decode("utf-8", "replace")).encode()
+def _table(path: Path, clean: Cleaning) -> bytes:
+    """Return a table whose texts have nothing personal, and nothing that a submission must not have."""
+    content = reading.content(path, MOST_BYTES)
+    try:
+        rows = list(csv.reader(io.StringIO(content.decode("utf-8"), newline=""), strict=True))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise BadInput(f"{path}: is no table of UTF-8 text: {str(error)[:200]}") from error
+    kinds = tables.TABLES[path.name].kinds
+    texts = [place for place, name in enumerate(rows[0] if rows else ()) if "text" in kinds.get(name, "") and name not in PARTS]
+    known: dict[str, str] = {}
+    for row in rows[1:]:
+        for place in texts:
+            if place < len(row) and (found := row[place]):
+                if found not in known:
+                    text = tables.plain(found)
+                    cleaned = shown(clean.text(text))
+                    known[found] = found if cleaned == text else csv_entry(cleaned)
+                row[place] = known[found]
+    return _written(rows) if any(text != cleaned for text, cleaned in known.items()) else content
 
 
-def _printable(value: Any) -> Any:
-    """Return a value of JSON without paths in its texts."""
+def _written(rows: Iterable[list[str]]) -> bytes:
+    stream = io.StringIO()
+    csv.writer(stream, lineterminator="\n").writerows(rows)
+    return stream.getvalue().encode()
+
+
+def _cleaned(value: Any, clean: Cleaning) -> Any:
+    """Return a value of JSON whose texts have nothing personal."""
     if isinstance(value, dict):
-        return {key: _printable(one) for key, one in value.items()}
+        return {key: _cleaned(one, clean) for key, one in value.items()}
     if isinstance(value, list):
-        return [_printable(one) for one in value]
-    return PATH.sub("", value) if isinstance(value, str) else value
+        return [_cleaned(one, clean) for one in value]
+    return shown(clean.text(value)) if isinstance(value, str) else value
 
 
-def _note(table: Path) -> Mapping[str, Any]:
+def _note(paths: list[Path]) -> Mapping[str, Any]:
+    """Return where the numbers of the tables of a folder come from, which is the same for all."""
+    notes = [_note_of(path) for path in paths]
+    for path, note in zip(paths, notes, strict=True):
+        if note != notes[0]:
+            raise BadInput(f"{path}: has the results of another command than {paths[0].name}; submit each by itself")
+    return notes[0]
+
+
+def _note_of(table: Path) -> Mapping[str, Any]:
     """Return where the numbers of a table come from."""
     beside = table.with_name(table.name + BESIDE)
     try:
-        (note, *more) = json.loads(reading.content(beside, MOST_BYTES))["notes"]
+        (note, *more) = json.loads(reading.content(beside, MOST_BESIDE))["notes"]
     except FileNotFoundError as error:
         raise BadInput(f"{beside}: is missing; it says where the numbers of {table.name} come from") from error
     except (ValueError, TypeError, KeyError, RecursionError) as error:
@@ -83,17 +129,43 @@ def _note(table: Path) -> Mapping[str, Any]:
     return note
 
 
-def _cases(folder: Path, note: Mapping[str, Any]) -> dict[str, str]:
+def _cases(folder: Path, note: Mapping[str, Any], clean: Cleaning) -> dict[str, str]:
     """Return the texts of the cases of a folder by name: those stored in it, or those that come with bodycheck."""
-    digests = note.get("cases_sha256", {})
-    if not isinstance(digests, dict):
-        raise BadInput(f"{folder}: the digests of its cases are not as bodycheck writes them")
+    stored = _stored(folder)
     found: dict[str, str] = {}
-    if (folder / store.RECORDS).is_file():
-        found = {str(case["name"]): str(case["text"]) for case in journal.read(folder / store.RECORDS).header["cases"]}
-    for name, digest in digests.items():
-        if name not in found and case_files.is_shipped(name):
-            found[name] = case_files.load(name).text
-        if name in found and sha256(found[name].encode()).hexdigest() != digest:
-            raise BadInput(f"{folder}: {name} is not the case whose digest its tables have")
+    for key, digest_of in (("cases_sha256", _digest), ("cases_physics_sha256", case_texts.physics)):
+        digests = note.get(key, {})
+        if not isinstance(digests, dict):
+            raise BadInput(f"{folder}: the digests of its cases are not as bodycheck writes them")
+        for name, digest in digests.items():
+            shipped = case_texts.shipped(name)
+            text = stored.get(name) or (shipped.text if shipped is not None else None)
+            if text is None:
+                raise BadInput(f"{folder}: {str(name)[:60]} does not come with bodycheck, and its file is not in the folder")
+            if digest_of(name, text) != digest:
+                raise BadInput(f"{folder}: {name} is not the case whose digest its tables have; run it again with this version")
+            found[name] = text if shipped is not None else _without_personal(name, text, clean)
     return found
+
+
+def _stored(folder: Path) -> dict[str, str]:
+    """Return the texts of the cases that a folder has by name: those in its journal, and the case file of an ensemble."""
+    path = folder / store.RECORDS
+    if path.is_file():
+        return {str(case["name"]): str(case["text"]) for case in journal.header(path).get("cases", ())}
+    files = [path for path in folder.glob(f"*{CASE_END}") if path.is_file() and not path.is_symlink()]
+    return {path.name.removesuffix(CASE_END): reading.content(path, MOST_BESIDE).decode("utf-8", "replace") for path in files}
+
+
+def _digest(name: str, text: str) -> str:
+    return sha256(text.encode()).hexdigest()
+
+
+def _without_personal(name: str, text: str, clean: Cleaning) -> str:
+    """Return the text of a case that does not come with bodycheck without personal parts, which are no part of its physics."""
+    lines = [clean.text(line) for line in text.split("\n")]
+    cleaned = "\n".join(lines)
+    if cleaned != text and case_texts.physics(name, cleaned) != case_texts.physics(name, text):
+        line = next(place for place, (one, other) in enumerate(zip(lines, text.split("\n"), strict=True), 1) if one != other)
+        raise BadInput(f"{name}{CASE_END}:{line}: has a path, an address or a name as part of the physics; rename it")
+    return cleaned

@@ -10,6 +10,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from types import UnionType
 from typing import Any, Literal, get_args
 
@@ -22,6 +23,7 @@ from bodycheck.errors import BadInput
 from bodycheck.figures.columns import COLUMNS, FIGURES
 from bodycheck.running.csv_tables import FORMULA
 from bodycheck.site.submission import Row
+from bodycheck.site.texts import text
 from bodycheck.studies.audit.rows import Row as AuditRow
 from bodycheck.studies.contact.rows import ContactRow
 from bodycheck.studies.ensemble.rows import Row as EnsembleRow
@@ -33,14 +35,14 @@ from bodycheck.studies.tradeoff.columns import BATCH_COLUMNS, COST_COLUMNS
 #: What may stand in a column. A "case" is the name of one, a "method" the spelling of an integrator with its options.
 Kind = Literal["case", "engine", "version", "method", "text", "number", "integer", "boolean", "number or text"]
 
-#: Most rows of a table, and most characters of a text.
-MOST_ROWS, LONGEST = 200_000, 4000
+#: Most rows of a table, most bytes of a line, and most characters of the spelling of a method.
+MOST_ROWS, LONGEST_LINE, LONGEST_METHOD = 50_000, 100_000, 300
 
-#: What a text must not have, since a browser would load or run it: elements that do so, handlers and script addresses.
-LOADING = re.compile(
-    r"<\s*/?\s*(script|img|iframe|object|embed|link|meta|style|svg|base|form|video|audio)\b|\bon\w+\s*=|javascript:",
-    re.IGNORECASE,
-)
+#: How many entries of each kind are remembered with their values, as tables have the same ones in many rows.
+CACHED = 4096
+
+#: A decimal number as Python writes it.
+NUMBER = re.compile(r"-?[0-9]{1,25}(?:\.[0-9]{1,25})?(?:e[+-]?[0-9]{1,3})?")
 
 _NAMES = TypeAdapter(Name)
 
@@ -152,112 +154,124 @@ def read(name: str, content: bytes) -> tuple[Row, ...]:
     BadInput
         The table is not as bodycheck writes it; the text says where and why.
     """
-    table = TABLES[name]
+    if max(map(len, content.split(b"\n"))) > LONGEST_LINE:
+        raise BadInput(f"{name}: has a line of more than {LONGEST_LINE} bytes, which is the most that is allowed")
     try:
-        lines = list(csv.reader(io.StringIO(content.decode("utf-8"), newline=""), strict=True))
+        reader = csv.reader(io.StringIO(content.decode("utf-8"), newline=""), strict=True)
+        columns = next(reader, [])
+        _check_columns(name, columns)
+        kinds = [(column, PARSERS[TABLES[name].kinds[column]]) for column in columns]
+        found: list[Row] = []
+        for row in reader:
+            if len(found) == MOST_ROWS:
+                raise BadInput(f"{name}: has more than {MOST_ROWS} rows, which is the most that is allowed")
+            if len(row) != len(columns):
+                raise BadInput(f"{name}:{reader.line_num}: has {len(row)} entries where the header has {len(columns)}")
+            values: dict[str, Any] = {}
+            for (column, parser), entry in zip(kinds, row, strict=True):
+                try:
+                    values[column] = parser(plain(entry)) if entry else None
+                except (ValueError, BadInput) as error:
+                    raise _fault(name, reader.line_num, column, entry, str(error)) from error
+            found.append(values)
     except (UnicodeDecodeError, csv.Error) as error:
-        raise BadInput(f"{name}: {error}") from error
-    if not lines:
-        raise BadInput(f"{name}: is empty")
-    columns, *rows = lines
-    if len(rows) > MOST_ROWS:
-        raise BadInput(f"{name}: has {len(rows)} rows; at most {MOST_ROWS} are allowed")
-    if unknown := [column for column in columns if column not in table.kinds]:
-        raise BadInput(f"{name}: has a column {unknown[0][:60]!r}, which bodycheck does not write")
-    if missing := [column for column in table.required if column not in columns]:
-        raise BadInput(f"{name}: has no column {missing[0]}")
-    if len(set(columns)) < len(columns):
-        raise BadInput(f"{name}: has a column twice")
-    found = []
-    for line, row in enumerate(rows, start=2):
-        if len(row) != len(columns):
-            raise BadInput(f"{name}:{line}: has {len(row)} entries where the header has {len(columns)}")
-        found.append(
-            {column: _value(name, line, column, table.kinds[column], text) for column, text in zip(columns, row, strict=True)}
-        )
+        raise BadInput(f"{name}: is no table of UTF-8 text: {str(error)[:200]}") from error
     return tuple(found)
 
 
-def _value(name: str, line: int, column: str, kind: Kind, text: str) -> Any:
-    """Return the value of an entry; None if it is empty."""
-    plain = text[1:] if text.startswith("'") and text[1:].lstrip("'").startswith(FORMULA) else text
-    try:
-        return PARSERS[kind](plain) if plain else None
-    except (ValueError, BadInput) as error:
-        shown = plain if len(plain) <= 60 else f"{plain[:60]}…"
-        raise BadInput(f"{name}:{line}: {column}: {shown!r} {error}") from error
+def plain(entry: str) -> str:
+    """Return the text of an entry, which may have an apostrophe before it so that no spreadsheet takes it for a formula."""
+    return entry[1:] if entry[0] == "'" and entry[1:].lstrip("'").startswith(FORMULA) else entry
 
 
-def _case(text: str) -> str:
+def _check_columns(name: str, columns: list[str]) -> None:
+    """Raise `BadInput` unless a table has the columns that it must have, and no others than it may have."""
+    table = TABLES[name]
+    if not columns:
+        raise BadInput(f"{name}: is empty")
+    if unknown := [column for column in columns if column not in table.kinds]:
+        raise BadInput(f"{name}:1: has a column {unknown[0][:60]!r}; allowed: {', '.join(table.kinds)}"[:500])
+    if missing := [column for column in table.required if column not in columns]:
+        raise BadInput(f"{name}:1: has no column {missing[0]}")
+    if len(set(columns)) < len(columns):
+        raise BadInput(f"{name}:1: has a column twice")
+
+
+def _fault(name: str, line: int, column: str, entry: str, why: str) -> BadInput:
+    shown = entry if len(entry) <= 60 else f"{entry[:60]}…"
+    return BadInput(f"{name}:{line}: {column}: {shown!r} {why}")
+
+
+@lru_cache(maxsize=CACHED)
+def _case(entry: str) -> str:
     try:
-        return str(_NAMES.validate_python(text))
+        return str(_NAMES.validate_python(entry))
     except ValidationError as error:
-        raise ValueError("is not the name of a case") from error
+        raise ValueError("is not the name of a case: small letters, digits and hyphens") from error
 
 
-def _engine(text: str) -> str:
-    if text != "file":
-        EngineName.parse(text)
-    if len(text) > 60 or not re.fullmatch(r"[a-z0-9_]+(@[0-9A-Za-z.!+]+)?", text):
-        raise ValueError("is not the name of an engine")
-    return text
+@lru_cache(maxsize=CACHED)
+def engine(entry: str) -> str:
+    """Return the name of an engine, maybe with a version. Raises `ValueError` or `BadInput` for any other text."""
+    if len(entry) > 60 or not re.fullmatch(r"[a-z0-9_]+(@[0-9A-Za-z.!+]+)?", entry):
+        raise ValueError("is not the name of an engine: small letters, digits and _, maybe with @VERSION")
+    if entry != "file":
+        EngineName.parse(entry)
+    return entry
 
 
-def _version(text: str) -> str:
-    if not re.fullmatch(r"[0-9A-Za-z][0-9A-Za-z.!+_-]{0,39}", text):
-        raise ValueError("is not a version")
-    return text
+@lru_cache(maxsize=CACHED)
+def version(entry: str) -> str:
+    """Return a version. Raises `ValueError` for any other text."""
+    if not re.fullmatch(r"[0-9A-Za-z][0-9A-Za-z.!+_-]{0,39}", entry):
+        raise ValueError("is not a version: at most 40 letters, digits and . ! + _ -")
+    return entry
 
 
-def _method(text: str) -> str:
+@lru_cache(maxsize=CACHED)
+def _method(entry: str) -> str:
     try:
-        Method.parse(current(text), 0.0)
+        Method.parse(current(entry), 0.0)
     except BadInput as error:
-        raise ValueError("is not the spelling of a method") from error
-    return _text(current(text))
+        raise ValueError("is not the spelling of a method, such as Euler:cone=elliptic") from error
+    return text(current(entry), LONGEST_METHOD)
 
 
-def _text(text: str) -> str:
-    if len(text) > LONGEST:
-        raise ValueError(f"has {len(text)} characters; at most {LONGEST} are allowed")
-    if not text.replace("\n", " ").isprintable():
-        raise ValueError("has characters that cannot be printed")
-    if LOADING.search(text):
-        raise ValueError("has markup that a browser would load or run")
-    return text
+@lru_cache(maxsize=CACHED)
+def _text(entry: str) -> str:
+    return text(entry)
 
 
-def _number(text: str) -> float:
-    value = float(text) if len(text) <= 40 else math.nan
-    if not math.isfinite(value):
-        raise ValueError("is not a finite number")
+def _number(entry: str) -> float:
+    if not NUMBER.fullmatch(entry) or not math.isfinite(value := float(entry)):
+        raise ValueError("is not a finite number, such as 1.5e-07")
     return value
 
 
-def _integer(text: str) -> int:
-    if not re.fullmatch(r"-?\d{1,18}", text):
-        raise ValueError("is not an integer")
-    return int(text)
+def _integer(entry: str) -> int:
+    if not re.fullmatch(r"-?[0-9]{1,15}", entry):
+        raise ValueError("is not an integer of at most 15 digits")
+    return int(entry)
 
 
-def _boolean(text: str) -> bool:
-    if text not in ("True", "False"):
+def _boolean(entry: str) -> bool:
+    if entry not in ("True", "False"):
         raise ValueError("is neither True nor False")
-    return text == "True"
+    return entry == "True"
 
 
-def _number_or_text(text: str) -> float | str:
+def _number_or_text(entry: str) -> float | str:
     try:
-        return _number(text)
+        return _number(entry)
     except ValueError:
-        return _text(text)
+        return _text(entry)
 
 
 #: How entries are read.
 PARSERS: dict[Kind, Callable[[str], Any]] = {
     "case": _case,
-    "engine": _engine,
-    "version": _version,
+    "engine": engine,
+    "version": version,
     "method": _method,
     "text": _text,
     "number": _number,

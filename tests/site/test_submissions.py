@@ -12,7 +12,7 @@ from tests.site import submissions as made
 ROWS = {
     "results.csv": [
         made.run(),
-        made.ended("unsupported"),
+        made.ended("unsupported", integrator="implicit"),
         made.ended("diverged", "not a number at 3 s", case=made.CONTACT),
         made.exact(case=made.MECHANISM),
         made.broken(integrator="RK4"),

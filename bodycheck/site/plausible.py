@@ -1,0 +1,156 @@
+"""Whether the rows of a table can be what bodycheck measured: known words, sizes in their bounds, each run once."""
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, get_args
+
+from bodycheck.adapters.engine_name import adapter_of
+from bodycheck.casefile.content import Case
+from bodycheck.errors import BadInput
+from bodycheck.figures.columns import COLUMNS, COST_COLUMNS, FIGURES, most_possible
+from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
+from bodycheck.site.submission import Row
+from bodycheck.studies.audit.probe import Property
+from bodycheck.studies.audit.rows import Status as AuditStatus
+from bodycheck.studies.contact.rows import Setting
+from bodycheck.studies.parity import quantities as parity
+from bodycheck.studies.releases.rows import STATUS, UNOBTAINABLE
+
+#: How a run ends.
+ENDS = tuple(outcome.status for outcome in (Completed, Unsupported, Diverged, Crashed, TimedOut))
+
+#: The words that may stand in columns, by table and column.
+WORDS: dict[tuple[str, str], frozenset[str]] = {
+    **{(table, "status"): frozenset(ENDS) for table in ("results.csv", "tradeoff.csv", "contact.csv")},
+    ("releases.csv", "status"): frozenset((*ENDS, UNOBTAINABLE)),
+    ("tradeoff.csv", "precision"): frozenset(("float64", "float32")),
+    ("orders.csv", "floor_cause"): frozenset(("limit", "rounding")),
+    ("changes.csv", "quantity"): frozenset((*COLUMNS, STATUS)),
+    ("contact.csv", "setting"): frozenset(get_args(Setting)),
+    ("contact.csv", "figure"): frozenset(FIGURES),
+    ("parity.csv", "status"): frozenset(get_args(parity.Status)),
+    ("parity.csv", "quantity"): frozenset(parity.QUANTITIES),
+    ("parity.csv", "cause"): frozenset(parity.CAUSES),
+    ("audit.csv", "property"): frozenset(get_args(Property)),
+    ("audit.csv", "status"): frozenset(get_args(AuditStatus)),
+    ("ensemble.csv", "figure"): frozenset(FIGURES),
+}
+
+#: Columns whose numbers may be negative, by table.
+SIGNED: dict[str, frozenset[str]] = {
+    "attribution.csv": frozenset(("total", "model_form", "constraint", "time_step")),
+    "orders.csv": frozenset(("order", "order_low", "order_high")),
+    "changes.csv": frozenset(("order_before", "order_after")),
+    "contact.csv": frozenset(("truth",)),
+    "audit.csv": frozenset(("value",)),
+}
+
+#: The largest size of a number: no engine computes with larger ones before a run counts as diverged.
+LARGEST = 1e200
+
+#: How far a figure may be above the largest value that it can have, because of rounding.
+ROUNDING = 1 + 1e-9
+
+#: The tables with a row for each run, and the columns of what was measured in it.
+RUNS = ("results.csv", "tradeoff.csv", "releases.csv")
+MEASURED = (*FIGURES, *(column.name for column in COST_COLUMNS))
+
+#: The figures that have a largest value, such as angles.
+LIMITED = tuple(figure for figure in FIGURES if most_possible(figure, 1.0) < math.inf)
+
+#: The columns that together name a row, which no other row of the table may have.
+NAMES: dict[str, tuple[str, ...]] = {
+    "results.csv": ("case", "engine", "integrator", "timestep"),
+    "tradeoff.csv": ("case", "engine", "integrator", "timestep", "device", "precision", "batch"),
+    "releases.csv": ("case", "version", "integrator", "timestep"),
+    "orders.csv": ("case", "engine", "integrator", "quantity"),
+    "attribution.csv": ("case", "engine", "integrator", "timestep", "quantity"),
+    "contact.csv": ("engine", "scene", "setting", "figure", "integrator", "timestep"),
+    "ensemble.csv": ("case", "engine", "integrator", "timestep", "figure"),
+}
+
+#: The tables whose rows are all of the versions that the header names.
+OF_ONE_VERSION = ("results.csv", "tradeoff.csv", "orders.csv", "attribution.csv", "contact.csv", "audit.csv", "ensemble.csv")
+
+
+def check(name: str, rows: Sequence[Row], cases: Mapping[str, Case], engines: Mapping[str, str]) -> None:
+    """Raise `BadInput` if the rows of a table cannot be what bodycheck measured; the text says which row, and why.
+
+    Parameters
+    ----------
+    name
+        The file name of the table.
+    rows
+        Its rows, whose entries are of their kinds.
+    cases
+        The cases that the rows may be of, by name.
+    engines
+        The versions of the engines by name, as the header has them.
+    """
+    known = {adapter_of(engine) for engine in engines} | {"file"}
+    words = {column: allowed for (table, column), allowed in WORDS.items() if table == name}
+    signed = SIGNED.get(name, frozenset())
+    for line, row in enumerate(rows, start=2):
+        _check_words(name, line, row, words)
+        _check_numbers(name, line, row, signed)
+        if (engine := row.get("engine")) and adapter_of(engine) not in known:
+            raise fault(name, line, "engine", engine, f"the engines of the header: {', '.join(sorted(known - {'file'}))}")
+        version = engines.get(str(engine))
+        if name in OF_ONE_VERSION and version and row.get("version") not in (None, version):
+            raise fault(name, line, "version", row["version"], f"{version}, which the header has for {engine}")
+        case = row.get("case") or row.get("scene")
+        if case is not None and case not in cases:
+            raise fault(name, line, "case", case, "the cases that come with bodycheck, and those whose file is with the table")
+        if name in RUNS:
+            _check_run(name, line, row, cases[str(case)])
+    _check_once(name, rows)
+
+
+def fault(name: str, line: int, column: str, read: Any, allowed: str) -> BadInput:
+    """Return the error of an entry: the file, the line, the column, what was read, and what is allowed."""
+    shown = repr(read)
+    return BadInput(f"{name}:{line}: {column}: read {shown if len(shown) <= 80 else shown[:79] + '…'}; allowed: {allowed}")
+
+
+def _check_words(name: str, line: int, row: Row, words: Mapping[str, frozenset[str]]) -> None:
+    for column, allowed in words.items():
+        if (word := row.get(column)) is not None and word not in allowed:
+            raise fault(name, line, column, word, ", ".join(sorted(allowed - {""})))
+
+
+def _check_numbers(name: str, line: int, row: Row, signed: frozenset[str]) -> None:
+    for column, value in row.items():
+        if value.__class__ is float or value.__class__ is int:
+            if not -LARGEST <= value <= LARGEST:
+                raise fault(name, line, column, value, f"numbers of at most {LARGEST:g}")
+            if value < 0 and column not in signed:
+                raise fault(name, line, column, value, "numbers that are not negative")
+
+
+def _check_run(name: str, line: int, row: Row, case: Case) -> None:
+    if not row["timestep"]:
+        raise fault(name, line, "timestep", row["timestep"], "positive numbers, in s")
+    if row["status"] != Completed.status:
+        found = next((column for column in MEASURED if row.get(column) is not None), None)
+        if found is not None:
+            raise fault(name, line, found, row[found], f"nothing, as the run is {row['status']}")
+        if not row.get("reason"):
+            raise fault(name, line, "reason", row.get("reason"), f"why the run is {row['status']}")
+        return
+    for figure in LIMITED:
+        value = row.get(figure)
+        if value is not None and value > (most := most_possible(figure, case.duration)) * ROUNDING:
+            raise fault(name, line, figure, value, f"at most {most:.12g} in {case.name}")
+
+
+def _check_once(name: str, rows: Iterable[Row]) -> None:
+    """Raise `BadInput` if two rows are of the same run."""
+    columns = NAMES.get(name)
+    if columns is None:
+        return
+    lines: dict[tuple[Any, ...], int] = {}
+    for line, row in enumerate(rows, start=2):
+        key = tuple(row.get(column) for column in columns)
+        if (first := lines.setdefault(key, line)) != line:
+            told = ", ".join(str(value) for value in key if value is not None)
+            raise BadInput(f"{name}:{line}: is of the same run as line {first}: {told[:200]}; allowed: each run once")
