@@ -9,6 +9,9 @@ from bodycheck.site.submission import Submission
 
 INDEX, COMPARE, ERRORS, ROW, FEED = "index.html", "compare.html", "errors.html", "row.html", "feed.atom"
 
+#: The folder of data.
+DATA = "data/"
+
 #: The pages that the head of every page leads to, with their titles.
 MAIN = ((INDEX, "Results"), (COMPARE, "Compare"), (ERRORS, "Left out"))
 
@@ -43,7 +46,13 @@ def badge(name: str) -> str:
 
 def data(source: Submission) -> str:
     """Return the address of the data of a submission, without its end: .json for programs, .js for pages."""
-    return f"data/{source.key}"
+    return f"{DATA}{source.key}"
+
+
+def compare(name: str, before: Entry, after: Entry) -> str:
+    """Return the address of the comparison of the results of an engine that two rows are in."""
+    sides = (f"{side}={one.source.key}:{quote(one.version)}:{one.table}" for side, one in (("left", before), ("right", after)))
+    return f"{COMPARE}#engine={quote(name)}&{'&'.join(sides)}"
 
 
 def row(entry: Entry) -> str:

@@ -37,9 +37,12 @@ WORDS: dict[Verdict, Word] = {
 
 
 def text(cell: Cell) -> str:
-    """Return what stands in a cell: the error to two digits, the bound of an exact one, or the mark of the verdict."""
+    """Return what stands in a cell: the error to two digits, the bound of an exact one, or the mark of the verdict.
+
+    A completed run in which the scene's quantity was not measured is "ok".
+    """
     if cell.verdict == "exact" and cell.bound is not None:
         return f"≤ {bound(cell.bound, 2)}"
     if cell.value is not None and cell.verdict in ("error", "broken"):
         return f"{WORDS[cell.verdict].mark}{number(cell.value, 2)}"
-    return WORDS[cell.verdict].mark
+    return WORDS[cell.verdict].mark or "ok"

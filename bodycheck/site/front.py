@@ -1,0 +1,250 @@
+"""What the front page shows: a matrix of engines by scenes for each kind of scene, and what changed, as text."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from bodycheck.reports.quantities import bound, milliseconds, number
+from bodycheck.reports.runs.matrix import KINDS, Kind, decade
+from bodycheck.site import cells, links, wording
+from bodycheck.site.catalogue import Catalogue, Entry, Scene
+from bodycheck.site.cells import Cell
+from bodycheck.site.changes import Change
+
+#: Most characters of the reason that a cell tells; the page of the row has all of it.
+LONGEST_REASON = 200
+
+#: Most changes of an engine that the page names one by one.
+NAMED_CHANGES = 5
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A cell as the page shows it.
+
+    Parameters
+    ----------
+    text
+        The number or the mark of the verdict.
+    word
+        The verdict where the text is its mark, for those who cannot see it.
+    mark
+        The sign of a change: ▲ for a larger error of the shown method, ▼ for a smaller one, ◆ for another method; or empty.
+    style
+        The classes of the cell: its verdict, the decade of the error, and whether it changed.
+    told
+        Error, bound, method and what changed, in words.
+    address
+        The address of the raw row; empty if there is none.
+    """
+
+    text: str
+    word: str
+    mark: str
+    style: str
+    told: str
+    address: str
+
+
+@dataclass(frozen=True, eq=False)
+class Head:
+    """The head of an engine's column: the engine, and the newest version with its date; empty where it has no runs."""
+
+    engine: str
+    version: str
+    date: str
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A scene with its cells: those of the methods that engines choose themselves, and those of their best methods."""
+
+    scene: Scene
+    own: tuple[Shown, ...]
+    best: tuple[Shown, ...]
+
+    @property
+    def words(self) -> str:
+        """Return what the filter searches."""
+        return " ".join((self.scene.name, *self.scene.case.tags, self.scene.case.title)).lower()
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """The scenes of one kind."""
+
+    kind: Kind
+    lines: tuple[Line, ...]
+
+    @property
+    def label(self) -> str:
+        """Return the quantity that is shown, with its unit."""
+        return self.lines[0].scene.quantity.label
+
+
+@dataclass(frozen=True, eq=False)
+class News:
+    """What changed of an engine.
+
+    Parameters
+    ----------
+    engine, version
+        The engine in its newest version.
+    since
+        What it is compared with: versions, or dates of the same version.
+    worse, better, other
+        The numbers of scenes in which the engine's own method became worse, became better, or only other methods changed.
+    largest
+        The largest changes of its own method, as sentences with the addresses of the raw rows.
+    """
+
+    engine: str
+    version: str
+    since: str
+    worse: int
+    better: int
+    other: int
+    largest: tuple[tuple[str, str, str], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Front:
+    """All that the front page shows of a catalogue."""
+
+    catalogue: Catalogue
+
+    @cached_property
+    def cells(self) -> dict[tuple[str, str], Cell]:
+        """Return the cells by the names of engine and scene."""
+        return {
+            (engine, name): cells.cell(self.catalogue, engine, scene)
+            for name, scene in self.catalogue.scenes.items()
+            for engine in self.catalogue.engines
+        }
+
+    @cached_property
+    def heads(self) -> tuple[Head, ...]:
+        """Return the heads of the columns."""
+        newest: dict[str, Entry] = {}
+        for (engine, _), runs in self.catalogue.runs.items():
+            newest[engine] = max(newest.get(engine, runs[-1]), runs[-1], key=lambda entry: entry.order)
+        return tuple(
+            Head(name, newest[name].version, newest[name].source.date) if name in newest else Head(name, "", "")
+            for name in self.catalogue.engines
+        )
+
+    @cached_property
+    def groups(self) -> tuple[Group, ...]:
+        """Return the matrices, one for each kind of scene that there is."""
+        by_kind: dict[str, list[Line]] = {kind.name: [] for kind in KINDS}
+        for scene in self.catalogue.scenes.values():
+            known = [self.cells[engine, scene.name] for engine in self.catalogue.engines]
+            own = tuple(shown(cell, scene, head) for cell, head in zip(known, self.heads, strict=True))
+            best = tuple(shown(best_of(cell, scene), scene, head) for cell, head in zip(known, self.heads, strict=True))
+            by_kind[scene.kind.name].append(Line(scene, own, best))
+        return tuple(Group(kind, tuple(by_kind[kind.name])) for kind in KINDS if by_kind[kind.name])
+
+    @cached_property
+    def news(self) -> tuple[News, ...]:
+        """Return what changed of each engine of which anything did."""
+        found = (self._news(head) for head in self.heads)
+        return tuple(one for one in found if one is not None)
+
+    def _news(self, head: Head) -> News | None:
+        changed = [cell for (engine, _), cell in self.cells.items() if engine == head.engine and cell.changes]
+        if not changed:
+            return None
+        own = [change for cell in changed for change in cell.changes if change.after is cell.run]
+        befores = [change.before for cell in changed for change in cell.changes]
+        return News(
+            head.engine,
+            head.version,
+            _since(befores, head.version),
+            sum(change.worse is True for change in own),
+            sum(change.worse is False for change in own),
+            len(changed) - sum(change.worse is not None for change in own),
+            tuple(
+                (change.after.get("case"), in_words(change), links.row(change.after))
+                for change in sorted(own, key=_size, reverse=True)[:NAMED_CHANGES]
+            ),
+        )
+
+
+def best_of(cell: Cell, scene: Scene) -> Cell:
+    """Return the cell of the run with the smallest error instead of that of the engine's own method, where there is one."""
+    if cell.best is None:
+        return cell
+    value, limit = cell.best.get(scene.quantity.name), cell.best.get(scene.quantity.bound_name)
+    return replace(cell, verdict=cells.verdict(cell.best, scene), run=cell.best, value=value, bound=limit, reason="")
+
+
+def shown(cell: Cell, scene: Scene, head: Head) -> Shown:
+    """Return a cell as the page shows it."""
+    text, numeric = wording.text(cell), cell.value is not None and cell.verdict in ("error", "broken")
+    style = [cell.verdict.replace(" ", "-")]
+    if numeric and cell.value is not None:
+        style.append(f"d{-decade(cell.value)}")
+    if cell.changes:
+        style.append("changed")
+    word = wording.WORDS[cell.verdict].title if text == wording.WORDS[cell.verdict].mark else ""
+    address = links.row(cell.run) if cell.run is not None else ""
+    return Shown(text, word, _mark(cell), " ".join(style), told(cell, scene, head), address)
+
+
+def told(cell: Cell, scene: Scene, head: Head) -> str:
+    """Return what a cell says in words."""
+    parts = [wording.WORDS[cell.verdict].title if cell.verdict != "error" else ""]
+    if cell.value is not None:
+        known = f", bound {bound(cell.bound, 2)}" if cell.bound is not None else ", bound unknown"
+        parts[0] = f"{parts[0] or 'error'} {number(cell.value, 3)}{known} {scene.quantity.unit}".rstrip()
+    if cell.reason:
+        parts.append(cell.reason if len(cell.reason) <= LONGEST_REASON else f"{cell.reason[:LONGEST_REASON]}…")
+    if cell.run is not None:
+        parts.append(method(cell.run))
+        if (cell.run.version, cell.run.source.date) != (head.version, head.date):
+            parts.append(f"version {cell.run.version} of {cell.run.source.date}")
+    if cell.changes:
+        first = next((change for change in cell.changes if change.after is cell.run), cell.changes[0])
+        more = f" and {len(cell.changes) - 1} more" if len(cell.changes) > 1 else ""
+        parts.append(f"changed since {_since([first.before], first.after.version)}: {in_words(first)}{more}")
+    return "; ".join(part for part in parts if part)
+
+
+def method(run: Entry) -> str:
+    """Return the method of a run in words."""
+    integrator, timestep = run.method
+    return f"{integrator} at {milliseconds(timestep)}" if timestep is not None else integrator
+
+
+def in_words(change: Change) -> str:
+    """Return a change in words: the method, and what was before and after."""
+    before, after = change.before.get(change.quantity), change.after.get(change.quantity)
+    values = (before, after) if isinstance(before, str) else (number(before, 3), number(after, 3))
+    return f"{method(change.after)} {values[0]} → {values[1]}"
+
+
+def _mark(cell: Cell) -> str:
+    """Return the sign of what changed."""
+    if not cell.changes:
+        return ""
+    own = next((change for change in cell.changes if change.after is cell.run), None)
+    return {True: "▲", False: "▼", None: "◆"}[own.worse if own is not None else None]
+
+
+def _since(befores: Sequence[Entry], version: str) -> str:
+    """Return what results are compared with: the versions, or the dates of the same version."""
+    found = dict.fromkeys(
+        entry.version if entry.version != version else f"{entry.version} of {entry.source.date}"
+        for entry in sorted(befores, key=lambda entry: entry.order, reverse=True)
+    )
+    names = list(found)
+    return names[0] if len(names) == 1 else f"{names[0]} and earlier"
+
+
+def _size(change: Change) -> float:
+    """Return what sorts changes: those of the status first, then those by the largest factor."""
+    if change.quantity == "status":
+        return math.inf
+    before, after = (max(float(entry.get(change.quantity)), 1e-300) for entry in (change.before, change.after))
+    return abs(math.log(after / before))

@@ -1,0 +1,184 @@
+"""The data of the site, for programs as JSON, and the same as scripts for pages, since a page from disk may not read files.
+
+`data/index.json` lists what there is:
+
+- `submissions`: each with its key, date, machine and command, the numbers of rows of its `tables`, and the `runs` that it has,
+  as the engine, the version, and the table with their rows;
+- `engines` with their versions, the oldest first, `kinds` of scenes with the quantity that is shown of each, `scenes`, and the
+  `tables` with the title, unit and meaning of each column;
+- `cells`: what the front page shows of each engine and scene, with the address of the row as key, table and place.
+
+`data/KEY.json` is a submission: its `header`, `tables` and `cases`. A table has `columns`, a list of values for each column
+that has any, and the `commands` that make its rows again. A row has the same place in all lists, from 0; `null` is an empty
+entry.
+`cases` has the SHA-256 of each case file, under which `data/cases.json` has its text.
+"""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from hashlib import sha256
+from typing import Any
+
+from bodycheck.reports.html import json_text
+from bodycheck.reports.quantities import QUANTITIES
+from bodycheck.reports.runs.matrix import KINDS
+from bodycheck.site import links
+from bodycheck.site.catalogue import Catalogue, Entry
+from bodycheck.site.cells import Cell
+from bodycheck.site.columns import columns
+from bodycheck.site.commands import command
+from bodycheck.site.front import Front
+from bodycheck.site.render import File
+from bodycheck.site.submission import Submission
+from bodycheck.site.tables import TABLES
+
+#: The version of the format.
+FORMAT = 1
+
+#: The tables whose rows are runs, with the columns of results.
+RUNS = ("results.csv", "releases.csv")
+
+
+def pages(catalogue: Catalogue) -> Iterator[File]:
+    """Yield the files of data."""
+    known = index(catalogue)
+    found = Front(catalogue)
+    cells = [_cell(engine, scene, cell) for (engine, scene), cell in found.cells.items()]
+    yield _json(f"{links.DATA}index", known | {"cells": cells})
+    yield _script(f"{links.DATA}index", "site.index", known)
+    texts = {_digest(text): text for source in catalogue.submissions for text in source.cases.values()}
+    in_order = dict(sorted(texts.items()))
+    yield _json(f"{links.DATA}cases", {"format": FORMAT, "cases": in_order})
+    yield _script(f"{links.DATA}cases", "site.texts", in_order)
+    for source in catalogue.submissions:
+        made = submission(source)
+        yield _json(links.data(source), made)
+        yield _script(links.data(source), f'site.data["{source.key}"]', made)
+
+
+def index(catalogue: Catalogue) -> dict[str, Any]:
+    """Return what data/index.json has besides cells."""
+    return {
+        "format": FORMAT,
+        "submissions": [_listed(source) for source in catalogue.submissions],
+        "engines": [{"name": name, "versions": list(catalogue.versions[name])} for name in catalogue.engines],
+        "kinds": {
+            kind.name: {
+                "title": kind.title,
+                "quantity": kind.quantity,
+                "quantity_title": QUANTITIES[kind.quantity].title,
+                "unit": QUANTITIES[kind.quantity].unit,
+                "bound": QUANTITIES[kind.quantity].bound_name,
+            }
+            for kind in KINDS
+        },
+        "scenes": {
+            name: {
+                "title": scene.case.title,
+                "kind": scene.kind.name,
+                "tags": list(scene.case.tags),
+                "shipped": scene.shipped,
+                "page": links.scene(name),
+            }
+            for name, scene in catalogue.scenes.items()
+        },
+        "tables": {
+            name: {
+                "title": table.title,
+                "columns": {
+                    one.name: {"title": one.title, "unit": one.unit or one.counts, "meaning": one.told}
+                    for one in columns(name).values()
+                },
+            }
+            for name, table in TABLES.items()
+        },
+    }
+
+
+def submission(source: Submission) -> dict[str, Any]:
+    """Return a submission as JSON has it."""
+    return {
+        "format": FORMAT,
+        "key": source.key,
+        "date": source.date,
+        "machine": source.machine,
+        "header": asdict(source.header),
+        "tables": {
+            name: {
+                "rows": len(rows),
+                "columns": {
+                    column: [row[column] for row in rows] for column in rows[0] if any(row[column] is not None for row in rows)
+                },
+                "commands": [command(source, name, row) for row in rows],
+            }
+            for name, rows in source.tables.items()
+            if rows
+        },
+        "cases": {name: _digest(text) for name, text in source.cases.items()},
+    }
+
+
+def _listed(source: Submission) -> dict[str, Any]:
+    """Return what the list says of a submission."""
+    runs: dict[tuple[str, str, str], int] = {}
+    for table in RUNS:
+        for place in range(len(source.tables.get(table, ()))):
+            entry = Entry(source, table, place)
+            key = (entry.engine, entry.version, table)
+            runs[key] = runs.get(key, 0) + 1
+    return {
+        "key": source.key,
+        "date": source.date,
+        "started": source.header.started,
+        "machine": source.machine,
+        "command": source.command,
+        "bodycheck": source.header.bodycheck,
+        "engines": dict(source.header.engines),
+        "tables": {name: len(rows) for name, rows in source.tables.items()},
+        "runs": [
+            {"engine": engine, "version": version, "table": table, "rows": rows}
+            for (engine, version, table), rows in runs.items()
+        ],
+    }
+
+
+def _cell(engine: str, scene: str, cell: Cell) -> dict[str, Any]:
+    """Return a cell of the front page."""
+    best = cell.best
+    return {
+        "engine": engine,
+        "scene": scene,
+        "verdict": cell.verdict,
+        "value": cell.value,
+        "bound": cell.bound,
+        "reason": cell.reason,
+        "row": _place(cell.run),
+        "best": _place(best),
+        "changes": [
+            {
+                "before": _place(change.before),
+                "after": _place(change.after),
+                "quantity": change.quantity,
+                "worse": change.worse,
+            }
+            for change in cell.changes
+        ],
+    }
+
+
+def _place(entry: Entry | None) -> list[Any] | None:
+    """Return where a row is: the key of its submission, its table and its place."""
+    return None if entry is None else [entry.source.key, entry.table, entry.place]
+
+
+def _digest(text: str) -> str:
+    return sha256(text.encode()).hexdigest()
+
+
+def _json(path: str, value: Mapping[str, Any]) -> File:
+    return File(f"{path}.json", (json.dumps(value, separators=(",", ":"), allow_nan=False) + "\n").encode())
+
+
+def _script(path: str, name: str, value: Mapping[str, Any]) -> File:
+    return File(f"{path}.js", f"{name}={json_text(value)};\n".encode())

@@ -1,0 +1,164 @@
+// Compares two results of an engine, run by run. What counts as a difference is told on the page.
+"use strict";
+(() => {
+  const form = document.getElementById("choice");
+  const told = document.getElementById("told");
+  const found = document.getElementById("found");
+  const { smallest } = site.json("rule");
+  const { engine, left, right, all } = form.elements;
+
+  // The results of an engine that can be compared, the newest first: a submission, a version and a table.
+  const sides = (name) =>
+    site.index.submissions
+      .flatMap((source) =>
+        source.runs
+          .filter((runs) => runs.engine === name)
+          .map((runs) => ({
+            value: `${source.key}:${runs.version}:${runs.table}`,
+            text: `${source.date} · ${runs.version} · ${source.machine} · ${runs.rows} ${runs.rows === 1 ? "run" : "runs"}`,
+            ...runs,
+            source,
+          })),
+      )
+      .reverse();
+  const options = (select, offered, chosen) => {
+    select.replaceChildren(...offered.map(({ value, text }) => site.element("option", { value }, text)));
+    if (offered.some(({ value }) => value === chosen)) select.value = chosen;
+  };
+
+  const rowsOf = async (side) => {
+    const data = await site.submission(side.source.key);
+    const { columns } = data.tables[side.table];
+    const rows = new Map();
+    columns.engine.forEach((name, place) => {
+      if (name.split("@")[0] !== side.engine || columns.version[place] !== side.version) return;
+      const get = (column) => columns[column]?.[place] ?? null;
+      if (get("case") === null || get("timestep") === null) return;
+      const key = JSON.stringify([get("case"), get("integrator"), get("timestep")]);
+      rows.set(key, { get, address: `row.html#${side.source.key}/${side.table}/${place}` });
+    });
+    return rows;
+  };
+
+  /** What differs between two runs: nothing, the status, or the quantity of the scene; see `bodycheck.site.changes`. */
+  const compared = (before, after, kind) => {
+    if (before.get("status") !== after.get("status")) return "status";
+    const [then, now] = [before.get(kind.quantity), after.get(kind.quantity)];
+    if (then === null || now === null) return "";
+    const bound = Math.max(before.get(kind.bound) ?? 0, after.get(kind.bound) ?? 0);
+    return Math.abs(now - then) <= Math.max(bound, smallest * Math.max(Math.abs(now), Math.abs(then))) ? "" : kind.quantity;
+  };
+  const inWords = (before, after, kind, what) => {
+    if (!after) return "only before";
+    if (!before) return "only after";
+    if (what === "status") {
+      const [then, now] = [before.get("status"), after.get("status")];
+      if (now === "ok") return `completes now; ${then} before`;
+      return then === "ok" ? `${now} now; completed before` : `${now} now; ${then} before`;
+    }
+    if (!what) return "no difference";
+    const [then, now] = [before.get(kind.quantity), after.get(kind.quantity)];
+    const factor = Math.max(then, now) / Math.min(then, now);
+    const by = Number.isFinite(factor) ? ` by a factor of ${site.number(factor, 3)}` : "";
+    return now > then ? `▲ worse${by}` : `▼ better${by}`;
+  };
+
+  const entry = (row, kind) => {
+    if (!row) return site.element("td", {}, "–");
+    const value = row.get(kind.quantity);
+    const bound = row.get(kind.bound);
+    const text = row.get("status") !== "ok" ? row.get("status") : value === null ? "ok" : `${site.number(value)} ${kind.unit}`;
+    const title = bound === null ? null : `bound of the truth's own error ${site.number(bound, 2)} ${kind.unit}`;
+    return site.element("td", { class: "number", title }, site.element("a", { href: row.address }, text.trim()));
+  };
+  const line = ({ scene, integrator, timestep, before, after, kind, what }) =>
+    site.element(
+      "tr",
+      {},
+      site.element("th", { scope: "row" }, site.element("a", { href: site.index.scenes[scene].page }, scene)),
+      site.element("td", {}, `${integrator} at ${site.number(timestep * 1e3, 12)} ms`),
+      site.element("td", {}, kind.quantity_title),
+      entry(before, kind),
+      entry(after, kind),
+      site.element("td", {}, inWords(before, after, kind, what)),
+    );
+  const tabled = (lines, title) => {
+    const heads = ["Scene", "Method", "Quantity", "Before", "After", "What changed"];
+    return site.element(
+      "div",
+      { class: "scroll", role: "region", tabindex: "0", "aria-label": title },
+      site.element(
+        "table",
+        {},
+        site.element("caption", {}, title),
+        site.element("thead", {}, site.element("tr", {}, ...heads.map((text) => site.element("th", { scope: "col" }, text)))),
+        site.element("tbody", {}, ...lines.map(line)),
+      ),
+    );
+  };
+
+  const show = async (one, other) => {
+    const [before, after] = await Promise.all([rowsOf(one), rowsOf(other)]);
+    const lines = [...new Set([...before.keys(), ...after.keys()])].flatMap((key) => {
+      const [scene, integrator, timestep] = JSON.parse(key);
+      const known = site.index.scenes[scene];
+      if (!known) return [];
+      const kind = site.index.kinds[known.kind];
+      const pair = { scene, integrator, timestep, kind, before: before.get(key), after: after.get(key) };
+      return [{ ...pair, what: pair.before && pair.after ? compared(pair.before, pair.after, kind) : "" }];
+    });
+    const both = lines.filter((pair) => pair.before && pair.after);
+    const differ = both.filter((pair) => pair.what);
+    const count = (number, noun) => `${number} ${noun}${number === 1 ? "" : "s"}`;
+    const alone = [
+      [before.size - both.length, "before"],
+      [after.size - both.length, "after"],
+    ].filter(([number]) => number > 0);
+    told.textContent =
+      `${differ.length} of ${count(both.length, "run")} that both have ${differ.length === 1 ? "differs" : "differ"} by more than rounding.` +
+      alone.map(([number, side]) => ` ${count(number, "run")} only ${side}.`).join("");
+    const order = (pair, next) => pair.scene.localeCompare(next.scene);
+    const listed = (all.checked ? lines : differ).sort(order);
+    found.replaceChildren(...(listed.length ? [tabled(listed, all.checked ? "All runs" : "Runs that differ")] : []));
+  };
+
+  let asked = 0;
+  const apply = async () => {
+    const state = site.state();
+    const names = site.index.engines.map(({ name }) => name).filter((name) => sides(name).length > 0);
+    options(engine, names.map((name) => ({ value: name, text: name })), state.get("engine"));
+    const offered = sides(engine.value);
+    options(left, offered, state.get("left") ?? offered[1]?.value);
+    options(right, offered, state.get("right") ?? offered[0]?.value);
+    all.checked = state.get("all") === "1";
+    const [one, other] = [left, right].map((select) => offered.find(({ value }) => value === select.value));
+    if (!one || !other) return void (told.textContent = "There are no runs to compare.");
+    const place = ++asked;
+    told.textContent = "The data is read.";
+    try {
+      await show(one, other);
+    } catch (error) {
+      if (place === asked) told.textContent = `The data cannot be read: ${error.message}.`;
+    }
+  };
+  const chosen = () => {
+    const state = new URLSearchParams({ engine: engine.value, left: left.value, right: right.value });
+    if (all.checked) state.set("all", "1");
+    site.keep(state);
+    apply();
+  };
+
+  engine.addEventListener("input", () => {
+    site.keep(new URLSearchParams({ engine: engine.value, ...(all.checked ? { all: "1" } : {}) }));
+    apply();
+  });
+  for (const field of [left, right, all]) field.addEventListener("input", chosen);
+  document.getElementById("swap").addEventListener("click", () => {
+    [left.value, right.value] = [right.value, left.value];
+    chosen();
+  });
+  form.addEventListener("submit", (event) => event.preventDefault());
+  addEventListener("popstate", apply);
+  addEventListener("hashchange", apply);
+  apply();
+})();
