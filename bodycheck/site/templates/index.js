@@ -108,6 +108,7 @@
     for (const body of bodies) body.rows[0].cells[0].colSpan = columns + 1;
     document.getElementById("shown").textContent =
       `${count} of ${lines.length} scenes, ${columns} of ${engines.length} engines`;
+    document.getElementById("engines").textContent = `Engines: ${state.engines.size ? engines.filter((_, column) => seen[column]).join(", ") : "all"}`;
     if (!usable(current)) enter(lines.find((line) => !line.row.hidden)?.head ?? null);
   };
 

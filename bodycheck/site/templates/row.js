@@ -7,10 +7,17 @@
 
   const head = (id, text) => element("h2", { id }, text);
   const fact = (name, ...values) => [element("dt", {}, name), element("dd", {}, ...values)];
-  const shown = (value) => (typeof value === "boolean" ? (value ? "yes" : "no") : String(value));
+  /** A value with all digits that identify it. Small and large numbers have an exponent. */
+  const shown = (value) => {
+    if (typeof value === "boolean") return value ? "yes" : "no";
+    const size = Math.abs(value);
+    return typeof value === "number" && size && (size < 1e-4 || size >= 1e16) ? value.toExponential() : String(value);
+  };
 
-  const values = (table, columns, row) =>
-    element(
+  const values = (table, row) => {
+    const known = Object.entries(site.index.tables[table].columns);
+    const empty = known.filter(([name]) => row(name) === null).map(([, column]) => column.title);
+    const listed = element(
       "div",
       { class: "scroll", role: "region", tabindex: "0", "aria-labelledby": "columns" },
       element(
@@ -24,14 +31,14 @@
         element(
           "tbody",
           {},
-          ...Object.entries(site.index.tables[table].columns)
-            .filter(([name]) => name in columns)
+          ...known
+            .filter(([name]) => row(name) !== null)
             .map(([name, column]) =>
               element(
                 "tr",
                 {},
                 element("th", { scope: "row" }, column.title, element("code", {}, name)),
-                element("td", { class: "value" }, row(name) === null ? "–" : shown(row(name))),
+                element("td", { class: "value" }, shown(row(name))),
                 element("td", {}, column.unit),
                 element("td", {}, column.meaning),
               ),
@@ -39,6 +46,9 @@
         ),
       ),
     );
+    const rest = element("details", { class: "note" }, element("summary", {}, "Columns that are empty in this row"), empty.join(", "));
+    return empty.length ? [listed, rest] : [listed];
+  };
 
   const origin = (source, table, position) => {
     const { header } = source;
@@ -150,7 +160,7 @@
         site.copier("Copy the command", commands[position]),
         ...(scene && !scene.shipped ? [element("p", { class: "note" }, "The case does not come with bodycheck: download its file below first.")] : []),
         head("columns", "All columns"),
-        values(table, columns, row),
+        ...values(table, row),
         head("origin", "Where it comes from"),
         origin(source, table, position),
         elsewhere(key, table, position, row),
