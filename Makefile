@@ -51,7 +51,7 @@ benchmarks: $(VENV)/.installed-for-development
 	for benchmark in benchmarks/*.py; do $(BIN)/python $$benchmark || exit 1; done
 
 # A warning is an error, and a name that leads nowhere a warning. Notebooks are executed.
-SPHINX = $(BIN)/sphinx-build --quiet --fail-on-warning --keep-going --nitpicky --jobs auto --doctree-dir build/doctrees
+SPHINX = $(BIN)/sphinx-build --quiet --fresh-env --fail-on-warning --keep-going --nitpicky --jobs auto --doctree-dir build/doctrees
 docs: $(VENV)/.installed-for-development
 	$(SPHINX) --builder html docs build/docs
 

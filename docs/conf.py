@@ -7,7 +7,7 @@ import sys
 from importlib.metadata import version as _version
 from pathlib import Path
 
-# For the extensions, and so that notebooks and generated pages describe this checkout.
+# For the extensions, and so that generated pages describe this checkout.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 project = "bodycheck"
@@ -22,6 +22,7 @@ extensions = [
     "sphinx_design",
     "docs.extensions.generated",
     "docs.extensions.mathml",
+    "docs.extensions.notebooks",
     "docs.extensions.versions",
 ]
 exclude_patterns = ["_build", "**/.ipynb_checkpoints"]
@@ -50,7 +51,7 @@ napoleon_google_docstring = False
 napoleon_use_rtype = False
 
 html_theme = "pydata_sphinx_theme"
-html_title = f"bodycheck {release}"
+html_title = "bodycheck"
 html_math_renderer = "mathml"
 html_static_path = ["_static"]
 templates_path = ["_templates"]
@@ -59,7 +60,9 @@ html_js_files = ["site.js"]
 html_copy_source = False
 html_show_sourcelink = False
 html_show_sphinx = False
-html_sidebars = {"**": ["contents.html"]}
+# The front page is a table of contents itself.
+html_sidebars = {"**": ["contents.html"], "index": []}
+html_context = {"default_mode": "auto"}
 html_theme_options = {
     "navbar_center": [],
     "navbar_end": ["versions.html", "theme-switcher"],

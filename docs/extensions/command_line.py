@@ -2,6 +2,7 @@
 
 import inspect
 import re
+import textwrap
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, get_args
@@ -78,7 +79,8 @@ def _usage(name: str, listed: Sequence[Any]) -> str:
         if argument not in options:
             place = argument.names[0] + ("…" if getattr(argument.hint, "__origin__", None) is tuple else "")
             places.append(place if argument.required else f"[{place}]")
-    return " ".join(["bodycheck", name, *required, *further, *places])
+    line = " ".join(["bodycheck", name, *required, *further, *places])
+    return textwrap.fill(line, 70, subsequent_indent=4 * " ", break_long_words=False, break_on_hyphens=False)
 
 
 def _option(argument: Any) -> str:

@@ -20,6 +20,8 @@ MARKER = "<!-- this page is made by docs/extensions/generated.py when the docume
 
 def setup(app: Sphinx) -> dict[str, Any]:
     """Fill the generated pages in when they are read."""
+    # They change without a change of their files.
+    app.connect("env-get-outdated", lambda *_: sorted(PAGES))
     app.connect("source-read", _fill)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 

@@ -26,10 +26,7 @@ def _inline(translator: Any, node: nodes.math) -> None:
 
 
 def _block(translator: Any, node: nodes.math_block) -> None:
-    # A wide equation scrolls by itself, and so it can be reached with the keyboard.
-    translator.body.append(
-        translator.starttag(node, "div", CLASS="math-block", tabindex="0", role="group", **{"aria-label": "equation"})
-    )
+    translator.body.append(translator.starttag(node, "div", CLASS="math-block"))
     if node["number"]:
         translator.body.append(f'<span class="eqno">({node["number"]})</span>')
     translator.body.append(f"{_converted(node, as_block=True)}</div>\n")

@@ -69,7 +69,7 @@ def page() -> str:
     """Return the columns of all tables, each with unit, meaning and, where it is a figure, formula, as Markdown."""
     figures = [figure for figure in FIGURES.values() if not figure.of_truth]
     bounds = [figure for figure in FIGURES.values() if figure.of_truth]
-    run = "## Columns of results\n\n`bodycheck run --out DIR` writes these columns into `results.csv` and `results.parquet`."
+    run = "## The table of runs\n\n`bodycheck run --out DIR` writes these columns into `results.csv` and `results.parquet`."
     return "\n\n".join(
         [
             run,
@@ -87,7 +87,7 @@ def page() -> str:
             "### Limits and margins",
             f"For each figure that a case limits there are the columns `FIGURE{LIMIT}`, the limit, and `FIGURE{MARGIN}`, the "
             "limit divided by the figure.",
-            "## Columns of studies",
+            "## The tables of studies",
             *_studies(),
         ]
     )
@@ -95,7 +95,7 @@ def page() -> str:
 
 def _studies() -> Iterator[str]:
     for command, file, sources in STUDIES:
-        yield f"### {file} of bodycheck {command}"
+        yield f"### {file}\n\n`bodycheck {command} --out DIR` writes it."
         rows = [row for source in sources for row in _rows(source)]
         yield table(("column", "meaning"), [(_names(names), prose(meaning)) for names, meaning in rows])
 
@@ -128,9 +128,11 @@ def _plain(columns: Iterable[Column]) -> str:
 
 
 def _with_formulas(columns: Iterable[Column]) -> str:
-    rows = []
+    """A list of columns, each with its unit, its meaning and its formula."""
+    entries = []
     for column in columns:
-        formula = f"${FORMULAS[column.name]}$" if column.name in FORMULAS else ""
+        unit = f" ({column.in_unit})" if column.name in FIGURES else ""
         meaning = prose("; ".join(filter(None, (column.told, column.remark))))
-        rows.append((code(column.name), column.in_unit if column.name in FIGURES else "", meaning, formula))
-    return table(("column", "unit", "meaning", "formula"), rows)
+        formula = f"\n\n  $$\n  {FORMULAS[column.name]}\n  $$" if column.name in FORMULAS else ""
+        entries.append(f"{code(column.name)}{unit}\n: {meaning[:1].upper()}{meaning[1:]}.{formula}")
+    return "\n\n".join(entries)
