@@ -35,7 +35,7 @@ SCHEMES: tuple[Scheme, ...] = ("light", "dark")
 
 #: What a page asks for when it is opened. A link is asked for only by those who follow it.
 ASKED = re.compile(
-    r"""<(?:script|img|iframe|source|video|audio|embed)\\b[^>]*?\\ssrc=["']([^"']+)|<link\\b[^>]*?\\shref=["']([^"']+)"""
+    r"""<(?:script|img|iframe|source|video|audio|embed)\b[^>]*?\ssrc=["']([^"']+)|<link\b[^>]*?\shref=["']([^"']+)"""
 )
 ASKED_BY_STYLES = re.compile(r"""url\(\s*["']?([^"')]+)|@import\s+["']([^"']+)""")
 
