@@ -53,6 +53,7 @@ def test_every_page_is_in_one_table_of_contents() -> None:
 def test_every_page_is_two_steps_from_the_readme() -> None:
     """From the README to the front page, which names every page in a table of contents, or to the page itself."""
     readme = set(re.findall(r"\]\(docs/([\w/-]+)\.(?:md|ipynb)", (ROOT / "README.md").read_text("utf-8")))
+    assert "index" in readme
     assert set(PAGES) - {"index"} <= readme | set(listed("index"))
 
 
