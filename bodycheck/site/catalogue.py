@@ -156,6 +156,16 @@ class Catalogue:
         return {key: tuple(entries) for key, entries in found.items()}
 
     @cached_property
+    def allowances(self) -> Mapping[tuple[str, str, str, str, float | None], Row]:
+        """Return the rows of studies of releases, which have the effect of rounding on each figure.
+
+        They are given by engine, version, case and method. Of several, that of the newest submission counts.
+        """
+        return {
+            (entry.engine, entry.version, entry.row["case"], *entry.method): entry.row for entry in self.entries("releases.csv")
+        }
+
+    @cached_property
     def without_method(self) -> Mapping[tuple[str, str], str]:
         """Return why an engine has no run of a scene, by the names of both, as the newest submission that says so tells."""
         return {

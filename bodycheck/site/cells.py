@@ -52,7 +52,7 @@ def cell(catalogue: Catalogue, engine: str, scene: Scene) -> Cell:
         return Cell("unsupported" if why else "not run", reason=why)
     newest = [entry for entry in runs if entry.version == runs[-1].version and entry.source is runs[-1].source]
     own = default_run(newest)
-    changed = tuple(changes.since(runs, newest, scene.quantity))
+    changed = tuple(changes.since(catalogue, scene, newest))
     done = [entry for entry in newest if entry.get("status") == "ok" and entry.get(scene.quantity.name) is not None]
     best = min(done, key=lambda entry: float(entry.get(scene.quantity.name)), default=None)
     value, bound = own.get(scene.quantity.name), own.get(scene.quantity.bound_name)

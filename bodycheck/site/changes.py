@@ -1,13 +1,45 @@
-"""What changed between two runs of the same method on the same scene by more than rounding explains."""
+"""What changed between two runs of the same method on the same scene by more than rounding explains.
 
+`RULE` says it in words for readers, and `change` is its implementation.
+"""
+
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from bodycheck.reports.quantities import Quantity
-from bodycheck.site.catalogue import Entry
+from bodycheck.judging.convergence import LARGEST_GROWTH, LOST_RAD, STEP_ROUNDINGS
+from bodycheck.site.catalogue import Catalogue, Entry, Scene
+from bodycheck.studies.releases.rows import ALLOWANCE_SUFFIX
 
-#: The relative change of an error below which nothing is said: rounding alone changes errors of chaotic motions by less.
+#: The relative change of an error below which nothing is said.
 SMALLEST = 0.01
+
+#: The factor by which an error must change where rounding alone may change it by a part of its size.
+LARGE = 10.0
+
+#: The tag of cases whose motion is chaotic.
+CHAOTIC = "chaotic"
+
+#: The quantity of a change of the status.
+STATUS = "status"
+
+#: Relative error of rounding by the precision of an engine.
+ROUNDOFF = {"float64": 2.0**-53, "float32": 2.0**-24}
+
+#: The rule in words for readers, as paragraphs.
+RULE = (
+    "Two runs of the same method, time step and scene are compared in the quantity of the scene. A different status, such as "
+    "diverged instead of ok, is always a change.",
+    "Where a study of releases has measured by how much rounding and the error of the truth move the two errors, they have "
+    "changed if they differ by more than the sum of both allowances.",
+    "Elsewhere the effect of rounding is not known, and is estimated. An error has changed if it differs by more than 1 % of "
+    "the larger one, by more than the bound of the truth's own error, and by more than "
+    f"{STEP_ROUNDINGS:g} roundings of 1 rad or 1 m in each step of the run.",
+    f"It must differ by a factor of {LARGE:g} where rounding may decide on its digits: in cases that are tagged as chaotic, "
+    f"where an attitude is lost (an error above {LOST_RAD:g} rad is of the order of the motion itself), and where it is so "
+    f"small that those roundings, grown by {LARGEST_GROWTH:,.0f} along the motion, may be all of it. In single precision "
+    "the last holds for most errors.".replace(",000", " 000"),
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,15 +61,20 @@ class Change:
     quantity: str
     worse: bool | None
 
+    @property
+    def factor(self) -> float | None:
+        """Return the ratio of the larger error to the smaller one; None for statuses and where one error is zero."""
+        if self.quantity == STATUS:
+            return None
+        small, large = sorted((abs(self.before.get(self.quantity)), abs(self.after.get(self.quantity))))
+        return large / small if small else None
 
-def since(runs: Sequence[Entry], newest: Sequence[Entry], quantity: Quantity) -> Iterator[Change]:
-    """Yield what changed between some runs and those of the same methods before them.
 
-    runs: those of one scene in one engine, the oldest versions first. newest: those that are asked about.
-    """
+def since(catalogue: Catalogue, scene: Scene, newest: Sequence[Entry]) -> Iterator[Change]:
+    """Yield what changed between runs of one scene in one engine and those of the same methods before them."""
     for run in newest:
-        earlier = before(runs, run)
-        found = change(run, earlier, quantity) if earlier is not None else None
+        earlier = before(catalogue.runs[run.engine, scene.name], run)
+        found = change(catalogue, scene, run, earlier) if earlier is not None else None
         if found is not None:
             yield found
 
@@ -53,15 +90,44 @@ def before(runs: Sequence[Entry], run: Entry) -> Entry | None:
     return same[-1] if same else None
 
 
-def change(after: Entry, earlier: Entry, quantity: Quantity) -> Change | None:
-    """Return what changed of a quantity, or of the status, beyond rounding and the truth's own error; None if nothing did."""
+def change(catalogue: Catalogue, scene: Scene, after: Entry, earlier: Entry) -> Change | None:
+    """Return what changed of the quantity of a scene, or of the status, by `RULE`; None if nothing did."""
     if after.get("status") != earlier.get("status"):
         worse = None if "ok" not in (after.get("status"), earlier.get("status")) else after.get("status") != "ok"
-        return Change(earlier, after, "status", worse)
+        return Change(earlier, after, STATUS, worse)
+    quantity = scene.quantity
     now, then = after.get(quantity.name), earlier.get(quantity.name)
     if now is None or then is None:
         return None
-    bound = max(after.get(quantity.bound_name) or 0.0, earlier.get(quantity.bound_name) or 0.0)
-    if abs(now - then) <= max(bound, SMALLEST * max(abs(now), abs(then))):
-        return None
-    return Change(earlier, after, quantity.name, abs(now) > abs(then))
+    allowed = [_allowance(catalogue, run, quantity.name) for run in (earlier, after)]
+    if None not in allowed:
+        changed = abs(now - then) > math.fsum(one for one in allowed if one is not None)
+    else:
+        changed = _beyond_estimate(scene, earlier, after, then, now)
+    return Change(earlier, after, quantity.name, abs(now) > abs(then)) if changed else None
+
+
+def _allowance(catalogue: Catalogue, run: Entry, quantity: str) -> float | None:
+    """Return by how much rounding and the truth's error move a figure of a run; None where it is not measured."""
+    measured = catalogue.allowances.get((run.engine, run.version, run.row["case"], *run.method))
+    return None if measured is None else measured.get(f"{quantity}{ALLOWANCE_SUFFIX}")
+
+
+def _beyond_estimate(scene: Scene, earlier: Entry, after: Entry, then: float, now: float) -> bool:
+    """Return whether two errors differ by more than the estimated effect of rounding."""
+    bound = max(run.get(scene.quantity.bound_name) or 0.0 for run in (earlier, after))
+    rounding = max(_rounding(run) for run in (earlier, after))
+    small, large = sorted((abs(then), abs(now)))
+    if abs(now - then) <= max(bound, rounding, SMALLEST * large):
+        return False
+    lost = scene.quantity.name == "attitude_error" and large > LOST_RAD
+    if CHAOTIC in scene.case.tags or lost or large <= rounding * LARGEST_GROWTH:
+        return large >= LARGE * small
+    return True
+
+
+def _rounding(run: Entry) -> float:
+    """Return the rounding of numbers of the size 1 in all steps of a run, if nothing amplifies it."""
+    precisions = run.source.header.precisions
+    precision = precisions.get(run.row["engine"]) or precisions.get(run.engine) or "float64"
+    return STEP_ROUNDINGS * float(run.get("steps") or 1) * ROUNDOFF[precision]
