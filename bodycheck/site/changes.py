@@ -67,7 +67,19 @@ class Change:
         if self.quantity == STATUS:
             return None
         small, large = sorted((abs(self.before.get(self.quantity)), abs(self.after.get(self.quantity))))
-        return large / small if small else None
+        return float(large / small) if small else None
+
+    @property
+    def severity(self) -> float:
+        """Return the factor, for which an error counts as no smaller than rounding, or infinity for a change of the status.
+
+        A change from nearly nothing to little is therefore not the largest.
+        """
+        if self.quantity == STATUS:
+            return math.inf
+        floor = max(_rounding(run) for run in (self.before, self.after))
+        small, large = sorted(max(abs(run.get(self.quantity)), floor) for run in (self.before, self.after))
+        return float(large / small)
 
 
 def since(catalogue: Catalogue, scene: Scene, newest: Sequence[Entry]) -> Iterator[Change]:

@@ -24,7 +24,7 @@ class Issue:
         The scene and the column of results that show it, and the integrator; empty for that which the engine itself chooses.
     robot, cause, status
         The robot model, and the cause or the status of the rows of parity.csv that show it.
-    property
+    audit
         The property of the audit that shows it.
     since, until
         The first and the last version that show it; empty where it is not known that others do not.
@@ -39,7 +39,7 @@ class Issue:
     robot: str = ""
     cause: str = ""
     status: str = ""
-    property: str = ""
+    audit: str = ""
     since: str = ""
     until: str = ""
 
@@ -106,7 +106,7 @@ def _all(catalogue: Catalogue, issue: Issue) -> Iterator[Evidence]:
         yield from _of_robot(catalogue, issue)
     else:
         for entry in catalogue.entries("audit.csv"):
-            if (entry.engine, entry.get("property"), entry.get("value") is None) == (issue.engine, issue.property, False):
+            if (entry.engine, entry.get("property"), entry.get("value") is None) == (issue.engine, issue.audit, False):
                 text = f"{entry.get('integrator')}: {number(entry.get('value'), 3)} {entry.get('unit') or ''}".rstrip()
                 yield Evidence(entry.version, text, links.row(entry))
 

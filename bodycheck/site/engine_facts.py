@@ -1,0 +1,150 @@
+"""What the page of an engine shows besides its scenes: its methods, contact sheet, audit, ensembles, robots and issues."""
+
+from collections import Counter, defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from bodycheck.adapters.engine_name import adapter_of
+from bodycheck.site import known
+from bodycheck.site.catalogue import Catalogue, Entry, version_key
+from bodycheck.site.cells import verdict
+from bodycheck.site.known import Evidence, Issue
+from bodycheck.site.releases import Release
+from bodycheck.site.submission import Submission
+
+
+@dataclass(frozen=True, eq=False)
+class MethodFacts:
+    """What is known of an integrator of a release.
+
+    Parameters
+    ----------
+    name
+        The integrator with its options.
+    counts
+        The number of its runs that ran, failed, were refused, and are unsupported.
+    orders
+        The rows of orders.csv about it, of the newest release that has any.
+    """
+
+    name: str
+    counts: Mapping[str, int]
+    orders: tuple[Entry, ...]
+
+    @property
+    def claimed(self) -> int | None:
+        """Return the order that the adapter claims; None if that is not known."""
+        return next((entry.get("claimed") for entry in self.orders if entry.get("claimed") is not None), None)
+
+    @property
+    def schemes(self) -> tuple[str, ...]:
+        """Return the textbook schemes with which it agrees, or that it is near."""
+        told = (entry.get("scheme") or _near(entry.get("nearest_scheme")) for entry in self.orders)
+        return tuple(dict.fromkeys(filter(None, told)))
+
+
+def methods(release: Release) -> tuple[MethodFacts, ...]:
+    """Return what is known of each integrator of a release that has runs, and of those whose order was observed."""
+    counts: dict[str, Counter[str]] = defaultdict(Counter)
+    for name, runs in release.runs.items():
+        scene = release.catalogue.scenes[name]
+        for run in runs:
+            found = verdict(run, scene)
+            counts[run.row["integrator"]][found if found in ("failed", "refused", "unsupported") else "ran"] += 1
+    orders: dict[str, list[Entry]] = defaultdict(list)
+    for entry in newest(release.catalogue, "orders.csv", release.engine):
+        orders[entry.row["integrator"]].append(entry)
+    return tuple(MethodFacts(name, counts[name], tuple(orders[name])) for name in dict.fromkeys((*counts, *orders)))
+
+
+def newest(catalogue: Catalogue, table: str, engine: str) -> tuple[Entry, ...]:
+    """Return the rows of a table about an engine, those of its newest version in the newest submission that has it there."""
+    entries = [entry for entry in catalogue.entries(table) if entry.engine == engine and entry.get("version")]
+    if not entries:
+        return ()
+    last = max(entries, key=lambda entry: (version_key(entry.version), entry.source.header.started, entry.source.key))
+    return tuple(entry for entry in entries if (entry.version, entry.source) == (last.version, last.source))
+
+
+def defaults(catalogue: Catalogue, engine: str) -> tuple[Mapping[str, str], Submission | None]:
+    """Return the choices that an engine makes where a user makes none, and the newest submission that tells them."""
+    found: tuple[Mapping[str, str], Submission | None] = ({}, None)
+    latest = version_key("0")
+    for source in catalogue.submissions:
+        for name, told in source.header.defaults.items():
+            version = version_key(source.header.engines.get(name, "0"))
+            if adapter_of(name) == engine and told and version >= latest:
+                found, latest = (told, source), version
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class ContactFacts:
+    """A figure of the contact sheet: with the engine's own settings, and with the best ones; None where one is missing."""
+
+    scene: str
+    figure: str
+    own: Entry | None
+    best: Entry | None
+
+    @property
+    def any(self) -> Entry:
+        """Return the row that says what is common to both."""
+        found = self.own or self.best
+        assert found is not None  # because a figure comes from a row
+        return found
+
+
+def contact_sheet(catalogue: Catalogue, engine: str) -> tuple[ContactFacts, ...]:
+    """Return the contact sheet of an engine."""
+    found: dict[tuple[str, str], dict[str, Entry]] = defaultdict(dict)
+    for entry in newest(catalogue, "contact.csv", engine):
+        found[entry.row["scene"], entry.row["figure"] or ""][entry.row["setting"]] = entry
+    return tuple(ContactFacts(*key, rows.get("defaults"), rows.get("best")) for key, rows in found.items())
+
+
+@dataclass(frozen=True, eq=False)
+class RobotFacts:
+    """What an engine makes of a robot model.
+
+    Parameters
+    ----------
+    model, version
+        The model, and the newest version of the engine that was asked.
+    counts
+        The number of rows by their status.
+    causes
+        Why something differs.
+    """
+
+    model: str
+    version: str
+    counts: Mapping[str, int]
+    causes: tuple[str, ...]
+
+
+def robots(catalogue: Catalogue, engine: str) -> Iterator[RobotFacts]:
+    """Yield what the newest version of an engine that was asked makes of each robot model."""
+    for model, entries in catalogue.robots.items():
+        own = [entry for entry in entries if entry.engine == engine]
+        if own:
+            version = max((entry.version for entry in own), key=version_key)
+            rows = [entry for entry in own if entry.version == version]
+            causes = sorted({str(entry.get("cause")) for entry in rows if entry.get("cause")})
+            yield RobotFacts(model, version, Counter(str(entry.get("status")) for entry in rows), tuple(causes))
+
+
+def issues(catalogue: Catalogue, engine: str) -> Iterator[tuple[Issue, tuple[Evidence, ...]]]:
+    """Yield the known issues of an engine, with the numbers that show them."""
+    for issue in known.issues():
+        if issue.engine == engine:
+            yield issue, known.evidence(catalogue, issue)
+
+
+def findings(rows: Sequence[Entry]) -> tuple[Entry, ...]:
+    """Return the rows of the audit that say that something was found."""
+    return tuple(entry for entry in rows if entry.get("status") in ("default", "deviates"))
+
+
+def _near(scheme: str | None) -> str:
+    return f"near {scheme}" if scheme else ""

@@ -1,0 +1,67 @@
+"""A badge for each engine: how many scenes its newest release ran, failed and so on. Counts, and no score."""
+
+from collections.abc import Iterator
+from xml.sax.saxutils import escape, quoteattr
+
+from bodycheck.site import links
+from bodycheck.site.catalogue import Catalogue
+from bodycheck.site.releases import Release, releases
+from bodycheck.site.render import File
+
+#: The words at the left.
+LABEL = "bodycheck"
+
+#: Widths of characters of Verdana and DejaVu Sans at 11 px (pixels), rounded up; others are as wide as the widest letters.
+WIDTHS = {
+    **dict.fromkeys("ijl|'.,:;!I[]()/ ", 5.0),
+    **dict.fromkeys('frt-"', 5.5),
+    **dict.fromkeys("abcdeghknopqsuvxyzJ_0123456789", 7.2),
+    **dict.fromkeys("ABCDEFGHKLNOPQRSTUVXYZ", 8.7),
+}
+WIDEST = 11.0
+
+#: Room at both sides of a text, and the height (pixels).
+MARGIN, HEIGHT = 6, 20
+
+
+def pages(catalogue: Catalogue) -> Iterator[File]:
+    """Yield the badges."""
+    for engine in catalogue.engines:
+        ran = [one for one in releases(catalogue, engine) if one.runs]
+        yield File(links.badge(engine), badge(text(ran[-1]) if ran else f"{engine}: not measured").encode())
+
+
+def text(release: Release) -> str:
+    """Return what a badge says of a release."""
+    counts = release.counts
+    told = [
+        f"{release.ran} ran",
+        *(f"{counts[name]} {name}" for name in ("failed", "refused", "unsupported") if name in counts),
+    ]
+    if counts["not run"]:
+        told.append(f"{counts['not run']} not run")
+    return f"{release.engine} {release.version}: {', '.join(told)}"
+
+
+def badge(message: str) -> str:
+    """Return a badge with a message as SVG. All badges have the same colours, whatever they say."""
+    left, right = width(LABEL), width(message)
+    whole = left + right + 4 * MARGIN
+    edge = left + 2 * MARGIN
+    style = 'font-family="Verdana,DejaVu Sans,Geneva,sans-serif" font-size="11" fill="#ffffff"'
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{whole}" height="{HEIGHT}" role="img" '
+        f"aria-label={quoteattr(f'{LABEL} | {message}')}>"
+        f"<title>{escape(f'{LABEL} | {message}')}</title>"
+        f'<rect width="{edge}" height="{HEIGHT}" fill="#3d444d"/>'
+        f'<rect x="{edge}" width="{whole - edge}" height="{HEIGHT}" fill="#0b5cad"/>'
+        f"<g {style}>"
+        f'<text x="{MARGIN}" y="14" textLength="{left}">{LABEL}</text>'
+        f'<text x="{edge + MARGIN}" y="14" textLength="{right}">{escape(message)}</text>'
+        "</g></svg>\n"
+    )
+
+
+def width(message: str) -> int:
+    """Return the width of a text (pixels) to which its letters are spaced, whatever font there is."""
+    return round(sum(WIDTHS.get(letter, WIDEST) for letter in message))

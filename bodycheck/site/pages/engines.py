@@ -1,0 +1,131 @@
+"""The page of each engine: everything that is known of it."""
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from markupsafe import Markup
+
+from bodycheck.reports.quantities import milliseconds
+from bodycheck.reports.runs.matrix import Kind
+from bodycheck.site import changes, engine_facts, links, trend
+from bodycheck.site.catalogue import Catalogue, Entry, Scene
+from bodycheck.site.cells import Cell, Verdict, cell
+from bodycheck.site.releases import Release, Upgrade, releases, upgrades
+from bodycheck.site.render import File, page
+from bodycheck.studies.audit.rows import PROPERTIES
+
+#: Verdicts whose scenes are listed by name.
+LISTED: tuple[Verdict, ...] = ("broken", "failed", "refused", "unsupported", "not run")
+
+
+@dataclass(frozen=True, eq=False)
+class Trend:
+    """The errors of the methods of an engine in a scene, by release.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    rows
+        For each integrator and time step with runs in several releases, its runs, with None for a release without one.
+    chart
+        The lines of some of them; empty where there is no number.
+    drawn
+        The number of the lines in the chart.
+    """
+
+    scene: Scene
+    rows: Mapping[tuple[str, float | None], tuple[Entry | None, ...]]
+    chart: Markup
+    drawn: int
+
+
+def pages(catalogue: Catalogue) -> Iterator[File]:
+    """Yield the pages of all engines."""
+    for engine in catalogue.engines:
+        known = releases(catalogue, engine)
+        found = upgrades(known)
+        ran = tuple(one for one in known if one.runs)
+        cells = [(scene, cell(catalogue, engine, scene)) for scene in catalogue.scenes.values()]
+        audit = engine_facts.newest(catalogue, "audit.csv", engine)
+        told, told_by = engine_facts.defaults(catalogue, engine)
+        yield page(
+            links.engine(engine),
+            "engine.html.jinja",
+            catalogue=catalogue,
+            engine=engine,
+            releases=known,
+            upgrades=found,
+            newest=ran[-1] if ran else None,
+            kinds=_by_kind(cells),
+            listed=[(verdict, [(scene, one) for scene, one in cells if one.verdict == verdict]) for verdict in LISTED],
+            counts=_counts(cells),
+            methods=engine_facts.methods(ran[-1]) if ran else (),
+            contact=engine_facts.contact_sheet(catalogue, engine),
+            defaults=told,
+            defaults_source=told_by,
+            audited=audit,
+            findings=sorted(engine_facts.findings(audit), key=_by_property),
+            audit_counts=Counter(str(entry.get("status")) for entry in audit),
+            trends=list(trends(ran, found)),
+            ensembles=engine_facts.newest(catalogue, "ensemble.csv", engine),
+            robots=list(engine_facts.robots(catalogue, engine)),
+            issues=list(engine_facts.issues(catalogue, engine)),
+            rule=changes.RULE,
+        )
+
+
+def trends(ran: Sequence[Release], found: Mapping[str, Upgrade]) -> Iterator[Trend]:
+    """Yield the errors by release in one scene of each kind: that with the most severe change, if any changed.
+
+    ran: the releases of an engine of which there are runs, the oldest first. found: the upgrades between them.
+    """
+    worst: dict[str, tuple[float, Scene]] = {}
+    for upgrade in found.values():
+        for scene, change in upgrade.changes:
+            if change.quantity != changes.STATUS and change.severity > worst.get(scene.kind.name, (0.0, scene))[0]:
+                worst[scene.kind.name] = change.severity, scene
+    for _, scene in sorted(worst.values(), key=lambda one: one[1].kind.name):
+        yield _trend(ran, scene)
+
+
+def _trend(ran: Sequence[Release], scene: Scene) -> Trend:
+    """Return the errors in a scene of the methods that have runs in at least two releases."""
+    of_release = [{run.method: run for run in one.runs.get(scene.name, ())} for one in ran]
+    methods = Counter(method for runs in of_release for method in runs)
+    rows = {method: tuple(runs.get(method) for runs in of_release) for method, times in methods.items() if times > 1}
+    several = len({timestep for _, timestep in rows}) > 1
+    values = [
+        trend.Line(
+            f"{name} {milliseconds(timestep)}" if several and timestep else name,
+            tuple(run.get(scene.quantity.name) if run is not None else None for run in runs),
+        )
+        for (name, timestep), runs in rows.items()
+    ]
+    # Where there are too many, those are drawn whose errors change most.
+    lines = sorted((line for line in values if any(line.values)), key=_spread, reverse=True)[: trend.MOST_LINES]
+    title = f"{scene.quantity.title} in {scene.name} by release; the table has the numbers"
+    made = trend.chart(title, scene.quantity.label, [one.version for one in ran], lines) if lines else Markup()
+    return Trend(scene, rows, made, len(lines))
+
+
+def _spread(line: trend.Line) -> float:
+    there = [value for value in line.values if value]
+    return max(there) / min(there)
+
+
+def _by_kind(cells: Sequence[tuple[Scene, Cell]]) -> Mapping[Kind, list[tuple[Scene, Cell]]]:
+    found: dict[Kind, list[tuple[Scene, Cell]]] = {}
+    for scene, one in cells:
+        found.setdefault(scene.kind, []).append((scene, one))
+    return found
+
+
+def _counts(cells: Sequence[tuple[Scene, Cell]]) -> Mapping[Verdict, int]:
+    found = Counter(one.verdict for _, one in cells)
+    return {verdict: found[verdict] for verdict in ("exact", "error", *LISTED)}
+
+
+def _by_property(entry: Entry) -> tuple[int, str]:
+    return PROPERTIES.index(entry.row["property"]), str(entry.get("integrator"))
