@@ -8,7 +8,7 @@ from packaging.version import InvalidVersion, Version
 
 from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.casefile.case import is_shipped
-from bodycheck.site.contents import CASE_END
+from bodycheck.casefile.finding import SUFFIX as CASE_END
 from bodycheck.site.submission import Row, Submission
 
 

@@ -1,26 +1,29 @@
 """What counts as a change: beyond measured allowances, or beyond an estimate of rounding; chaotic and lost motions are calm."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import pytest
 
 from bodycheck.site import cells, changes
 from bodycheck.site.changes import Change
+from bodycheck.site.submission import Row
 from tests.site import submissions as make
 
 #: Roundings of 5000 steps in double precision, of numbers of the size 1, as `changes.RULE` has it.
 ROUNDING = 16 * 5000 * 2.0**-53
 
 
-def changed(before: float, after: float, case: str = make.FREE, tables: Any = None, **told: Any) -> Change | None:
+def changed(before: float, after: float, case: str = make.FREE, study: Sequence[Row] = (), **told: Any) -> Change | None:
     """What is said of two runs of RK4 in two releases with these attitude errors."""
     runs = [
         make.run(case=case, version=version, integrator="RK4", attitude_error=error)
         for version, error in (("1.0", before), ("2.0", after))
     ]
-    first = make.submission({"results.csv": runs[:1], **(tables or {})}, day="2026-01-01", **told)
-    second = make.submission({"results.csv": runs[1:]}, day="2026-01-02", **told)
-    catalogue = make.catalogued(first, second)
+    sent = [make.submission([run], day=f"2026-01-0{day}", **told) for day, run in enumerate(runs, start=1)]
+    if study:
+        sent.append(make.submission({"releases.csv": study}, day="2026-01-03"))
+    catalogue = make.catalogued(*sent)
     scene = catalogue.scenes[case]
     found = list(changes.since(catalogue, scene, [run for run in scene.runs if run.version == "2.0"]))
     assert len(found) <= 1
@@ -68,19 +71,14 @@ def test_in_single_precision_rounding_is_larger() -> None:
 
 
 def test_measured_allowances_count_before_any_estimate() -> None:
-    def allowances(each: float) -> Any:
-        rows = [
-            make.release(version, integrator="RK4", attitude_error=0.1, attitude_error_allowance=each)
-            for version in ("1.0", "2.0")
-        ]
-        return {"releases.csv": rows}
+    def allowances(each: float) -> Sequence[Row]:
+        told = {"integrator": "RK4", "attitude_error": 0.1, "attitude_error_allowance": each}
+        return [make.release(version, **told) for version in ("1.0", "2.0")]
 
-    assert changed(0.1, 0.15, tables=allowances(0.026)) is None, "the sum of both allowances is larger than the difference"
-    assert changed(0.1, 0.15, tables=allowances(0.024)) is not None
-    assert changed(0.1, 0.1 + 1e-6, tables=allowances(1e-9)) is not None, "less than 1 %, but measured"
-    assert changed(0.1, 0.15, tables={"releases.csv": allowances(0.026)["releases.csv"][:1]}) is not None, (
-        "one alone says nothing"
-    )
+    assert changed(0.1, 0.15, study=allowances(0.026)) is None, "the sum of both allowances is larger than the difference"
+    assert changed(0.1, 0.15, study=allowances(0.024)) is not None
+    assert changed(0.1, 0.1 + 1e-6, study=allowances(1e-9)) is not None, "less than 1 %, but measured"
+    assert changed(0.1, 0.15, study=allowances(0.026)[:1]) is not None, "one alone says nothing"
 
 
 def test_a_status_is_a_change_and_two_ways_to_fail_are_neither_better_nor_worse() -> None:
@@ -93,7 +91,7 @@ def test_a_status_is_a_change_and_two_ways_to_fail_are_neither_better_nor_worse(
 
 
 def test_runs_of_another_time_step_or_of_the_same_submission_are_not_before() -> None:
-    later = [make.run(version="2.0"), make.run(version="1.0", attitude_error=1.0)]
+    later = [make.run(version="2.0"), make.run(engine="mujoco@1.0", version="1.0", attitude_error=1.0)]
     catalogue = make.catalogued(
         make.submission([make.run(version="1.0", timestep=0.001)], day="2026-01-01"), make.submission(later, day="2026-01-02")
     )
