@@ -1,0 +1,78 @@
+"""Show charts and commands in the notebooks of the gallery.
+
+A chart becomes SVG within the page. What is black in it gets the colour of the text around it, so that it can be read in light
+and dark, and it has a text for those who do not see it.
+"""
+
+import re
+import shlex
+import subprocess
+import sys
+from dataclasses import dataclass, field
+from hashlib import sha256
+from html import escape
+from pathlib import Path
+
+from bodycheck.interface.plots import Plot
+from bodycheck.reports import plot_files
+from bodycheck.reports.charts import Spec
+
+#: Black in a chart that stands alone, as an attribute.
+INK = re.compile(rf'"(?:{plot_files.BLACK}|black|#000|#000000)"')
+
+#: What describes the parts of a chart to a screen reader, which is told the whole instead.
+PARTS = re.compile(r' (?:role|aria-[a-z]+)="[^"]*"')
+
+#: The points of a line, and digits of them that nobody sees.
+POINTS, UNSEEN = re.compile(r' d="[^"]*"'), re.compile(r"(\.\d\d)\d+")
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A chart, which a notebook shows where it is the last value of a cell.
+
+    Attributes
+    ----------
+    chart
+        A plot of results, a specification in Vega-Lite, or the path of an SVG that a command wrote.
+    alt
+        What the chart shows, in a sentence.
+    """
+
+    chart: Plot | Spec | Path = field(repr=False)
+    alt: str
+
+    def svg(self) -> str:
+        """Return the chart as an element of a page."""
+        if isinstance(self.chart, Path):
+            drawn = self.chart.read_text("utf-8")
+        else:
+            specification = self.chart.specification if isinstance(self.chart, Plot) else self.chart
+            drawn = plot_files.rendered(specification, "svg").decode("utf-8")
+        drawn = POINTS.sub(lambda line: UNSEEN.sub(r"\1", line.group()), PARTS.sub("", INK.sub('"currentColor"', drawn)))
+        own = sha256(drawn.encode("utf-8")).hexdigest()[:8]  # names in an SVG are names in the whole page
+        drawn = re.sub(r"\bclip(\d+)\b", rf"clip-{own}-\1", drawn)
+        label = f'role="img" aria-label="{escape(self.alt)}" style="max-width: 100%; height: auto"'
+        return drawn.replace("<svg ", f"<svg {label} ", 1)
+
+    def _repr_html_(self) -> str:
+        return f'<figure class="chart">{self.svg()}</figure>'
+
+
+def terminal(line: str, fails: bool = False) -> None:
+    """Run a command line of bodycheck, and print it with what it prints.
+
+    Parameters
+    ----------
+    line
+        The command line, which begins with the word bodycheck.
+    fails
+        Whether the command ends with exit code 1, as it does where it finds something.
+    """
+    program, *words = shlex.split(line)
+    if program != "bodycheck":
+        raise ValueError(f"not a command of bodycheck: {line}")
+    done = subprocess.run([sys.executable, "-m", "bodycheck", *words], capture_output=True, text=True, check=False)
+    if done.returncode != int(fails):
+        raise RuntimeError(f"{line}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
+    print(f"$ {line}\n{done.stdout}", end="")
