@@ -23,6 +23,9 @@ INK = re.compile(rf'"(?:{plot_files.BLACK}|black|#000|#000000)"')
 #: What describes the parts of a chart to a screen reader, which is told the whole instead.
 PARTS = re.compile(r' (?:role|aria-[a-z]+)="[^"]*"')
 
+#: The font of charts. Places in them were computed for letters as wide as those of Arial, which system fonts often are not.
+SYSTEM_FONT, FONT = 'font-family="system-ui, sans-serif"', 'font-family="Arial, Liberation Sans, Helvetica, sans-serif"'
+
 #: The points of a line, and digits of them that nobody sees.
 POINTS, UNSEEN = re.compile(r' d="[^"]*"'), re.compile(r"(\.\d\d)\d+")
 
@@ -49,7 +52,8 @@ class Chart:
         else:
             specification = self.chart.specification if isinstance(self.chart, Plot) else self.chart
             drawn = plot_files.rendered(specification, "svg").decode("utf-8")
-        drawn = POINTS.sub(lambda line: UNSEEN.sub(r"\1", line.group()), PARTS.sub("", INK.sub('"currentColor"', drawn)))
+        drawn = PARTS.sub("", INK.sub('"currentColor"', drawn)).replace(SYSTEM_FONT, FONT)
+        drawn = POINTS.sub(lambda line: UNSEEN.sub(r"\1", line.group()), drawn)
         own = sha256(drawn.encode("utf-8")).hexdigest()[:8]  # names in an SVG are names in the whole page
         drawn = re.sub(r"\bclip(\d+)\b", rf"clip-{own}-\1", drawn)
         label = f'role="img" aria-label="{escape(self.alt)}" style="max-width: 100%; height: auto"'
@@ -59,20 +63,23 @@ class Chart:
         return f'<figure class="chart">{self.svg()}</figure>'
 
 
-def terminal(line: str, fails: bool = False) -> None:
-    """Run a command line of bodycheck, and print it with what it prints.
+def terminal(line: str, folder: Path, fails: bool = False) -> None:
+    """Run a command line of bodycheck in a folder, and print it with what it prints.
 
     Parameters
     ----------
     line
         The command line, which begins with the word bodycheck.
+    folder
+        The folder.
     fails
         Whether the command ends with exit code 1, as it does where it finds something.
     """
     program, *words = shlex.split(line)
     if program != "bodycheck":
         raise ValueError(f"not a command of bodycheck: {line}")
-    done = subprocess.run([sys.executable, "-m", "bodycheck", *words], capture_output=True, text=True, check=False)
+    command = [sys.executable, "-m", "bodycheck", *words]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if done.returncode != int(fails):
         raise RuntimeError(f"{line}: exit code {done.returncode}\n{done.stdout}{done.stderr}")
     print(f"$ {line}\n{done.stdout}", end="")
