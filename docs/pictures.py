@@ -5,18 +5,16 @@
     make docs
     python docs/pictures.py gallery build/docs
 
-The first one writes docs/images/matrix-player-SCHEME.png: the matrix of a report beside the player of one of its cases. The other
-one writes docs/gallery/images/NAME-SCHEME.png: the first chart of each notebook without its text. Both need Playwright, Pillow and
-a Chromium on the path.
+The first one writes docs/images/matrix-player-SCHEME.png, the matrix of a report beside the player of one of its cases, and the
+other one docs/gallery/images/NAME-SCHEME.png, the first chart of each notebook without its text. Both need Playwright and a
+Chromium on the path.
 """
 
 import argparse
-import io
+import base64
 import sys
 from pathlib import Path
 from typing import Any, Literal
-
-from PIL import Image
 
 DOCS = Path(__file__).parent
 
@@ -26,27 +24,60 @@ SCHEMES: tuple[Scheme, ...] = ("light", "dark")
 #: The notebooks of the gallery.
 NOTEBOOKS = ("flip", "trade", "sliding-brick", "robot-parity", "ensemble", "upgrade")
 
-#: Style of a chart that is a small picture: what is too small to read is hidden, and lines are thicker.
+#: Style of a chart that is a small picture: what is too small to read is hidden.
 SMALL = """
-figure.chart svg { width: 480px !important; }
+figure.chart { width: 400px; }
 figure.chart text, figure.chart .role-legend, figure.chart .role-title { display: none; }
-figure.chart .mark-line path { stroke-width: 4; }
+figure.chart .mark-line path { stroke-width: 3; }
 """
 
-#: The width of a small picture, in pixels, and the most colours of a picture.
-WIDTH, COLOURS = 480, 128
+#: The case whose player is shown, and the style of both parts: numbers in one line, no further time steps, no legend.
+CASE = "intermediate-axis-flip"
+PLAIN = """
+#matrix td a { white-space: nowrap; }
+#matrix td a.other, .player .controls ~ * { display: none !important; }
+"""
+
+#: What is shown side by side: a heading, the element of the report, and the width of the window that it is taken in, in pixels.
+PARTS = (
+    ("Free flight of a turning body: largest attitude error, rad", "#matrix table", 850),
+    ("One case, after ten seconds: a brick spun about its intermediate axis", f"#case-{CASE} .player", 800),
+)
+
+#: The width of the picture in pixels, and its style.
+WIDTH = 1640
+SIDE_BY_SIDE = """
+body { margin: 0; font: bold 17px sans-serif; }
+main { padding: 24px; display: flex; justify-content: space-between; }
+img { display: block; margin-top: 20px; }
+"""
 
 
-def save(picture: Image.Image, path: Path) -> None:
-    """Write a picture with few colours, which are enough for charts and text."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
-    print(path, f"{path.stat().st_size / 1000:.0f} kB")
+def taken(page: Any, selector: str) -> str:
+    """Return the address of a picture of the first such element of a page (Playwright's Page), which contains the picture."""
+    part = page.locator(selector).first
+    part.scroll_into_view_if_needed()
+    part.locator("svg, td").first.wait_for()
+    return "data:image/png;base64," + base64.b64encode(part.screenshot()).decode("ascii")
 
 
-def taken(part: Any) -> Image.Image:
-    """Return a picture of an element of a page (Playwright's Locator)."""
-    return Image.open(io.BytesIO(part.screenshot()))
+def readme(browser: Any, report: Path) -> None:
+    """Take the first matrix of a report and the player of a case, and put them side by side."""
+    for scheme in SCHEMES:
+        parts = []
+        for heading, selector, width in PARTS:
+            page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
+            page.goto(f"{report.resolve().as_uri()}#case-{CASE}")  # a case that is named is unfolded
+            page.add_style_tag(content=PLAIN)
+            parts.append(f'<div>{heading}<img src="{taken(page, selector)}"></div>')
+            ground, ink = (page.evaluate(f"getComputedStyle(document.body).{name}") for name in ("backgroundColor", "color"))
+            page.close()
+        page = browser.new_page(viewport={"width": WIDTH, "height": 900})
+        style = f"{SIDE_BY_SIDE} main {{ background: {ground}; color: {ink}; }}"
+        page.set_content(f"<style>{style}</style><main>{''.join(parts)}</main>")
+        page.wait_for_function("[...document.images].every((image) => image.complete && image.naturalWidth)")
+        save(page.locator("main"), DOCS / "images" / f"matrix-player-{scheme}.png")
+        page.close()
 
 
 def gallery(browser: Any, built: Path) -> None:
@@ -56,7 +87,37 @@ def gallery(browser: Any, built: Path) -> None:
         for name in NOTEBOOKS:
             page.goto((built / "gallery" / f"{name}.html").resolve().as_uri())
             page.add_style_tag(content=SMALL)
-            chart = taken(page.locator("figure.chart").first)
-            chart.thumbnail((WIDTH, WIDTH))
-            save(chart, DOCS / "gallery" / "images" / f"{name}-{scheme}.png")
+            save(page.locator("figure.chart").first, DOCS / "gallery" / "images" / f"{name}-{scheme}.png")
         page.close()
+
+
+def save(part: Any, path: Path) -> None:
+    """Write a picture of an element of a page (Playwright's Locator)."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part.screenshot(path=path)
+    print(path, f"{path.stat().st_size / 1000:.0f} kB")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="Take the pictures of the README and of the gallery, in light and dark.")
+    parser.add_argument("pictures", choices=("readme", "gallery"))
+    parser.add_argument("source", type=Path, help="the report of a run, or the folder of the built documentation")
+    options = parser.parse_args()
+    if not options.source.exists():
+        parser.error(f"{options.source} does not exist")
+
+    sys.path.insert(0, str(DOCS.parent))
+    from playwright.sync_api import sync_playwright
+
+    from tests.support.browser import CHROMIUM, QUIET
+
+    if CHROMIUM is None:
+        parser.error("there is no chromium on the path")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=list(QUIET))
+        (readme if options.pictures == "readme" else gallery)(browser, options.source)
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()

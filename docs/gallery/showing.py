@@ -26,6 +26,9 @@ PARTS = re.compile(r' (?:role|aria-[a-z]+)="[^"]*"')
 #: The font of charts. Places in them were computed for letters as wide as those of Arial, which system fonts often are not.
 SYSTEM_FONT, FONT = 'font-family="system-ui, sans-serif"', 'font-family="Arial, Liberation Sans, Helvetica, sans-serif"'
 
+#: The columns of a legend.
+COLUMNS = 3
+
 #: The points of a line, and digits of them that nobody sees.
 POINTS, UNSEEN = re.compile(r' d="[^"]*"'), re.compile(r"(\.\d\d)\d+")
 
@@ -51,7 +54,7 @@ class Chart:
             drawn = self.chart.read_text("utf-8")
         else:
             specification = self.chart.specification if isinstance(self.chart, Plot) else self.chart
-            drawn = plot_files.rendered(specification, "svg").decode("utf-8")
+            drawn = plot_files.rendered(narrow(specification), "svg").decode("utf-8")
         drawn = PARTS.sub("", INK.sub('"currentColor"', drawn)).replace(SYSTEM_FONT, FONT)
         drawn = POINTS.sub(lambda line: UNSEEN.sub(r"\1", line.group()), drawn)
         own = sha256(drawn.encode("utf-8")).hexdigest()[:8]  # names in an SVG are names in the whole page
@@ -61,6 +64,12 @@ class Chart:
 
     def _repr_html_(self) -> str:
         return f'<figure class="chart">{self.svg()}</figure>'
+
+
+def narrow(specification: Spec) -> Spec:
+    """Return a chart with its legend above it, since a column of text has no room beside a chart."""
+    config = specification["config"]
+    return specification | {"config": config | {"legend": config.get("legend", {}) | {"orient": "top", "columns": COLUMNS}}}
 
 
 def terminal(line: str, folder: Path, fails: bool = False) -> None:
