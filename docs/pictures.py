@@ -24,12 +24,22 @@ SCHEMES: tuple[Scheme, ...] = ("light", "dark")
 #: The notebooks of the gallery.
 NOTEBOOKS = ("flip", "trade", "sliding-brick", "robot-parity", "ensemble", "upgrade")
 
-#: Style of a chart that is a small picture: what is too small to read is hidden.
+#: Style of a chart that is a small picture, in which what would be too small to read is hidden.
 SMALL = """
-figure.chart { width: 400px; }
+figure.chart { width: 400px; height: 200px; overflow: hidden; }
+figure.chart svg { width: 400px !important; height: 200px !important; min-width: 0; overflow: hidden; }
 figure.chart text, figure.chart .role-legend, figure.chart .role-title { display: none; }
-figure.chart .mark-line path { stroke-width: 3; }
+figure.chart .mark-line path { stroke-width: 4; }
 """
+
+#: Script that lets the first chart of a page show the region of its marks alone, in the shape of the small picture.
+CROP = """() => {
+  const svg = document.querySelector("figure.chart svg");
+  const region = svg.querySelector(".role-frame path.background").getBBox();
+  const place = svg.querySelector(":scope > g").transform.baseVal.consolidate().matrix;
+  svg.setAttribute("viewBox", `${place.e - 6} ${place.f - 6} ${region.width + 12} ${region.height + 12}`);
+  svg.setAttribute("preserveAspectRatio", "none");
+}"""
 
 #: The case whose player is shown, and the style of both parts: numbers in one line, no further time steps, no legend.
 CASE = "intermediate-axis-flip"
@@ -86,6 +96,7 @@ def gallery(browser: Any, built: Path) -> None:
         page = browser.new_page(viewport={"width": 1280, "height": 900}, color_scheme=scheme)
         for name in NOTEBOOKS:
             page.goto((built / "gallery" / f"{name}.html").resolve().as_uri())
+            page.evaluate(CROP)
             page.add_style_tag(content=SMALL)
             save(page.locator("figure.chart").first, DOCS / "gallery" / "images" / f"{name}-{scheme}.png")
         page.close()

@@ -27,7 +27,7 @@ PARTS = re.compile(r' (?:role|aria-[a-z]+)="[^"]*"')
 SYSTEM_FONT, FONT = 'font-family="system-ui, sans-serif"', 'font-family="Arial, Liberation Sans, Helvetica, sans-serif"'
 
 #: The columns of a legend.
-COLUMNS = 3
+COLUMNS = 2
 
 #: The points of a line, and digits of them that nobody sees.
 POINTS, UNSEEN = re.compile(r' d="[^"]*"'), re.compile(r"(\.\d\d)\d+")

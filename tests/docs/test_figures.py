@@ -55,6 +55,12 @@ def test_one_command_writes_every_figure(figures: ModuleType, tmp_path: Path, ca
         assert len(re.findall("<path", svg)) > 5
 
 
+def test_the_page_of_figures_has_all_of_them_with_a_text() -> None:
+    page = (ROOT / "docs" / "chapter-figures.md").read_text("utf-8")
+    drawn = re.findall(r'^figure\("(\S+)", "(.{40,})"\)$', page, re.MULTILINE)
+    assert [number for number, _ in drawn] == list(NUMBERS)
+
+
 def test_figure_2_17_shows_the_axis_that_the_rotation_leaves_alone(figures: ModuleType) -> None:
     specification = figures.FIGURES["2.17"]()
     assert "0.770 π" in specification["title"]

@@ -4,6 +4,7 @@ import ast
 import contextlib
 import io
 import re
+import struct
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,6 +13,8 @@ from xml.etree import ElementTree
 
 import pytest
 
+from bodycheck.interface.plots import SIZE_IN_PNG
+from docs.gallery.showing import terminal
 from tests.support import ROOT
 from tests.support.processes import calls_here
 
@@ -88,6 +91,15 @@ def test_every_notebook_has_a_card_with_pictures() -> None:
             assert (GALLERY / "images" / f"{name}-{scheme}.png").stat().st_size < 40_000
 
 
+def test_the_pictures_of_the_readme_are_large_enough_to_read_and_small_enough_to_load() -> None:
+    for scheme in ("light", "dark"):
+        picture = (ROOT / "docs" / "images" / f"matrix-player-{scheme}.png").read_bytes()
+        width, height = struct.unpack(">II", picture[SIZE_IN_PNG])
+        assert 1500 < width < 1700
+        assert height < width / 2
+        assert len(picture) <= 250_000
+
+
 @pytest.mark.usefixtures("_gallery")
 @pytest.mark.parametrize("name", HERE)
 def test_a_notebook_that_calls_functions_runs(name: str) -> None:
@@ -101,10 +113,7 @@ def test_a_notebook_that_starts_commands_runs(name: str) -> None:
     check(name)
 
 
-@pytest.mark.usefixtures("_gallery")
 def test_a_command_that_ends_otherwise_than_said_fails_its_page(tmp_path: Path) -> None:
-    from showing import terminal  # type: ignore[import-not-found]
-
     with pytest.raises(RuntimeError, match="exit code 2"):
         terminal("bodycheck validate missing.case.toml", tmp_path)
     with pytest.raises(ValueError, match="not a command of bodycheck"):
