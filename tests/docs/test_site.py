@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 #: One page of each type: the front page, prose, mathematics, commands, keys, the Python interface, a notebook and the search.
 TYPES = (
     *("index", "truth", "glossary", "reference/columns", "reference/command-line", "reference/case-files"),
-    *("reference/python", "studies", "search"),
+    *("reference/python", "studies", "gallery/index", "gallery/flip", "search"),
 )
 
 #: A telephone, a laptop and a wide screen.
