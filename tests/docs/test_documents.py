@@ -109,6 +109,9 @@ def test_the_readme_is_one_screen() -> None:
     lines = (ROOT / "README.md").read_text(encoding="utf-8").splitlines()
     assert len(lines) <= 70
     assert max(map(len, lines)) <= 80
+    pictures = re.findall(r"(?:src|srcset)=\"([^\"]+)\"", "\n".join(lines))
+    assert len(pictures) == 2  # light and dark
+    assert all((ROOT / picture).exists() for picture in pictures)
 
 
 def test_the_page_on_installation_names_every_extra() -> None:
