@@ -1,30 +1,22 @@
 """The animation of a case: the truth and the runs at one time step, as `templates/player/` shows them side by side."""
 
-import json
 import math
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.inertia import angular_momentum
 from bodycheck.reference.kinematics import normalise
 from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth
-from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import listing, milliseconds, number
 from bodycheck.reports.runs import tracks
-from bodycheck.running.outcome import Completed
+from bodycheck.reports.runs.cast import MOST_SHOWN, Cast, Shown, as_json, choose, fitting, name_of
 
 #: Most characters of all playback data of a report, shared evenly by its cases.
 MOST_CHARACTERS = 1_500_000
-
-#: Most runs that are shown at once beside the truth.
-MOST_SHOWN = 3
 
 #: Most methods that one note names.
 MOST_NAMES = 6
@@ -49,6 +41,28 @@ TOO_FAST = f"more than {tracks.COARSEST:g} rad between samples, or more than {tr
 
 
 @dataclass(frozen=True)
+class Frame:
+    """What the pictures of several bodies show, besides the bodies themselves.
+
+    Parameters
+    ----------
+    middle
+        The middle of the pictures (m).
+    extent
+        Half the size (m) of what they show.
+    azimuth
+        The direction (rad) that the bodies are seen from.
+    known
+        The instant (s) until which mechanics gives a motion, negative where it gives none; None of bodies that touch nothing.
+    """
+
+    middle: Vector
+    extent: float
+    azimuth: float
+    known: float | None = None
+
+
+@dataclass(frozen=True)
 class Playback:
     """The animation of one case.
 
@@ -60,48 +74,20 @@ class Playback:
         Description for readers who do not see it.
     notes
         Sentences below the animation.
+    frame
+        What the pictures show; None of a single body, whose pictures follow from the case.
     """
 
     data: Mapping[str, Any] | None
     alt: str
     notes: tuple[str, ...]
+    frame: Frame | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Shown:
-    """A completed run: the line of its method, its trajectory, the truth at the same instants, and its largest errors."""
-
-    line: Line
-    trajectory: Trajectory
-    truth: Trajectory
-    maxima: Mapping[str, float]
-
-
-def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, Truth], most: int) -> Playback | None:
-    """Return the animation of one case, or None if no run has a truth to be compared with.
-
-    It shows the time step that most runs have. If not all of its runs fit, those that are shown first are kept first.
-
-    Parameters
-    ----------
-    scene
-        The scene of the case.
-    runs
-        The verdicts on the case, by the lines of their methods.
-    truths
-        The truths of the case, by time step (s).
-    most
-        Most characters of the data.
-    """
-    timestep = common_step(
-        [line for line, verdict in runs.items() if verdict.discrepancy is not None and line.timestep in truths]
-    )
-    if timestep is None:
-        return None
-    truth, trajectory, reach = truths[timestep], truths[timestep].trajectory, _reach(scene.body)
+def playback(scene: Scene, shown: Cast, most: int) -> Playback:
+    """Return the animation of a body; see `animation.animated`."""
+    trajectory, played, reach = shown.exact, shown.runs, reach_of(scene.body)
     fastest = float(np.linalg.norm(trajectory.angular_velocity, axis=1).max())
-    own_runs = {line: verdict for line, verdict in runs.items() if line.timestep == timestep}
-    played = [one for line, verdict in own_runs.items() if (one := shown_run(line, verdict, truth)) is not None]
     if not played:
         return Playback(None, "", ("There is no animation because the errors of no run are finite numbers.",))
     if scene.plane is None and not fastest and not any(one.trajectory.angular_velocity.any() for one in played):
@@ -115,8 +101,8 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
     if scene.plane is not None:
         record |= course_of(trajectory.t, trajectory.position / reach, PLACE_TOLERANCE)
     first = choose(played, reach if scene.plane is not None else math.inf)
-    unseen = own_runs.keys() - {one.line for one in played}
-    undrawn = [name_of(line) for line, verdict in own_runs.items() if verdict.discrepancy is not None and line in unseen]
+    unseen = {one.line for one in played}
+    undrawn = [name_of(line) for line in shown.compared if line not in unseen]
     if (room := most - len(as_json(record))) < 0:
         return Playback(None, "", ("There is no animation, to keep this file small.",))
     by_rank = (*first, *(other for other in played if other not in first))
@@ -124,67 +110,26 @@ def playback(scene: Scene, runs: Mapping[Line, Verdict], truths: Mapping[float, 
     undrawn += [name_of(one.line) for one in by_rank if one not in kept and one not in left_out]
     order = [one for one in played if one in kept]
     data = {
-        "body": _drawn(scene.body, reach),
+        **described(scene),
         "momentum": _largest_momentum(scene.body, trajectory),
-        "plane": scene.plane is not None,
-        "within": tracks.TOLERANCE,
         "end": float(trajectory.t[-1]),
         "truth": record,
         "runs": [kept[one] for one in order],
         "shown": [order.index(one) for one in first if one in kept],
     }
-    notes = _notes(scene, timestep, runs, undrawn, [name_of(one.line) for one in left_out])
-    return Playback(data, _alt(scene, played), tuple(notes))
+    return Playback(data, _alt(scene, played), tuple(_notes(scene, shown, undrawn, [name_of(one.line) for one in left_out])))
 
 
-def fitting(entries: Mapping[Shown, dict[str, Any] | None], room: int) -> tuple[dict[Shown, dict[str, Any]], list[Shown]]:
-    """Return the entries that have room in so many characters, the first ones first, and those that are left out."""
-    kept, left_out = dict[Shown, dict[str, Any]](), list[Shown]()
-    for one, entry in entries.items():
-        if entry is None:
-            continue
-        if (room := room - len(as_json(entry))) < 0:
-            left_out.append(one)
-        else:
-            kept[one] = entry
-    return kept, left_out
+def described(scene: Scene) -> dict[str, Any]:
+    """Return what the player reads of a scene whatever moves in it."""
+    body = _drawn(scene.body, reach_of(scene.body))
+    return {"body": body, "plane": scene.plane is not None, "within": tracks.TOLERANCE}
 
 
 def _largest_momentum(body: Body, trajectory: Trajectory) -> float:
     """Return the largest angular momentum of a motion, in a unit of its own: only its direction and ratios are drawn."""
     relative = replace(body, moments=_relative(body))
     return float(np.linalg.norm(angular_momentum(relative, trajectory.angular_velocity), axis=1).max())
-
-
-def choose(runs: Sequence[Shown], reach: float) -> list[Shown]:
-    """Return the MOST_SHOWN runs that are shown first: the worst of each engine, then the best of all.
-
-    `reach` (m) is the position error that counts as much as an attitude error of 1 rad; infinite if only attitudes count.
-    """
-
-    def badness(run: Shown) -> float:
-        return run.maxima.get("attitude_error", 0.0) + run.maxima.get("position_error", 0.0) / reach
-
-    engines = dict.fromkeys(run.line.engine for run in runs)
-    worst = [max((run for run in runs if run.line.engine == engine), key=badness) for engine in engines]
-    largest = sorted(worst, key=badness, reverse=True)[:MOST_SHOWN]
-    others = sorted((run for run in runs if run not in worst), key=badness)
-    return [*(run for run in worst if run in largest), *others[:1]][:MOST_SHOWN]
-
-
-def common_step(lines: Sequence[Line]) -> float | None:
-    """Return the time step (s) that most of the lines have, the first of equals, or None without lines."""
-    return max(steps, key=steps.__getitem__) if (steps := Counter(line.timestep for line in lines)) else None
-
-
-def shown_run(line: Line, verdict: Verdict, truth: Truth) -> Shown | None:
-    """Return a run that can be shown; None if it did not complete, or if an error that it has is not finite."""
-    if not isinstance(verdict.outcome, Completed) or verdict.discrepancy is None:
-        return None
-    trajectory, maxima = verdict.outcome.trajectory, verdict.discrepancy.maxima()
-    errors = ("attitude_error", "angular_velocity_error", "position_error")
-    finite = all(math.isfinite(maxima.get(name, 0.0)) for name in errors)
-    return Shown(line, trajectory, truth.at(trajectory.t).trajectory, maxima) if finite else None
 
 
 def _run(run: Shown, scene: Scene, reach: float, rates: float) -> dict[str, Any] | None:
@@ -207,11 +152,6 @@ def _run(run: Shown, scene: Scene, reach: float, rates: float) -> dict[str, Any]
     if PLACE_TOLERANCE < farthest < FARTHEST:
         entry |= course_of(run.trajectory.t, offset, max(PLACE_TOLERANCE, SHIFT_TOLERANCE * farthest))
     return entry
-
-
-def name_of(line: Line) -> str:
-    """Return the name of a method without its time step, which all methods of an animation share."""
-    return f"{line.engine} {line.integrator}" + (f" ({line.results})" if line.results else "")
 
 
 def turning_of(trajectory: Trajectory, rates: float) -> dict[str, Any] | None:
@@ -270,7 +210,7 @@ def solid_of(shape: Shape) -> tuple[str, Vector]:
             return "ellipsoid", semi_axes
 
 
-def _reach(body: Body) -> float:
+def reach_of(body: Body) -> float:
     """Return the distance (m) of the farthest point of a body, as it is drawn, from its centre of mass."""
     kind, (a, b, c) = _solid(body)
     return {"brick": math.hypot(a, b, c), "cylinder": math.hypot(a, c), "ellipsoid": max(a, b, c)}[kind]
@@ -285,25 +225,18 @@ def _alt(scene: Scene, runs: Sequence[Shown]) -> str:
     )
 
 
-def _notes(
-    scene: Scene, timestep: float, runs: Mapping[Line, Verdict], undrawn: Sequence[str], left_out: Sequence[str]
-) -> list[str]:
+def _notes(scene: Scene, shown: Cast, undrawn: Sequence[str], left_out: Sequence[str]) -> list[str]:
     """Return sentences on what the animation leaves out or draws in another form."""
     notes = []
     if scene.body.shape is None:
         notes.append(
             "The case gives no shape. The animation shows the solid ellipsoid that has the same mass and moments of inertia."
         )
-    if len({line.timestep for line in runs}) > 1:
-        notes.append(f"The animation shows the runs with a time step of {milliseconds(timestep)}.")
+    if shown.several:
+        notes.append(f"The animation shows the runs with a time step of {milliseconds(shown.timestep)}.")
     if undrawn:
         names = listing(undrawn, MOST_NAMES, "method")
         notes.append(f"The animation leaves out bodies that turn by {TOO_FAST}, or that go too far: {names}.")
     if left_out:
         notes.append(f"The animation leaves out methods to keep this file small: {listing(left_out, MOST_NAMES, 'method')}.")
     return notes
-
-
-def as_json(value: Any) -> str:
-    """Return what the player reads as text."""
-    return json.dumps(value, separators=(",", ":"))

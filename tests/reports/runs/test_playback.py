@@ -23,7 +23,9 @@ from bodycheck.reports import player
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.runs import playback as playing
 from bodycheck.reports.runs import tracks
-from bodycheck.reports.runs.playback import MOST_CHARACTERS, MOST_SHOWN, Playback, playback
+from bodycheck.reports.runs.animation import animated
+from bodycheck.reports.runs.cast import MOST_SHOWN
+from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback
 from bodycheck.running.outcome import Completed
 from tests.support.cases import shortened
 from tests.support.truths import truth_for_runs
@@ -170,7 +172,7 @@ def flips() -> Played:
 
 
 def played(name: str, runs: Played, most: int = MOST_CHARACTERS) -> Playback:
-    found = playback(load(name).scene, *runs, most)
+    found = animated(load(name).scene, *runs, most)
     assert found is not None
     return found
 
@@ -316,14 +318,14 @@ def test_a_truth_that_is_too_fast_is_told_of() -> None:
     exact = truth_for_runs(case, 0.002)
     one = verdict(case, exact, simulate(case, "mujoco", "RK4", 0.002))
     line = assign([one.key.over_cases])[one.key.over_cases]
-    found = playback(case.scene, {line: one}, {0.002: exact}, MOST_CHARACTERS)
+    found = animated(case.scene, {line: one}, {0.002: exact}, MOST_CHARACTERS)
     assert found is not None
     assert found.data is None
     assert found.notes[0].startswith("There is no animation because the body turns by more than 1 rad between samples")
 
 
 def test_without_a_truth_there_is_no_playback(flips: Played) -> None:
-    assert playback(load(FLIP).scene, flips[0], {}, MOST_CHARACTERS) is None
+    assert animated(load(FLIP).scene, flips[0], {}, MOST_CHARACTERS) is None
 
 
 def test_the_player_is_small() -> None:

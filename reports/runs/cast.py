@@ -1,0 +1,134 @@
+"""What an animation shows: the truth, and the completed runs that are compared with it at one time step."""
+
+import json
+import math
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.trajectory import Trajectory
+from bodycheck.reference.truth import Truth
+from bodycheck.reports.lines import Line
+from bodycheck.running.outcome import Completed
+
+#: Most runs that are shown at once beside the truth.
+MOST_SHOWN = 3
+
+#: The errors of a run, where it has them, without which it cannot be shown as numbers.
+ERRORS = ("attitude_error", "angular_velocity_error", "position_error")
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """A completed run: the line of its method, its trajectory, the truth at the same instants, and its largest errors."""
+
+    line: Line
+    trajectory: Trajectory
+    truth: Trajectory
+    maxima: Mapping[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Cast:
+    """The truth and the runs of an animation.
+
+    Parameters
+    ----------
+    timestep
+        The time step (s) of all of them.
+    exact
+        The truth at the instants of this time step.
+    runs
+        The runs that can be shown.
+    compared
+        The lines of all runs with this time step that have a discrepancy, among them those of `runs`.
+    several
+        Whether there are runs at other time steps.
+    """
+
+    timestep: float
+    exact: Trajectory
+    runs: tuple[Shown, ...]
+    compared: tuple[Line, ...]
+    several: bool
+
+
+def cast(runs: Mapping[Line, Verdict], truths: Mapping[float, Truth]) -> Cast | None:
+    """Return what an animation shows: the time step that most runs have; None if no run has a truth to be compared with.
+
+    Parameters
+    ----------
+    runs
+        The verdicts on a case, by the lines of their methods.
+    truths
+        The truths of the case, by time step (s).
+    """
+    compared = [line for line, verdict in runs.items() if verdict.discrepancy is not None]
+    timestep = common_step([line for line in compared if line.timestep in truths])
+    if timestep is None:
+        return None
+    truth = truths[timestep]
+    own = {line: verdict for line, verdict in runs.items() if line.timestep == timestep}
+    shown = [one for line, verdict in own.items() if (one := shown_run(line, verdict, truth)) is not None]
+    return Cast(
+        timestep,
+        truth.trajectory,
+        tuple(shown),
+        tuple(line for line in compared if line in own),
+        len({line.timestep for line in runs}) > 1,
+    )
+
+
+def shown_run(line: Line, verdict: Verdict, truth: Truth) -> Shown | None:
+    """Return a run that can be shown; None if it did not complete, or if an error that it has is not finite."""
+    if not isinstance(verdict.outcome, Completed) or verdict.discrepancy is None:
+        return None
+    trajectory, maxima = verdict.outcome.trajectory, verdict.discrepancy.maxima()
+    finite = all(math.isfinite(maxima.get(name, 0.0)) for name in ERRORS)
+    return Shown(line, trajectory, truth.at(trajectory.t).trajectory, maxima) if finite else None
+
+
+def common_step(lines: Sequence[Line]) -> float | None:
+    """Return the time step (s) that most of the lines have, the first of equals, or None without lines."""
+    return max(steps, key=steps.__getitem__) if (steps := Counter(line.timestep for line in lines)) else None
+
+
+def choose(runs: Sequence[Shown], reach: float) -> list[Shown]:
+    """Return the MOST_SHOWN runs that are shown first: the worst of each engine, then the best of all.
+
+    `reach` (m) is the position error that counts as much as an attitude error of 1 rad; infinite if only attitudes count.
+    """
+
+    def badness(run: Shown) -> float:
+        return run.maxima.get("attitude_error", 0.0) + run.maxima.get("position_error", 0.0) / reach
+
+    engines = dict.fromkeys(run.line.engine for run in runs)
+    worst = [max((run for run in runs if run.line.engine == engine), key=badness) for engine in engines]
+    largest = sorted(worst, key=badness, reverse=True)[:MOST_SHOWN]
+    others = sorted((run for run in runs if run not in worst), key=badness)
+    return [*(run for run in worst if run in largest), *others[:1]][:MOST_SHOWN]
+
+
+def fitting(entries: Mapping[Shown, dict[str, Any] | None], room: int) -> tuple[dict[Shown, dict[str, Any]], list[Shown]]:
+    """Return the entries that have room in so many characters, the first ones first, and those that are left out."""
+    kept, left_out = dict[Shown, dict[str, Any]](), list[Shown]()
+    for one, entry in entries.items():
+        if entry is None:
+            continue
+        if (room := room - len(as_json(entry))) < 0:
+            left_out.append(one)
+        else:
+            kept[one] = entry
+    return kept, left_out
+
+
+def name_of(line: Line) -> str:
+    """Return the name of a method without its time step, which all methods of an animation share."""
+    return f"{line.engine} {line.integrator}" + (f" ({line.results})" if line.results else "")
+
+
+def as_json(value: Any) -> str:
+    """Return what the player reads as text."""
+    return json.dumps(value, separators=(",", ":"))
