@@ -7,8 +7,11 @@ from typing import Any
 #: The files of `templates/player` without `.js`, each after those that it uses.
 PLAYER = (
     "vectors", "tracks", "solids", "view", "elements", "motion", "body", "polhode",
-    "ground", "controls", "legend", "readings", "panels", "stage", "mechanism", "player", "start",
+    "ground", "controls", "legend", "readings", "panels", "stage", "mechanism", "player",
 )  # fmt: skip
+
+#: The file that makes the players of a page that has their data, and the one for a page that gets them later.
+AT_ONCE, LATER = "start", "later"
 
 #: The file that only pages with mechanisms have.
 OF_MECHANISMS = "mechanism"
@@ -20,7 +23,15 @@ def script(played: Iterable[Mapping[str, Any] | None] = ()) -> str:
     played: the data of the animations of a page, which say whether it has mechanisms.
     """
     mechanisms = any(data is not None and "bodies" in data for data in played)
-    names = [name for name in PLAYER if mechanisms or name != OF_MECHANISMS]
+    return _joined(name for name in (*PLAYER, AT_ONCE) if mechanisms or name != OF_MECHANISMS)
+
+
+def library() -> str:
+    """Return the script for pages that get the data of animations later: it adds the function `play(figure, data)`."""
+    return _joined((*PLAYER, LATER))
+
+
+def _joined(names: Iterable[str]) -> str:
     folder = resources.files("bodycheck.reports") / "templates" / "player"
     lines = [line.strip() for name in names for line in (folder / f"{name}.js").read_text("utf-8").splitlines()]
     code = "\n".join(line for line in lines if line and not line.startswith("//"))

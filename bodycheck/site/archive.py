@@ -30,7 +30,7 @@ NAME = re.compile(
         (
             rf"tables/(?:{'|'.join(map(re.escape, TABLES))})",
             r"cases/[a-z0-9][a-z0-9-]{0,99}\.case\.toml",
-            r"tracks\.parquet",
+            r"tracks\.json",
             r"submission\.json",
         )
     )

@@ -7,7 +7,7 @@ from pathlib import Path
 from bodycheck.errors import BadInput
 from bodycheck.files import reading, writing
 from bodycheck.site.catalogue import Catalogue
-from bodycheck.site.pages import badges, compare, data, engines, errors, feed, index, releases, row
+from bodycheck.site.pages import badges, compare, data, engines, errors, feed, index, releases, robots, row, scenes
 from bodycheck.site.render import File, asset
 
 #: The file that lists what bodycheck has written into the folder of a site.
@@ -17,10 +17,10 @@ LIST = "site.json"
 MOST_BYTES = 1 << 24
 
 #: Styles and scripts.
-ASSETS = ("site.css", "site.js", "index.js", "compare.js", "row.js")
+ASSETS = ("site.css", "site.js", "index.js", "compare.js", "row.js", "sorting.js", "scene.js")
 
 #: The modules that make pages of a catalogue.
-PAGES = (index, compare, row, data, engines, releases, feed, badges, errors)
+PAGES = (index, scenes, robots, compare, row, data, engines, releases, feed, badges, errors)
 
 
 def files(catalogue: Catalogue) -> Iterator[File]:

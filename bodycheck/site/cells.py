@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 from typing import Literal
 
-from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.site import changes
 from bodycheck.site.catalogue import REFUSES, Catalogue, Entry, Scene
 from bodycheck.site.changes import Change
+from bodycheck.site.own_methods import own_method
 
 #: The verdicts. "exact": the error is within the truth's own. "error": there is an error, which is the number of the cell.
 #: "broken": the run breaks an expectation of its case. "failed": it diverged, crashed or took too long. "refused": the engine
@@ -78,7 +78,4 @@ def default_run(runs: list[Entry]) -> Entry:
     runs: at least one, those of one scene in one version of an engine in one submission, in the order of the table.
     """
     in_order = sorted(runs, key=lambda entry: entry.place)
-    named = in_order[0].get("engine")
-    defaults = in_order[0].source.header.defaults
-    own = (defaults.get(named) or defaults.get(adapter_of(named)) or {}).get("integrator", "")
-    return next((entry for entry in in_order if entry.get("integrator") == own), in_order[0])
+    return in_order[own_method([entry.row for entry in in_order], in_order[0].source.header.defaults)]

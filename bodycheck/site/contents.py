@@ -1,7 +1,7 @@
 """What a submission contains as files, and their check, which makes a `Submission` of them."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from typing import Any
@@ -11,15 +11,16 @@ from bodycheck.casefile.finding import SUFFIX as CASE_END
 from bodycheck.errors import BadInput
 from bodycheck.running.records import HeaderRecord
 from bodycheck.site import cases as case_texts
-from bodycheck.site import headers, plausible, tables
+from bodycheck.site import headers, plausible, tables, tracks
 from bodycheck.site.submission import Row, Submission
 from bodycheck.site.texts import text
+from bodycheck.site.tracks import Tracks
 
 #: The version of the format.
 FORMAT = 1
 
 #: The names of files.
-TABLES, CASES, TRACKS = "tables/", "cases/", "tracks.parquet"
+TABLES, CASES, TRACKS = "tables/", "cases/", "tracks.json"
 
 #: Characters of the digest that name a submission: so many that nobody finds other contents with the same ones.
 KEY_LENGTH = 20
@@ -84,8 +85,16 @@ def checked(contents: Contents) -> Submission:
         replace(header, without_method=_without_method(header, marked)),
         {name: tuple(_renamed(row, marked) for row in table) if marked else table for name, table in rows.items()},
         {marked.get(name, name): text for name, text in texts.items()},
-        contents.files.get(TRACKS, b""),
+        _tracks(contents, cases, rows.get("results.csv", ())).renamed(marked),
     )
+
+
+def _tracks(contents: Contents, cases: Mapping[str, Case], rows: Sequence[Row]) -> Tracks:
+    """Return what a submission says of motions."""
+    if TRACKS not in contents.files:
+        return tracks.NO_TRACKS
+    runs = [tuple(row[column] for column in tracks.RUN) for row in rows if row["status"] == "ok"]
+    return tracks.read(contents.files[TRACKS], cases, runs)
 
 
 def _text(name: str, content: bytes) -> str:

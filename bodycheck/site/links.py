@@ -8,12 +8,19 @@ from bodycheck.site.catalogue import Entry
 from bodycheck.site.submission import Submission
 
 INDEX, COMPARE, ERRORS, ROW, FEED = "index.html", "compare.html", "errors.html", "row.html", "feed.atom"
+SCENES, ROBOTS = "scenes/index.html", "robots/index.html"
 
 #: The folder of data.
 DATA = "data/"
 
 #: The pages that the head of every page leads to, with their titles.
-MAIN = ((INDEX, "Results"), (COMPARE, "Compare"), (ERRORS, "Left out"))
+MAIN = (
+    (INDEX, "Results"),
+    (SCENES, "Scenes"),
+    (ROBOTS, "Robots"),
+    (COMPARE, "Compare"),
+    (ERRORS, "Left out"),
+)
 
 #: Most characters of the name of a page.
 LONGEST = 80
@@ -27,6 +34,11 @@ def engine(name: str) -> str:
 def scene(name: str) -> str:
     """Return the address of the page of a case."""
     return f"scenes/{slug(name)}.html"
+
+
+def motion(name: str) -> str:
+    """Return the address of the motions of a case, as a script."""
+    return f"data/motion-{slug(name)}.js"
 
 
 def robot(model: str) -> str:

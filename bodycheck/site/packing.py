@@ -4,6 +4,7 @@ import csv
 import io
 import json
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -15,8 +16,8 @@ from bodycheck.running import journal, records, store
 from bodycheck.running.csv_tables import entry as csv_entry
 from bodycheck.running.origin import BESIDE
 from bodycheck.site import cases as case_texts
-from bodycheck.site import tables
-from bodycheck.site.contents import CASES, TABLES, Contents
+from bodycheck.site import tables, tracing, tracks
+from bodycheck.site.contents import CASES, TABLES, TRACKS, Contents
 from bodycheck.site.personal import Cleaning
 from bodycheck.site.texts import shown
 
@@ -60,6 +61,9 @@ def contents(folder: Path, cleaning: Cleaning | None = None) -> Contents:
     header = {**_cleaned(header, clean), "command": [shown(word) for word in clean.command([str(word) for word in words])]}
     files = {f"{TABLES}{name}": _table(folder / name, clean) for name in names}
     files |= {f"{CASES}{name}{CASE_END}": text.encode() for name, text in _cases(folder, note, clean).items()}
+    if "results.csv" in names and (folder / store.RECORDS).is_file():
+        found = tracing.traced(folder, tables.read("results.csv", files[f"{TABLES}results.csv"]))
+        files[TRACKS] = tracks.written(replace(found, truths=_cleaned(dict(found.truths), clean)))
     return Contents(header, files)
 
 

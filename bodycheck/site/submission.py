@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from bodycheck.running.records import HeaderRecord
+from bodycheck.site.tracks import NO_TRACKS, Tracks
 
 #: A row of a table: its values by column. None stands for an empty entry.
 Row = Mapping[str, Any]
@@ -30,14 +31,14 @@ class Submission:
     cases
         The text of each case file, by the name of the case.
     tracks
-        Sampled motions of the truth and of the engines' own methods; see `bodycheck.site.tracks`. Empty if there are none.
+        How truths were found, and motions of truths and of the engines' own methods.
     """
 
     key: str
     header: HeaderRecord
     tables: Mapping[str, tuple[Row, ...]]
     cases: Mapping[str, str]
-    tracks: bytes = field(default=b"", repr=False)
+    tracks: Tracks = field(default=NO_TRACKS, repr=False)
 
     @property
     def date(self) -> str:

@@ -35,8 +35,7 @@ const trailOf = (body, now, trail, tip) =>
     .map((t) => rotate(turningAt(body.turning, t).attitude, tip));
 const pastOf = (body, now) => Array.from({ length: 41 }, (_, i) => placeAt(body.course, (now * i) / 40));
 
-const build = (figure) => {
-  const data = JSON.parse(document.getElementById(figure.dataset.player).textContent);
+const build = (figure, data) => {
   if (data.bodies) return void buildMechanism(figure, data);
   const motion = motionOf(data);
   const { truth, runs, stateOf, fastest } = motion;

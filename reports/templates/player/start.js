@@ -1,7 +1,7 @@
 // Makes a player when it comes near the window, so that a page of many cases opens at once, and all of them for paper.
 // Uses player.js.
 const ready = (figure) => {
-  if (!figure.dataset.ready) build(figure);
+  if (!figure.dataset.ready) build(figure, JSON.parse(document.getElementById(figure.dataset.player).textContent));
   figure.dataset.ready = "yes";
 };
 const figures = [...document.querySelectorAll(".player")];

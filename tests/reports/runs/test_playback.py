@@ -336,4 +336,6 @@ def test_the_player_is_small() -> None:
 
 def test_the_player_has_every_file_of_its_folder() -> None:
     folder = resources.files("bodycheck.reports") / "templates" / "player"
-    assert sorted(player.PLAYER) == sorted(path.name.removesuffix(".js") for path in folder.iterdir())
+    assert sorted((*player.PLAYER, player.AT_ONCE, player.LATER)) == sorted(
+        path.name.removesuffix(".js") for path in folder.iterdir()
+    )

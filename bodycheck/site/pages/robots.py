@@ -1,0 +1,50 @@
+"""The page of each robot: what engines make of its model; and the table of all robots and engines."""
+
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import PurePosixPath
+
+from bodycheck.site import links, robot_tables
+from bodycheck.site.catalogue import Catalogue, Entry
+from bodycheck.site.render import File, page
+from bodycheck.site.robot_tables import MARKS, MOST_LISTED, Reading
+from bodycheck.studies.parity.quantities import FILE
+from bodycheck.studies.parity.wording import SAYS, name_of
+
+
+def pages(catalogue: Catalogue) -> Iterator[File]:
+    """Yield the pages of all robots, and the table of all."""
+    read = {model: robot_tables.readings(entries) for model, entries in catalogue.robots.items()}
+    yield _list({model: (newest, len(faults)) for model, (newest, _, faults) in read.items()})
+    for model, (newest, older, faults) in read.items():
+        yield page(
+            links.robot(model),
+            "robot.html.jinja",
+            model=model,
+            newest=newest,
+            older=older,
+            faults=faults,
+            quantities=robot_tables.quantities(newest),
+            before=robot_tables.quantities(older),
+            marks=MARKS,
+            most=MOST_LISTED,
+            says=SAYS,
+            name_of=name_of,
+            shown=robot_tables.shown,
+            commands=_commands(model, catalogue.robots[model]),
+        )
+
+
+def _list(read: Mapping[str, tuple[Sequence[Reading], int]]) -> File:
+    """Return the table of all robots. read: the newest readings of each, and the number of faults of its file."""
+    engines = sorted({one.engine for own, _ in read.values() for one in own})
+    rows = [(model, {one.engine: one for one in own}, faults) for model, (own, faults) in sorted(read.items())]
+    return page(links.ROBOTS, "robots.html.jinja", engines=engines, rows=rows, marks=MARKS)
+
+
+def _commands(model: str, entries: Sequence[Entry]) -> list[str]:
+    """Return the commands that compare a model, with the name of its file where the command of a submission tells it."""
+    sources = dict.fromkeys(entry.source for entry in entries if entry.get("engine") != FILE)
+    files = [word for source in sources for word in source.header.command if PurePosixPath(word).stem == model]
+    name = next(iter(files), model)
+    return [shlex.join(["bodycheck", "parity", name])]

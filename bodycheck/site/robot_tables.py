@@ -1,0 +1,148 @@
+"""What engines make of a robot model, in numbers for its page: rows that agree are counted, others are listed."""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+from bodycheck.site.catalogue import Entry
+from bodycheck.studies.parity.quantities import CAUSES, FILE, MEANINGS, QUANTITIES, Quantity, Status
+from bodycheck.studies.parity.rows import COLUMNS, ParityRow
+from bodycheck.studies.parity.wording import brief, name_of, of_engine
+
+#: What is said of an engine and a robot, or of one of its quantities; the first that holds.
+Verdict = Literal["refused", "differs", "accepted-unphysical", "not-modelled", "agrees", "not compared"]
+
+#: The marks of the verdicts, and what they mean.
+MARKS: dict[Verdict, tuple[str, str]] = {
+    "agrees": ("=", "agrees with the file"),
+    "differs": ("≠", "differs from the file"),
+    "refused": ("⊘", "the engine refuses the file"),
+    "accepted-unphysical": ("!", "the engine accepts what no body can have"),
+    "not-modelled": ("–", "the engine, or its adapter, does not model it"),
+    "not compared": ("·", "nothing is known"),
+}
+
+#: Most rows of one engine that are listed.
+MOST_LISTED = 80
+
+#: Most characters of a value that is shown.
+LONGEST = 160
+
+
+@dataclass(frozen=True)
+class Mark:
+    """What is said of one quantity of a robot in an engine.
+
+    Parameters
+    ----------
+    verdict
+        The verdict.
+    amount, whole
+        How many bodies, joints or models it holds of, and of how many.
+    largest
+        The largest relative difference of what differs; None if it is not known.
+    """
+
+    verdict: Verdict
+    amount: int
+    whole: int
+    largest: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class Reading:
+    """What one version of an engine makes of a robot.
+
+    Parameters
+    ----------
+    engine, version
+        The engine.
+    rows
+        Its rows.
+    """
+
+    engine: str
+    version: str
+    rows: tuple[Entry, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """Return the verdict on the whole robot, which what is not modelled does not change where the rest agrees."""
+        there = {entry.get("status") for entry in self.rows}
+        if any(entry.get("quantity") is None and entry.get("status") == "not-modelled" for entry in self.rows):
+            return "not-modelled"
+        verdicts = (one for one in get_args(Verdict) if one != "not-modelled" and one in there)
+        return next(verdicts, "not-modelled")
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """Return what was found, the verdict first."""
+        return of_engine([parity_row(entry) for entry in self.rows])
+
+    @property
+    def brief(self) -> str:
+        """Return what was found in few words."""
+        return brief([parity_row(entry) for entry in self.rows])
+
+    @property
+    def marks(self) -> dict[Quantity, Mark]:
+        """Return what is said of each quantity that was compared."""
+        found: dict[Quantity, list[Entry]] = defaultdict(list)
+        for entry in self.rows:
+            if entry.get("quantity") in QUANTITIES:
+                found[entry.get("quantity")].append(entry)
+        return {quantity: _mark(own) for quantity, own in found.items()}
+
+    @property
+    def listed(self) -> tuple[Entry, ...]:
+        """Return the rows that do not agree, those that differ first."""
+        order: tuple[Status, ...] = ("refused", "differs", "accepted-unphysical", "not-modelled")
+        return tuple(entry for status in order for entry in self.rows if entry.get("status") == status)
+
+
+def readings(entries: Sequence[Entry]) -> tuple[list[Reading], list[Reading], list[Entry]]:
+    """Return the readings of the newest version of each engine, those of older versions, and the rows about the file itself."""
+    by_engine: dict[str, dict[str, list[Entry]]] = defaultdict(dict)
+    for entry in sorted(entries, key=lambda entry: (entry.order, entry.place)):
+        by_engine[entry.engine].setdefault(entry.version, []).append(entry)
+    faults = [entry for own in by_engine.pop(FILE, {}).values() for entry in own]
+    newest: list[Reading] = []
+    older: list[Reading] = []
+    for engine, versions in sorted(by_engine.items()):
+        *before, last = (Reading(engine, version, tuple(own)) for version, own in versions.items())
+        newest.append(last)
+        older += reversed(before)
+    return newest, older, faults
+
+
+def quantities(read: Sequence[Reading]) -> list[tuple[Quantity, str, str, list[Mark | None]]]:
+    """Return the quantities that any engine has, each with its name, its meaning, and what is said of it in each reading."""
+    marks = [one.marks for one in read]
+    return [
+        (quantity, name_of(quantity), MEANINGS[quantity], [own.get(quantity) for own in marks])
+        for quantity in QUANTITIES
+        if any(quantity in own for own in marks)
+    ]
+
+
+def parity_row(entry: Entry) -> ParityRow:
+    """Return a row as the study has it; a cause that the study does not know counts as none that was found."""
+    numbers = ("difference", "relative", "quantity")
+    known: dict[str, Any] = {name: entry.get(name) if name in numbers else entry.get(name) or "" for name in COLUMNS}
+    return ParityRow(**known | {"cause": known["cause"] if known["cause"] in CAUSES else "unexplained"})
+
+
+def shown(value: str | None) -> str:
+    """Return a value of a row, shortened."""
+    text = value or ""
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
+
+
+def _mark(entries: Sequence[Entry]) -> Mark:
+    for verdict in get_args(Verdict):
+        own = [entry for entry in entries if entry.get("status") == verdict]
+        if own:
+            known = [entry.get("relative") for entry in own if entry.get("relative") is not None]
+            return Mark(verdict, len(own), len(entries), max(known, default=None) if verdict == "differs" else None)
+    return Mark("not compared", 0, len(entries), None)

@@ -1,0 +1,109 @@
+"""The motions of a scene as the player reads them: the truth and the own method of each engine, of several submissions."""
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reports.lines import hue
+from bodycheck.reports.quantities import milliseconds
+from bodycheck.reports.runs import tracks as reported
+from bodycheck.reports.runs.animation import described
+from bodycheck.reports.runs.cast import MOST_SHOWN
+from bodycheck.reports.runs.playback import Frame
+from bodycheck.site.catalogue import Catalogue, Entry, Scene
+from bodycheck.site.cells import cell
+from bodycheck.site.tracks import Course, Motion, Part, RunMotion, arrays
+
+#: The errors of a run, in the order of their columns.
+ERRORS = ("attitude_error", "position_error")
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """A run with its motion.
+
+    Parameters
+    ----------
+    run
+        Its row.
+    motion
+        The motions of its case in its submission.
+    own
+        Its own motion.
+    """
+
+    run: Entry
+    motion: Motion
+    own: RunMotion
+
+
+def moving(catalogue: Catalogue, scene: Scene) -> list[Found]:
+    """Return the runs of a scene whose motion is known: of each engine that of the cell on the front page."""
+    runs = [cell(catalogue, engine, scene).run for engine in catalogue.engines]
+    return [found for run in runs if run is not None and (found := _found(run)) is not None]
+
+
+def played(scene: Scene, found: list[Found]) -> dict[str, Any]:
+    """Return what the player reads.
+
+    The truth is that of the newest submission. found: at least one run; see `moving`.
+    """
+    motion = max(found, key=lambda one: (one.run.source.header.started, one.run.source.key)).motion
+    frame = motion.shown
+    data = described(scene.case.scene, frame)
+    if frame is None:
+        data["momentum"] = motion.momentum
+    return {
+        **data,
+        "end": motion.end,
+        "truth": _entry(motion.truth, frame, frame),
+        "runs": [_told(one) | _entry(one.own.parts, one.motion.shown, frame) for one in found],
+        "shown": sorted(sorted(range(len(found)), key=lambda k: _badness(found[k]), reverse=True)[:MOST_SHOWN]),
+    }
+
+
+def _found(run: Entry) -> Found | None:
+    named = (run.get("engine"), run.version, run.get("integrator"))
+    for motion in run.source.tracks.motions:
+        if (motion.case, motion.timestep) == (run.get("case"), run.get("timestep")):
+            for own in motion.runs:
+                if (own.engine, own.version, own.integrator) == named:
+                    return Found(run, motion, own)
+    return None
+
+
+def _told(found: Found) -> dict[str, Any]:
+    """Return what the player tells of a run."""
+    run = found.run
+    label = f"{run.engine} {run.version} {run.get('integrator')}, {milliseconds(found.motion.timestep)}"
+    errors = {name: run.get(name) for name in ERRORS}
+    rounded = {name: None if error is None else float(f"{error:.4g}") for name, error in errors.items()}
+    return {"label": label, "colour": hue(run.engine)[0], **rounded}
+
+
+def _badness(found: Found) -> float:
+    return sum(found.run.get(name) or 0.0 for name in ERRORS)
+
+
+def _entry(parts: list[Part], own: Frame | None, frame: Frame | None) -> dict[str, Any]:
+    """Return a motion as the player reads it in a frame, from parts that are stored in their own."""
+    if frame is None or own is None:
+        (part,) = parts
+        return _encoded(part)
+    return {"parts": [_encoded(_moved(part, own, frame)) for part in parts]} if parts else {}
+
+
+def _encoded(part: Part) -> dict[str, Any]:
+    return {name: asdict(way) for name, way in (("turning", part.turning), ("course", part.course)) if way is not None}
+
+
+def _moved(part: Part, own: Frame, frame: Frame) -> Part:
+    """Return a part whose places are in another frame."""
+    if part.course is None or (own.middle, own.extent) == (frame.middle, frame.extent):
+        return part
+    t, shares = arrays(part.course)
+    places = shares / reported.LEVELS * part.course.farthest * own.extent + np.array(own.middle)
+    within = part.course.within * own.extent / frame.extent
+    course = reported.Course(t, (places - np.array(frame.middle)) / frame.extent, within).encoded()
+    return replace(part, course=Course(**course))

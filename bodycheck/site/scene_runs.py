@@ -1,0 +1,104 @@
+"""The runs of a scene, as its page lists them: those with numbers, and those without by their reasons."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from bodycheck.site.catalogue import Catalogue, Entry, Scene
+from bodycheck.site.cells import Verdict, default_run, verdict
+
+
+@dataclass(frozen=True, eq=False)
+class Line:
+    """A run that has a number, or that failed.
+
+    Parameters
+    ----------
+    run
+        Its row.
+    verdict
+        The verdict on it.
+    own
+        Whether its method is the one that the engine itself chooses.
+    """
+
+    run: Entry
+    verdict: Verdict
+    own: bool
+
+
+@dataclass(frozen=True)
+class Without:
+    """Methods of an engine that have no run of a scene, for one reason.
+
+    Parameters
+    ----------
+    engine, version
+        The engine; the version is empty where it is not known.
+    verdict
+        Which of the ways to have no number it is.
+    methods
+        The names of the methods; empty for all.
+    reason
+        Why; empty where nothing is known.
+    run
+        The first row that says so; None if there is none.
+    """
+
+    engine: str
+    version: str
+    verdict: Verdict
+    methods: tuple[str, ...]
+    reason: str
+    run: Entry | None = None
+
+
+def newest(catalogue: Catalogue, scene: Scene) -> tuple[list[Line], list[Without]]:
+    """Return the runs of the newest version of each engine, and what has none."""
+    lines: list[Line] = []
+    without: list[Without] = []
+    for engine in catalogue.engines:
+        groups = _versions(catalogue.runs.get((engine, scene.name), ()))
+        if not groups:
+            why = catalogue.without_method.get((engine, scene.name), "")
+            without.append(Without(engine, "", "unsupported" if why else "not run", (), why))
+            continue
+        lines += _lines(groups[-1], scene)
+        without += _without(groups[-1], scene)
+    return lines, without
+
+
+def older(catalogue: Catalogue, scene: Scene) -> list[Line]:
+    """Return the runs of all older versions of engines, the newest first."""
+    return [
+        line
+        for engine in catalogue.engines
+        for group in reversed(_versions(catalogue.runs.get((engine, scene.name), ()))[:-1])
+        for line in _lines(group, scene)
+    ]
+
+
+def _versions(runs: Sequence[Entry]) -> list[list[Entry]]:
+    """Return the runs of each version in the newest submission that has it, the oldest versions first."""
+    found: dict[str, list[Entry]] = {}
+    for run in runs:
+        if run.version not in found or found[run.version][0].source is not run.source:
+            found[run.version] = []
+        found[run.version].append(run)
+    return [sorted(group, key=lambda run: run.place) for group in found.values()]
+
+
+def _lines(group: list[Entry], scene: Scene) -> Iterator[Line]:
+    own = default_run(group)
+    for run in group:
+        if run.get("status") != "unsupported":
+            yield Line(run, verdict(run, scene), run is own)
+
+
+def _without(group: list[Entry], scene: Scene) -> Iterator[Without]:
+    reasons: dict[str, list[Entry]] = {}
+    for run in group:
+        if run.get("status") == "unsupported":
+            reasons.setdefault(str(run.get("reason") or ""), []).append(run)
+    for reason, runs in reasons.items():
+        methods = () if len(runs) == len(group) else tuple(dict.fromkeys(str(run.get("integrator")) for run in runs))
+        yield Without(runs[0].engine, runs[0].version, verdict(runs[0], scene), methods, reason, runs[0])
