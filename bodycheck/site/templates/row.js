@@ -26,7 +26,7 @@
         element(
           "thead",
           {},
-          element("tr", {}, ...["Column", "Value", "Unit", "Meaning"].map((text) => element("th", { scope: "col" }, text))),
+          element("tr", {}, ...["Column", "Value with its unit", "Meaning"].map((text) => element("th", { scope: "col" }, text))),
         ),
         element(
           "tbody",
@@ -38,8 +38,7 @@
                 "tr",
                 {},
                 element("th", { scope: "row" }, column.title, element("code", {}, name)),
-                element("td", { class: "value" }, shown(row(name))),
-                element("td", {}, column.unit),
+                element("td", { class: "value" }, `${shown(row(name))} ${column.unit}`.trim()),
                 element("td", {}, column.meaning),
               ),
             ),
