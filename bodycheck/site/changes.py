@@ -77,7 +77,7 @@ class Change:
         """
         if self.quantity == STATUS:
             return math.inf
-        floor = max(_rounding(run) for run in (self.before, self.after))
+        floor = max(rounding(run) for run in (self.before, self.after))
         small, large = sorted(max(abs(run.get(self.quantity)), floor) for run in (self.before, self.after))
         return float(large / small)
 
@@ -111,7 +111,7 @@ def change(catalogue: Catalogue, scene: Scene, after: Entry, earlier: Entry) -> 
     now, then = after.get(quantity.name), earlier.get(quantity.name)
     if now is None or then is None:
         return None
-    allowed = [_allowance(catalogue, run, quantity.name) for run in (earlier, after)]
+    allowed = [allowance(catalogue, run, quantity.name) for run in (earlier, after)]
     if None not in allowed:
         changed = abs(now - then) > math.fsum(one for one in allowed if one is not None)
     else:
@@ -119,7 +119,7 @@ def change(catalogue: Catalogue, scene: Scene, after: Entry, earlier: Entry) -> 
     return Change(earlier, after, quantity.name, abs(now) > abs(then)) if changed else None
 
 
-def _allowance(catalogue: Catalogue, run: Entry, quantity: str) -> float | None:
+def allowance(catalogue: Catalogue, run: Entry, quantity: str) -> float | None:
     """Return by how much rounding and the truth's error move a figure of a run; None where it is not measured."""
     measured = catalogue.allowances.get((run.engine, run.version, run.row["case"], *run.method))
     return None if measured is None else measured.get(f"{quantity}{ALLOWANCE_SUFFIX}")
@@ -128,17 +128,17 @@ def _allowance(catalogue: Catalogue, run: Entry, quantity: str) -> float | None:
 def _beyond_estimate(scene: Scene, earlier: Entry, after: Entry, then: float, now: float) -> bool:
     """Return whether two errors differ by more than the estimated effect of rounding."""
     bound = max(run.get(scene.quantity.bound_name) or 0.0 for run in (earlier, after))
-    rounding = max(_rounding(run) for run in (earlier, after))
+    rounded = max(rounding(run) for run in (earlier, after))
     small, large = sorted((abs(then), abs(now)))
-    if abs(now - then) <= max(bound, rounding, SMALLEST * large):
+    if abs(now - then) <= max(bound, rounded, SMALLEST * large):
         return False
     lost = scene.quantity.name == "attitude_error" and large > LOST_RAD
-    if CHAOTIC in scene.case.tags or lost or large <= rounding * LARGEST_GROWTH:
+    if CHAOTIC in scene.case.tags or lost or large <= rounded * LARGEST_GROWTH:
         return large >= LARGE * small
     return True
 
 
-def _rounding(run: Entry) -> float:
+def rounding(run: Entry) -> float:
     """Return the rounding of numbers of the size 1 in all steps of a run, if nothing amplifies it."""
     precisions = run.source.header.precisions
     precision = precisions.get(run.row["engine"]) or precisions.get(run.engine) or "float64"

@@ -1,6 +1,5 @@
 """What the front page shows: a matrix of engines by scenes for each kind of scene, and what changed, as text."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -166,7 +165,7 @@ class Front:
             len(changed) - sum(change.worse is not None for change in own),
             tuple(
                 (change.after.get("case"), in_words(change), links.row(change.after))
-                for change in sorted(own, key=_size, reverse=True)[:NAMED_CHANGES]
+                for change in sorted(own, key=lambda change: change.severity, reverse=True)[:NAMED_CHANGES]
             ),
         )
 
@@ -240,11 +239,3 @@ def _since(befores: Sequence[Entry], version: str) -> str:
     )
     names = list(found)
     return names[0] if len(names) == 1 else f"{names[0]} and earlier"
-
-
-def _size(change: Change) -> float:
-    """Return what sorts changes: those of the status first, then those by the largest factor."""
-    if change.quantity == "status":
-        return math.inf
-    before, after = (max(float(entry.get(change.quantity)), 1e-300) for entry in (change.before, change.after))
-    return abs(math.log(after / before))

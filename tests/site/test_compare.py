@@ -9,38 +9,58 @@ import pytest
 
 from bodycheck.site import changes, links
 from bodycheck.site.catalogue import Catalogue, Entry
+from bodycheck.site.submission import Submission
 from tests.site import submissions
 from tests.site.browsing import built
-from tests.site.submissions import CONTACT, catalogued, ended, run, submission
+from tests.site.submissions import FREE, catalogued, ended, run, submission
 from tests.support import axe
 from tests.support.browser import launched, visiting
 
 #: Errors and bounds whose pairs lie on both sides of every limit of the rule.
-ERRORS = (1e-3, 1.005e-3, 1.02e-3, 2e-3, 1e-9, 1.5e-9)
-BOUNDS = (1e-12, 1e-4, 1e-9)
+ERRORS = (0.0, 1e-3, 1.005e-3, 1.02e-3, 2e-3, 1e-9, 1.5e-9, 0.7, 0.9)
+BOUNDS = (1e-12, 1e-4)
+
+#: A case that is tagged as chaotic, and an engine in single precision.
+CHAOTIC, SINGLE = submissions.MECHANISM, "mjx32"
+
+VERSIONS = ("3.0", "4.0")
 
 
-def paired() -> tuple[list[submissions.Row], list[submissions.Row]]:
-    """Runs of as many methods as there are pairs of errors and bounds, and endings."""
-    before, after = [], []
-    for place, (then, now, bound) in enumerate(itertools.product(ERRORS, ERRORS, BOUNDS)):
-        before.append(run(integrator=f"m{place}", version="3.0", attitude_error=then, truth_error=bound))
-        after.append(run(integrator=f"m{place}", version="4.0", attitude_error=now, truth_error=bound))
-    statuses = ("ok", "diverged", "crashed")
-    for place, (then, now) in enumerate(itertools.product(statuses, statuses)):
-        for rows, status, version in ((before, then, "3.0"), (after, now, "4.0")):
-            told = {"integrator": f"s{place}", "version": version, "case": CONTACT}
-            rows.append(run(**told) if status == "ok" else ended(status, "not finite", **told))
-    before.append(run(integrator="gone", version="3.0"))
-    after.append(run(integrator="new", version="4.0", engine="mujoco"))
-    return before, after
+def both_sides(engine: str, subject: str) -> Iterator[submissions.Row]:
+    """The rows of each version: runs of as many methods as there are pairs of errors and bounds, and endings."""
+    pairs = list(itertools.product(ERRORS, ERRORS, BOUNDS))
+    endings = list(itertools.product(("ok", "diverged", "crashed"), repeat=2))
+    for side, version in enumerate(VERSIONS):
+        told = {"engine": engine, "version": version, "case": subject}
+        for place, (*errors, bound) in enumerate(pairs):
+            yield run(**told, integrator=f"m{place}", attitude_error=errors[side], truth_error=bound)
+        for place, statuses in enumerate(endings):
+            status, named = statuses[side], told | {"integrator": f"s{place}"}
+            yield run(**named) if status == "ok" else ended(status, "not finite", **named)
+        yield run(**told, integrator=("gone", "new")[side])
+
+
+def measured() -> list[submissions.Row]:
+    """The rows of a study of releases, in which some of the methods have measured allowances."""
+    return [
+        submissions.release(version, integrator=f"m{place}", attitude_error=0.1, attitude_error_allowance=10.0 ** -(place % 7))
+        for version in VERSIONS
+        for place in range(0, len(ERRORS) ** 2, 3)
+    ]
 
 
 @pytest.fixture(scope="module")
 def catalogue() -> Catalogue:
-    before, after = paired()
-    drake = [run(engine="drake", version="1.5")]
-    return catalogued(submission([*before, *drake], day="2026-01-01"), submission(after, day="2026-02-01"))
+    """Two versions of an engine with measured allowances of some runs, and of one in single precision."""
+    rows = [row for given in (("mujoco", FREE), ("mujoco", CHAOTIC), (SINGLE, FREE)) for row in both_sides(*given)]
+    old, new = ([row for row in rows if row["version"] == version] for version in VERSIONS)
+    drake = [run(engine="drake", version=version, attitude_error=error) for version, error in (("1.4", 0.1), ("1.5", 0.2))]
+    precisions = {"precisions": {"mujoco": "float64", SINGLE: "float32", "drake": "float64"}}
+    return catalogued(
+        submission([*old, drake[0]], day="2026-01-01", **precisions),
+        submission([*new, drake[1]], day="2026-02-01", **precisions),
+        submission({"releases.csv": measured()}, day="2026-01-15"),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -54,54 +74,62 @@ def browser() -> Iterator[Any]:
         yield found
 
 
-def methods(page: Any) -> list[str]:
+def runs(page: Any) -> set[tuple[str, str]]:
+    """The scenes and integrators of the rows that are shown."""
     page.wait_for_function("document.getElementById('told').textContent.includes('both')")
-    return [text.partition(" at ")[0] for text in page.locator("#found tbody td:nth-child(2)").all_inner_texts()]
+    cells = "(rows) => rows.map((row) => [row.cells[0].textContent, row.cells[1].textContent])"
+    found = page.locator("#found tbody tr").evaluate_all(cells)
+    return {(case, method.partition(" at ")[0]) for case, method in found}
 
 
-def test_the_page_finds_the_differences_that_the_rule_of_changes_finds(browser: Any, site: Path, catalogue: Catalogue) -> None:
-    old, new = catalogue.submissions
-    then = {entry.row["integrator"]: entry for entry in _entries(old, "3.0")}
-    now = {entry.row["integrator"]: entry for entry in _entries(new, "4.0")}
-    expected = {
-        name
-        for name in then.keys() & now.keys()
-        if changes.change(now[name], then[name], catalogue.scenes[now[name].row["case"]].quantity)
-    }
-    assert 0 < len(expected) < len(then)
-    with visiting(browser, site / "compare.html", site=site, place="#engine=mujoco") as visit:
-        assert set(methods(visit.page)) == expected
+def address(engine: str, before: Submission, after: Submission) -> str:
+    """What follows the path of the page in the address of a comparison."""
+    sides = (next(entry for entry in _entries(source) if entry.engine == engine) for source in (before, after))
+    return links.compare(engine, *sides).removeprefix(links.COMPARE)
+
+
+@pytest.mark.parametrize("engine", ["mujoco", SINGLE])
+def test_the_page_finds_the_differences_that_the_rule_of_changes_finds(
+    browser: Any, site: Path, catalogue: Catalogue, engine: str
+) -> None:
+    old, _, new = catalogue.submissions
+    then, now = (
+        {(entry.row["case"], entry.row["integrator"]): entry for entry in _entries(source) if entry.engine == engine}
+        for source in (old, new)
+    )
+    both = then.keys() & now.keys()
+    expected = {key for key in both if changes.change(catalogue, catalogue.scenes[key[0]], now[key], then[key])}
+    assert 0.2 * len(both) < len(expected) < 0.8 * len(both)
+    with visiting(browser, site / "compare.html", site=site, place=address(engine, old, new)) as visit:
+        assert runs(visit.page) == expected
         told = visit.page.locator("#told").inner_text()
-        assert told == (
-            f"{len(expected)} of {len(then) - 1} runs that both have differ by more than rounding. "
-            "1 run only before. 1 run only after."
-        )
+        assert told.startswith(f"{len(expected)} of {len(both)} runs that both have differ by more than rounding.")
+        assert f"{len(then) - len(both)} run{'s'[: len(then) - len(both) - 1]} only before." in told
 
 
 def test_the_address_says_what_is_compared(browser: Any, site: Path, catalogue: Catalogue) -> None:
-    old, new = catalogue.submissions
-    address = links.compare("mujoco", Entry(new, "results.csv", 0), Entry(old, "results.csv", 0))
-    place = address.removeprefix(links.COMPARE)
-    with visiting(browser, site / "compare.html", site=site, place=place) as visit:
+    old, _, new = catalogue.submissions
+    with visiting(browser, site / "compare.html", site=site, place=address(SINGLE, new, old)) as visit:
         page = visit.page
-        backwards = methods(page)
-        assert "1 run only before" in page.locator("#told").inner_text()
+        backwards = runs(page)
         row = page.locator("#found tbody tr").filter(has=page.get_by_role("cell", name="s1 at 2 ms", exact=True))
         assert "completes now; diverged before" in row.inner_text()
         page.get_by_role("button", name="Swap").click()
-        page.get_by_text("completed before").first.wait_for()
-        assert methods(page) == backwards
+        page.wait_for_function("document.getElementById('told').textContent.includes('both')")
+        assert "diverged now; completed before" in row.inner_text()
+        assert runs(page) == backwards
         page.get_by_label("also what does not differ").check()
         page.get_by_text("only after", exact=True).wait_for()
-        assert len(methods(page)) > len(backwards)
+        assert runs(page) > backwards
         page.go_back()
         page.go_back()
-        page.get_by_text("completes now; diverged before").wait_for()
+        page.locator("#found caption", has_text="Runs that differ").wait_for()
+        assert "completes now; diverged before" in row.inner_text()
 
 
 def test_numbers_lead_to_their_raw_rows(browser: Any, site: Path) -> None:
     with visiting(browser, site / "compare.html", site=site, place="#engine=mujoco") as visit:
-        methods(visit.page)
+        runs(visit.page)
         visit.page.locator("#found tbody td a").first.click()
         visit.page.get_by_role("heading", name="Command that reproduces it").wait_for()
 
@@ -109,17 +137,16 @@ def test_numbers_lead_to_their_raw_rows(browser: Any, site: Path) -> None:
 @pytest.mark.parametrize("place", ["#engine=nobody&left=x&right=y", "#engine=drake", "#left=%00"])
 def test_any_address_is_answered(browser: Any, site: Path, place: str) -> None:
     with visiting(browser, site / "compare.html", site=site, place=place) as visit:
-        methods(visit.page)
+        runs(visit.page)
 
 
 @pytest.mark.parametrize(("width", "scheme"), [(390, "light"), (1280, "dark"), (2560, "light")])
 def test_the_page_can_be_used_by_everyone(browser: Any, site: Path, width: int, scheme: Any) -> None:
-    with visiting(browser, site / "compare.html", width, scheme=scheme, site=site, place="#engine=mujoco") as visit:
-        methods(visit.page)
+    with visiting(browser, site / "compare.html", width, scheme=scheme, site=site, place="#engine=drake") as visit:
+        assert len(runs(visit.page)) == 1
         axe.check(visit.page)
         assert visit.page.evaluate("document.documentElement.scrollWidth") <= width
 
 
-def _entries(source: Any, version: str) -> list[Entry]:
-    rows = source.tables["results.csv"]
-    return [Entry(source, "results.csv", place) for place, row in enumerate(rows) if row["version"] == version]
+def _entries(source: Submission) -> list[Entry]:
+    return [Entry(source, "results.csv", place) for place in range(len(source.tables["results.csv"]))]

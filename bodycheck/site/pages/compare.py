@@ -6,7 +6,16 @@ from bodycheck.site import changes, links
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.render import File, page
 
+#: The numbers of the rule, which the script of the page reads.
+NUMBERS = {
+    "smallest": changes.SMALLEST,
+    "large": changes.LARGE,
+    "lost": changes.LOST_RAD,
+    "growth": changes.LARGEST_GROWTH,
+    "chaotic": changes.CHAOTIC,
+}
+
 
 def pages(catalogue: Catalogue) -> Iterator[File]:
     """Yield the page."""
-    yield page(links.COMPARE, "compare.html.jinja", catalogue=catalogue, smallest=changes.SMALLEST)
+    yield page(links.COMPARE, "compare.html.jinja", catalogue=catalogue, rule=changes.RULE, numbers=NUMBERS)

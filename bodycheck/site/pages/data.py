@@ -10,8 +10,10 @@
 
 `data/KEY.json` is a submission: its `header`, `tables` and `cases`. A table has `columns`, a list of values for each column
 that has any, and the `commands` that make its rows again. A row has the same place in all lists, from 0; `null` is an empty
-entry.
-`cases` has the SHA-256 of each case file, under which `data/cases.json` has its text.
+entry. A table of runs also has `roundings` and `allowances` of the error in the quantity of the scene: by how much rounding may
+move it if nothing amplifies rounding, and by how much rounding and the truth's error do move it, where a study of releases has
+measured that; see `bodycheck.site.changes`. `cases` has the SHA-256 of each case file, under which `data/cases.json` has its
+text.
 """
 
 import json
@@ -23,7 +25,7 @@ from typing import Any
 from bodycheck.reports.html import json_text
 from bodycheck.reports.quantities import QUANTITIES
 from bodycheck.reports.runs.matrix import KINDS
-from bodycheck.site import links
+from bodycheck.site import changes, links
 from bodycheck.site.catalogue import Catalogue, Entry
 from bodycheck.site.cells import Cell
 from bodycheck.site.columns import columns
@@ -52,7 +54,7 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
     yield _json(f"{links.DATA}cases", {"format": FORMAT, "cases": in_order})
     yield _script(f"{links.DATA}cases", "site.texts", in_order)
     for source in catalogue.submissions:
-        made = submission(source)
+        made = submission(catalogue, source)
         yield _json(links.data(source), made)
         yield _script(links.data(source), f'site.data["{source.key}"]', made)
 
@@ -96,7 +98,7 @@ def index(catalogue: Catalogue) -> dict[str, Any]:
     }
 
 
-def submission(source: Submission) -> dict[str, Any]:
+def submission(catalogue: Catalogue, source: Submission) -> dict[str, Any]:
     """Return a submission as JSON has it."""
     return {
         "format": FORMAT,
@@ -104,19 +106,31 @@ def submission(source: Submission) -> dict[str, Any]:
         "date": source.date,
         "machine": source.machine,
         "header": asdict(source.header),
-        "tables": {
-            name: {
-                "rows": len(rows),
-                "columns": {
-                    column: [row[column] for row in rows] for column in rows[0] if any(row[column] is not None for row in rows)
-                },
-                "commands": [command(source, name, row) for row in rows],
-            }
-            for name, rows in source.tables.items()
-            if rows
-        },
+        "tables": {name: _table(catalogue, source, name) for name, rows in source.tables.items() if rows},
         "cases": {name: _digest(text) for name, text in source.cases.items()},
     }
+
+
+def _table(catalogue: Catalogue, source: Submission, name: str) -> dict[str, Any]:
+    """Return a table with rows."""
+    rows = source.tables[name]
+    there = [column for column in rows[0] if any(row[column] is not None for row in rows)]
+    made: dict[str, Any] = {
+        "rows": len(rows),
+        "columns": {column: [row[column] for row in rows] for column in there},
+        "commands": [command(source, name, row) for row in rows],
+    }
+    if name in RUNS:
+        entries = [Entry(source, name, place) for place in range(len(rows))]
+        made["roundings"] = [changes.rounding(entry) for entry in entries]
+        made["allowances"] = [_allowance(catalogue, entry) for entry in entries]
+    return made
+
+
+def _allowance(catalogue: Catalogue, entry: Entry) -> float | None:
+    """Return by how much rounding and the truth's error move the error of a run, in the quantity of its scene."""
+    scene = catalogue.scenes.get(entry.row["case"])
+    return changes.allowance(catalogue, entry, scene.quantity.name) if scene is not None else None
 
 
 def _listed(source: Submission) -> dict[str, Any]:

@@ -4,7 +4,7 @@
   const form = document.getElementById("choice");
   const told = document.getElementById("told");
   const found = document.getElementById("found");
-  const { smallest } = site.json("rule");
+  const rule = site.json("rule");
   const { engine, left, right, all } = form.elements;
 
   // The results of an engine that can be compared, the newest first: a submission, a version and a table.
@@ -28,25 +28,40 @@
 
   const rowsOf = async (side) => {
     const data = await site.submission(side.source.key);
-    const { columns } = data.tables[side.table];
+    const { columns, roundings, allowances } = data.tables[side.table];
     const rows = new Map();
     columns.engine.forEach((name, place) => {
       if (name.split("@")[0] !== side.engine || columns.version[place] !== side.version) return;
       const get = (column) => columns[column]?.[place] ?? null;
       if (get("case") === null || get("timestep") === null) return;
       const key = JSON.stringify([get("case"), get("integrator"), get("timestep")]);
-      rows.set(key, { get, address: `row.html#${side.source.key}/${side.table}/${place}` });
+      const address = `row.html#${side.source.key}/${side.table}/${place}`;
+      rows.set(key, { get, address, rounding: roundings[place], allowance: allowances[place] });
     });
     return rows;
   };
 
-  /** What differs between two runs: nothing, the status, or the quantity of the scene; see `bodycheck.site.changes`. */
-  const compared = (before, after, kind) => {
+  /** Whether two errors differ by more than the estimated effect of rounding. */
+  const beyondEstimate = (before, after, then, now, kind, tags) => {
+    const bound = Math.max(before.get(kind.bound) ?? 0, after.get(kind.bound) ?? 0);
+    const rounded = Math.max(before.rounding, after.rounding);
+    const [small, large] = [Math.abs(then), Math.abs(now)].sort((one, other) => one - other);
+    if (Math.abs(now - then) <= Math.max(bound, rounded, rule.smallest * large)) return false;
+    const lost = kind.quantity === "attitude_error" && large > rule.lost;
+    if (tags.includes(rule.chaotic) || lost || large <= rounded * rule.growth) return large >= rule.large * small;
+    return true;
+  };
+
+  /** What differs between two runs: nothing, the status, or the quantity of the scene, as `bodycheck.site.changes` says. */
+  const compared = (before, after, kind, tags) => {
     if (before.get("status") !== after.get("status")) return "status";
     const [then, now] = [before.get(kind.quantity), after.get(kind.quantity)];
     if (then === null || now === null) return "";
-    const bound = Math.max(before.get(kind.bound) ?? 0, after.get(kind.bound) ?? 0);
-    return Math.abs(now - then) <= Math.max(bound, smallest * Math.max(Math.abs(now), Math.abs(then))) ? "" : kind.quantity;
+    const measured = before.allowance !== null && after.allowance !== null;
+    const differs = measured
+      ? Math.abs(now - then) > before.allowance + after.allowance
+      : beyondEstimate(before, after, then, now, kind, tags);
+    return differs ? kind.quantity : "";
   };
   const inWords = (before, after, kind, what) => {
     if (!after) return "only before";
@@ -105,7 +120,7 @@
       if (!known) return [];
       const kind = site.index.kinds[known.kind];
       const pair = { scene, integrator, timestep, kind, before: before.get(key), after: after.get(key) };
-      return [{ ...pair, what: pair.before && pair.after ? compared(pair.before, pair.after, kind) : "" }];
+      return [{ ...pair, what: pair.before && pair.after ? compared(pair.before, pair.after, kind, known.tags) : "" }];
     });
     const both = lines.filter((pair) => pair.before && pair.after);
     const differ = both.filter((pair) => pair.what);
