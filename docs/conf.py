@@ -39,7 +39,7 @@ default_role = "code"
 
 # Notebooks are executed at every build, since their numbers are those of the bodycheck that the documentation is about.
 nb_execution_mode = "force"
-nb_execution_timeout = 120
+nb_execution_timeout = 600  # s, of a cell; all notebooks together take a minute where nothing else runs
 nb_execution_raise_on_error = True
 nb_execution_show_tb = True
 nb_merge_streams = True
