@@ -70,7 +70,10 @@ def _told(content: bytes) -> tuple[dict[str, Any], dict[str, str]]:
         told = json.loads(content)
         if told["format"] != FORMAT:
             raise BadInput(f"{MANIFEST}: has format {str(told['format'])[:20]}; this version reads format {FORMAT}")
-        return dict(told["header"]), dict(told["files"])
+        header, digests = dict(told["header"]), dict(told["files"])
+        if not all(isinstance(digest, str) for digest in digests.values()):
+            raise ValueError("a digest is no text")
+        return header, digests
     except (ValueError, TypeError, KeyError, RecursionError) as error:
         raise BadInput(f"{MANIFEST}: is not as bodycheck writes it") from error
 

@@ -28,8 +28,8 @@ KEY_LENGTH = 20
 #: Characters of the digest of a case that does not come with bodycheck, which its name ends with on the site.
 MARK_LENGTH = 12
 
-#: Most cases that do not come with bodycheck, and most bytes of one.
-MOST_OWN_CASES, LONGEST_CASE = 100, 1 << 19
+#: Most cases that do not come with bodycheck, most bytes of one case, and of all that do not come with bodycheck.
+MOST_OWN_CASES, LONGEST_CASE, LONGEST_CASES = 100, 1 << 19, 1 << 20
 
 
 @dataclass(frozen=True)
@@ -111,6 +111,8 @@ def _cases(texts: Mapping[str, str]) -> dict[str, Case]:
     own = [name for name in texts if case_texts.shipped(name) is None]
     if len(own) > MOST_OWN_CASES:
         raise BadInput(f"there are {len(own)} cases that do not come with bodycheck; at most {MOST_OWN_CASES} are allowed")
+    if (size := sum(len(texts[name]) for name in own)) > LONGEST_CASES:
+        raise BadInput(f"the cases that do not come with bodycheck have {size} characters; at most {LONGEST_CASES} are allowed")
     found = {}
     for name, content in texts.items():
         found[name] = case = case_texts.read(name, content)

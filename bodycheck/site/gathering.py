@@ -1,6 +1,7 @@
 """Submissions from paths: zip files, results folders, and folders of both. What is not as it should be is left out."""
 
-from collections.abc import Iterator, Sequence
+import os
+from collections.abc import Sequence
 from pathlib import Path
 
 from bodycheck.errors import BadInput
@@ -53,18 +54,19 @@ def read(path: Path) -> Submission:
     """Return the submission in a zip file or results folder. Raises `BadInput`, and those of `DAMAGE`."""
     if path.is_dir():
         return checked(packing.contents(path))
-    return archive.read(reading.content(path, archive.MOST_PACKED))
+    try:
+        content = reading.content(path, archive.MOST_PACKED)
+    except OSError as error:
+        raise BadInput(str(error)) from error
+    return archive.read(content)
 
 
-def _places(path: Path) -> Iterator[Path]:
-    """Yield the zip files and results folders at a path."""
-    if not path.is_dir() or any((path / name).is_file() for name in TABLES):
-        yield path
-        return
-    for name in sorted(reading.names_in(path)):
-        inner = path / name
-        if inner.suffix == ".zip" or (inner.is_dir() and not name.startswith(".")):
-            yield inner
+def _places(path: Path) -> list[Path]:
+    """Return the zip files and results folders at a path, or the path itself if it is neither and has none."""
+    if not path.is_dir() or any(os.path.lexists(path / name) for name in TABLES):
+        return [path]
+    inner = [path / name for name in sorted(reading.names_in(path)) if not name.startswith(".")]
+    return [one for one in inner if one.suffix == ".zip" or one.is_dir()] or [path]
 
 
 def _name(path: Path) -> str:

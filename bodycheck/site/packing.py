@@ -67,6 +67,16 @@ def contents(folder: Path, cleaning: Cleaning | None = None) -> Contents:
     return Contents(header, files)
 
 
+def _content(path: Path, most: int) -> bytes:
+    """Return the content of a file. Raises `BadInput` if it cannot be read, is too large or no regular file."""
+    try:
+        return reading.content(path, most)
+    except FileNotFoundError:
+        raise
+    except OSError as error:
+        raise BadInput(str(error)) from error
+
+
 def _nothing(folder: Path) -> str:
     """Return why a folder without any of the tables makes no submission."""
     if other := next((name for name in UNKNOWN if (folder / name).is_file()), None):
@@ -76,7 +86,7 @@ def _nothing(folder: Path) -> str:
 
 def _table(path: Path, clean: Cleaning) -> bytes:
     """Return a table whose texts have nothing personal, and nothing that a submission must not have."""
-    content = reading.content(path, MOST_BYTES)
+    content = _content(path, MOST_BYTES)
     try:
         rows = list(csv.reader(io.StringIO(content.decode("utf-8"), newline=""), strict=True))
     except (UnicodeDecodeError, csv.Error) as error:
@@ -123,7 +133,7 @@ def _note_of(table: Path) -> Mapping[str, Any]:
     """Return where the numbers of a table come from."""
     beside = table.with_name(table.name + BESIDE)
     try:
-        (note, *more) = json.loads(reading.content(beside, MOST_BESIDE))["notes"]
+        (note, *more) = json.loads(_content(beside, MOST_BESIDE))["notes"]
     except FileNotFoundError as error:
         raise BadInput(f"{beside}: is missing; it says where the numbers of {table.name} come from") from error
     except (ValueError, TypeError, KeyError, RecursionError) as error:
@@ -158,7 +168,7 @@ def _stored(folder: Path) -> dict[str, str]:
     if path.is_file():
         return {str(case["name"]): str(case["text"]) for case in journal.header(path).get("cases", ())}
     files = [path for path in folder.glob(f"*{CASE_END}") if path.is_file() and not path.is_symlink()]
-    return {path.name.removesuffix(CASE_END): reading.content(path, MOST_BESIDE).decode("utf-8", "replace") for path in files}
+    return {path.name.removesuffix(CASE_END): _content(path, MOST_BESIDE).decode("utf-8", "replace") for path in files}
 
 
 def _digest(name: str, text: str) -> str:

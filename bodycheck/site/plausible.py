@@ -58,6 +58,20 @@ MEASURED = (*FIGURES, *(column.name for column in COST_COLUMNS))
 #: The figures that have a largest value, such as angles.
 LIMITED = tuple(figure for figure in FIGURES if most_possible(figure, 1.0) < math.inf)
 
+#: The columns in which every row has an entry, by table. Of a release that could not be had nothing else is known.
+FILLED: dict[str, tuple[str, ...]] = {
+    "results.csv": ("case", "engine", "version", "integrator", "timestep", "status"),
+    "attribution.csv": ("case", "engine", "version", "integrator", "timestep", "quantity"),
+    "tradeoff.csv": ("case", "engine", "version", "integrator", "timestep", "status"),
+    "orders.csv": ("case", "engine", "version", "integrator", "quantity"),
+    "releases.csv": ("case", "engine", "version", "status"),
+    "changes.csv": ("case", "engine", "integrator", "timestep", "quantity", "from_version", "to_version"),
+    "contact.csv": ("engine", "scene", "setting", "status"),
+    "parity.csv": ("model", "engine", "status", "subject"),
+    "audit.csv": ("engine", "version", "integrator", "timestep", "property", "status"),
+    "ensemble.csv": ("case", "engine", "version", "integrator", "timestep", "members"),
+}
+
 #: The columns that together name a row, which no other row of the table may have.
 NAMES: dict[str, tuple[str, ...]] = {
     "results.csv": ("case", "engine", "integrator", "timestep"),
@@ -87,14 +101,16 @@ def check(name: str, rows: Sequence[Row], cases: Mapping[str, Case], engines: Ma
     engines
         The versions of the engines by name, as the header has them.
     """
-    known = {adapter_of(engine) for engine in engines} | {"file"}
+    known = {adapter_of(engine) for engine in engines} | ({"file"} if name == "parity.csv" else set())
     words = {column: allowed for (table, column), allowed in WORDS.items() if table == name}
     signed = SIGNED.get(name, frozenset())
     for line, row in enumerate(rows, start=2):
+        if empty := next((column for column in FILLED[name] if row.get(column) is None), None):
+            raise fault(name, line, empty, "", "an entry in every row")
         _check_words(name, line, row, words)
         _check_numbers(name, line, row, signed)
         if (engine := row.get("engine")) and adapter_of(engine) not in known:
-            raise fault(name, line, "engine", engine, f"the engines of the header: {', '.join(sorted(known - {'file'}))}")
+            raise fault(name, line, "engine", engine, f"the engines of the header: {', '.join(sorted(known))}")
         version = engines.get(str(engine))
         if name in OF_ONE_VERSION and version and row.get("version") not in (None, version):
             raise fault(name, line, "version", row["version"], f"{version}, which the header has for {engine}")
@@ -128,8 +144,8 @@ def _check_numbers(name: str, line: int, row: Row, signed: frozenset[str]) -> No
 
 
 def _check_run(name: str, line: int, row: Row, case: Case) -> None:
-    if not row["timestep"]:
-        raise fault(name, line, "timestep", row["timestep"], "positive numbers, in s")
+    if row.get("timestep") == 0.0 or (row["status"] == Completed.status and row.get("timestep") is None):
+        raise fault(name, line, "timestep", row.get("timestep"), "positive numbers, in s")
     if row["status"] != Completed.status:
         found = next((column for column in MEASURED if row.get(column) is not None), None)
         if found is not None:
