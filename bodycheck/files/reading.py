@@ -55,8 +55,9 @@ def content(path: Path, limit: int, follow: bool = False) -> bytes:
     _check_kind(path, os.stat(path, follow_symlinks=follow).st_mode)  # before it is opened: opening a device may change it
     descriptor = os.open(path, os.O_RDONLY | NO_WAITING | (0 if follow else NO_LINK))
     try:
-        _check_kind(path, os.fstat(descriptor).st_mode)
-        chunks, room = [], limit + 1
+        status = os.fstat(descriptor)
+        _check_kind(path, status.st_mode)
+        chunks, room = [], 0 if status.st_size > limit else limit + 1  # what is too large is not read at all
         while room > 0 and (chunk := os.read(descriptor, min(room, CHUNK_BYTES))):
             chunks.append(chunk)
             room -= len(chunk)

@@ -7,7 +7,7 @@ from hashlib import sha256
 from typing import Any
 
 from bodycheck.casefile.content import Case
-from bodycheck.casefile.finding import SUFFIX as CASE_END
+from bodycheck.casefile.finding import SUFFIX
 from bodycheck.errors import BadInput
 from bodycheck.running.records import HeaderRecord
 from bodycheck.site import cases as case_texts
@@ -21,6 +21,7 @@ FORMAT = 1
 
 #: The names of files.
 TABLES, CASES, TRACKS = "tables/", "cases/", "tracks.json"
+CASE_END = SUFFIX
 
 #: Characters of the digest that name a submission: so many that nobody finds other contents with the same ones.
 KEY_LENGTH = 20
@@ -62,16 +63,17 @@ def checked(contents: Contents) -> Submission:
     BadInput
         Something is not as bodycheck writes it; the text says what and where.
     """
-    header = headers.checked(contents.header)
+    header = headers.checked(_sorted(contents.header))
+    files = dict(sorted(contents.files.items()))
     texts = {
         name.removeprefix(CASES).removesuffix(CASE_END): _text(name, content)
-        for name, content in contents.files.items()
+        for name, content in files.items()
         if name.startswith(CASES)
     }
     cases = _cases(texts)
     rows = {
         name.removeprefix(TABLES): tables.read(name.removeprefix(TABLES), content)
-        for name, content in contents.files.items()
+        for name, content in files.items()
         if name.startswith(TABLES)
     }
     if not any(rows.values()):
@@ -95,6 +97,13 @@ def _tracks(contents: Contents, cases: Mapping[str, Case], rows: Sequence[Row]) 
         return tracks.NO_TRACKS
     runs = [tuple(row[column] for column in tracks.RUN) for row in rows if row["status"] == "ok"]
     return tracks.read(contents.files[TRACKS], cases, runs)
+
+
+def _sorted(value: Any) -> Any:
+    """Return a value of JSON whose objects are sorted, so that the site does not depend on how a submission was written."""
+    if isinstance(value, Mapping):
+        return {key: _sorted(value[key]) for key in sorted(value)}
+    return value
 
 
 def _text(name: str, content: bytes) -> str:

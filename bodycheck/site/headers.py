@@ -13,7 +13,7 @@ from bodycheck.site import tables
 from bodycheck.site.texts import text
 
 #: The entries of a header.
-KNOWN = {field.name: None for field in fields(HeaderRecord)}.keys()
+KNOWN = tuple(field.name for field in fields(HeaderRecord))
 
 #: An instant as bodycheck writes it, in the years in which there can be results.
 STARTED = re.compile(r"20[2-9][0-9]-[0-9]{2}-[0-9]{2}T[0-9]{2}:[0-9]{2}:[0-9]{2}\+00:00")
@@ -31,10 +31,8 @@ LONGEST, LONGEST_REASON = 300, 4000
 def checked(header: Mapping[str, Any]) -> HeaderRecord:
     """Return a header. Raises `BadInput` if it is not as bodycheck writes it; the text says where and why."""
     try:
-        if unknown := sorted(header.keys() - {field.name for field in fields(HeaderRecord)}):
-            raise ValueError(
-                f"has {str(unknown[0])[:60]!r}; allowed: {', '.join(field.name for field in fields(HeaderRecord))}"
-            )
+        if unknown := sorted(header.keys() - set(KNOWN)):
+            raise ValueError(f"has {unknown[0][:60]!r}; allowed: {', '.join(KNOWN)}")
         found = records.typed(HeaderRecord, header)
         if not STARTED.fullmatch(found.started):
             raise ValueError(f"started: {found.started[:40]!r} is no instant, such as 2026-11-23T16:54:16+00:00")

@@ -25,6 +25,9 @@ MAIN = (
 #: Most characters of the name of a page.
 LONGEST = 80
 
+#: Names that no file can have on Windows, whatever follows a dot.
+DEVICE = re.compile(r"(?:con|prn|aux|nul|com[0-9]|lpt[0-9])(?:$|\.)")
+
 
 def engine(name: str) -> str:
     """Return the address of the page of an engine."""
@@ -75,6 +78,6 @@ def row(entry: Entry) -> str:
 def slug(name: str) -> str:
     """Return the name of a file for a name. Different names have different files, also where capitals do not count."""
     plain = re.sub(r"[^a-z0-9._-]+", "-", name.lower()).strip("-.")
-    if plain == name and len(plain) <= LONGEST:
+    if plain == name and len(plain) <= LONGEST and not DEVICE.match(plain):
         return plain
-    return f"{plain[:LONGEST]}-{sha256(name.encode('utf-8', 'replace')).hexdigest()[:8]}"
+    return f"{'_' if DEVICE.match(plain) else ''}{plain[:LONGEST]}-{sha256(name.encode('utf-8', 'replace')).hexdigest()[:8]}"

@@ -9,7 +9,6 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from bodycheck.casefile.finding import SUFFIX as CASE_END
 from bodycheck.errors import BadInput
 from bodycheck.files import reading
 from bodycheck.running import journal, records, store
@@ -17,7 +16,7 @@ from bodycheck.running.csv_tables import entry as csv_entry
 from bodycheck.running.origin import BESIDE
 from bodycheck.site import cases as case_texts
 from bodycheck.site import tables, tracing, tracks
-from bodycheck.site.contents import CASES, TABLES, TRACKS, Contents
+from bodycheck.site.contents import CASE_END, CASES, TABLES, TRACKS, Contents
 from bodycheck.site.personal import Cleaning
 from bodycheck.site.texts import shown
 
@@ -114,7 +113,7 @@ def _written(rows: Iterable[list[str]]) -> bytes:
 def _cleaned(value: Any, clean: Cleaning) -> Any:
     """Return a value of JSON whose texts have nothing personal."""
     if isinstance(value, dict):
-        return {key: _cleaned(one, clean) for key, one in value.items()}
+        return {shown(clean.text(key)): _cleaned(one, clean) for key, one in value.items()}
     if isinstance(value, list):
         return [_cleaned(one, clean) for one in value]
     return shown(clean.text(value)) if isinstance(value, str) else value

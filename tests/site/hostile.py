@@ -20,10 +20,10 @@ RESULTS, NOTE = "results.csv", f"results.csv{BESIDE}"
 
 #: Values for a column of results.csv that no run has.
 ENTRIES: tuple[tuple[str, str], ...] = (
-    *(("case", name) for name in ("../../index", "Free-Brick", "free-brick.0123456789ab", "no-such-case", "con", "", "a" * 500)),
+    *(("case", name) for name in ("../../index", "Free-Brick", "free-brick.0123456789ab", "no-such", "con", "", "a" * 500)),
     *(("engine", name) for name in ("../index", "index.html", "MuJoCo", "mujoco@", "mujoco@1@2", "dart", "file", "", "é" * 40)),
     *(("version", text) for text in ("4.0.0<script>", "../..", "9" * 60, "4.0.1", "", "4 0", "٤")),
-    *(("integrator", text) for text in ("<script>x</script>", "Euler:", "Euler:a", "", "a" * 400, "Eu\u202eler", "Euler\u0000")),
+    *(("integrator", text) for text in ("<script>x</script>", "Euler:", "Euler:a", "", "a" * 400, "E\u202eler", "Euler\u0000")),
     *(("timestep", text) for text in ("nan", "inf", "-0.002", "0", "1e999", "1e-999", "1_0", "٣", "0x10", "", "1" * 5000)),
     *(("status", text) for text in ("OK", "", "good", "<b>ok</b>", "not run")),
     *(("passed", text) for text in ("true", "1", "yes")),
@@ -98,7 +98,7 @@ def entry(column: str, text: str) -> Attack:
     def attack(folder: Path) -> Path:
         rows = _rows(made.write_folder(folder / "hostile", {RESULTS: [made.run()]}))
         rows[1][rows[0].index(column)] = text
-        return _packed(folder, {f"tables/{RESULTS}": _csv(rows)})
+        return _packed(folder, {f"tables/{RESULTS}": table_of(rows)})
 
     return attack
 
@@ -129,7 +129,7 @@ def case(name: str, text: str) -> Attack:
     def attack(folder: Path) -> Path:
         rows = _rows(made.write_folder(folder / "hostile", {RESULTS: [made.run()]}))
         rows[1][rows[0].index("case")] = name
-        return _packed(folder, {f"tables/{RESULTS}": _csv(rows), f"cases/{name}.case.toml": text.encode()})
+        return _packed(folder, {f"tables/{RESULTS}": table_of(rows), f"cases/{name}.case.toml": text.encode()})
 
     return attack
 
@@ -241,14 +241,20 @@ def with_file(name: str, own: bytes) -> Attack:
     return zipped(lambda stream, files: write_all(stream, {**files, name: own}))
 
 
-def _rows(folder: Path) -> list[list[str]]:
-    return list(csv.reader(io.StringIO((folder / RESULTS).read_text())))
+def rows_of(own: bytes) -> list[list[str]]:
+    """The rows of a table, the first of which are its columns."""
+    return list(csv.reader(io.StringIO(own.decode(), newline="")))
 
 
-def _csv(rows: list[list[str]]) -> bytes:
+def table_of(rows: list[list[str]]) -> bytes:
+    """The table with these rows."""
     stream = io.StringIO()
     csv.writer(stream, lineterminator="\n").writerows(rows)
-    return stream.getvalue().encode("utf-8", "surrogatepass")
+    return stream.getvalue().encode("utf-8", "replace")
+
+
+def _rows(folder: Path) -> list[list[str]]:
+    return rows_of((folder / RESULTS).read_bytes())
 
 
 def _own(folder: Path) -> Path:
