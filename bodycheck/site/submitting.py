@@ -32,13 +32,14 @@ class Packed:
 def packed(folder: Path) -> Packed:
     """Return a results folder as a submission. Raises `BadInput` if the folder is not as bodycheck writes it."""
     cleaning = personal.Cleaning(personal.own_names())
-    content = archive.zipped(packing.contents(folder, cleaning))
-    if len(content) > archive.MOST_PACKED:
-        raise BadInput(f"{folder}: makes a file of {len(content)} bytes; at most {archive.MOST_PACKED} are allowed")
     try:
+        content = archive.zipped(packing.contents(folder, cleaning))
+        if len(content) > archive.MOST_PACKED:
+            raise BadInput(f"makes a file of {len(content)} bytes; at most {archive.MOST_PACKED} are allowed")
         return Packed(content, archive.read(content), cleaning.removed)
     except BadInput as error:
-        raise BadInput(f"{folder}: {error}") from error
+        told = str(error)
+        raise BadInput(told if told.startswith(str(folder)) else f"{folder}: {told}") from error
 
 
 def told(made: Packed) -> Iterator[str]:

@@ -134,6 +134,16 @@ def case(name: str, text: str) -> Attack:
     return attack
 
 
+def tracks(own: bytes) -> Attack:
+    """An attack by the file with motions."""
+
+    def attack(folder: Path) -> Path:
+        made.write_folder(folder / "hostile", {RESULTS: [made.run()]})
+        return _packed(folder, {contents.TRACKS: own})
+
+    return attack
+
+
 def note(change: Callable[[Any], Any]) -> Attack:
     """An attack by the file beside results.csv of a results folder."""
 

@@ -169,6 +169,27 @@ def ensemble(**values: Any) -> Row:
     return asdict(known) | values
 
 
+#: Rows of every table that the site knows.
+ROWS: dict[str, list[Row]] = {
+    "results.csv": [
+        run(),
+        ended("unsupported", integrator="implicit"),
+        ended("diverged", "not a number at 3 s", case=CONTACT),
+        exact(case=MECHANISM),
+        broken(integrator="RK4"),
+    ],
+    "attribution.csv": [attribution()],
+    "tradeoff.csv": [tradeoff(0.01), tradeoff(0.005)],
+    "orders.csv": [order()],
+    "releases.csv": [release("3.17.0"), release("4.0.0")],
+    "changes.csv": [change()],
+    "contact.csv": [contact()],
+    "parity.csv": [parity()],
+    "audit.csv": [audit()],
+    "ensemble.csv": [ensemble()],
+}
+
+
 def write_folder(
     folder: Path,
     tables: Mapping[str, Iterable[Row]],

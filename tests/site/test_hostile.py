@@ -161,6 +161,15 @@ ZIPS: dict[str, Attack] = {
     "a file with a long name": with_file("cases/" + "a" * 60_000 + ".case.toml", b"x"),
 }
 
+TRACKS: dict[str, Attack] = {
+    "nothing": hostile.tracks(b""),
+    "a deep list": hostile.tracks(b"[" * DEEP + b"]" * DEEP),
+    "no object": hostile.tracks(b"[]"),
+    "not a number": hostile.tracks(b'{"format": NaN}'),
+    "markup": hostile.tracks(b"<script>x</script>"),
+    "many lists": hostile.tracks(b"[" + b"[]," * 1_000_000 + b"[]]"),
+}
+
 ATTACKS: dict[str, Attack] = {
     **{f"{column}: {value[:30]!r}": hostile.entry(column, value) for column, value in hostile.ENTRIES},
     **{f"header: {name}: {str(value)[:40]!r}": hostile.header(name, value) for name, value in hostile.HEADERS},
@@ -168,6 +177,7 @@ ATTACKS: dict[str, Attack] = {
     **{f"note: {name}": attack for name, attack in NOTES.items()},
     **{f"place: {name}": attack for name, attack in PLACES.items()},
     **{f"case: {name}": attack for name, attack in CASES.items()},
+    **{f"tracks: {name}": attack for name, attack in TRACKS.items()},
     **{f"zip: {name}": attack for name, attack in ZIPS.items()},
 }
 

@@ -12,7 +12,6 @@ from bodycheck.site.contents import Contents
 from bodycheck.site.tables import TABLES
 from tests.site import hostile
 from tests.site import submissions as made
-from tests.site.test_submissions import ROWS
 
 #: Entries of tables: what may stand there, the ends of ranges, and anything.
 ENTRIES = (
@@ -33,7 +32,7 @@ JSON = st.recursive(
 
 @pytest.fixture(scope="module")
 def honest(tmp_path_factory: pytest.TempPathFactory) -> Contents:
-    tables = {name: rows[:2] for name, rows in ROWS.items()}
+    tables = {name: rows[:2] for name, rows in made.ROWS.items()}
     return packing.contents(made.write_folder(tmp_path_factory.mktemp("honest"), tables))
 
 

@@ -8,37 +8,17 @@ from bodycheck.site import archive, gathering, packing
 from bodycheck.site.tables import TABLES
 from tests.site import submissions as made
 
-#: Rows of every table that the site knows.
-ROWS = {
-    "results.csv": [
-        made.run(),
-        made.ended("unsupported", integrator="implicit"),
-        made.ended("diverged", "not a number at 3 s", case=made.CONTACT),
-        made.exact(case=made.MECHANISM),
-        made.broken(integrator="RK4"),
-    ],
-    "attribution.csv": [made.attribution()],
-    "tradeoff.csv": [made.tradeoff(0.01), made.tradeoff(0.005)],
-    "orders.csv": [made.order()],
-    "releases.csv": [made.release("3.17.0"), made.release("4.0.0")],
-    "changes.csv": [made.change()],
-    "contact.csv": [made.contact()],
-    "parity.csv": [made.parity()],
-    "audit.csv": [made.audit()],
-    "ensemble.csv": [made.ensemble()],
-}
-
 
 def test_there_are_rows_of_every_table() -> None:
-    assert list(ROWS) == list(TABLES)
+    assert list(made.ROWS) == list(TABLES)
 
 
-@pytest.mark.parametrize("name", ROWS)
+@pytest.mark.parametrize("name", made.ROWS)
 def test_a_table_is_read_as_it_was_made(name: str, tmp_path: Path) -> None:
-    folder = made.write_folder(tmp_path / "results", {"results.csv": [made.run()], name: ROWS[name]})
+    folder = made.write_folder(tmp_path / "results", {"results.csv": [made.run()], name: made.ROWS[name]})
     read = gathering.read(folder)
     told = [{column: value for column, value in row.items() if value is not None} for row in read.tables[name]]
-    assert told == [{column: value for column, value in row.items() if value not in (None, "")} for row in ROWS[name]]
+    assert told == [{column: value for column, value in row.items() if value not in (None, "")} for row in made.ROWS[name]]
     packed = archive.read(archive.zipped(packing.contents(folder)))
     assert packed.key == read.key
     assert packed.tables == read.tables
