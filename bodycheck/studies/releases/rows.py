@@ -14,7 +14,7 @@ from bodycheck.errors import BadInput
 from bodycheck.figures.revisions import redefined
 from bodycheck.judging.judgement import COLUMNS
 from bodycheck.running import csv_tables, journal, records
-from bodycheck.running.header import DESCRIPTIONS, Header
+from bodycheck.running.header import DESCRIPTIONS, LATER, Header
 from bodycheck.running.outcome import Unsupported
 
 #: The file with the records of the study.
@@ -182,7 +182,7 @@ def read(folder: Path) -> Found:
         raise BadInput(f"{folder / RECORDS}: was interrupted while it was written; run the study again")
     try:
         revisions = records.typed(records.RevisionsRecord, contents.header).revisions
-        header = {"revisions": revisions, **contents.header}
+        header = {"revisions": revisions, **LATER, **contents.header}
         return Found(
             cast(ReleasesHeader, {name: header[name] for name in get_type_hints(ReleasesHeader)}),
             tuple(_present(record["row"]) for record in contents.records if record["record"] == "row"),

@@ -9,10 +9,11 @@ import vl_convert
 
 from bodycheck.errors import BadInput
 from bodycheck.reports import html, markdown
+from bodycheck.running.header import LATER
 from bodycheck.studies.releases import rows as release_rows
 from bodycheck.studies.releases.page import present
 from bodycheck.studies.releases.rows import UNOBTAINABLE, Found
-from tests.support import pages
+from tests.support import journals, pages
 from tests.support.commands import call
 from tests.support.release_rows import HEADER, change, failed, row, told
 
@@ -120,6 +121,17 @@ def test_reports_are_made_again_from_what_is_saved(tmp_path: Path) -> None:
     saved.write_text("\n".join(saved.read_text().splitlines()[:-1]) + "\n")
     with pytest.raises(BadInput, match="was interrupted"):
         call("report", tmp_path / "abacus")
+
+
+def test_studies_of_earlier_versions_of_bodycheck_are_read(tmp_path: Path) -> None:
+    """Their headers lack what was added since."""
+    written = found_on("abacus")
+    release_rows.write(written, tmp_path)
+    lines = journals.records(tmp_path / release_rows.RECORDS)
+    for name in LATER:
+        del lines[0][name]
+    journals.write_without_checksums(tmp_path / release_rows.RECORDS, lines)
+    assert release_rows.read(tmp_path) == written
 
 
 def test_the_chart_has_a_line_a_method_and_a_ring_where_it_changed() -> None:
