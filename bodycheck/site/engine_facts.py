@@ -37,6 +37,12 @@ class MethodFacts:
         return next((entry.get("claimed") for entry in self.orders if entry.get("claimed") is not None), None)
 
     @property
+    def by_case(self) -> Mapping[str, tuple[Entry, ...]]:
+        """Return the rows of orders.csv by case."""
+        cases = dict.fromkeys(entry.row["case"] for entry in self.orders)
+        return {case: tuple(entry for entry in self.orders if entry.row["case"] == case) for case in cases}
+
+    @property
     def schemes(self) -> tuple[str, ...]:
         """Return the textbook schemes with which it agrees, or that it is near."""
         told = (entry.get("scheme") or _near(entry.get("nearest_scheme")) for entry in self.orders)

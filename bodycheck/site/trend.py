@@ -12,6 +12,9 @@ WIDTH, HEIGHT, LEFT, BELOW, ABOVE = 350, 200, 46, 36, 10
 #: Width of a chart with its room for names at the right.
 TOTAL = WIDTH + 150
 
+#: Width of a digit (pixels).
+LETTER = 8
+
 #: Least distance between names of lines (pixels).
 APART = 14
 
@@ -66,7 +69,7 @@ def chart(title: str, label: str, versions: Sequence[str], lines: Sequence[Line]
         y = up(10.0**decade)
         parts.append(f'<path class="grid" d="M{LEFT} {y:.1f}H{WIDTH - 10}"/>')
         parts.append(f'<text x="{LEFT - 6}" y="{y + 4:.1f}" text-anchor="end">1e{decade}</text>')
-    for place in _shown(len(versions)):
+    for place in _shown(versions):
         x = across[place]
         parts.append(f'<text x="{x:.1f}" y="{HEIGHT - BELOW + 18}" text-anchor="middle">{escape(versions[place])}</text>')
     parts.append(f'<text x="{LEFT}" y="{HEIGHT - 1}">{escape(label)}</text>')
@@ -111,10 +114,11 @@ def _names(lines: Sequence[Line], up: Height) -> list[float]:
     return [y - over for y in placed]
 
 
-def _shown(versions: int) -> range:
+def _shown(versions: Sequence[str]) -> range:
     """Return the places of the releases whose names fit below the chart, the last one in any case."""
-    step = math.ceil(versions / 7)
-    return range((versions - 1) % step, versions, step)
+    room = (WIDTH - LEFT - 10) / len(versions)
+    step = math.ceil((max(map(len, versions)) + 1) * LETTER / room)
+    return range((len(versions) - 1) % step, len(versions), step)
 
 
 def _short(name: str) -> str:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from bodycheck.reports.quantities import bound, number
+from bodycheck.reports.quantities import QUANTITIES, bound, number
 from bodycheck.site.cells import Cell, Verdict
 
 
@@ -34,6 +34,9 @@ WORDS: dict[Verdict, Word] = {
     "unsupported": Word("–", "unsupported", "The engine, or its adapter, does not model what the scene requires."),
     "not run": Word("·", "not run", "Nothing is known: there is no run of this scene in this engine."),
 }
+
+#: The names for readers of figures, by their columns.
+TITLES = {name: quantity.title for name, quantity in QUANTITIES.items()}
 
 
 def text(cell: Cell) -> str:

@@ -35,12 +35,12 @@ def section(page: str, name: str) -> str:
 
 def test_every_study_appears_with_its_numbers() -> None:
     page = raw(example.catalogue(make.submission(STUDIES, day="2026-01-04")))
-    assert "attitude 1.01 (0.98 to 1.04) in intermediate-axis-flip" in section(page, "methods")
+    assert "intermediate-axis-flip : attitude 1.01" in section(page, "methods")
     assert "semi-implicit Euler" in section(page, "methods")
-    assert "stop_time_error, s 0.4077 0.001 Euler at 2 ms 1e-5 Euler at 2 ms" in section(page, "contact")
+    assert "Stop time error, s 0.4077 0.001 Euler at 2 ms 1e-5 Euler at 2 ms" in section(page, "contact")
     assert "linear-damping Euler at 2 ms 0.001 1/s 0 deviates" in section(page, "audit")
     assert "0 properties of a method by the engine's own settings, 1 without a switch for it, 1 as mechanics has it" in page
-    assert "1000 1 % (0.5 to 1.8) attitude_error 0.01 0.1 1.5" in section(page, "ensembles")
+    assert "1000 1 % (0.5 to 1.8) Attitude error 0.01 0.1 1.5" in section(page, "ensembles")
     assert "panda 4.0.0 1 1 0 0 0 damping-ignored" in section(page, "robots")
     assert "integrator Euler" in section(page, "defaults")
 

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from markupsafe import Markup
 
 from bodycheck.reports.quantities import milliseconds
-from bodycheck.reports.runs.matrix import Kind
+from bodycheck.reports.runs.matrix import KINDS, Kind
 from bodycheck.site import changes, engine_facts, links, trend
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.site.cells import Cell, Verdict, cell
 from bodycheck.site.releases import Release, Upgrade, releases, upgrades
 from bodycheck.site.render import File, page
+from bodycheck.site.wording import TITLES
 from bodycheck.studies.audit.rows import PROPERTIES
 
 #: Verdicts whose scenes are listed by name.
@@ -54,6 +55,7 @@ def pages(catalogue: Catalogue) -> Iterator[File]:
             links.engine(engine),
             "engine.html.jinja",
             catalogue=catalogue,
+            titles=TITLES,
             engine=engine,
             releases=known,
             upgrades=found,
@@ -86,8 +88,9 @@ def trends(ran: Sequence[Release], found: Mapping[str, Upgrade]) -> Iterator[Tre
         for scene, change in upgrade.changes:
             if change.quantity != changes.STATUS and change.severity > worst.get(scene.kind.name, (0.0, scene))[0]:
                 worst[scene.kind.name] = change.severity, scene
-    for _, scene in sorted(worst.values(), key=lambda one: one[1].kind.name):
-        yield _trend(ran, scene)
+    for kind in KINDS:
+        if kind.name in worst:
+            yield _trend(ran, worst[kind.name][1])
 
 
 def _trend(ran: Sequence[Release], scene: Scene) -> Trend:
@@ -116,10 +119,8 @@ def _spread(line: trend.Line) -> float:
 
 
 def _by_kind(cells: Sequence[tuple[Scene, Cell]]) -> Mapping[Kind, list[tuple[Scene, Cell]]]:
-    found: dict[Kind, list[tuple[Scene, Cell]]] = {}
-    for scene, one in cells:
-        found.setdefault(scene.kind, []).append((scene, one))
-    return found
+    found = {kind: [(scene, one) for scene, one in cells if scene.kind == kind] for kind in KINDS}
+    return {kind: own for kind, own in found.items() if own}
 
 
 def _counts(cells: Sequence[tuple[Scene, Cell]]) -> Mapping[Verdict, int]:
