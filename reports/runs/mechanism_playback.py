@@ -154,9 +154,7 @@ def _fixed(mechanism: Mechanism, frame: Frame) -> list[list[float]]:
     if floats(mechanism):
         return []
     joints = [joint.position for joint in mechanism.joints if joint.parent == WORLD]
-    loops = [
-        point for loop in mechanism.loops for place, point in zip(loop.bodies, loop.points, strict=True) if place == WORLD
-    ]
+    loops = [point for loop in mechanism.loops for place, point in zip(loop.bodies, loop.points, strict=True) if place == WORLD]
     return [((np.array(point) - frame.middle) / frame.extent).tolist() for point in (*joints, *loops)]
 
 

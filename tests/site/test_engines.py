@@ -99,3 +99,11 @@ def test_no_name_of_a_stranger_becomes_markup() -> None:
     issues = section(raw(make.catalogued(make.submission([make.run()]))), "issues")
     assert "<origin rpy>" in issues
     assert "a &lt; b &amp; c" in raw(make.catalogued(make.submission({"audit.csv": [row | {"integrator": "Euler"}]})))
+
+
+def test_names_of_many_releases_are_thinned_out_and_the_last_one_stays() -> None:
+    versions = [f"3.{place}.10" for place in range(32)]
+    drawn = ElementTree.fromstring(chart("title", "error", versions, [Line("one", (1e-3,) * 32)]))
+    named = [one.text for one in drawn if one.tag == "text" and one.text in versions]
+    assert 3 < len(named) < 8
+    assert named[-1] == versions[-1]
