@@ -8,7 +8,6 @@ import pytest
 from bodycheck.site import build, links
 from tests.site import submissions as make
 from tests.site import upgrades as example
-from tests.site.test_engines import STUDIES
 from tests.support import axe
 from tests.support.browser import visiting
 
@@ -19,7 +18,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     long = make.run(integrator=f"Euler:{','.join(f'option{place}=a-long-value' for place in range(8))}", version="4.0.0")
     folder = tmp_path_factory.mktemp("engines") / "site"
     catalogue = example.catalogue(
-        make.submission(STUDIES, day="2026-01-04"),
+        make.submission(example.STUDIES, day="2026-01-04"),
         make.submission([long], day="2026-01-05"),
         make.submission({"audit.csv": [make.audit(engine="dart", version="6.20.0")]}, day="2026-01-06"),
     )

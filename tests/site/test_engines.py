@@ -12,15 +12,6 @@ from bodycheck.site.trend import Line, chart
 from tests.site import submissions as make
 from tests.site import upgrades as example
 
-#: Every table about an engine besides its runs.
-STUDIES = {
-    "orders.csv": [make.order(scheme="semi-implicit Euler", order=1.01)],
-    "contact.csv": [make.contact(), make.contact(setting="best", value=1e-5)],
-    "audit.csv": [make.audit(), make.audit(property="substeps", status="none", value=None)],
-    "ensemble.csv": [make.ensemble()],
-    "parity.csv": [make.parity(), make.parity(status="differs", quantity="damping", cause="damping-ignored")],
-}
-
 
 def raw(catalogue: Catalogue, engine: str = "mujoco") -> str:
     """The page of an engine."""
@@ -34,7 +25,7 @@ def section(page: str, name: str) -> str:
 
 
 def test_every_study_appears_with_its_numbers() -> None:
-    page = raw(example.catalogue(make.submission(STUDIES, day="2026-01-04")))
+    page = raw(example.catalogue(make.submission(example.STUDIES, day="2026-01-04")))
     assert "intermediate-axis-flip : attitude 1.01" in section(page, "methods")
     assert "semi-implicit Euler" in section(page, "methods")
     assert "Stop time error, s 0.4077 0.001 Euler at 2 ms 1e-5 Euler at 2 ms" in section(page, "contact")
@@ -53,7 +44,7 @@ def test_what_no_submission_has_is_not_measured() -> None:
 
 
 def test_an_engine_with_studies_alone_has_a_page() -> None:
-    page = raw(make.catalogued(make.submission(STUDIES)))
+    page = raw(make.catalogued(make.submission(example.STUDIES)))
     assert "No submission has runs of this engine." in page
     assert "linear-damping" in section(page, "audit")
 

@@ -8,6 +8,15 @@ from tests.site import submissions as make
 #: The releases.
 OLD, NEW = "3.17.0", "4.0.0"
 
+#: Every table about an engine besides its runs.
+STUDIES = {
+    "orders.csv": [make.order(scheme="semi-implicit Euler", order=1.01)],
+    "contact.csv": [make.contact(), make.contact(setting="best", value=1e-5)],
+    "audit.csv": [make.audit(), make.audit(property="substeps", status="none", value=None)],
+    "ensemble.csv": [make.ensemble()],
+    "parity.csv": [make.parity(), make.parity(status="differs", quantity="damping", cause="damping-ignored")],
+}
+
 
 def catalogue(*more: Any, order: bool = True) -> Catalogue:
     """The runs of two releases, and a study of releases about the later one."""
