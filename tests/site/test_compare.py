@@ -14,7 +14,7 @@ from tests.site import submissions
 from tests.site.browsing import built
 from tests.site.submissions import FREE, catalogued, ended, run, submission
 from tests.support import axe
-from tests.support.browser import launched, visiting
+from tests.support.browser import visiting
 
 #: Errors and bounds whose pairs lie on both sides of every limit of the rule.
 ERRORS = (0.0, 1e-3, 1.005e-3, 1.02e-3, 2e-3, 1e-9, 1.5e-9, 0.7, 0.9)
@@ -66,12 +66,6 @@ def catalogue() -> Catalogue:
 @pytest.fixture(scope="module")
 def site(catalogue: Catalogue, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return built(catalogue, tmp_path_factory.mktemp("compare") / "site")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with launched() as found:
-        yield found
 
 
 def runs(page: Any) -> set[tuple[str, str]]:

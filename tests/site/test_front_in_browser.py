@@ -10,7 +10,7 @@ from tests.site import submissions
 from tests.site.browsing import built, served
 from tests.site.submissions import CONTACT, FREE, MECHANISM, catalogued, ended, run, submission
 from tests.support import axe
-from tests.support.browser import Visit, launched, visiting
+from tests.support.browser import Visit, visiting
 
 #: Widths (px) of a telephone, a desk and a wall.
 WIDTHS = (390, 1280, 2560)
@@ -32,12 +32,6 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     drake = {"engine": "drake", "version": "1.5"}
     other = submission([run(case=FREE, **drake), ended("diverged", "not finite", case=CONTACT, **drake)], day="2026-02-02")
     return built(catalogued(before, after, other), tmp_path_factory.mktemp("front") / "site")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with launched() as found:
-        yield found
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 """The page of a raw row, in a browser."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,7 @@ from tests.site import submissions
 from tests.site.browsing import built
 from tests.site.submissions import FREE, catalogued, run, submission
 from tests.support import axe
-from tests.support.browser import launched, visiting
+from tests.support.browser import visiting
 
 OWN = "a-case-of-ones-own"
 
@@ -41,12 +40,6 @@ def catalogue() -> Catalogue:
 @pytest.fixture(scope="module")
 def site(catalogue: Catalogue, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return built(catalogue, tmp_path_factory.mktemp("row") / "site")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with launched() as found:
-        yield found
 
 
 def place(entry: Entry) -> str:
