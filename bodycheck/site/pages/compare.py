@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from bodycheck.judging import convergence
 from bodycheck.site import changes, links
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.render import File, page
@@ -10,8 +11,8 @@ from bodycheck.site.render import File, page
 NUMBERS = {
     "smallest": changes.SMALLEST,
     "large": changes.LARGE,
-    "lost": changes.LOST_RAD,
-    "growth": changes.LARGEST_GROWTH,
+    "lost": convergence.LOST_RAD,
+    "growth": convergence.LARGEST_GROWTH,
     "chaotic": changes.CHAOTIC,
 }
 
