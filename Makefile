@@ -57,7 +57,7 @@ docs: $(VENV)/.installed-for-development
 
 # Asks every address that a page names, which needs the network.
 linkcheck: $(VENV)/.installed-for-development
-	$(SPHINX) --builder linkcheck docs build/linkcheck
+	$(SPHINX) --define nb_execution_mode=off --builder linkcheck docs build/linkcheck
 
 screenshots: $(VENV)/.installed-for-development run
 	$(BIN)/python docs/screenshots.py $(RESULTS)/report.html --out $(RESULTS)/screenshots
