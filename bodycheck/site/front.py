@@ -95,7 +95,7 @@ class News:
     worse, better, other
         The numbers of scenes in which the engine's own method became worse, became better, or only other methods changed.
     largest
-        The largest changes of its own method, as sentences with the addresses of the raw rows.
+        The largest changes of any method: the case, what changed in words, and the address of the raw row.
     """
 
     engine: str
@@ -154,18 +154,18 @@ class Front:
         changed = [cell for (engine, _), cell in self.cells.items() if engine == head.engine and cell.changes]
         if not changed:
             return None
+        every = [change for cell in changed for change in cell.changes]
         own = [change for cell in changed for change in cell.changes if change.after is cell.run]
-        befores = [change.before for cell in changed for change in cell.changes]
         return News(
             head.engine,
             head.version,
-            _since(befores, head.version),
+            _since([change.before for change in every], head.version),
             sum(change.worse is True for change in own),
             sum(change.worse is False for change in own),
             len(changed) - sum(change.worse is not None for change in own),
             tuple(
                 (change.after.get("case"), in_words(change), links.row(change.after))
-                for change in sorted(own, key=lambda change: change.severity, reverse=True)[:NAMED_CHANGES]
+                for change in sorted(every, key=lambda change: change.severity, reverse=True)[:NAMED_CHANGES]
             ),
         )
 

@@ -152,3 +152,12 @@ def test_results_are_there_without_scripts(browser: Any, site: Path) -> None:
     page.goto((site / "compare.html").as_uri())
     assert "needs JavaScript" in page.locator("main").inner_text()
     context.close()
+
+
+def test_skipping_to_the_content_keeps_the_filters(browser: Any, site: Path) -> None:
+    with visiting(browser, site / "index.html", site=site, place="#kind=contact") as visit:
+        visit.page.keyboard.press("Tab")
+        visit.page.keyboard.press("Enter")
+        assert visit.page.evaluate("document.activeElement.id") == "main"
+        assert visit.page.evaluate("location.hash") == "#kind=contact"
+        assert scenes(visit.page) == [CONTACT]

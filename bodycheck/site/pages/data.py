@@ -64,7 +64,9 @@ def index(catalogue: Catalogue) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "submissions": [_listed(source) for source in catalogue.submissions],
-        "engines": [{"name": name, "versions": list(catalogue.versions[name])} for name in catalogue.engines],
+        "engines": [
+            {"name": name, "versions": list(catalogue.versions[name]), "page": links.engine(name)} for name in catalogue.engines
+        ],
         "kinds": {
             kind.name: {
                 "title": kind.title,

@@ -131,7 +131,7 @@
 
   let asked = 0;
   const show = async () => {
-    if (!location.hash || location.hash === "#main") return;
+    if (!location.hash) return;
     const mine = ++asked;
     const [key, name, number] = location.hash.slice(1).split("/");
     try {
@@ -151,7 +151,10 @@
       document.getElementById("title").textContent = title(table, row);
       told.replaceChildren(
         `A row of the table of ${site.index.tables[table].title}, ${source.date}.`,
-        ...(scene ? [" ", element("a", { href: scene.page }, `The scene ${subject}`)] : []),
+        ...(scene ? [" The scene: ", element("a", { href: scene.page }, subject), "."] : []),
+        ...site.index.engines
+          .filter(({ name }) => name === row("engine").split("@")[0])
+          .flatMap(({ name, page }) => [" The engine: ", element("a", { href: page }, name), "."]),
       );
       place.replaceChildren(
         head("command", "Command that reproduces it"),

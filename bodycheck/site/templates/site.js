@@ -2,6 +2,13 @@
 "use strict";
 document.documentElement.classList.add("scripts");
 
+// The link that skips to the content leaves the address as it is, since the address has the state of the page.
+addEventListener("click", (event) => {
+  if (!event.target.closest?.(".skip")) return;
+  event.preventDefault();
+  document.getElementById("main").focus();
+});
+
 const site = {
   /** Data of submissions by key, which the files data/KEY.js add. */
   data: {},
