@@ -29,8 +29,6 @@ exclude_patterns = ["_build", "**/.ipynb_checkpoints"]
 nitpicky = True
 # Types of other packages have no page here.
 nitpick_ignore_regex = [("py:.*", ".*")]
-# Pages that are still to be written.
-suppress_warnings = ["toc.empty_glob"]
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4
