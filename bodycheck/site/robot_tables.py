@@ -39,7 +39,7 @@ class Mark:
     verdict
         The verdict.
     amount, whole
-        How many bodies, joints or models it holds of, and of how many.
+        How many bodies, joints or models it holds of, and of how many; 0 of an engine that does not read the file.
     largest
         The largest relative difference of what differs; None if it is not known.
     """
@@ -95,6 +95,11 @@ class Reading:
         return {quantity: _mark(own) for quantity, own in found.items()}
 
     @property
+    def of_file(self) -> Mark | None:
+        """Return what is said of every quantity where the engine does not read the file at all; None where it does."""
+        return Mark(self.verdict, 0, 0, None) if any(entry.get("quantity") is None for entry in self.rows) else None
+
+    @property
     def listed(self) -> tuple[Entry, ...]:
         """Return the rows that do not agree, those that differ first."""
         order: tuple[Status, ...] = ("refused", "differs", "accepted-unphysical", "not-modelled")
@@ -119,8 +124,14 @@ def readings(entries: Sequence[Entry]) -> tuple[list[Reading], list[Reading], li
 def quantities(read: Sequence[Reading]) -> list[tuple[Quantity, str, str, list[Mark | None]]]:
     """Return the quantities that any engine has, each with its name, its meaning, and what is said of it in each reading."""
     marks = [one.marks for one in read]
+    whole = [one.of_file for one in read]
     return [
-        (quantity, name_of(quantity), MEANINGS[quantity], [own.get(quantity) for own in marks])
+        (
+            quantity,
+            name_of(quantity),
+            MEANINGS[quantity],
+            [own.get(quantity, all_) for own, all_ in zip(marks, whole, strict=True)],
+        )
         for quantity in QUANTITIES
         if any(quantity in own for own in marks)
     ]
