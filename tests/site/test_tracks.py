@@ -16,7 +16,6 @@ from bodycheck import load
 from bodycheck.errors import BadInput
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import truth
 from bodycheck.reports.runs import tracks as reported
 from bodycheck.running.store import Writer
 from bodycheck.running.trajectory_files import run_path
@@ -71,7 +70,7 @@ def test_every_kind_of_scene_has_its_truth_and_the_run_of_the_own_method(submiss
 def test_stored_attitudes_are_those_of_truth_and_run(name: str, submission: Submission) -> None:
     """To the tolerance that the player tells."""
     case, motion = load(name), motion_of(submission, name)
-    exact = truth(case.scene, case.instants).trajectory
+    exact = motions.exact(case.name).trajectory
     for parts, known in ((motion.truth, exact), (motion.runs[0].parts, motions.turned(exact, 0.5))):
         for place, part in enumerate(parts):
             assert part.turning is not None
@@ -83,7 +82,7 @@ def test_stored_attitudes_are_those_of_truth_and_run(name: str, submission: Subm
 def test_stored_places_of_several_bodies_are_in_the_frame_that_is_stored(submission: Submission) -> None:
     """To a hundredth of what the pictures show, as in reports."""
     case, motion = load(JOINTED), motion_of(submission, JOINTED)
-    exact = truth(case.scene, case.instants).trajectory
+    exact = motions.exact(case.name).trajectory
     frame = motion.frame
     assert frame is not None
     for place, part in enumerate(motion.truth):
@@ -123,7 +122,7 @@ def test_a_run_within_the_width_of_a_line_is_stored_as_moving_like_the_truth(tmp
     (motion,) = close.tracks.motions
     (part,) = motion.runs[0].parts
     assert part.turning is not None  # its rates are off, by the errors of its row
-    exact = truth(load(FLIGHT).scene, load(FLIGHT).instants).trajectory
+    exact = motions.exact(FLIGHT).trajectory
     assert geodesic_angle(attitudes(part.turning, exact.t), exact.quaternion).max() <= 1.1 * reported.TOLERANCE
 
 
@@ -153,7 +152,7 @@ def test_a_damaged_trajectory_leaves_the_submission_out(tmp_path: Path) -> None:
 
 def test_truths_say_nothing_personal(tmp_path: Path) -> None:
     own, case = motions.write_folder(tmp_path / "own", [FLIGHT]), load(FLIGHT)
-    known = replace(truth(case.scene, case.instants), backend="/home/someone/bin/solver")
+    known = replace(motions.exact(FLIGHT), backend="/home/someone/bin/solver")
     header: Any = made.header(engines={"mujoco": "4.0.0"})
     with Writer(own, header, motions.IDENTITY, (case,)) as writer:
         writer.add_truth(case, motions.TIMESTEP, known)

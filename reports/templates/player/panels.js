@@ -6,6 +6,7 @@
 const panelsOf = ({ truth, runs }, shown, made, chosen) =>
   [truth, ...shown].map((body, k) => {
     const { picture, draw } = made();
+    picture.setAttribute("aria-label", body.label); // until it stands still and is described
     const words = html("p", { class: "reading" });
     const swatch = html("i", { class: "swatch" });
     const head = html("div", { class: "head" }, swatch);
