@@ -1,7 +1,6 @@
 """The page of a scene in a browser: motions are played from disk and from a web host, by mouse and keys; tables are sorted."""
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ from tests.site import submissions as made
 from tests.site.browsing import built, served
 from tests.site.submissions import FREE, MECHANISM
 from tests.support import axe
-from tests.support.browser import launched, visiting
+from tests.support.browser import visiting
 
 #: Engines with their versions, and the angle (rad) by which each is wrong at the end.
 ENGINES = {"dart": ("6.20.0", 0.1), "drake": ("1.51.1", 0.2), "mujoco": ("4.0.0", 0.3), "pinocchio": ("4.1.0", 0.4)}
@@ -34,12 +33,6 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     differs = made.parity(status="differs", quantity="damping", cause="damping-ignored", relative=1.0)
     robot = made.submission({"parity.csv": [made.parity(), differs]})
     return built(made.catalogued(*found, robot), folder / "site")
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with launched() as found:
-        yield found
 
 
 def opened(page: Any) -> None:
