@@ -8,8 +8,9 @@ from importlib import resources
 
 from bodycheck.reports.quantities import QUANTITIES, number
 from bodycheck.site import links
-from bodycheck.site.catalogue import Catalogue, Entry, version_key
-from bodycheck.site.cells import default_run
+from bodycheck.site.catalogue import Catalogue, Entry, Scene, version_key
+from bodycheck.site.cells import default_run, verdict
+from bodycheck.site.wording import WORDS
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,8 @@ def _all(catalogue: Catalogue, issue: Issue) -> Iterator[Evidence]:
             if issue.integrator:
                 runs = [run for run in runs if run.get("integrator") == issue.integrator]
             if runs:
-                yield _of_run(default_run([run for run in runs if run.source is runs[-1].source]), issue.figure)
+                run = default_run([run for run in runs if run.source is runs[-1].source])
+                yield _of_run(run, catalogue.scenes[issue.scene], issue.figure)
     elif issue.robot:
         yield from _of_robot(catalogue, issue)
     else:
@@ -111,9 +113,9 @@ def _all(catalogue: Catalogue, issue: Issue) -> Iterator[Evidence]:
                 yield Evidence(entry.version, text, links.row(entry))
 
 
-def _of_run(run: Entry, figure: str) -> Evidence:
+def _of_run(run: Entry, scene: Scene, figure: str) -> Evidence:
     value, quantity = run.get(figure), QUANTITIES[figure]
-    text = f"{quantity.title.lower()} {quantity.with_unit(value)}" if value is not None else str(run.get("status"))
+    text = f"{quantity.title.lower()} {quantity.with_unit(value)}" if value is not None else WORDS[verdict(run, scene)].title
     return Evidence(run.version, f"{text} with {run.get('integrator')}", links.row(run))
 
 

@@ -83,33 +83,52 @@ def methods(upgrade: Upgrade) -> Iterator[Sentence]:
 def orders(catalogue: Catalogue, measured: Sequence[Entry]) -> Iterator[Sentence]:
     """Yield which methods have another order of convergence since a release.
 
+    Quantities in which a method changed alike on a case are told in one sentence, of which the first case is told.
+
     measured: rows of changes.csv of studies of releases, all about the same later release.
     """
+    alike: dict[tuple[object, ...], list[Entry]] = {}
     told = set()
     for change in measured:
-        key = (change.row["integrator"], change.row["quantity"])
-        if order_changed(change) and key not in told and change.row["quantity"] in QUANTITIES:
+        row = change.row
+        key = (row["integrator"], row["quantity"])
+        if order_changed(change) and key not in told and row["quantity"] in QUANTITIES:
             told.add(key)
-            yield _order(catalogue, change)
+            words = ordinal(row["order_before"]), ordinal(row["order_after"])
+            same = (row["integrator"], row["case"], row["from_version"], *words, lasts(catalogue, change))
+            alike.setdefault(same, []).append(change)
+    for group in alike.values():
+        yield _order(catalogue, group)
 
 
-def _order(catalogue: Catalogue, change: Entry) -> Sentence:
-    row = change.row
-    subject = row["quantity"].rpartition("_")[0].replace("_", " ")
-    since = f"From {row['to_version']} on" if lasts(catalogue, change) else f"In {row['to_version']}"
+def _order(catalogue: Catalogue, alike: Sequence[Entry]) -> Sentence:
+    """Return the sentence about the order of a method in some quantities, in which it changed from and to the same words."""
+    row = alike[0].row
+    since = f"From {row['to_version']} on" if lasts(catalogue, alike[0]) else f"In {row['to_version']}"
+    subjects = [change.row["quantity"].rpartition("_")[0].replace("_", " ") for change in alike]
+    observed = [Piece(number(change.row["order_after"], 3), links.row(change)) for change in alike]
+    before = [number(change.row["order_before"], 3) for change in alike]
     schemes = ""
     if row.get("scheme_before") and row.get("scheme_after") and row["scheme_before"] != row["scheme_after"]:
         schemes = f" Its scheme is {row['scheme_after']}, and was {row['scheme_before']}."
     return (
-        Piece(f"{since}, {row['integrator']} is of {ordinal(row['order_after'])} order in {subject} ("),
-        Piece(f"observed {number(row['order_after'], 3)}", links.row(change)),
+        Piece(f"{since}, {row['integrator']} is of {ordinal(row['order_after'])} order in {listing(subjects)} (observed "),
+        *_joined(observed),
         Piece(" in "),
         Piece(row["case"], links.scene(row["case"]) if row["case"] in catalogue.scenes else ""),
         Piece(
             f"); in {row['from_version']}, the last release measured before, it was of {ordinal(row['order_before'])} order "
-            f"({number(row['order_before'], 3)}).{schemes}"
+            f"({listing(before)}).{schemes}"
         ),
     )
+
+
+def _joined(pieces: Sequence[Piece]) -> Iterator[Piece]:
+    """Yield pieces as a list in a sentence."""
+    for place, piece in enumerate(pieces):
+        if place:
+            yield Piece(" and " if place == len(pieces) - 1 else ", ")
+        yield piece
 
 
 def ordinal(order: float) -> str:

@@ -52,6 +52,13 @@ def test_an_issue_shows_the_last_version_that_has_it_and_the_first_that_has_not(
     ]
 
 
+def test_a_refusal_is_called_a_refusal() -> None:
+    row = make.ended("unsupported", "MuJoCo refuses the model: mass and inertia", case="iftomm-a01")
+    issue = next(one for one in known.issues() if one.scene == "iftomm-a01")
+    (found,) = known.evidence(make.catalogued(make.submission([row])), issue)
+    assert found.text == "refused with Euler"
+
+
 def test_an_issue_of_a_robot_counts_the_rows_with_its_cause() -> None:
     rows = [
         make.parity(version="3.12.0", status="differs", quantity="joint_type", cause="mimic-ignored"),

@@ -46,6 +46,17 @@ def test_the_order_of_a_method_is_told_as_a_study_observed_it() -> None:
     assert "From 4.0.0 on, RK4 is of fourth order in attitude" in text(catalogue, example.NEW)
 
 
+def test_quantities_that_changed_alike_are_told_in_one_sentence() -> None:
+    alike = make.change(quantity="angular_momentum_drift", order_after=3.98)
+    other = make.change(quantity="energy_drift", order_before=3.0, order_after=5.0)
+    changes = [make.change(), alike, other]
+    catalogue = example.catalogue(make.submission({"changes.csv": changes}, day="2026-01-04"))
+    told = [telling.plain(one) for one in telling.orders(catalogue, measured_changes(catalogue, "mujoco", example.NEW))]
+    assert len(told) == 2
+    assert "is of fourth order in attitude and angular momentum (observed 4 and 3.98 in intermediate-axis-flip)" in told[0]
+    assert "is of fifth order in energy" in told[1]
+
+
 def test_without_a_study_nothing_is_said_of_orders() -> None:
     assert "order in attitude" not in text(example.catalogue(order=False), example.NEW)
 
