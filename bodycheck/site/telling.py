@@ -107,7 +107,7 @@ def _order(catalogue: Catalogue, alike: Sequence[Entry]) -> Sentence:
     since = f"From {row['to_version']} on" if lasts(catalogue, alike[0]) else f"In {row['to_version']}"
     subjects = [change.row["quantity"].rpartition("_")[0].replace("_", " ") for change in alike]
     observed = [Piece(number(change.row["order_after"], 3), links.row(change)) for change in alike]
-    before = [number(change.row["order_before"], 3) for change in alike]
+    before = list(dict.fromkeys(number(change.row["order_before"], 3) for change in alike))
     schemes = ""
     if row.get("scheme_before") and row.get("scheme_after") and row["scheme_before"] != row["scheme_after"]:
         schemes = f" Its scheme is {row['scheme_after']}, and was {row['scheme_before']}."
