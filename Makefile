@@ -11,7 +11,7 @@ LOWEST := .venv-lowest
 LOWEST_TESTS := tests/adapters/test_contract.py tests/casefile/test_case.py tests/commands/test_command_line.py \
 	tests/commands/test_pytest_plugin.py tests/running/test_store.py tests/reports/test_plot_files.py
 
-.PHONY: run test lint types tests lowest slow engines benchmarks docs linkcheck screenshots clean
+.PHONY: run test lint types tests lowest slow engines benchmarks docs linkcheck site sites screenshots clean
 
 run: $(VENV)/.installed
 	$(BIN)/bodycheck run --out $(RESULTS)
@@ -58,6 +58,18 @@ docs: $(VENV)/.installed-for-development
 # Asks every address that a page names, which needs the network. Notebooks are not executed, and so their language is not known.
 linkcheck: $(VENV)/.installed-for-development
 	$(SPHINX) --define nb_execution_mode=off --define suppress_warnings=myst-nb.lexer --builder linkcheck docs build/linkcheck
+
+# The public site of results, from the submissions of this repository.
+site: $(VENV)/.installed
+	$(BIN)/bodycheck site submissions --out build/site
+
+# Both sites side by side, as they are published.
+sites: docs site
+	rm -rf build/sites
+	mkdir -p build/sites
+	cp .github/pages/index.html build/sites/
+	cp -r build/docs build/sites/docs
+	cp -r build/site build/sites/results
 
 screenshots: $(VENV)/.installed-for-development run
 	$(BIN)/python docs/screenshots.py $(RESULTS)/report.html --out $(RESULTS)/screenshots

@@ -1,0 +1,131 @@
+"""The workflows of this repository name what exists, and give each job no more rights than it needs."""
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from bodycheck.adapters import registry
+from bodycheck.site import archive, packing
+from tests.site import submissions as made
+from tests.support import ROOT
+
+FOLDER = ROOT / ".github" / "workflows"
+
+#: The rights that any job may have, by workflow and job.
+RIGHTS = {
+    ("sites", "publish"): {"pages": "write", "id-token": "write"},
+    ("weekly", "propose"): {"contents": "write", "pull-requests": "write"},
+}
+
+WORKFLOWS: dict[str, Any] = {path.stem: yaml.safe_load(path.read_text()) for path in sorted(FOLDER.glob("*.yml"))}
+JOBS = [(name, job) for name, workflow in WORKFLOWS.items() for job in workflow["jobs"]]
+
+
+def scripts(name: str, job: str) -> str:
+    return "\n".join(step.get("run", "") for step in WORKFLOWS[name]["jobs"][job]["steps"])
+
+
+@pytest.mark.parametrize(("name", "job"), JOBS)
+def test_a_job_has_no_more_rights_than_it_needs(name: str, job: str) -> None:
+    assert WORKFLOWS[name]["permissions"] == {"contents": "read"}
+    assert WORKFLOWS[name]["jobs"][job].get("permissions", {}) == RIGHTS.get((name, job), {})
+    assert "timeout-minutes" in WORKFLOWS[name]["jobs"][job]
+
+
+@pytest.mark.parametrize("name", WORKFLOWS)
+def test_a_change_of_a_stranger_gets_no_secret(name: str) -> None:
+    """Such as the event pull_request_target would give it."""
+    text = (FOLDER / f"{name}.yml").read_text()
+    assert "pull_request_target" not in text
+    assert "secrets." not in text
+    assert "${{ github.event." not in re.sub(r"if: .*", "", text), "what a stranger writes is in no script"
+
+
+@pytest.mark.parametrize(("name", "job"), JOBS)
+def test_actions_are_of_a_version_and_of_github(name: str, job: str) -> None:
+    for step in WORKFLOWS[name]["jobs"][job]["steps"]:
+        assert re.fullmatch(r"actions/[a-z-]+@v\d+", step.get("uses", "actions/none@v1"))
+
+
+@pytest.mark.parametrize(("name", "job"), JOBS)
+def test_what_a_job_runs_exists(name: str, job: str) -> None:
+    targets = set(re.findall(r"^([^\s:=#]+):", (ROOT / "Makefile").read_text().replace("$(VENV)", ".venv"), re.MULTILINE))
+    assert set(re.findall(r"^make (\S+)", scripts(name, job), re.MULTILINE)) <= targets
+    for path in re.findall(r"\bpython (\S+\.py)", scripts(name, job)):
+        assert (ROOT / path).is_file()
+
+
+def test_what_may_write_runs_no_engine_and_what_publishes_runs_nothing() -> None:
+    assert not scripts("sites", "publish").strip()
+    assert "--newest" not in scripts("weekly", "propose")
+    assert "--newest" in scripts("weekly", "newest")
+
+
+def test_a_change_builds_both_sites_and_fails_if_a_submission_is_left_out() -> None:
+    assert True in WORKFLOWS["sites"], "YAML takes the word on for a truth value"
+    assert set(WORKFLOWS["sites"][True]) == {"push", "pull_request"}
+    steps = scripts("sites", "build").splitlines()
+    assert steps.index("make sites") < steps.index(".venv/bin/python submissions/check.py")
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A copy of submissions/ with one submission."""
+    copy = tmp_path / "submissions"
+    copy.mkdir()
+    for name in ("renew.py", "check.py", "README.md"):
+        shutil.copy(ROOT / "submissions" / name, copy)
+    packed = packing.contents(made.write_folder(tmp_path / "run", {"results.csv": [made.run()]}))
+    (copy / "honest.zip").write_bytes(archive.zipped(packed))
+    return copy
+
+
+def script(folder: Path, name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-B", str(folder / name), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, env={"PYTHONPATH": str(ROOT), "PATH": ""}, check=False)
+
+
+def test_the_check_tells_what_the_site_would_leave_out(folder: Path) -> None:
+    done = script(folder, "check.py")
+    assert (done.returncode, done.stdout) == (0, "submissions: all 1 are shown, 0.0 MB\n")
+    (folder / "hostile.zip").write_bytes(b"<script>")
+    (folder / "page.html").write_text("<script>")
+    done = script(folder, "check.py")
+    assert done.returncode == 1
+    assert done.stdout.splitlines() == [
+        "submissions/hostile.zip: is no zip file that can be read: File is not a zip file",
+        "submissions/page.html: is no submission",
+    ]
+
+
+def test_the_table_of_submissions_says_what_is_there(folder: Path) -> None:
+    assert script(folder, "renew.py", "--table").returncode == 0
+    before, text = (path.read_text() for path in (ROOT / "submissions" / "README.md", folder / "README.md"))
+    assert (
+        "| honest.zip | `bodycheck run` | 2026-01-01 | Some(R) Processor, family 6 model 1 stepping 1, x86_64, 4 cores" in text
+    )
+    assert text.partition("<!-- table")[0] == before.partition("<!-- table")[0]
+    assert script(folder, "renew.py", "--table").returncode == 0
+    assert (folder / "README.md").read_text() == text
+
+
+def test_the_table_of_this_repository_is_that_of_its_submissions(tmp_path: Path) -> None:
+    copy = tmp_path / "submissions"
+    shutil.copytree(ROOT / "submissions", copy)
+    assert script(copy, "renew.py", "--table").returncode == 0
+    assert (copy / "README.md").read_text() == (ROOT / "submissions" / "README.md").read_text()
+    assert script(copy, "check.py").returncode == (0 if any(copy.glob("*.zip")) else 1)
+
+
+def test_what_is_renewed_is_of_engines_that_there_are(folder: Path) -> None:
+    done = script(folder, "renew.py", "unknown")
+    assert done.returncode == 1
+    assert "allowed: --newest, --table, mujoco-3.2.0, " in done.stderr
+    named = set(re.findall(r"([a-z_]+)-[0-9.]+", done.stderr.partition("allowed:")[2]))
+    assert named <= set(registry.names())
