@@ -35,6 +35,9 @@ RELEASES = {
     "simbody": ("4.6",),
 }
 
+#: The cases in which releases are followed.
+FLIPS = ("--case", "osrf-boxes-complex", "--case", "intermediate-axis-flip")
+
 #: The commands by the names of their submissions.
 COMMANDS: dict[str, tuple[str, ...]] = {
     **{f"{name}-{one}": ("run", "--engine", f"{name}@{one}") for name, versions in RELEASES.items() for one in versions},
@@ -42,9 +45,14 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "contact": ("contact", "mujoco", "pinocchio"),
     "audit": ("audit",),
     "ensemble": ("ensemble", "ensemble-of-bricks", "--engine", "mujoco", "--engine", "pinocchio"),
-    "releases-mujoco": ("releases", "mujoco", *RELEASES["mujoco"]),
-    "releases-pinocchio": ("releases", "pinocchio", *RELEASES["pinocchio"]),
+    **{
+        f"releases-{name}": ("releases", name, *RELEASES[name], *FLIPS, "--timestep", "0.001")
+        for name in ("mujoco", "pinocchio")
+    },
 }
+
+#: Most characters of a command in the table.
+LONGEST = 150
 
 #: The lines of README.md between which the table stands.
 BEGIN, END = "<!-- table: begin -->", "<!-- table: end -->"
@@ -76,7 +84,8 @@ def table() -> Iterator[str]:
     for path in sorted(HERE.glob("*.zip")):
         source = gathering.read(path)
         size = round(path.stat().st_size / 1000)
-        yield f"| {path.name} | `{source.command}` | {source.date} | {source.machine} | {size} |"
+        command = source.command if len(source.command) <= LONGEST else f"{source.command[: LONGEST - 1]}…"
+        yield f"| {path.name} | `{command}` | {source.date} | {source.machine} | {size} |"
 
 
 def main(arguments: list[str]) -> int:

@@ -36,7 +36,7 @@ from bodycheck.studies.tradeoff.columns import BATCH_COLUMNS, COST_COLUMNS
 Kind = Literal["case", "engine", "version", "method", "text", "number", "integer", "boolean", "number or text"]
 
 #: Most rows of a table, most bytes of a line, and most characters of the spelling of a method.
-MOST_ROWS, LONGEST_LINE, LONGEST_METHOD = 50_000, 100_000, 300
+MOST_ROWS, LONGEST_LINE, LONGEST_METHOD = 200_000, 100_000, 300
 
 #: How many entries of each kind are remembered with their values, as tables have the same ones in many rows.
 CACHED = 4096
