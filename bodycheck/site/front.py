@@ -96,6 +96,8 @@ class News:
         The numbers of scenes in which the engine's own method became worse, became better, or only other methods changed.
     largest
         The largest changes of any method: the case, what changed in words, and the address of the raw row.
+    comparison
+        The address of the comparison of the results in which the largest change is.
     """
 
     engine: str
@@ -105,6 +107,7 @@ class News:
     better: int
     other: int
     largest: tuple[tuple[str, str, str], ...]
+    comparison: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,8 +157,11 @@ class Front:
         changed = [cell for (engine, _), cell in self.cells.items() if engine == head.engine and cell.changes]
         if not changed:
             return None
-        every = [change for cell in changed for change in cell.changes]
+        every = sorted(
+            (change for cell in changed for change in cell.changes), key=lambda change: change.severity, reverse=True
+        )
         own = [change for cell in changed for change in cell.changes if change.after is cell.run]
+        largest = every[:NAMED_CHANGES]
         return News(
             head.engine,
             head.version,
@@ -163,10 +169,8 @@ class Front:
             sum(change.worse is True for change in own),
             sum(change.worse is False for change in own),
             len(changed) - sum(change.worse is not None for change in own),
-            tuple(
-                (change.after.get("case"), in_words(change), links.row(change.after))
-                for change in sorted(every, key=lambda change: change.severity, reverse=True)[:NAMED_CHANGES]
-            ),
+            tuple((change.after.row["case"], in_words(change), links.row(change.after)) for change in largest),
+            links.compare(head.engine, largest[0].before, largest[0].after),
         )
 
 

@@ -110,6 +110,8 @@ def test_news_tell_versions_and_the_largest_changes_first() -> None:
     assert (news.worse, news.better, news.other) == (1, 1, 1)
     assert [case for case, _, _ in news.largest] == ["free-brick", "dumbbell", "intermediate-axis-flip"]
     assert news.largest[0][1] == "Euler at 2 ms 0.001 → 1e-6"
+    old_key, new_key = (source.key for source in front.catalogue.submissions)
+    assert news.comparison == f"compare.html#engine=mujoco&left={old_key}:3.0:results.csv&right={new_key}:4.0:results.csv"
 
 
 def test_the_page_of_a_large_site_is_small_enough_to_be_fast() -> None:

@@ -154,6 +154,13 @@
     );
   };
 
+  // On a narrow screen the matrix comes before what is seldom chosen.
+  const narrow = matchMedia("(max-width: 40rem)");
+  const more = document.getElementById("more");
+  const fold = () => (more.open = !narrow.matches || read().verdicts.size + read().engines.size > 0);
+  narrow.addEventListener("change", fold);
+  fold();
+
   table.setAttribute("role", "grid");
   table.setAttribute("aria-readonly", "true");
   for (const link of table.querySelectorAll("a")) link.tabIndex = -1;
