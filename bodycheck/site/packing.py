@@ -15,7 +15,7 @@ from bodycheck.running import journal, records, store
 from bodycheck.running.csv_tables import entry as csv_entry
 from bodycheck.running.origin import BESIDE
 from bodycheck.site import cases as case_texts
-from bodycheck.site import tables, tracing, tracks
+from bodycheck.site import condensing, tables, tracing, tracks
 from bodycheck.site.contents import CASE_END, CASES, TABLES, TRACKS, Contents
 from bodycheck.site.personal import Cleaning
 from bodycheck.site.texts import shown
@@ -90,6 +90,9 @@ def _table(path: Path, clean: Cleaning) -> bytes:
         rows = list(csv.reader(io.StringIO(content.decode("utf-8"), newline=""), strict=True))
     except (UnicodeDecodeError, csv.Error) as error:
         raise BadInput(f"{path}: is no table of UTF-8 text: {str(error)[:200]}") from error
+    whole = len(rows)
+    if path.name == "parity.csv":
+        rows = list(map(list, condensing.condensed(rows)))
     kinds = tables.TABLES[path.name].kinds
     texts = [place for place, name in enumerate(rows[0] if rows else ()) if "text" in kinds.get(name, "") and name not in PARTS]
     known: dict[str, str] = {}
@@ -101,7 +104,7 @@ def _table(path: Path, clean: Cleaning) -> bytes:
                     cleaned = shown(clean.text(text))
                     known[found] = found if cleaned == text else csv_entry(cleaned)
                 row[place] = known[found]
-    return _written(rows) if any(text != cleaned for text, cleaned in known.items()) else content
+    return _written(rows) if len(rows) < whole or any(text != cleaned for text, cleaned in known.items()) else content
 
 
 def _written(rows: Iterable[list[str]]) -> bytes:

@@ -38,15 +38,14 @@ class Mark:
     ----------
     verdict
         The verdict.
-    amount, whole
-        How many bodies, joints or models it holds of, and of how many; 0 of an engine that does not read the file.
+    amount
+        How many bodies, joints or models it holds of; 0 where that is not known, as of what agrees.
     largest
-        The largest relative difference of what differs; None if it is not known.
+        The largest relative difference of what differs or agrees; None if it is not known.
     """
 
     verdict: Verdict
     amount: int
-    whole: int
     largest: float | None
 
 
@@ -97,7 +96,7 @@ class Reading:
     @property
     def of_file(self) -> Mark | None:
         """Return what is said of every quantity where the engine does not read the file at all; None where it does."""
-        return Mark(self.verdict, 0, 0, None) if any(entry.get("quantity") is None for entry in self.rows) else None
+        return Mark(self.verdict, 0, None) if any(entry.get("quantity") is None for entry in self.rows) else None
 
     @property
     def listed(self) -> tuple[Entry, ...]:
@@ -155,5 +154,5 @@ def _mark(entries: Sequence[Entry]) -> Mark:
         own = [entry for entry in entries if entry.get("status") == verdict]
         if own:
             known = [entry.get("relative") for entry in own if entry.get("relative") is not None]
-            return Mark(verdict, len(own), len(entries), max(known, default=None) if verdict == "differs" else None)
-    return Mark("not compared", 0, len(entries), None)
+            return Mark(verdict, 0 if verdict == "agrees" else len(own), max(known, default=None))
+    return Mark("not compared", 0, None)
