@@ -52,7 +52,7 @@ def page() -> str:
 def test_what_agrees_is_counted_and_what_differs_is_listed(page: str) -> None:
     shown = text(page)
     # The columns are drake, mujoco and pybullet.
-    assert "mass – the engine, or its adapter, does not model it = agrees with the file to 3e-16 ⊘" in shown
+    assert "mass – the engine, or its adapter, does not model it = agrees with the file 3e-16 ⊘" in shown
     assert "≠ differs from the file 1, up to 1 ⊘" in shown
     assert "mujoco 4.0.0: 1 row" in shown
     assert "damping joint1 differs 0 0.5 0.5 1 damping ignored row" in shown

@@ -54,6 +54,7 @@ def _list(catalogue: Catalogue) -> File:
 
 def _page(catalogue: Catalogue, scene: Scene, found: Sequence[Found]) -> File:
     lines, without = scene_runs.newest(catalogue, scene)
+    drawn = _newest(catalogue, "ensemble.csv", scene)
     newest_first = list(reversed(catalogue.submissions))
     return page(
         links.scene(scene.name),
@@ -71,7 +72,8 @@ def _page(catalogue: Catalogue, scene: Scene, found: Sequence[Found]) -> File:
         older=scene_runs.older(catalogue, scene),
         steps=[Line(run, verdict(run, scene), False) for run in _newest(catalogue, "tradeoff.csv", scene)],
         parts=_newest(catalogue, "attribution.csv", scene),
-        ensembles=_newest(catalogue, "ensemble.csv", scene),
+        ensembles=[one for one in drawn if one.get("figure") in (scene.quantity.name, None)],
+        further=[one for one in drawn if one.get("figure") not in (scene.quantity.name, None)],
         parted=PARTED,
         figures=COLUMNS,
         motion=links.motion(scene.name) if found else None,
