@@ -1,5 +1,8 @@
 """What strangers may send: the site shows that something was left out, and why, in errors.html, and nothing else changes."""
 
+import os
+import subprocess
+import sys
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -226,6 +229,17 @@ def test_an_attack_is_left_out_and_told(
     assert "is damaged" not in one.reason, "each is seen where it is read"
     assert one.reason.isprintable()
     assert len(one.reason) <= gathering.LONGEST
+
+
+def test_attacks_take_no_more_memory_and_time_than_there_is(attacks: list[Path]) -> None:
+    """All are read where memory ends at 4 GB, and the process after 120 s of computing: a hundredth of what they ask for."""
+    prelude = "import resource; resource.setrlimit(resource.RLIMIT_AS, (1 << 32, 1 << 32)); "
+    prelude += "resource.setrlimit(resource.RLIMIT_CPU, (120, 120))\n"
+    code = "import sys; from pathlib import Path; from bodycheck.site import gathering\n"
+    code += "found, left_out = gathering.gathered([*map(Path, sys.argv[1:])]); print(len(found), len(left_out))"
+    command = [sys.executable, "-c", prelude + code, *map(str, attacks)]
+    done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"}, check=False)
+    assert (done.stdout, done.returncode) == (f"0 {len(ATTACKS)}\n", 0), done.stderr
 
 
 def test_attacks_change_no_page_but_that_of_what_is_left_out(
