@@ -16,6 +16,14 @@ def own_method(rows: Sequence[Mapping[str, Any]], defaults: Mapping[str, Mapping
     defaults
         What each engine chooses, as the header of results has it.
     """
-    engine = rows[0]["engine"]
-    own = (defaults.get(engine) or defaults.get(adapter_of(engine)) or {}).get("integrator", "")
-    return next((place for place, row in enumerate(rows) if row["integrator"] == own), 0)
+    places = {row["integrator"]: place for place, row in reversed(list(enumerate(rows)))}
+    return next((places[name] for name in chosen(rows[0]["engine"], defaults) if name in places), 0)
+
+
+def chosen(engine: str, defaults: Mapping[str, Mapping[str, str]]) -> list[str]:
+    """Return the integrators that an engine itself chooses, the usual one first; none if it leaves that to its user.
+
+    An engine may tell several, each with what it is for: "lagged, runge_kutta3 of a continuous plant".
+    """
+    told = (defaults.get(engine) or defaults.get(adapter_of(engine)) or {}).get("integrator", "")
+    return [part.split()[0] for part in told.split(",") if part.strip()]
