@@ -85,7 +85,8 @@ def table() -> Iterator[str]:
         source = gathering.read(path)
         size = round(path.stat().st_size / 1000)
         command = source.command if len(source.command) <= LONGEST else f"{source.command[: LONGEST - 1]}…"
-        yield f"| {path.name} | `{command}` | {source.date} | {source.machine} | {size} |"
+        told = (path.name, f"`{command.replace('`', '´')}`", source.date, source.machine.replace("<", "‹"), str(size))
+        yield f"| {' | '.join(text.replace('|', '¦') for text in told)} |"  # what strangers write ends no cell
 
 
 def main(arguments: list[str]) -> int:
