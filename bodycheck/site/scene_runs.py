@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from bodycheck.site import own_methods
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.site.cells import Verdict, default_run, verdict
 
@@ -18,12 +19,13 @@ class Line:
     verdict
         The verdict on it.
     own
-        Whether its method is the one that the engine itself chooses.
+        Why its method stands for the engine: it is the "own choice" of the engine, or it is "listed first" by the adapter of an
+        engine that chooses none. Empty for all other methods.
     """
 
     run: Entry
     verdict: Verdict
-    own: bool
+    own: str
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,13 @@ def _lines(group: list[Entry], scene: Scene) -> Iterator[Line]:
     own = default_run(group)
     for run in group:
         if run.get("status") != "unsupported":
-            yield Line(run, verdict(run, scene), run is own)
+            yield Line(run, verdict(run, scene), _why(run) if run is own else "")
+
+
+def _why(run: Entry) -> str:
+    """Return why the method of a run stands for its engine."""
+    chosen = own_methods.chosen(run.get("engine"), run.source.header.defaults)
+    return "own choice" if run.get("integrator") in chosen else "listed first"
 
 
 def _without(group: list[Entry], scene: Scene) -> Iterator[Without]:

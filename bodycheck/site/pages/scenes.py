@@ -70,7 +70,7 @@ def _page(catalogue: Catalogue, scene: Scene, found: Sequence[Found]) -> File:
         drifts=any(run.get("energy_drift") is not None for run in scene.runs),
         without=without,
         older=scene_runs.older(catalogue, scene),
-        steps=[Line(run, verdict(run, scene), False) for run in _newest(catalogue, "tradeoff.csv", scene)],
+        steps=[Line(run, verdict(run, scene), "") for run in _newest(catalogue, "tradeoff.csv", scene)],
         parts=_newest(catalogue, "attribution.csv", scene),
         ensembles=[one for one in drawn if one.get("figure") in (scene.quantity.name, None)],
         further=[one for one in drawn if one.get("figure") not in (scene.quantity.name, None)],
