@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from html import unescape
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from bodycheck import load
 from bodycheck.site import gathering, links
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.pages import scenes
+from bodycheck.site.tracks import Tracks
 from tests.site import motions
 from tests.site import submissions as made
 from tests.site.submissions import CONTACT, FREE, MECHANISM
@@ -161,6 +163,13 @@ def test_a_scene_without_motions_says_so(catalogue: Catalogue) -> None:
     found = files(catalogue)
     assert "There is no motion to play" in text(found[links.scene(FREE)])
     assert not [path for path in found if path.startswith("data/motion")]
+
+
+def test_a_scene_without_a_truth_says_why() -> None:
+    source = made.submission([made.ended("unsupported", "no truth")])
+    record = {"case": FREE, "timestep": 0.002, "reason": "the motion needs too many steps"}
+    found = files(made.catalogued(replace(source, tracks=Tracks({FREE: record}))))
+    assert "Truth There is none: the motion needs too many steps." in text(found[links.scene(FREE)])
 
 
 def test_texts_of_strangers_are_escaped() -> None:
