@@ -22,7 +22,8 @@ HERE = Path(__file__).resolve().parent
 RAW = HERE.parent / "build" / "results"
 BODYCHECK = (sys.executable, "-m", "bodycheck")
 
-#: The releases of each engine that are run with all cases that come with bodycheck.
+#: The releases of each engine that are run with all cases that come with bodycheck. The last is the newest one that bodycheck
+#: installs. It is run under the plain name of its engine, of which cases expect something.
 RELEASES = {
     "mujoco": ("3.2.0", "3.3.7", "3.7.0", "3.10.0", "3.13.0", "3.17.0", "4.0.0"),
     "pinocchio": ("2.7.0", "3.4.0", "3.9.0", "4.1.0"),
@@ -33,6 +34,11 @@ RELEASES = {
     "rapier": ("0.36.1",),
     "sapien": ("3.0.3",),
     "simbody": ("4.6",),
+    "newton": ("1.8.0",),
+    "mujoco_warp": ("4.0.0",),
+    "brax": ("0.14.2",),
+    "mjx": ("3.17.0",),
+    "mjx32": ("3.17.0",),
 }
 
 #: The cases in which releases are followed.
@@ -40,7 +46,11 @@ FLIPS = ("--case", "osrf-boxes-complex", "--case", "intermediate-axis-flip")
 
 #: The commands by the names of their submissions.
 COMMANDS: dict[str, tuple[str, ...]] = {
-    **{f"{name}-{one}": ("run", "--engine", f"{name}@{one}") for name, versions in RELEASES.items() for one in versions},
+    **{
+        f"{name}-{one}": ("run", "--engine", name if one == versions[-1] else f"{name}@{one}")
+        for name, versions in RELEASES.items()
+        for one in versions
+    },
     "tradeoff": ("tradeoff", "osrf-boxes-complex", "intermediate-axis-flip", "--engine", "mujoco", "--engine", "pinocchio"),
     "contact": ("contact", "mujoco", "pinocchio"),
     "audit": ("audit",),
