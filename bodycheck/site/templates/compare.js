@@ -141,7 +141,7 @@
   const apply = async () => {
     const state = site.state();
     const names = site.index.engines.map(({ name }) => name).filter((name) => sides(name).length > 0);
-    options(engine, names.map((name) => ({ value: name, text: name })), state.get("engine"));
+    options(engine, names.map((name) => ({ value: name, text: name })), state.get("engine") ?? names.find((name) => sides(name).length > 1));
     const offered = sides(engine.value);
     options(left, offered, state.get("left") ?? offered[1]?.value);
     options(right, offered, state.get("right") ?? offered[0]?.value);
