@@ -8,7 +8,7 @@ Exit codes: 0 all are shown; 1 something is left out, or there is too much.
 import sys
 from pathlib import Path
 
-from bodycheck.site import gathering
+from bodycheck.site.submissions import gathering
 
 HERE = Path(__file__).resolve().parent
 

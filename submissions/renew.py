@@ -16,7 +16,7 @@ from pathlib import Path
 
 from bodycheck.adapters import registry
 from bodycheck.errors import BadInput
-from bodycheck.site import gathering
+from bodycheck.site.submissions import gathering
 
 HERE = Path(__file__).resolve().parent
 RAW = HERE.parent / "build" / "results"

@@ -12,8 +12,8 @@ from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.casefile.content import Case
 from bodycheck.reports.quantities import QUANTITIES, Quantity
 from bodycheck.reports.runs.matrix import Kind, kind_of
-from bodycheck.site import cases
-from bodycheck.site.submission import LeftOut, Row, Submission
+from bodycheck.site.submissions import cases
+from bodycheck.site.submissions.submission import LeftOut, Row, Submission
 
 #: The words by which a reason says that the engine itself refused the model or the file.
 REFUSES = " refuses the "

@@ -6,7 +6,7 @@ from typing import Literal
 from bodycheck.site import changes
 from bodycheck.site.catalogue import REFUSES, Catalogue, Entry, Scene
 from bodycheck.site.changes import Change
-from bodycheck.site.own_methods import own_method
+from bodycheck.site.submissions.own_methods import own_method
 
 #: The verdicts. "exact": the error is within the truth's own. "error": there is an error, which is the number of the cell.
 #: "broken": the run breaks an expectation of its case. "failed": it diverged, crashed or took too long. "refused": the engine

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from bodycheck.figures.columns import COLUMNS, FIGURES
 from bodycheck.figures.definition import Column
-from bodycheck.site.tables import TABLES
+from bodycheck.site.submissions.tables import TABLES
 from bodycheck.studies.releases.rows import ALLOWANCE_SUFFIX
 
 

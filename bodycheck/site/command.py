@@ -25,7 +25,8 @@ def site(*folders: Path, out: Path) -> int:
     out
         The folder for the site: a new one, or that of an earlier site, which is renewed.
     """
-    from bodycheck.site import build, catalogue, gathering
+    from bodycheck.site import build, catalogue
+    from bodycheck.site.submissions import gathering
 
     if not folders:
         raise BadInput("site: give at least one folder of results")
@@ -55,7 +56,7 @@ def submit(folder: Path, *, out: Path) -> int:
         The file (.zip) to write.
     """
     from bodycheck.files import writing
-    from bodycheck.site import submitting
+    from bodycheck.site.submissions import submitting
 
     if out.suffix != ".zip":
         raise BadInput(f"--out {out}: the name of the file must end in .zip")

@@ -9,7 +9,7 @@ from packaging.version import InvalidVersion, Version
 from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.casefile.case import is_shipped
 from bodycheck.casefile.finding import SUFFIX as CASE_END
-from bodycheck.site.submission import Row, Submission
+from bodycheck.site.submissions.submission import Row, Submission
 
 
 def command(source: Submission, table: str, row: Row) -> str:

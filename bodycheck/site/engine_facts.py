@@ -10,7 +10,7 @@ from bodycheck.site.catalogue import Catalogue, Entry, version_key
 from bodycheck.site.cells import verdict
 from bodycheck.site.known import Evidence, Issue
 from bodycheck.site.releases import Release
-from bodycheck.site.submission import Submission
+from bodycheck.site.submissions.submission import Submission
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,7 +5,7 @@ from hashlib import sha256
 from urllib.parse import quote
 
 from bodycheck.site.catalogue import Entry
-from bodycheck.site.submission import Submission
+from bodycheck.site.submissions.submission import Submission
 
 INDEX, COMPARE, ERRORS, ROW, FEED = "index.html", "compare.html", "errors.html", "row.html", "feed.atom"
 SCENES, ROBOTS = "scenes/index.html", "robots/index.html"

@@ -9,7 +9,7 @@ from bodycheck.site import cells, changes
 from bodycheck.site.catalogue import Catalogue, Entry, Scene, version_key
 from bodycheck.site.cells import Verdict
 from bodycheck.site.changes import Change
-from bodycheck.site.submission import Submission
+from bodycheck.site.submissions.submission import Submission
 from bodycheck.site.wording import WORDS
 from bodycheck.studies.releases.findings import OTHER
 

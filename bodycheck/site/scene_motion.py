@@ -13,7 +13,7 @@ from bodycheck.reports.runs.cast import MOST_SHOWN
 from bodycheck.reports.runs.playback import Frame
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.site.cells import cell
-from bodycheck.site.tracks import Course, Motion, Part, RunMotion, arrays
+from bodycheck.site.submissions.tracks import Course, Motion, Part, RunMotion, arrays
 
 #: The errors of a run, in the order of their columns.
 ERRORS = ("attitude_error", "position_error")

@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from bodycheck.site import own_methods
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.site.cells import Verdict, default_run, verdict
+from bodycheck.site.submissions import own_methods
 
 
 @dataclass(frozen=True, eq=False)

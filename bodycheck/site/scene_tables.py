@@ -17,7 +17,7 @@ from bodycheck.reports.runs.mechanism_facts import ACTING
 from bodycheck.reports.runs.scenes import Fact, Told, describe
 from bodycheck.running import truth_records
 from bodycheck.site.catalogue import Entry, Scene
-from bodycheck.site.submission import Submission
+from bodycheck.site.submissions.submission import Submission
 
 
 @dataclass(frozen=True)

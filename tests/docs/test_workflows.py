@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from bodycheck.adapters import registry
-from bodycheck.site import archive, packing
+from bodycheck.site.submissions import archive, packing
 from tests.site import submissions as made
 from tests.support import ROOT
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from bodycheck.running.origin import BESIDE
-from bodycheck.site import archive, contents, packing
+from bodycheck.site.submissions import archive, contents, packing
 from tests.site import submissions as made
 
 Attack = Callable[[Path], Path]

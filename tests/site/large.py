@@ -8,7 +8,7 @@ from bodycheck.running import records
 from bodycheck.running.records import HeaderRecord
 from bodycheck.site import catalogue
 from bodycheck.site.catalogue import Catalogue
-from bodycheck.site.submission import Row, Submission
+from bodycheck.site.submissions.submission import Row, Submission
 from tests.site import submissions
 
 ENGINES, SCENES = 20, 100

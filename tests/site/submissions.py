@@ -10,10 +10,11 @@ from bodycheck.casefile import case as case_files
 from bodycheck.figures.columns import COLUMNS
 from bodycheck.judging.judgement import COLUMNS as RUN_COLUMNS
 from bodycheck.running import csv_tables, journal, origin, store
-from bodycheck.site import catalogue, gathering
+from bodycheck.site import catalogue
 from bodycheck.site.catalogue import Catalogue
-from bodycheck.site.submission import Row, Submission
-from bodycheck.site.tables import TABLES
+from bodycheck.site.submissions import gathering
+from bodycheck.site.submissions.submission import Row, Submission
+from bodycheck.site.submissions.tables import TABLES
 from bodycheck.studies.audit.rows import Row as AuditRow
 from bodycheck.studies.contact.rows import ContactRow
 from bodycheck.studies.ensemble.rows import Row as EnsembleRow

@@ -7,7 +7,7 @@ import pytest
 
 from bodycheck.site import cells, changes
 from bodycheck.site.changes import Change
-from bodycheck.site.submission import Row
+from bodycheck.site.submissions.submission import Row
 from tests.site import submissions as make
 
 #: Roundings of 5000 steps in double precision, of numbers of the size 1, as `changes.RULE` has it.

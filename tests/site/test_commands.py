@@ -7,8 +7,8 @@ import pytest
 
 from bodycheck.commands.command_line import app
 from bodycheck.site.commands import MAKERS, command
-from bodycheck.site.submission import Row
-from bodycheck.site.tables import TABLES
+from bodycheck.site.submissions.submission import Row
+from bodycheck.site.submissions.tables import TABLES
 from tests.site import submissions
 from tests.site.submissions import CONTACT, FREE, submission
 

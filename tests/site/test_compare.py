@@ -9,7 +9,7 @@ import pytest
 
 from bodycheck.site import changes, links
 from bodycheck.site.catalogue import Catalogue, Entry
-from bodycheck.site.submission import Submission
+from bodycheck.site.submissions.submission import Submission
 from tests.site import submissions
 from tests.site.browsing import built
 from tests.site.submissions import FREE, catalogued, ended, run, submission

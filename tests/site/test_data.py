@@ -8,7 +8,7 @@ from bodycheck.site import links
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.columns import columns
 from bodycheck.site.pages import data
-from bodycheck.site.tables import TABLES
+from bodycheck.site.submissions.tables import TABLES
 from tests.site import submissions
 from tests.site.large import large
 from tests.site.submissions import CONTACT, FREE, catalogued, ended, run, submission

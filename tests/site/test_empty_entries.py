@@ -4,7 +4,7 @@ import pytest
 
 from bodycheck.errors import BadInput
 from bodycheck.site.pages import badges, engines, feed, releases
-from bodycheck.site.plausible import FILLED
+from bodycheck.site.submissions.plausible import FILLED
 from tests.site import submissions as make
 from tests.site import upgrades as example
 

@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 from bodycheck.casefile import case as case_files
-from bodycheck.site import archive, build, catalogue, gathering, links
-from bodycheck.site.submission import LeftOut, Submission
+from bodycheck.site import build, catalogue, links
+from bodycheck.site.submissions import archive, gathering
+from bodycheck.site.submissions.submission import LeftOut, Submission
 from tests.site import hostile
 from tests.site import submissions as made
 from tests.site.hostile import Attack, content, note, placed, table, with_file, with_manifest, zipped
@@ -235,7 +236,7 @@ def test_attacks_take_no_more_memory_and_time_than_there_is(attacks: list[Path])
     """All are read where memory ends at 4 GB, and the process after 120 s of computing: a hundredth of what they ask for."""
     prelude = "import resource; resource.setrlimit(resource.RLIMIT_AS, (1 << 32, 1 << 32)); "
     prelude += "resource.setrlimit(resource.RLIMIT_CPU, (120, 120))\n"
-    code = "import sys; from pathlib import Path; from bodycheck.site import gathering\n"
+    code = "import sys; from pathlib import Path; from bodycheck.site.submissions import gathering\n"
     code += "found, left_out = gathering.gathered([*map(Path, sys.argv[1:])]); print(len(found), len(left_out))"
     command = [sys.executable, "-c", prelude + code, *map(str, attacks)]
     done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, "OPENBLAS_NUM_THREADS": "1"}, check=False)

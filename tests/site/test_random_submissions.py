@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bodycheck.site import archive, build, catalogue, contents, gathering, packing
-from bodycheck.site.contents import Contents
-from bodycheck.site.tables import TABLES
+from bodycheck.site import build, catalogue
+from bodycheck.site.submissions import archive, contents, gathering, packing
+from bodycheck.site.submissions.contents import Contents
+from bodycheck.site.submissions.tables import TABLES
 from tests.site import hostile
 from tests.site import submissions as made
 

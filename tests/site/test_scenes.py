@@ -9,10 +9,11 @@ from pathlib import Path
 import pytest
 
 from bodycheck import load
-from bodycheck.site import gathering, links
+from bodycheck.site import links
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.pages import scenes
-from bodycheck.site.tracks import Tracks
+from bodycheck.site.submissions import gathering
+from bodycheck.site.submissions.tracks import Tracks
 from tests.site import motions
 from tests.site import submissions as made
 from tests.site.submissions import CONTACT, FREE, MECHANISM

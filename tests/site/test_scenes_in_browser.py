@@ -10,7 +10,8 @@ import pytest
 from bodycheck import load
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reports.runs import tracks as reported
-from bodycheck.site import gathering, links
+from bodycheck.site import links
+from bodycheck.site.submissions import gathering
 from tests.site import motions
 from tests.site import submissions as made
 from tests.site.browsing import built, served

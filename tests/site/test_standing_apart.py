@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 from bodycheck.casefile import case as case_files
-from bodycheck.site import archive, build, catalogue, contents, gathering, links, packing
+from bodycheck.site import build, catalogue, links
 from bodycheck.site.catalogue import Catalogue
-from bodycheck.site.submission import Submission
+from bodycheck.site.submissions import archive, contents, gathering, packing
+from bodycheck.site.submissions.submission import Submission
 from tests.site import submissions as made
 
 FLIP = case_files.load(made.FREE).text

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from bodycheck.site import archive, gathering, packing
-from bodycheck.site.tables import TABLES
+from bodycheck.site.submissions import archive, gathering, packing
+from bodycheck.site.submissions.tables import TABLES
 from tests.site import submissions as made
 
 

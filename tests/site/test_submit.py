@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from bodycheck.errors import BadInput
 from bodycheck.running.origin import BESIDE
-from bodycheck.site import archive, contents, gathering, packing, personal, submitting
 from bodycheck.site.command import submit
-from bodycheck.site.personal import Cleaning
-from bodycheck.site.texts import shown, text
+from bodycheck.site.submissions import archive, contents, gathering, packing, personal, submitting
+from bodycheck.site.submissions.personal import Cleaning
+from bodycheck.site.submissions.texts import shown, text
 from tests.site import submissions as made
 
 #: What stands in results that were made by Jane Roe on her machine, in places where commands put such.

@@ -19,10 +19,11 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.reports.runs import tracks as reported
 from bodycheck.running.store import Writer
 from bodycheck.running.trajectory_files import run_path
-from bodycheck.site import archive, gathering, packing, scene_motion, tracks
-from bodycheck.site.contents import TRACKS
-from bodycheck.site.submission import Submission
-from bodycheck.site.tracks import Course, Motion, Turning
+from bodycheck.site import scene_motion
+from bodycheck.site.submissions import archive, gathering, packing, tracks
+from bodycheck.site.submissions.contents import TRACKS
+from bodycheck.site.submissions.submission import Submission
+from bodycheck.site.submissions.tracks import Course, Motion, Turning
 from tests.site import motions
 from tests.site import submissions as made
 

@@ -32,8 +32,8 @@ from bodycheck.site.columns import columns
 from bodycheck.site.commands import command
 from bodycheck.site.front import Front
 from bodycheck.site.render import File
-from bodycheck.site.submission import Submission
-from bodycheck.site.tables import TABLES
+from bodycheck.site.submissions.submission import Submission
+from bodycheck.site.submissions.tables import TABLES
 
 #: The version of the format.
 FORMAT = 1

@@ -13,7 +13,7 @@ from bodycheck.site import changes, links, telling
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.site.changes import Change
 from bodycheck.site.render import File
-from bodycheck.site.submission import Submission
+from bodycheck.site.submissions.submission import Submission
 from bodycheck.site.telling import Sentence
 
 ATOM, XHTML = "http://www.w3.org/2005/Atom", "http://www.w3.org/1999/xhtml"

@@ -8,9 +8,9 @@ import zlib
 from typing import Any
 
 from bodycheck.errors import BadInput
-from bodycheck.site.contents import FORMAT, Contents, checked, manifest
-from bodycheck.site.submission import Submission
-from bodycheck.site.tables import TABLES
+from bodycheck.site.submissions.contents import FORMAT, Contents, checked, manifest
+from bodycheck.site.submissions.submission import Submission
+from bodycheck.site.submissions.tables import TABLES
 
 #: The file with the header and the digests of all others.
 MANIFEST = "submission.json"

@@ -10,11 +10,11 @@ from bodycheck.casefile.content import Case
 from bodycheck.casefile.finding import SUFFIX
 from bodycheck.errors import BadInput
 from bodycheck.running.records import HeaderRecord
-from bodycheck.site import cases as case_texts
-from bodycheck.site import headers, plausible, tables, tracks
-from bodycheck.site.submission import Row, Submission
-from bodycheck.site.texts import text
-from bodycheck.site.tracks import Tracks
+from bodycheck.site.submissions import cases as case_texts
+from bodycheck.site.submissions import headers, plausible, tables, tracks
+from bodycheck.site.submissions.submission import Row, Submission
+from bodycheck.site.submissions.texts import text
+from bodycheck.site.submissions.tracks import Tracks
 
 #: The version of the format.
 FORMAT = 1

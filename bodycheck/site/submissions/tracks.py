@@ -22,7 +22,7 @@ from bodycheck.reports.runs.playback import Frame
 from bodycheck.reports.runs.tracks import MOST_INSTANTS
 from bodycheck.running import records
 from bodycheck.running.records import Timestep
-from bodycheck.site.texts import text
+from bodycheck.site.submissions.texts import text
 
 #: The version of the format.
 FORMAT = 1

@@ -3,7 +3,7 @@
 import re
 import unicodedata
 
-from bodycheck.site import personal
+from bodycheck.site.submissions import personal
 
 #: Most characters of a text.
 LONGEST = 4000

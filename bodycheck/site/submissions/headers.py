@@ -9,8 +9,8 @@ from typing import Any
 from bodycheck.errors import BadInput
 from bodycheck.running import records
 from bodycheck.running.records import HeaderRecord
-from bodycheck.site import tables
-from bodycheck.site.texts import text
+from bodycheck.site.submissions import tables
+from bodycheck.site.submissions.texts import text
 
 #: The entries of a header.
 KNOWN = tuple(field.name for field in fields(HeaderRecord))

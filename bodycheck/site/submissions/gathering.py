@@ -6,11 +6,11 @@ from pathlib import Path
 
 from bodycheck.errors import BadInput
 from bodycheck.files import reading
-from bodycheck.site import archive, packing, personal
-from bodycheck.site.contents import checked
-from bodycheck.site.submission import LeftOut, Submission
-from bodycheck.site.tables import TABLES
-from bodycheck.site.texts import shown
+from bodycheck.site.submissions import archive, packing, personal
+from bodycheck.site.submissions.contents import checked
+from bodycheck.site.submissions.submission import LeftOut, Submission
+from bodycheck.site.submissions.tables import TABLES
+from bodycheck.site.submissions.texts import shown
 
 #: What reading a stranger's files may raise besides `BadInput`.
 DAMAGE = (OSError, ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RecursionError, MemoryError)

@@ -14,11 +14,11 @@ from bodycheck.files import reading
 from bodycheck.running import journal, records, store
 from bodycheck.running.csv_tables import entry as csv_entry
 from bodycheck.running.origin import BESIDE
-from bodycheck.site import cases as case_texts
-from bodycheck.site import condensing, tables, tracing, tracks
-from bodycheck.site.contents import CASE_END, CASES, TABLES, TRACKS, Contents
-from bodycheck.site.personal import Cleaning
-from bodycheck.site.texts import shown
+from bodycheck.site.submissions import cases as case_texts
+from bodycheck.site.submissions import condensing, tables, tracing, tracks
+from bodycheck.site.submissions.contents import CASE_END, CASES, TABLES, TRACKS, Contents
+from bodycheck.site.submissions.personal import Cleaning
+from bodycheck.site.submissions.texts import shown
 
 #: Most bytes of a table, and of the file beside it.
 MOST_BYTES, MOST_BESIDE = 1 << 25, 1 << 23

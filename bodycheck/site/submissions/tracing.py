@@ -26,9 +26,9 @@ from bodycheck.running.key import RunKey
 from bodycheck.running.outcome import Completed
 from bodycheck.running.store import Results
 from bodycheck.running.trajectory_files import TRAJECTORIES
-from bodycheck.site.own_methods import own_method
-from bodycheck.site.submission import Row
-from bodycheck.site.tracks import Motion, Tracks
+from bodycheck.site.submissions.own_methods import own_method
+from bodycheck.site.submissions.submission import Row
+from bodycheck.site.submissions.tracks import Motion, Tracks
 
 #: Most characters of the motions of a case: a chain of twenty bodies in eleven engines has half of it.
 MOST_CHARACTERS = 800_000

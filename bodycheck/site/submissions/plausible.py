@@ -9,7 +9,7 @@ from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import COLUMNS, COST_COLUMNS, FIGURES, most_possible
 from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
-from bodycheck.site.submission import Row
+from bodycheck.site.submissions.submission import Row
 from bodycheck.studies.audit.probe import Property
 from bodycheck.studies.audit.rows import Status as AuditStatus
 from bodycheck.studies.contact.rows import Setting

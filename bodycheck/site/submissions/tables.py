@@ -22,8 +22,8 @@ from bodycheck.casefile.values import Name
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import COLUMNS, FIGURES
 from bodycheck.running.csv_tables import FORMULA
-from bodycheck.site.submission import Row
-from bodycheck.site.texts import text
+from bodycheck.site.submissions.submission import Row
+from bodycheck.site.submissions.texts import text
 from bodycheck.studies.audit.rows import Row as AuditRow
 from bodycheck.studies.contact.rows import ContactRow
 from bodycheck.studies.ensemble.rows import Row as EnsembleRow

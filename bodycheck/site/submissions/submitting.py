@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bodycheck.errors import BadInput
-from bodycheck.site import archive, cases, packing, personal
-from bodycheck.site.submission import Submission
-from bodycheck.site.tables import TABLES
+from bodycheck.site.submissions import archive, cases, packing, personal
+from bodycheck.site.submissions.submission import Submission
+from bodycheck.site.submissions.tables import TABLES
 
 
 @dataclass(frozen=True, eq=False)

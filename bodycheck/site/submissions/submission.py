@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from bodycheck.running.records import HeaderRecord
-from bodycheck.site.tracks import NO_TRACKS, Tracks
+from bodycheck.site.submissions.tracks import NO_TRACKS, Tracks
 
 #: A row of a table: its values by column. None stands for an empty entry.
 Row = Mapping[str, Any]

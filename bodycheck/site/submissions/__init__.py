@@ -1,0 +1,8 @@
+"""Submissions: results folders of anyone, packed as files that can be read without trust.
+
+A `submission` has rows of known `tables`, the texts of `cases`, a header (`headers`) and motions (`tracks`, made by `tracing`
+of each engine's own method, see `own_methods`). `packing` makes its contents of a results folder, without what is `personal`
+and with tables of robots condensed (`condensing`). `contents` checks them, where `texts` and `plausible` say what cannot be.
+`archive` writes and reads the zip file, `gathering` finds all submissions at paths, and `submitting` is the work of the command
+`bodycheck submit`.
+"""
