@@ -183,7 +183,7 @@ def lose_a_column(folder: Path) -> None:
         ("run", lambda folder: shutil.copy(folder / RECORDS, folder / EXTREMES), "exactly one of them"),
         ("run", spoil(RECORDS, '"status"', "status"), "not a journal"),
         ("run", spoil(RECORDS, '"format": 1', '"format": 7'), "its format is 7, not 1"),
-        ("run", spoil(RECORDS, '"integrator"', '"integrated"'), "'integrator'"),
+        ("run", spoil(RECORDS, '", "integrator"', '", "integrated"'), "'integrator'"),
         ("run", spoil(RECORDS, '"machine"', '"mill"'), "'machine'"),
         ("run", spoil(RECORDS, "mass = 1.0", "mass = -1.0"), "body.mass"),
         ("run", spoil(RECORDS, '"status": "ok"', '"status": "well"'), "'well'"),
