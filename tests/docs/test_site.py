@@ -158,7 +158,8 @@ def test_another_version_opens_at_the_same_page(site: Path, chromium: Any, tmp_p
         (together / folder / "reference").mkdir(parents=True)
         for name in ("truth.html", "index.html", "searchindex.js", *(["glossary.html"] if folder == release else [])):
             (together / folder / name).write_bytes((site / name).read_bytes())
-        (together / folder / "_static").symlink_to(site / "_static", target_is_directory=True)
+        for shared in ("_static", "_images"):
+            (together / folder / shared).symlink_to(site / shared, target_is_directory=True)
         (together / folder / versions.FILE_NAME).touch()
     assert versions.join(together) == ["9.0", release]
     for page, there in (("truth", "truth"), ("glossary", "index")):
