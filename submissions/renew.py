@@ -15,6 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from bodycheck.adapters import registry
+from bodycheck.casefile.case import shipped
 from bodycheck.errors import BadInput
 from bodycheck.site.submissions import gathering
 
@@ -41,13 +42,22 @@ RELEASES = {
     "mjx32": ("3.17.0",),
 }
 
+#: Engines that compile each case, and the cases for which they take longer than a run may.
+COMPILING, TOO_LONG = ("mjx", "mjx32"), ("chain-10", "chain-20")
+
 #: The cases in which releases are followed.
 FLIPS = ("--case", "osrf-boxes-complex", "--case", "intermediate-axis-flip")
+
+
+def cases_of(engine: str) -> tuple[str, ...]:
+    """Return the cases that an engine runs; none stands for all that come with bodycheck."""
+    return tuple(name for name in shipped() if name not in TOO_LONG) if engine in COMPILING else ()
+
 
 #: The commands by the names of their submissions.
 COMMANDS: dict[str, tuple[str, ...]] = {
     **{
-        f"{name}-{one}": ("run", "--engine", name if one == versions[-1] else f"{name}@{one}")
+        f"{name}-{one}": ("run", *cases_of(name), "--engine", name if one == versions[-1] else f"{name}@{one}")
         for name, versions in RELEASES.items()
         for one in versions
     },
@@ -85,7 +95,7 @@ def newest() -> Iterator[tuple[str, tuple[str, ...]]]:
     for one in json.loads(listed.stdout):
         name = f"{one['name']}-{one['version']}"
         if one["name"] in registry.names() and not (HERE / f"{name}.zip").exists():
-            yield name, ("run", "--engine", one["name"])
+            yield name, ("run", *cases_of(one["name"]), "--engine", one["name"])
 
 
 def table() -> Iterator[str]:
