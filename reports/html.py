@@ -93,7 +93,7 @@ def page(
         header=header,
         notices=notices,
         specifications=json_text(specifications),
-        style=verbatim((templates / "report.css").read_text("utf-8"), "style"),
+        style=verbatim(colours() + (templates / "report.css").read_text("utf-8"), "style"),
         library=verbatim(library.script(), "script"),
         index=index,
         folding=verbatim((templates / "folds.js").read_text("utf-8"), "script"),
@@ -101,6 +101,11 @@ def page(
         script=verbatim((templates / "report.js").read_text("utf-8"), "script"),
         **values,
     )
+
+
+def colours() -> str:
+    """Return the style with the colours of all pages, in light and dark."""
+    return (resources.files("bodycheck.reports") / "templates" / "colours.css").read_text("utf-8")
 
 
 def _unbroken(text: str) -> Markup:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from bodycheck.errors import BadInput
 from bodycheck.files import reading, writing
+from bodycheck.reports.html import colours
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.pages import badges, compare, data, engines, errors, feed, index, releases, robots, row, scenes
 from bodycheck.site.render import File, asset
@@ -25,6 +26,7 @@ PAGES = (index, scenes, robots, compare, row, data, engines, releases, feed, bad
 
 def files(catalogue: Catalogue) -> Iterator[File]:
     """Yield the files of the site."""
+    yield File("assets/colours.css", colours().encode())
     for name in ASSETS:
         yield asset(name)
     for module in PAGES:
