@@ -40,7 +40,7 @@ def site(*folders: Path, out: Path) -> int:
     return OK
 
 
-def submit(folder: Path, *, out: Path) -> int:
+def submit(folder: Path, /, *, out: Path) -> int:
     """Check a results folder, and pack it for others.
 
     The zip file has the tables, the case files, versions and machine, with a digest of each file. Paths, e-mail addresses and
