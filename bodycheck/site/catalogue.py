@@ -12,7 +12,7 @@ from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.casefile.content import Case
 from bodycheck.reports.quantities import QUANTITIES, Quantity
 from bodycheck.reports.runs.matrix import Kind, kind_of
-from bodycheck.site.submissions import cases
+from bodycheck.site.submissions import cases, own_names
 from bodycheck.site.submissions.submission import LeftOut, Row, Submission
 
 #: The words by which a reason says that the engine itself refused the model or the file.
@@ -203,7 +203,8 @@ def catalogued(submissions: Sequence[Submission], left_out: Iterable[LeftOut]) -
     """Return the catalogue of submissions, given from the oldest to the newest, and of what is left out."""
     found: dict[str, Case] = {}
     runs: dict[str, list[Entry]] = defaultdict(list)
-    for source in submissions:
+    kept = own_names.apart(submissions)
+    for source in kept:
         for name, text in source.cases.items():
             if name not in found:
                 found[name] = cases.shipped(name) or cases.read(name.partition(".")[0], text)
@@ -213,4 +214,4 @@ def catalogued(submissions: Sequence[Submission], left_out: Iterable[LeftOut]) -
         name: Scene(name, case, cases.shipped(name) is not None, tuple(sorted(runs[name], key=lambda entry: entry.order)))
         for name, case in sorted(found.items())
     }
-    return Catalogue(tuple(submissions), tuple(left_out), scenes)
+    return Catalogue(kept, tuple(left_out), scenes)

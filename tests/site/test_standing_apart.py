@@ -33,11 +33,24 @@ def test_cases_of_two_strangers_stay_apart_whatever_their_dates(day: str) -> Non
     assert OTHER != OWN
     mine = of_case(OWN, day="2026-02-01")
     alone, both = made.catalogued(mine), made.catalogued(mine, of_case(OTHER, day=day))
-    (name,) = alone.scenes
+    assert set(alone.scenes) == {"my-case"}
     assert len(both.scenes) == 2
-    assert both.scenes[name].case == alone.scenes[name].case
-    assert [entry.row for entry in both.scenes[name].runs] == [entry.row for entry in alone.scenes[name].runs]
+    assert all(name.startswith("my-case.") for name in both.scenes)
+    (name,) = (name for name, scene in both.scenes.items() if scene.case.file_text == OWN)
+    assert both.scenes[name].case == alone.scenes["my-case"].case
+    here, there = (
+        [{**entry.row, "case": ""} for entry in runs] for runs in (both.scenes[name].runs, alone.scenes["my-case"].runs)
+    )
+    assert here == there
     assert both.runs["mujoco", name] == both.scenes[name].runs
+    assert both.submissions[0].header.without_method.keys() == alone.submissions[0].header.without_method.keys()
+
+
+def test_a_case_has_no_name_of_a_page_of_the_site() -> None:
+    (name,) = made.catalogued(
+        made.submission([made.run(case="index")], cases={"index": OWN.replace("my-case", "index")})
+    ).scenes
+    assert links.scene(name) != "scenes/index.html"
 
 
 def test_the_same_file_of_two_strangers_is_one_case() -> None:

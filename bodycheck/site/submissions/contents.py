@@ -9,7 +9,6 @@ from typing import Any
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.finding import SUFFIX
 from bodycheck.errors import BadInput
-from bodycheck.running.records import HeaderRecord
 from bodycheck.site.submissions import cases as case_texts
 from bodycheck.site.submissions import headers, plausible, tables, tracks
 from bodycheck.site.submissions.submission import Row, Submission
@@ -25,9 +24,6 @@ CASE_END = SUFFIX
 
 #: Characters of the digest that name a submission: so many that nobody finds other contents with the same ones.
 KEY_LENGTH = 20
-
-#: Characters of the digest of a case that does not come with bodycheck, which its name ends with on the site.
-MARK_LENGTH = 12
 
 #: Most cases that do not come with bodycheck, most bytes of one case, and of all that do not come with bodycheck.
 MOST_OWN_CASES, LONGEST_CASE, LONGEST_CASES = 100, 1 << 19, 1 << 20
@@ -81,14 +77,9 @@ def checked(contents: Contents) -> Submission:
     for name, table in rows.items():
         plausible.check(name, table, cases, header.engines)
     key = sha256(manifest(replace(contents, header=headers.as_record(header)))).hexdigest()[:KEY_LENGTH]
-    marked = {name: _marked(name, text) for name, text in texts.items() if case_texts.shipped(name) is None}
-    return Submission(
-        key,
-        replace(header, without_method=_without_method(header, marked)),
-        {name: tuple(_renamed(row, marked) for row in table) if marked else table for name, table in rows.items()},
-        {marked.get(name, name): text for name, text in texts.items()},
-        _tracks(contents, cases, rows.get("results.csv", ())).renamed(marked),
-    )
+    told = {engine: why for engine, why in header.without_method.items() if engine in header.engines}
+    header = replace(header, without_method=told)
+    return Submission(key, header, rows, texts, _tracks(contents, cases, rows.get("results.csv", ())))
 
 
 def _tracks(contents: Contents, cases: Mapping[str, Case], rows: Sequence[Row]) -> Tracks:
@@ -139,22 +130,3 @@ def _cases(texts: Mapping[str, str]) -> dict[str, Case]:
             except ValueError as error:
                 raise BadInput(f"{CASES}{name}{CASE_END}: {key}: {shown[:60]!r} {error}") from error
     return found
-
-
-def _marked(name: str, text: str) -> str:
-    """Return the name that a case which does not come with bodycheck has on the site."""
-    return f"{name}.{sha256(text.encode()).hexdigest()[:MARK_LENGTH]}"
-
-
-def _renamed(row: Row, names: Mapping[str, str]) -> Row:
-    """Return a row with other names of cases."""
-    return {**row, **{column: names[row[column]] for column in ("case", "scene") if row.get(column) in names}}
-
-
-def _without_method(header: HeaderRecord, names: Mapping[str, str]) -> dict[str, dict[str, str]]:
-    """Return why engines of the submission have no run of cases, with other names of cases."""
-    return {
-        engine: {names.get(case, case): why for case, why in cases.items()}
-        for engine, cases in header.without_method.items()
-        if engine in header.engines
-    }
