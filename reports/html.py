@@ -104,7 +104,7 @@ def page(
 
 
 def colours() -> str:
-    """Return the style with the colours of all pages, in light and dark."""
+    """Return the style with the colours and shades of all pages, in light and dark."""
     return (resources.files("bodycheck.reports") / "templates" / "colours.css").read_text("utf-8")
 
 

@@ -74,7 +74,7 @@ class Scene:
     Parameters
     ----------
     name
-        Its name; that of a case which does not come with bodycheck ends with a part of the digest of its text.
+        Its name; it ends with a part of the digest of its text where two files have one name, see `own_names`.
     case
         What its file says.
     shipped

@@ -6,6 +6,7 @@ from bodycheck.figures.columns import COLUMNS, FIGURES
 from bodycheck.figures.definition import Column
 from bodycheck.site.submissions.tables import TABLES
 from bodycheck.studies.releases.rows import ALLOWANCE_SUFFIX
+from bodycheck.studies.tradeoff.columns import BATCHES, COSTS
 
 
 def _number(name: str, title: str, meaning: str, unit: str = "", counts: str = "") -> Column:
@@ -33,21 +34,7 @@ _OWN: Mapping[str, tuple[Column, ...]] = {
         _number("constraint", "Constraint", "part that remains for vanishing time steps under the engine's own law"),
         _number("time_step", "Time step", "part that vanishes with the time step; empty for a method with one time step"),
     ),
-    "tradeoff.csv": (
-        _number("time_per_step_low", "Time per step, low", "lower end of the interval of the time per step", "s"),
-        _number("time_per_step_high", "Time per step, high", "upper end of the interval of the time per step", "s"),
-        _number("evaluations", "Evaluations", "evaluations of the accelerations in a step", counts="evaluations"),
-        _number("cost", "Cost", "computing time for a second of simulated time", counts="s per s"),
-        _number("processor_time_per_step", "Processor time per step", "processor time of a step", "s"),
-        _number("setup_time", "Set-up", "time of the first set-up in a process, in which some engines compile code", "s"),
-        _number("engine_share", "Share of the engine", "share of the time that passes in the engine's own calls"),
-        _number("worst_position_error", "Worst position error", "largest position error over all scenes of the batch", "m"),
-        _number("worst_attitude_error", "Worst attitude error", "largest attitude error over all scenes of the batch", "rad"),
-        _number("failed_scenes", "Failed scenes", "number of scenes of the batch that failed", counts="scenes"),
-        _number("batch", "Batch", "number of scenes that are stepped at once; empty for a single run", counts="scenes"),
-        _text("device", "Device", "device that the engine computes on"),
-        _text("precision", "Precision", "precision of the engine's arithmetic"),
-    ),
+    "tradeoff.csv": (*COSTS, *BATCHES),
     "orders.csv": (
         _number("order", "Order", "observed order of convergence; empty where no asymptotic range was found"),
         _number("order_low", "Order, low", "least order over the time steps in the asymptotic range"),

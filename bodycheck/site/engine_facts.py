@@ -11,6 +11,7 @@ from bodycheck.site.cells import verdict
 from bodycheck.site.known import Evidence, Issue
 from bodycheck.site.releases import Release
 from bodycheck.site.submissions.submission import Submission
+from bodycheck.studies.audit.rows import FINDINGS
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +69,7 @@ def newest(catalogue: Catalogue, table: str, engine: str) -> tuple[Entry, ...]:
     entries = [entry for entry in catalogue.entries(table) if entry.engine == engine and entry.get("version")]
     if not entries:
         return ()
-    last = max(entries, key=lambda entry: (version_key(entry.version), entry.source.header.started, entry.source.key))
+    last = max(entries, key=lambda entry: entry.order)
     return tuple(entry for entry in entries if (entry.version, entry.source) == (last.version, last.source))
 
 
@@ -149,7 +150,7 @@ def issues(catalogue: Catalogue, engine: str) -> Iterator[tuple[Issue, tuple[Evi
 
 def findings(rows: Sequence[Entry]) -> tuple[Entry, ...]:
     """Return the rows of the audit that say that something was found."""
-    return tuple(entry for entry in rows if entry.get("status") in ("default", "deviates"))
+    return tuple(entry for entry in rows if entry.get("status") in FINDINGS)
 
 
 def _near(scheme: str | None) -> str:

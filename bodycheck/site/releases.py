@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
+from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.site import cells, changes
 from bodycheck.site.catalogue import Catalogue, Entry, Scene, version_key
 from bodycheck.site.cells import Verdict
@@ -93,7 +94,7 @@ class Release:
         return found
 
     def _is(self, engine: str | None, version: str | None) -> bool:
-        return engine is not None and engine.partition("@")[0] == self.engine and version == self.version
+        return engine is not None and adapter_of(engine) == self.engine and version == self.version
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,6 @@
 A `submission` has rows of known `tables`, the texts of `cases`, a header (`headers`) and motions (`tracks`, made by `tracing`
 of each engine's own method, see `own_methods`). `packing` makes its contents of a results folder, without what is `personal`
 and with tables of robots condensed (`condensing`). `contents` checks them, where `texts` and `plausible` say what cannot be.
-`archive` writes and reads the zip file, `gathering` finds all submissions at paths, and `submitting` is the work of the command
-`bodycheck submit`.
+`own_names` keeps apart cases of several people that have one name. `archive` writes and reads the zip file, `gathering` finds
+all submissions at paths, and `submitting` is the work of the command `bodycheck submit`.
 """

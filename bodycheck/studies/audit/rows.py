@@ -15,6 +15,9 @@ PROPERTIES: tuple[Property, ...] = get_args(Property)
 #: it, and what a method does besides. The others are no findings.
 Status = Literal["default", "deviates", "none", "not-probed"]
 
+#: The statuses that are findings.
+FINDINGS: tuple[Status, ...] = ("default", "deviates")
+
 
 @dataclass(frozen=True)
 class Row:
@@ -54,7 +57,7 @@ class Row:
 
 def is_finding(row: Row) -> bool:
     """Return whether a row says that something was found."""
-    return row.status in ("default", "deviates")
+    return row.status in FINDINGS
 
 
 @dataclass(frozen=True)

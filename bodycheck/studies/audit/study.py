@@ -31,7 +31,7 @@ from bodycheck.studies.audit.calls import Call, Found, make
 from bodycheck.studies.audit.class_rows import COLUMNS, Classes
 from bodycheck.studies.audit.probe import Finding
 from bodycheck.studies.audit.probes import PROBES
-from bodycheck.studies.audit.rows import PROPERTIES, Facts, Fault, Row, Status, read_classes
+from bodycheck.studies.audit.rows import FINDINGS, PROPERTIES, Facts, Fault, Row, Status, read_classes
 
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
@@ -295,7 +295,7 @@ def _rows(engine: Engine, name: str, method: Method, answers: Answers) -> list[R
             Row(
                 *(name, engine.version, method.name, method.timestep, finding.property),
                 *(_finite(finding.value), finding.unit, finding.expected, status, finding.probe),
-                attitude_error=error if status in ("default", "deviates") else None,
+                attitude_error=error if status in FINDINGS else None,
             )
         )
     return rows
