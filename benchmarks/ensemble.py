@@ -86,10 +86,9 @@ def truths(integrators: list[str], first: int, count: int, duration: float) -> N
     """Compute the truths of a block of bricks alone, in this process."""
     import numpy as np
 
-    from bodycheck.reference.definition import Definition, Solid
     from bodycheck.reference.exact.start import defined_scene
     from bodycheck.reference.flight.flights import flights
-    from bodycheck.reference.scene import Brick
+    from bodycheck.reference.scene import Brick, Definition, Solid
     from bodycheck.reference.scenes import vary
 
     generator, shape = np.random.default_rng(first), Brick((0.05, 0.1, 0.15))

@@ -22,8 +22,8 @@ from bodycheck.reference.bounds import NAMES, Bounds
 from bodycheck.reference.flight.flights import Flights, flights
 from bodycheck.reference.scenes import Scenes, vary
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.running.members import Flown
-from bodycheck.running.outcome import Completed, Run
+from bodycheck.results.outcome import Completed, Run
+from bodycheck.running.members.blocks import Flown
 from bodycheck.running.simulation import trajectory_of
 
 COUNT, SAMPLES, DURATION_S, TIMESTEP_S = 1000, 101, 2.0, 0.002

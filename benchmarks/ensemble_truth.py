@@ -11,11 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from bodycheck.reference.definition import Definition, Solid
 from bodycheck.reference.exact.start import defined_scene
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.flights import flights
-from bodycheck.reference.scene import Brick, Cylinder, Scene, Shape, Sphere
+from bodycheck.reference.scene import Brick, Cylinder, Definition, Scene, Shape, Solid, Sphere
 from bodycheck.reference.scenes import Scenes, vary
 from bodycheck.reference.trajectory import Array
 

@@ -28,7 +28,8 @@ from bodycheck import load
 from bodycheck.adapters import registry
 from bodycheck.adapters.method import Method
 from bodycheck.judging import judgement
-from bodycheck.running import campaign, store
+from bodycheck.results import store
+from bodycheck.running import campaign
 from bodycheck.running.plan import Task
 
 #: Numbers of runs that are measured if none are given.

@@ -13,7 +13,6 @@ from collections.abc import Callable
 import numpy as np
 
 from bodycheck.reference.bounds import STATES
-from bodycheck.reference.definition import Tensor
 from bodycheck.reference.mechanisms import recursion
 from bodycheck.reference.mechanisms.certificate import rounded_to_wide
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES
@@ -21,8 +20,9 @@ from bodycheck.reference.mechanisms.followed import followed
 from bodycheck.reference.mechanisms.mechanism import Joint, JointedBody, JointType, Mechanism
 from bodycheck.reference.mechanisms.truth import known_until, mechanism_truth
 from bodycheck.reference.mechanisms.ways import Motion, apart
+from bodycheck.reference.scene import Tensor
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 
 #: The chains: number of rods, length of a rod (m), and whether they are hinged in space.
 CHAINS = ((10, 1.0, False), (10, 1.0, True), (20, 1.0, False), (20, 1.0, True), (10, 0.1, False))

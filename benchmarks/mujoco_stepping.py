@@ -19,7 +19,7 @@ from bodycheck import Case, load
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Adapter, Method, Strides
 from bodycheck.reference.trajectory import Array
-from bodycheck.running.simulation import sampling_steps
+from bodycheck.running.instants import sampling_steps
 
 TURNS = 31
 TIMESTEPS_S = (0.01, 0.002, 0.0005)

@@ -18,9 +18,10 @@ from bodycheck.adapters.contract import Method
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
-from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running import campaign, engines, plan, store
-from bodycheck.running.store import Results
+from bodycheck.reference.truths import NoTruth, Truth
+from bodycheck.results import store
+from bodycheck.results.store import Results
+from bodycheck.running import campaign, engines, plan
 
 CASES, METHODS = 100, 20
 

@@ -15,17 +15,17 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from bodycheck.casefile.case import Case, CaseFaults, load
     from bodycheck.errors import BadInput, Failed
-    from bodycheck.interface.extremes import ExtremesResults, extremes
     from bodycheck.interface.plots import Plot
-    from bodycheck.interface.recommendations import RecommendResults, recommend
     from bodycheck.interface.runs import RunResults, run
-    from bodycheck.interface.tradeoffs import TradeoffResults, tradeoff
     from bodycheck.judging.comparison import compare
     from bodycheck.judging.discrepancy import Discrepancy
-    from bodycheck.reference.truth import Truth
-    from bodycheck.running.outcome import Run
+    from bodycheck.reference.truths import Truth
+    from bodycheck.results.outcome import Run
     from bodycheck.running.simulation import simulate
     from bodycheck.running.truths import truth
+    from bodycheck.studies.extremes.interface import ExtremesResults, extremes
+    from bodycheck.studies.recommend.interface import RecommendResults, recommend
+    from bodycheck.studies.tradeoff.interface import TradeoffResults, tradeoff
 
     __version__: str
 
@@ -62,18 +62,18 @@ HOMES = {
     "load": "casefile.case",
     "Discrepancy": "judging.discrepancy",
     "compare": "judging.comparison",
-    "Run": "running.outcome",
+    "Run": "results.outcome",
     "simulate": "running.simulation",
-    "Truth": "reference.truth",
+    "Truth": "reference.truths",
     "truth": "running.truths",
     "run": "interface.runs",
     "RunResults": "interface.runs",
-    "tradeoff": "interface.tradeoffs",
-    "TradeoffResults": "interface.tradeoffs",
-    "recommend": "interface.recommendations",
-    "RecommendResults": "interface.recommendations",
-    "extremes": "interface.extremes",
-    "ExtremesResults": "interface.extremes",
+    "tradeoff": "studies.tradeoff.interface",
+    "TradeoffResults": "studies.tradeoff.interface",
+    "recommend": "studies.recommend.interface",
+    "RecommendResults": "studies.recommend.interface",
+    "extremes": "studies.extremes.interface",
+    "ExtremesResults": "studies.extremes.interface",
     "Plot": "interface.plots",
 }
 

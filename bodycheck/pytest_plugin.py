@@ -118,8 +118,8 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
     # The marker is added before pytest evaluates markers, so that skipped tests are reported with their line in the file.
     if isinstance(item, CaseItem):
         from bodycheck.casefile.case import is_shipped
+        from bodycheck.results.unchecked import SHIPPED
         from bodycheck.running.engines import faults
-        from bodycheck.running.unchecked import SHIPPED
 
         for fault in faults([item.engine]).values():
             if fault.broken:  # something is expected of the engine
@@ -289,9 +289,9 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
     """Make a run, its truth and, if an order is expected, runs with smaller time steps; return the verdict on the run."""
     from bodycheck.casefile.expectation import REFINEMENTS
     from bodycheck.judging.judgement import verdict
+    from bodycheck.results.outcome import Run
     from bodycheck.running import engines
     from bodycheck.running.campaign import no_truth, truth_tasks
-    from bodycheck.running.outcome import Run
     from bodycheck.running.plan import Task
 
     def run(method: "Method") -> Run:
@@ -315,7 +315,8 @@ def _verdict(case: "Case", engine: str, method: "Method", perform: "Perform") ->
 def _perform(config: pytest.Config) -> "Perform":
     """Return the function that makes runs and truths in the processes of the session."""
     if PERFORM_KEY not in config.stash:
-        from bodycheck.running import campaign, engines, pool
+        from bodycheck.processes import pool
+        from bodycheck.running import campaign, engines
         from bodycheck.running.tasks import group, perform
 
         stack = ExitStack()

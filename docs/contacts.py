@@ -12,7 +12,7 @@ from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.scene import Body, Brick, Plane
 from bodycheck.reference.truth import truth as truth_of_scene
-from bodycheck.running.outcome import Completed
+from bodycheck.results.outcome import Completed
 
 TIMESTEP_S = 5e-4
 

@@ -26,10 +26,10 @@ from bodycheck.reference.mechanisms.kinematics import joints
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.requirements import JOINTS
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
+from bodycheck.results.outcome import Completed, Unsupported
+from bodycheck.results.store import Results
 from bodycheck.running import engines as known
-from bodycheck.running.outcome import Completed, Unsupported
-from bodycheck.running.store import Results
 
 #: The engines that have tables of their own.
 OTHERS = ("mujoco", "pinocchio", "mjx32")

@@ -12,12 +12,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference.definition import EulerRates, Solid, Tensor, valid
 from bodycheck.reference.exact import pairs
 from bodycheck.reference.exact.pairs import Pair
 from bodycheck.reference.exact.start import start
 from bodycheck.reference.principal_frame import IDENTITY
-from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Scene, Shape, Sphere, State
+from bodycheck.reference.scene import (
+    Body,
+    Brick,
+    Cylinder,
+    Ellipsoid,
+    EulerRates,
+    Scene,
+    Shape,
+    Solid,
+    Sphere,
+    State,
+    Tensor,
+    valid,
+)
 from bodycheck.reference.trajectory import Array
 
 #: What can vary, and the number of its components; 0 for a number.

@@ -7,145 +7,26 @@ plane has three coordinates; see `sliding`.
 """
 
 import functools
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from bodycheck.reference.bounds import Bounds
-from bodycheck.reference.contact.motion import Event, Interface
 from bodycheck.reference.errors import NotFlat, NotModelled, OutOfReach, WouldTip, within_range
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.drag.translation import translation
-from bodycheck.reference.kinematics import dot
-from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.planar import Stop, planar_state
+from bodycheck.reference.planar import planar_state
 from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.requirements import requirements, touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.sliding.friction import footprint_of
 from bodycheck.reference.sliding.motion import Slide, slide
 from bodycheck.reference.sliding.ways import BALANCE_WITNESS
-from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.witness import Witness, conserved_errors, excess
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truths import CLOSED_FORM_BACKEND, INTEGRATION_BACKEND, Computed, Truth
+from bodycheck.reference.witness import conserved_errors, excess
 from bodycheck.reference.witnesses import Backend, backend, witnesses
-
-#: Name of the backend that evaluates closed forms.
-CLOSED_FORM_BACKEND = "numpy"
-
-#: Name of the backend that integrates slides.
-INTEGRATION_BACKEND = "scipy-dop853"
-
-
-@dataclass(frozen=True, eq=False)
-class Truth:
-    """The reference trajectory of a scene, and the bound of its error.
-
-    Attributes
-    ----------
-    scene
-        The scene.
-    trajectory
-        The reference trajectory at n instants, in the frame of the scene's body; of a mechanism, of all its bodies.
-    bounds
-        Bounds of the errors of the trajectory itself at each instant.
-    model
-        Name of the equations that were solved.
-    reason
-        Why these equations are exact for the scene.
-    backend
-        Name of the software that solved them.
-    witnesses
-        Names of the independent solutions that the bounds rely on; empty where none is needed, and where none can be computed.
-    stop
-        The instant and place where a body on a plane comes to rest; None in free flight and where it still moves at the last
-        instant.
-    joints
-        The motion of the joints of a mechanism at the same instants; None of a single body.
-    growth
-        (n,) by how much an error at t = 0 has grown at most, of a mechanism; None where it is not known.
-    events
-        What happens within the instants to bodies that touch: impacts, the begin of rolling, slipping, rest and tipping. Where
-        mechanics gives no motion after or before one, states and bounds are NaN.
-    friction
-        The smallest coefficient of friction with which nothing slips along a motion without slip; 0 for any other motion.
-    interfaces
-        The normal forces between bodies that touch and rest.
-    """
-
-    scene: AnyScene
-    trajectory: Trajectory
-    bounds: Bounds
-    model: str
-    reason: str
-    backend: str
-    witnesses: tuple[str, ...] = ()
-    stop: Stop | None = None
-    joints: JointMotion | None = None
-    growth: Array | None = None
-    events: tuple[Event, ...] = ()
-    friction: float = 0.0
-    interfaces: tuple[Interface, ...] = ()
-
-    def at(self, times: Array) -> "Truth":
-        """The truth of the same scene at other ascending times (n,) >= 0, s.
-
-        It is a part of this one where this one has all of them, and is computed where not; that raises as `truth` does.
-        """
-        known = self.trajectory.t
-        if np.array_equal(times, known):
-            return self
-        places = np.minimum(np.searchsorted(known, times), len(known) - 1)
-        if not len(times) or not np.array_equal(known[places], times):
-            return truth(self.scene, times)
-        stop = self.stop if self.stop is not None and self.stop.time <= times[-1] else None
-        return replace(
-            self,
-            trajectory=self.trajectory.part(places),
-            bounds=self.bounds.part(places),
-            stop=stop,
-            joints=None if self.joints is None else self.joints.part(places),
-            growth=None if self.growth is None else self.growth[places],
-            events=tuple(event for event in self.events if event.time <= times[-1]),
-        )
-
-
-@dataclass(frozen=True, eq=False)
-class Computed:
-    """A truth with what its bounds come from.
-
-    Attributes
-    ----------
-    truth
-        The truth.
-    own
-        The bounds that the way of the truth has of itself. The bounds of the truth are larger where a witness contradicts it.
-    witnesses
-        The witnesses.
-    """
-
-    truth: Truth
-    own: Bounds
-    witnesses: tuple[Witness, ...]
-
-
-@dataclass(frozen=True)
-class NoTruth:
-    """The answer where the reference has no truth.
-
-    Attributes
-    ----------
-    reason
-        Why there is none.
-    limit
-        The time limit (s) at which its computation was stopped; None if it was not stopped.
-    crashed
-        Whether its computation failed.
-    """
-
-    reason: str
-    limit: float | None = None
-    crashed: bool = False
 
 
 def missing_model(scene: AnyScene) -> str | None:
@@ -218,17 +99,25 @@ def truth(scene: AnyScene, times: Array, solver: Backend | None = None, *, vouch
     return computed(scene, times, solver, vouched=vouched).truth
 
 
+def at(known: Truth, times: Array) -> Truth:
+    """The truth of the scene of a known truth at ascending times (n,) >= 0, s.
+
+    It is a part of the known truth if that has all of these times, and is computed if not; this raises as `truth` does.
+    """
+    return known.at(times) if np.isin(times, known.trajectory.t).all() and len(times) else truth(known.scene, times)
+
+
 def computed(scene: AnyScene, times: Array, solver: Backend | None = None, *, vouched: bool = True) -> Computed:
     """The truth of a scene with what its bounds come from; arguments and exceptions are those of `truth`."""
     if (missing := missing_model(scene)) is not None:
         raise NotModelled(missing)
     if touches(scene):
-        from bodycheck.reference.contact.truth import computed_contact  # which imports this module
+        from bodycheck.reference.contact.truth import computed_contact  # imported where it is needed
 
         with within_range("the motion"):
             return computed_contact(scene, times)
     if isinstance(scene, Mechanism):
-        from bodycheck.reference.mechanisms.truth import computed_mechanism  # which imports this module
+        from bodycheck.reference.mechanisms.truth import computed_mechanism  # imported where it is needed
 
         return computed_mechanism(scene, times, vouched=vouched)
     with within_range("the motion"):
@@ -291,12 +180,6 @@ def with_drag(scene: Scene, flight: Truth) -> Truth:
         model=f"{flight.model}, drag by quadratures",
         witnesses=(*flight.witnesses, *moved.witnesses),
     )
-
-
-def distance(one: Array, other: Array) -> Array:
-    """Euclidean distances (...) between vectors (..., k)."""
-    difference = one - other
-    return np.asarray(np.sqrt(dot(difference, difference)))
 
 
 def _slide_bounds(scene: Scene, found: Slide) -> Bounds:

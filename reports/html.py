@@ -15,7 +15,7 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import count, milliseconds
 from bodycheck.reports.study import StudyReport
 from bodycheck.reports.tables import pieces
-from bodycheck.running.header import Header
+from bodycheck.results.header import Header
 
 #: Cases of a report, or parts of a study, up to which all are open at first. Of more, each is opened by the reader.
 MOST_OPEN = 4

@@ -10,7 +10,7 @@ from zlib import crc32
 
 from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.reports.quantities import milliseconds
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 
 #: The two shades of each engine's hue, by the name of its adapter. Among them are the colours of Okabe and Ito, with the palest
 #: deepened. The others were chosen as far in OKLab from all shades of other hues as possible, also as readers without green

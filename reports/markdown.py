@@ -7,7 +7,7 @@ from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import count, verb
 from bodycheck.reports.study import StudyReport
 from bodycheck.reports.tables import Table
-from bodycheck.running.header import Header
+from bodycheck.results.header import Header
 
 #: Most characters of a report; a comment on GitHub may have 65 536.
 ROOM = 60_000

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.reports.quantities import count, listing
-from bodycheck.running.header import Header
+from bodycheck.results.header import Header
 
 #: What an engine must model for a kind of scene, by the name of the kind, in the order in which it is told.
 KINDS = {"turning": "rotation", "translation": "translation", "drag": "drag", "contact": "contact", "mechanism": "mechanisms"}

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 
 from bodycheck.adapters.contract import Kind
-from bodycheck.judging.classes import MethodClass
+from bodycheck.judging.schemes.classes import MethodClass
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import bound, listing, verb
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 
 #: Classes of methods by kind of scene.
 Classes = Mapping[Kind, Sequence[MethodClass]]

@@ -8,7 +8,7 @@ from bodycheck.reports.charts import Spec
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.tables import Table
-from bodycheck.running.header import Header
+from bodycheck.results.header import Header
 
 
 @dataclass(frozen=True)

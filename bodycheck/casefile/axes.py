@@ -10,21 +10,17 @@ table in docs/cases.md follow. Two files are renewed by commands:
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
-from bodycheck.casefile.content import MAX_STEPS
+from bodycheck.casefile.content import MAX_STEPS, Case
 from bodycheck.casefile.mechanisms.axes import VARIATIONS, grown
 from bodycheck.casefile.values import Factors, NonNegativeValues, Ratios, Values
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import AnyScene, alone
 from bodycheck.reference.scene import Body, Scene, State, Vector
-
-if TYPE_CHECKING:  # a case is read by the grammar, which is made from the axes
-    from bodycheck.casefile.case import Case
-
 
 #: The axes of how a case is run, which change no scene.
 OF_THE_RUN = ("timestep", "steps")
@@ -61,13 +57,13 @@ class Axis:
     title: str
     meaning: str
     values: Any
-    change: Callable[["Case", float], "Case"]
+    change: Callable[[Case, float], Case]
     unit: str = ""
     remark: str = ""
     missing: Callable[[Scene], str | None] = lambda _: None
     refused: Callable[[float, float], str | None] = lambda _value, _duration: None
 
-    def varied(self, case: "Case", value: float) -> "Case":
+    def varied(self, case: Case, value: float) -> Case:
         """The case, of one body or of a mechanism, that has a value."""
         variation = VARIATIONS.get(self.name)
         if variation is None or isinstance(case.scene, Scene):
@@ -88,49 +84,49 @@ class Axis:
         return "".join((self.meaning, self.unit and f", {self.unit}", self.remark and f"; {self.remark}"))
 
 
-def spin(case: "Case", value: float) -> "Case":
+def spin(case: Case, value: float) -> Case:
     """The initial angular velocity at this size (rad/s), its direction kept."""
     initial = alone(case.scene).initial
     return _with_state(case, replace(initial, angular_velocity=_scaled(initial.angular_velocity, value)))
 
 
-def speed(case: "Case", value: float) -> "Case":
+def speed(case: Case, value: float) -> Case:
     """The initial velocity at this size (m/s), its direction kept."""
     initial = alone(case.scene).initial
     return _with_state(case, replace(initial, velocity=_scaled(initial.velocity, value)))
 
 
-def steps(case: "Case", value: float) -> "Case":
+def steps(case: Case, value: float) -> Case:
     """As many steps of the default time step as this."""
     return replace(case, duration=round(value) * DEFAULT_TIMESTEP)
 
 
-def distance(case: "Case", value: float) -> "Case":
+def distance(case: Case, value: float) -> Case:
     """The start moved away from the origin by this along x (m)."""
     initial = alone(case.scene).initial
     x, y, z = initial.position
     return _with_state(case, replace(initial, position=(x + value, y, z)))
 
 
-def gravity(case: "Case", value: float) -> "Case":
+def gravity(case: Case, value: float) -> Case:
     """Another gravity (m/s^2)."""
     return replace(case, scene=replace(alone(case.scene), gravity=value))
 
 
-def friction(case: "Case", value: float) -> "Case":
+def friction(case: Case, value: float) -> Case:
     """Another coefficient of friction of the plane."""
     plane = alone(case.scene).plane
     assert plane is not None  # a case file that has this axis without a plane is refused
     return replace(case, scene=replace(alone(case.scene), plane=replace(plane, friction=value)))
 
 
-def mass(case: "Case", value: float) -> "Case":
+def mass(case: Case, value: float) -> Case:
     """Another mass (kg) of the same shape: the moments in proportion."""
     body = alone(case.scene).body
     return _with_body(case, replace(body, mass=value, moments=_times(body.moments, value / body.mass)))
 
 
-def size(case: "Case", value: float) -> "Case":
+def size(case: Case, value: float) -> Case:
     """All lengths of the body times this at the same density: its mass goes with the cube, its moments with the fifth power.
 
     A body on a plane still lies on it.
@@ -143,7 +139,7 @@ def size(case: "Case", value: float) -> "Case":
     return _with_body(case, Body(body.mass * value**3, _times(body.moments, value**5), shape, body.axes))
 
 
-def moment_ratio(case: "Case", value: float) -> "Case":
+def moment_ratio(case: Case, value: float) -> Case:
     """The body stretched along its principal axis K until C / (A + B) is this: 1 for a disc across K, towards 0 for a needle.
 
     With the second moments S_x, S_y, S_z of the mass, A = S_y + S_z, B = S_x + S_z and C = S_x + S_y: a stretch changes S_z
@@ -155,7 +151,7 @@ def moment_ratio(case: "Case", value: float) -> "Case":
     return _with_body(case, replace(body, moments=((c + a - b) / 2 + along, (c + b - a) / 2 + along, c), shape=None))
 
 
-def separatrix(case: "Case", value: float) -> "Case":
+def separatrix(case: Case, value: float) -> Case:
     """A spin of the same size about the axis of the middle moment, and a wobble of this part of it about that of the least.
 
     The closer to 0, the closer to the separatrix: the time between flips grows as ln(1 / value).
@@ -305,11 +301,11 @@ AXES: dict[str, Axis] = {
 }
 
 
-def _with_state(case: "Case", initial: State) -> "Case":
+def _with_state(case: Case, initial: State) -> Case:
     return replace(case, scene=replace(alone(case.scene), initial=initial))
 
 
-def _with_body(case: "Case", body: Body) -> "Case":
+def _with_body(case: Case, body: Body) -> Case:
     return replace(case, scene=replace(alone(case.scene), body=body))
 
 

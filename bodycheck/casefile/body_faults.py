@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from bodycheck.casefile.grammar import shape_of
 from bodycheck.casefile.raw_values import mapping, number, numbers
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.reference.definition import Tensor
 from bodycheck.reference.exact.start import defined_inertia
 from bodycheck.reference.inertia import satisfies_triangle_inequality
+from bodycheck.reference.scene import Tensor
 
 #: The keys for the size of a part, by its shape.
 PART_SIZES = {

@@ -25,9 +25,10 @@ from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
 from bodycheck.casefile.finding import SUFFIX
 from bodycheck.casefile.formats import AnyCaseTable, format_of
 from bodycheck.casefile.mechanisms.model import expanded, split, with_model
+from bodycheck.casefile.raw_values import quote
 from bodycheck.casefile.scenes import Inconsistent
 from bodycheck.casefile.toml_positions import Path, Position, positions
-from bodycheck.casefile.wording import explain, is_misleading, key_text, quote
+from bodycheck.casefile.wording import explain, is_misleading, key_text
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import LIMITED
 from bodycheck.files import reading

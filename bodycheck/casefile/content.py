@@ -5,19 +5,16 @@ Worker processes have cases without reading files. What reads and checks these t
 
 from dataclasses import dataclass
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from bodycheck.casefile.distributions import Ensemble
 from bodycheck.casefile.expectation import Expectation
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
 
 #: Most steps of a run.
 MAX_STEPS = 1e9
-
-if TYPE_CHECKING:
-    from bodycheck.casefile.ensemble import Ensemble
 
 
 @dataclass(frozen=True)
@@ -54,14 +51,7 @@ class Case:
     expectations: tuple[Expectation, ...]
     extremes: tuple[tuple[str, tuple[float, ...]], ...]
     text: str
-    ensemble: "Ensemble | None" = None
-
-    @property
-    def file_text(self) -> str:
-        """Return the text of the file alone, without that of its model."""
-        from bodycheck.casefile.mechanisms.model import split
-
-        return split(self.text)[0]
+    ensemble: Ensemble | None = None
 
     @property
     def instants(self) -> Array:
@@ -72,7 +62,7 @@ class Case:
 def check_case(case: object) -> None:
     """Raise `TypeError` for anything that is not a case, for example the name of one."""
     if not isinstance(case, Case):
-        from bodycheck.casefile.wording import quote
+        from bodycheck.casefile.raw_values import quote
 
         meant = f"; did you mean bodycheck.load({case!r})?" if isinstance(case, str | FilePath) else ""
         raise TypeError(f"read {quote(case)} as the case; allowed: what bodycheck.load returns{meant}")

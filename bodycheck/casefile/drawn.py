@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.casefile.checkable import uncheckable
-from bodycheck.casefile.key_paths import ARRAYS, ATTITUDE, base, find, keys, present, rivals, value_at
+from bodycheck.casefile.distributions import rivals
+from bodycheck.casefile.key_paths import ARRAYS, ATTITUDE, base, find, keys, present, value_at
 from bodycheck.casefile.mechanisms.model import standalone
 from bodycheck.casefile.raw_values import mapping
 from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_TEXT_LENGTH

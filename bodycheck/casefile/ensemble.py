@@ -4,9 +4,21 @@ The parameters of a distribution are tuples with a number for each component: on
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
+from bodycheck.casefile.distributions import (
+    AnyAttitude,
+    Choice,
+    Distribution,
+    Ensemble,
+    Key,
+    LogUniform,
+    Normal,
+    Numbers,
+    OnSphere,
+    Uniform,
+    Variation,
+)
 from bodycheck.casefile.ensemble_grammar import (
     AnyVariation,
     AttitudeTable,
@@ -17,84 +29,7 @@ from bodycheck.casefile.ensemble_grammar import (
     OnSphereTable,
     UniformTable,
 )
-from bodycheck.casefile.key_paths import ATTITUDE, Key, find, keys
-
-#: One number for each component.
-Numbers = tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class Uniform:
-    """The same probability everywhere between the limits `low` and `high`, each component independently."""
-
-    low: Numbers
-    high: Numbers
-
-
-@dataclass(frozen=True)
-class LogUniform:
-    """A logarithm with the same probability everywhere between those of `low` and `high`, each component independently."""
-
-    low: Numbers
-    high: Numbers
-
-
-@dataclass(frozen=True)
-class Normal:
-    """The normal distribution, each component independently."""
-
-    mean: Numbers
-    standard_deviation: Numbers
-
-
-@dataclass(frozen=True)
-class OnSphere:
-    """A vector of three components, uniformly on the surface of the sphere of this radius about 0."""
-
-    radius: float
-
-
-@dataclass(frozen=True)
-class AnyAttitude:
-    """A unit quaternion, uniformly over all rotations."""
-
-
-@dataclass(frozen=True)
-class Choice:
-    """One of these values, each with the same probability; each has a number for each component."""
-
-    values: tuple[Numbers, ...]
-
-
-#: Every distribution.
-Distribution = Uniform | LogUniform | Normal | OnSphere | AnyAttitude | Choice
-
-
-@dataclass(frozen=True)
-class Variation:
-    """A key of the case file, and the distribution that its number or vector is drawn from."""
-
-    key: Key
-    distribution: Distribution
-
-
-@dataclass(frozen=True)
-class Ensemble:
-    """What many members are drawn from a case with.
-
-    Attributes
-    ----------
-    members
-        How many.
-    seed
-        The seed of the random numbers.
-    vary
-        The keys that vary. No two of them are about the same quantity.
-    """
-
-    members: int
-    seed: int
-    vary: tuple[Variation, ...]
+from bodycheck.casefile.key_paths import ATTITUDE, find, keys
 
 
 def build_ensemble(table: EnsembleTable, document: Mapping[str, Any]) -> Ensemble:

@@ -7,8 +7,9 @@ distribution fit its key and one another.
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from bodycheck.casefile.distributions import Key
 from bodycheck.casefile.ensemble_grammar import distribution_of
-from bodycheck.casefile.key_paths import ATTITUDE, Key, Unknown, find, is_complete, keys
+from bodycheck.casefile.key_paths import ATTITUDE, Unknown, find, is_complete, keys
 from bodycheck.casefile.mechanisms.grammar import is_mechanism
 from bodycheck.casefile.raw_values import mapping, numbers
 from bodycheck.casefile.toml_positions import Path

@@ -7,6 +7,7 @@ from hashlib import sha256
 from typing import Any
 
 from bodycheck.casefile.content import Case
+from bodycheck.casefile.mechanisms.model import file_text
 from bodycheck.casefile.raw_values import mapping
 
 #: Tables and keys of a case file that do not affect the motion.
@@ -15,8 +16,8 @@ NOT_PHYSICS = {"format", "name", "title", "source", "tags", "extremes", "ensembl
 
 def physics(case: Case) -> dict[str, Any]:
     """Return the tables of a case file that affect the motion; of the text of a model its SHA-256 digest."""
-    tables = {name: value for name, value in tomllib.loads(case.file_text).items() if name not in NOT_PHYSICS}
-    if stored := case.text.removeprefix(case.file_text):
+    tables = {name: value for name, value in tomllib.loads(file_text(case)).items() if name not in NOT_PHYSICS}
+    if stored := case.text.removeprefix(file_text(case)):
         tables["model"] = {**mapping(tables.get("model")), "sha256": sha256(stored.encode()).hexdigest()}
     return tables
 

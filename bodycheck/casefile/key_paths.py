@@ -12,11 +12,12 @@ import types
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Annotated, Any, Union, get_args, get_origin
 
 from pydantic import TypeAdapter, ValidationError
 
 from bodycheck.casefile import grammar
+from bodycheck.casefile.distributions import Key, Sign, rivals
 from bodycheck.casefile.mechanisms import grammar as mechanism_grammar
 from bodycheck.casefile.mechanisms.model import standalone
 from bodycheck.casefile.raw_values import mapping
@@ -32,8 +33,6 @@ ARRAYS = ("bodies", "joints", "loops")
 #: The key of the initial attitude as a quaternion, which the distribution `attitude` draws.
 ATTITUDE = "initial.quaternion"
 
-#: Two keys of a table that state the same quantity. A vector that is drawn as a whole replaces the other one.
-SAME = (("euler_zxz", "quaternion"), ("euler_rates", "angular_velocity"))
 
 #: Values of vectors that a file may leave out, by their names; those of others are in the grammar.
 DEFAULTS: dict[str, tuple[float, ...]] = {
@@ -55,70 +54,9 @@ INDEX = re.compile(r"0|[1-9][0-9]{0,5}")
 #: The most keys that a message lists.
 MAX_LISTED = 30
 
-#: Which numbers a key may have.
-Sign = Literal["any", "not negative", "positive"]
-
 
 class Unknown(Exception):
     """There is no number or vector of this path; the text says what there is."""
-
-
-@dataclass(frozen=True)
-class Key:
-    """A number or a vector of a case file.
-
-    Attributes
-    ----------
-    whole
-        The path of the number or array in the file.
-    shape
-        The shape of the whole: () for a number, (k,) for a vector, (3, 3) for a tensor.
-    place
-        The place of one component in the array; () for all of it.
-    sign
-        Which numbers it may have.
-    named
-        The path of the whole with the names of bodies and joints; () where that is the same.
-    """
-
-    whole: Path
-    shape: tuple[int, ...]
-    place: tuple[int, ...] = ()
-    sign: Sign = "any"
-    named: Path = ()
-
-    @property
-    def text(self) -> str:
-        """The path as a case file has it, with a dot between the parts."""
-        return ".".join(map(str, (*(self.named or self.whole), *self.place)))
-
-    @property
-    def text_of_whole(self) -> str:
-        """The path of the number or array that it is, or is a component of."""
-        return replace(self, place=()).text
-
-    @property
-    def components(self) -> int | None:
-        """The number of components of the vector that is drawn; None for a single number."""
-        return self.shape[0] if self.shape and not self.place else None
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """The paths of all numbers that are drawn, as columns of tables are named."""
-        return (self.text,) if self.components is None else tuple(f"{self.text}.{place}" for place in range(self.components))
-
-    def is_about(self, other: "Key") -> bool:
-        """Return whether both state a quantity that is the same, at least in part."""
-        if self.whole != other.whole:
-            return other.whole in rivals(self.whole)
-        shared = min(len(self.place), len(other.place))
-        return self.place[:shared] == other.place[:shared]
-
-
-def rivals(whole: Path) -> tuple[Path, ...]:
-    """Return the paths of the keys that state the same quantity as that of a path."""
-    name = whole[-1]
-    return tuple((*whole[:-1], other) for pair in SAME for other in pair if name in pair and other != name)
 
 
 def keys(document: Mapping[str, Any]) -> dict[str, Key]:

@@ -1,6 +1,7 @@
 """Read values of a raw document, which may have any faults: what is not of the right type counts as empty or zero."""
 
 from collections.abc import Mapping
+from datetime import date, time
 from typing import Any
 
 from bodycheck.casefile.values import MAX_NUMBER
@@ -29,3 +30,16 @@ def numbers(value: Any, length: int) -> list[float] | None:
     if not all(isinstance(item, int | float) and not isinstance(item, bool) for item in value):
         return None
     return [float(item) for item in value] if all(abs(item) <= MAX_NUMBER for item in value) else None
+
+
+#: The longest quotation (characters).
+MAX_QUOTE_LENGTH = 60
+
+
+def quote(value: Any) -> str:
+    """Return the beginning of a value, on one line."""
+    try:
+        quote = str(value) if isinstance(value, date | time) else repr(value)
+    except RecursionError:
+        return "a deeply nested value"
+    return quote if len(quote) <= MAX_QUOTE_LENGTH else quote[: MAX_QUOTE_LENGTH - 1] + "…"

@@ -6,10 +6,28 @@ from typing import Protocol
 from bodycheck.casefile import grammar
 from bodycheck.casefile.surroundings import BODY, attitude_on, build_contacts, build_plane, build_push, position_on
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.reference.definition import Attitude, Definition, EulerAngles, EulerRates, Given, Particle, Solid, Tensor
 from bodycheck.reference.exact.numbers import MP, Real, real
 from bodycheck.reference.exact.start import defined_scene, start
-from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Quaternion, Scene, Shape, Sphere, Vector
+from bodycheck.reference.scene import (
+    Attitude,
+    Body,
+    Brick,
+    Cylinder,
+    Definition,
+    Ellipsoid,
+    EulerAngles,
+    EulerRates,
+    Given,
+    Particle,
+    Plane,
+    Quaternion,
+    Scene,
+    Shape,
+    Solid,
+    Sphere,
+    Tensor,
+    Vector,
+)
 
 #: Smallest allowed ratio of the principal moments of particles or parts; a smaller ratio is rounding error.
 MIN_MOMENT_RATIO = 1e-15

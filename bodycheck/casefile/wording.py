@@ -2,18 +2,15 @@
 
 import re
 from collections.abc import Collection
-from datetime import date, time
 from typing import Any
 
 from bodycheck.casefile import formats
 from bodycheck.casefile.formats import Format
 from bodycheck.casefile.grammar import WORD
+from bodycheck.casefile.raw_values import MAX_QUOTE_LENGTH, quote
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import CHARACTERS
 from bodycheck.suggestion import did_you_mean
-
-#: The longest quotation (characters).
-MAX_QUOTE_LENGTH = 60
 
 #: Messages in TOML's terms for errors that pydantic states in Python's terms, by the type of the error.
 TOML_WORDING = {
@@ -76,12 +73,3 @@ def _suggestion(word: Any, known: Collection[str]) -> str:
 def key_text(key: str) -> str:
     """Return a key for a message; a key with special characters is quoted."""
     return key if re.fullmatch(f"[A-Za-z0-9_-]{{1,{MAX_QUOTE_LENGTH}}}", key) else quote(key)
-
-
-def quote(value: Any) -> str:
-    """Return the beginning of a value, on one line."""
-    try:
-        quote = str(value) if isinstance(value, date | time) else repr(value)
-    except RecursionError:
-        return "a deeply nested value"
-    return quote if len(quote) <= MAX_QUOTE_LENGTH else quote[: MAX_QUOTE_LENGTH - 1] + "…"

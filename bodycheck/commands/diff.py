@@ -32,7 +32,7 @@ def diff(base: Path, now: Path, /, *, fail_on: tuple[str, ...] = (), json: Json 
         then do not make the command fail; a worse status and a missing run still do. Default: any growth of any figure fails.
     """
     from bodycheck.console import tables, terminal
-    from bodycheck.judging import baseline, tolerances
+    from bodycheck.judging.baselines import baseline, tolerances
     from bodycheck.reports.runs import github
 
     allowed = tolerances.parse(fail_on)

@@ -80,7 +80,7 @@ def _print_table(answer: "Answer") -> None:
 def _print_csv(answer: "Answer") -> None:
     import csv
 
-    from bodycheck.running.csv_tables import entry
+    from bodycheck.results.csv_tables import entry
 
     writer = csv.writer(sys.stdout, lineterminator="\n")
     writer.writerow(map(entry, answer.columns))

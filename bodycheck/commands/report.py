@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from bodycheck.judging.result_set import ResultSet
     from bodycheck.reports.study import StudyReport
-    from bodycheck.running.store import Results
+    from bodycheck.results.store import Results
 
 
 def report(
@@ -88,7 +88,7 @@ def _of_cases(
     found: "Sequence[Results | StudyReport]", folders: tuple[Path, ...], cases: tuple[str, ...]
 ) -> "list[Results | StudyReport]":
     """Return results of runs without all other cases. Raises `BadInput` for a study, and for a case that is in no folder."""
-    from bodycheck.running.store import Results
+    from bodycheck.results.store import Results
     from bodycheck.suggestion import did_you_mean
 
     for folder, one in zip(folders, found, strict=True):

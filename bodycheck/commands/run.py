@@ -71,7 +71,8 @@ def run(
     from bodycheck.commands.report import write
     from bodycheck.console import output, results, tables, terminal, unchecked
     from bodycheck.console.ran import Selection, ran
-    from bodycheck.judging import baseline, judgement, result_set
+    from bodycheck.judging import judgement, result_set
+    from bodycheck.judging.baselines import baseline
     from bodycheck.running.plan import plan
 
     for option, path in (("--save", save), ("--junit", junit)):

@@ -14,8 +14,8 @@ from bodycheck.console.options import AS_USUAL, Json, Viewed
 from bodycheck.errors import FAILED, OK, BadInput, Failed
 
 if TYPE_CHECKING:
-    from bodycheck.reference.certificate import Certificate
-    from bodycheck.reference.truth import Truth
+    from bodycheck.reference.certified import Certificate
+    from bodycheck.reference.truths import Truth
     from bodycheck.running.truths import Question
 
 #: Time limit of the command, that of a truth in a run.
@@ -49,7 +49,7 @@ def truth(
     """
     from bodycheck.console import tables, terminal
     from bodycheck.console import truths as printing
-    from bodycheck.reference.certificate import Certificate
+    from bodycheck.reference.certified import Certificate
     from bodycheck.running import truths
 
     loaded = arguments.load_case(case)
@@ -77,9 +77,10 @@ def _answered(question: "Question", limit: float) -> "Truth | Certificate":
 
     The process is killed when the command is interrupted, also where it computes in C and hears no signal.
     """
-    from bodycheck.reference.truth import NoTruth
-    from bodycheck.running import pool, truths
-    from bodycheck.running.outcome import Crashed, TimedOut
+    from bodycheck.processes import pool
+    from bodycheck.processes.failures import Crashed, TimedOut
+    from bodycheck.reference.truths import NoTruth
+    from bodycheck.running import truths
 
     with closing(pool.call_all(truths.answer, [question], jobs=1, limit=limit)) as answers:
         ((_, found),) = answers

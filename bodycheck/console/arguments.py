@@ -14,7 +14,7 @@ from bodycheck.suggestion import did_you_mean
 if TYPE_CHECKING:
     from bodycheck.adapters.contract import Engine
     from bodycheck.casefile.case import Case
-    from bodycheck.running.unchecked import Absence
+    from bodycheck.results.unchecked import Absence
 
 
 #: Most scenes in a batch. Their models and states need some gigabytes in some engines.
@@ -87,8 +87,8 @@ class Engines:
 
     def absence(self, name: str) -> "Absence | None":
         """Return why an engine cannot be used; None if it can, or if the user named others."""
+        from bodycheck.results.unchecked import Absence
         from bodycheck.running import engines
-        from bodycheck.running.unchecked import Absence
 
         if name in self.records or (self.named and name not in self.missing):
             return None

@@ -13,7 +13,7 @@ from bodycheck.reference.mechanisms.coordinates import by_name
 from bodycheck.reference.mechanisms.mechanism import JointType, Mechanism
 from bodycheck.reference.mechanisms.truth import KNOWN, known_until
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 
 #: The units of the coordinates and of the velocities of each type of joint that has any, for the heads of columns.
 UNITS: dict[JointType, tuple[str, str]] = {

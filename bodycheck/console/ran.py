@@ -12,11 +12,11 @@ from bodycheck.casefile.case import Case, is_shipped
 from bodycheck.console.arguments import case_names, files_of, load_cases, load_engines, processes
 from bodycheck.console.progress import progress as shown
 from bodycheck.files.temporary import temporary_folder
+from bodycheck.results.store import Results
+from bodycheck.results.unchecked import ALLOWED, SHIPPED, unchecked
 from bodycheck.running import campaign
-from bodycheck.running.arrivals import Meet, unmet
+from bodycheck.running.pairing import Meet, unmet
 from bodycheck.running.plan import Plan, without_method
-from bodycheck.running.store import Results
-from bodycheck.running.unchecked import ALLOWED, SHIPPED, unchecked
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,12 @@ from bodycheck.figures.bounds import rounded_up
 from bodycheck.figures.columns import bounds_of
 from bodycheck.figures.conservation import angular_momentum, rotational_energy, total_energy
 from bodycheck.figures.definition import Comparison
-from bodycheck.reference.certificate import Certificate
+from bodycheck.reference.certified import Certificate
 from bodycheck.reference.contact.motion import EventKind
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TextIO
 
-from bodycheck.running.unchecked import Unchecked, sentences
+from bodycheck.results.unchecked import Unchecked, sentences
 
 
 def show(unchecked: Sequence[Unchecked], stream: TextIO) -> None:

@@ -18,7 +18,7 @@ import numpy as np
 from bodycheck.figures import bounds, conservation, contact, mechanisms, motion, touching
 from bodycheck.figures.definition import Column, Comparison, Figure
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 
 #: A number, or an array of numbers.
 Value = TypeVar("Value", float, Array)

@@ -15,7 +15,7 @@ from bodycheck.reference.observables import Observables
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import distance
+from bodycheck.reference.truths import distance
 
 #: A kinetic energy that is no larger than this part of the largest is what rounding has left of velocities that are zero.
 REST = 1e-28

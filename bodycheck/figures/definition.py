@@ -26,7 +26,7 @@ from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 
 #: Types of values, as JSON Schema calls them.
 Kind = Literal["string", "boolean", "integer", "number"]

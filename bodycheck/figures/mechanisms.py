@@ -11,7 +11,7 @@ from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.mechanism import JointType, Mechanism
 from bodycheck.reference.mechanisms.observables import MechanismObservables, floats, masses
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import distance
+from bodycheck.reference.truths import distance
 
 #: The coordinates of each type of joint that are angles, that are lengths, and that are a quaternion.
 ANGLES: dict[JointType, slice] = {"revolute": slice(0, 1), "universal": slice(0, 2), "planar": slice(2, 3)}

@@ -8,7 +8,7 @@ import math
 from bodycheck.figures.definition import Comparison, Figure
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import distance
+from bodycheck.reference.truths import distance
 
 
 def position_error(compared: Comparison) -> Array:

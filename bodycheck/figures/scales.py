@@ -20,7 +20,7 @@ from bodycheck.reference.mechanisms.observables import observe as observe_mechan
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 
 
 def in_run(truth: Truth, trajectory: Trajectory) -> Scales:

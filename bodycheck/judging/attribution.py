@@ -21,11 +21,11 @@ from bodycheck.reference.mechanisms.mechanism import alone
 from bodycheck.reference.planar import Stop, yaw
 from bodycheck.reference.requirements import slides
 from bodycheck.reference.scene import Plane, Scene
-from bodycheck.running import csv_tables
-from bodycheck.running.key import RunKey
-from bodycheck.running.origin import Origins
-from bodycheck.running.outcome import Completed, Run
-from bodycheck.running.store import Results
+from bodycheck.results import csv_tables
+from bodycheck.results.key import RunKey
+from bodycheck.results.origin import Origins
+from bodycheck.results.outcome import Completed, Run
+from bodycheck.results.store import Results
 from bodycheck.running.truths import stop_under
 
 #: The attributed quantities: time (s), distance from the start (m) and rotation since the start (rad) at the stop.

@@ -2,8 +2,9 @@
 
 from bodycheck.judging import discrepancy
 from bodycheck.judging.discrepancy import Discrepancy
-from bodycheck.reference.truth import Truth
-from bodycheck.running.outcome import Completed, Run
+from bodycheck.reference.truth import at
+from bodycheck.reference.truths import Truth
+from bodycheck.results.outcome import Completed, Run
 
 #: The functions that return what is compared.
 MADE_BY = {Truth: "truth", Run: "simulate"}
@@ -39,5 +40,5 @@ def compare(truth: Truth, run: Run) -> Discrepancy:
             f"the truth is of another scene than the run, which is of the case {run.case!r}; allowed: that of its case"
         )
     if isinstance(run.outcome, Completed):
-        truth = truth.at(run.outcome.trajectory.t)
+        truth = at(truth, run.outcome.trajectory.t)
     return discrepancy.compare(truth, run)

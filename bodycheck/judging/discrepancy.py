@@ -8,8 +8,8 @@ import numpy as np
 from bodycheck.figures.columns import FIGURES
 from bodycheck.figures.definition import Comparison
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import Truth
-from bodycheck.running.outcome import Completed, Run
+from bodycheck.reference.truths import Truth
+from bodycheck.results.outcome import Completed, Run
 
 
 @dataclass(frozen=True)

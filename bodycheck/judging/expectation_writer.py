@@ -24,17 +24,18 @@ from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.case import Case, parse, shipped
 from bodycheck.casefile.expectation import unit
+from bodycheck.casefile.mechanisms.model import file_text
 from bodycheck.casefile.toml_positions import Position, entries, positions
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES, LIMITED, most_possible, truth_bounds
 from bodycheck.figures.scales import in_scene
 from bodycheck.files import writing
 from bodycheck.judging.judgement import Verdict
-from bodycheck.reference.truth import NoTruth, Truth
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.reference.truths import NoTruth, Truth
+from bodycheck.results.store import Results
 from bodycheck.running import plan as planned
-from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.running.plan import Task
-from bodycheck.running.store import Results
 from bodycheck.suggestion import did_you_mean
 
 #: A figure below this part of what it is the difference of is nothing but rounding, as one below the truth's own bound is.
@@ -143,7 +144,7 @@ def places(files: Sequence[str], cases: Sequence[Case]) -> dict[str, Path]:
     for file, case in zip(dict.fromkeys(files), cases, strict=True):
         if file in shipped():
             raise BadInput(f"{file}: the name of a shipped case; give the path of a file, which will be written to")
-        expect = entries(case.file_text, [("expect",)]).get(("expect",))
+        expect = entries(file_text(case), [("expect",)]).get(("expect",))
         if expect is not None and expect.value is not None:
             raise BadInput(f"{file}: expect: an array; write its elements as [[expect]] tables, to which others can be added")
         found[case.name] = Path(file)
@@ -184,9 +185,9 @@ def write(
         file, own = places[name], by_case[name]
         measurements = [measure(verdict, results.truth(name, verdict.run.method.timestep), figures) for verdict in own]
         text, made = rewrite(case, measurements, margin)
-        parse(text + case.text.removeprefix(case.file_text), str(file))
+        parse(text + case.text.removeprefix(file_text(case)), str(file))
         try:
-            if file.read_bytes() != case.file_text.encode():
+            if file.read_bytes() != file_text(case).encode():
                 raise BadInput(f"{file}: has changed meanwhile; nothing is written")
         except OSError as error:
             raise BadInput(f"{file}: cannot be read: {error.strerror}") from error
@@ -201,8 +202,8 @@ def rewrite(case: Case, measurements: Sequence[Measurement], margin: float) -> t
     Where something is expected of a method already, its numbers and its version are renewed; ranges, orders, statuses and what
     is known to fail stay. Of others all figures are limited, in tables at the end. A limit that cannot fail is not written.
     """
-    newline = "\r\n" if "\r\n" in case.file_text else "\n"
-    lines = case.file_text.split("\n")
+    newline = "\r\n" if "\r\n" in file_text(case) else "\n"
+    lines = file_text(case).split("\n")
     changes: list[Change] = []
     tables: list[str] = []
     for measurement in measurements:
@@ -254,7 +255,7 @@ def _renew(lines: list[str], case: Case, place: int, measurement: Measurement, m
     numbers = _numbers(case, place)
     limits = {name: _limit(measurement, name, margin) for name in measurement.figures if name in numbers}
     renewed = {name: limit for name, limit in limits.items() if not limit.idle}
-    there = positions(case.file_text, [("expect", place, name) for name in (*renewed, "timestep", "version")])
+    there = positions(file_text(case), [("expect", place, name) for name in (*renewed, "timestep", "version")])
     for name, limit in renewed.items():
         at = there["expect", place, name].line - 1
         lines[at] = _with_value(lines[at], name, tomlkit.value(limit.number), limit.comment)
@@ -269,7 +270,7 @@ def _renew(lines: list[str], case: Case, place: int, measurement: Measurement, m
 
 def _numbers(case: Case, place: int) -> set[str]:
     """The names of the figures that one of a case's expectations limits by a number, and not by a range."""
-    table = tomllib.loads(case.file_text)["expect"][place]
+    table = tomllib.loads(file_text(case))["expect"][place]
     return {name for name in FIGURES if isinstance(table.get(name), int | float)}
 
 

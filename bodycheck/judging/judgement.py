@@ -16,14 +16,15 @@ from bodycheck.errors import BadInput
 from bodycheck.figures.columns import ALWAYS_TABLED, CASE_COLUMNS, FURTHER, LIMIT_COLUMNS, largest_bounds
 from bodycheck.figures.columns import COLUMNS as ALL_COLUMNS
 from bodycheck.files import columns
-from bodycheck.judging.convergence import attitude_order
 from bodycheck.judging.discrepancy import Summary, compare
 from bodycheck.judging.margins import Margin, margins
+from bodycheck.judging.schemes.convergence import attitude_order
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.requirements import needs
-from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed, Crashed, Outcome, Run, TimedOut, Unsupported
-from bodycheck.running.store import Results
+from bodycheck.reference.truths import NoTruth, Truth
+from bodycheck.results.key import RunKey
+from bodycheck.results.outcome import Completed, Outcome, Run, Unsupported
+from bodycheck.results.store import Results
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -167,7 +168,7 @@ class Compared:
         self.summaries: dict[RunKey, Summary] = {}
 
     def meet(self, truth: Truth, run: Run) -> None:
-        """Compare a run with its truth; see `bodycheck.running.arrivals`."""
+        """Compare a run with its truth; see `bodycheck.running.pairing`."""
         self.summaries[run.key] = compare(truth, run).summary()
 
 

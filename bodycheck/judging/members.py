@@ -26,10 +26,11 @@ from bodycheck.reference.flight.flights import Flights
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running import members, simulation
-from bodycheck.running.members import Flown, NormError
-from bodycheck.running.outcome import Completed, Outcome, Run
+from bodycheck.reference.truths import NoTruth, Truth
+from bodycheck.results.outcome import Completed, Outcome, Run
+from bodycheck.running import simulation
+from bodycheck.running.members import blocks as members
+from bodycheck.running.members.blocks import Flown, NormError
 
 #: Members whose figures are computed at once: few enough for their numbers to stay in the cache of a processor.
 AT_ONCE = 100

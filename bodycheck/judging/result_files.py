@@ -11,8 +11,8 @@ import pyarrow.parquet as pq
 from bodycheck.files import writing
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
-from bodycheck.running import csv_tables
-from bodycheck.running.origin import Origins, with_origin
+from bodycheck.results import csv_tables
+from bodycheck.results.origin import Origins, with_origin
 
 
 def write(verdicts: Sequence[Verdict], folder: Path, origins: Origins) -> None:

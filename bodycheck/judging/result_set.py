@@ -12,11 +12,11 @@ from bodycheck.adapters.contract import Kind
 from bodycheck.errors import BadInput
 from bodycheck.judging import attribution, judgement, result_files
 from bodycheck.judging.attribution import Attribution
-from bodycheck.judging.classes import MethodClass
 from bodycheck.judging.judgement import Compared, Verdict
-from bodycheck.judging.run_classes import classes_of
-from bodycheck.running import origin
-from bodycheck.running.store import Results
+from bodycheck.judging.schemes.classes import MethodClass
+from bodycheck.judging.schemes.run_classes import classes_of
+from bodycheck.results import origin
+from bodycheck.results.store import Results
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.running.outcome import AdapterFault, Diverged
+from bodycheck.results.outcome import AdapterFault, Diverged
 
 #: Smallest motion per step that is visible in single precision, relative to the position or in rad.
 VISIBLE_MOTION = 1e-6

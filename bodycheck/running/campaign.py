@@ -14,17 +14,20 @@ from bodycheck.adapters.contract import Engine
 from bodycheck.adapters.offers import demonstrations
 from bodycheck.casefile.content import Case
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.requirements import slides
-from bodycheck.reference.truth import NoTruth
-from bodycheck.running import engines, pool, store, truths, versions
-from bodycheck.running.arrivals import Arrivals, Meet, unmet
+from bodycheck.reference.truths import NoTruth
+from bodycheck.results import store, versions
+from bodycheck.results.header import Header
+from bodycheck.results.machine import fingerprint
+from bodycheck.results.outcome import Completed, Run
+from bodycheck.results.store import Results, Writer
+from bodycheck.results.unchecked import Unchecked
+from bodycheck.running import engines, truths
 from bodycheck.running.engines import locks
-from bodycheck.running.header import Header
-from bodycheck.running.machine import fingerprint
-from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
-from bodycheck.running.store import Results, Writer
+from bodycheck.running.pairing import Arrivals, Meet, unmet
 from bodycheck.running.tasks import StopTask, Task, Truths, TruthTask, group, perform, perform_stop
-from bodycheck.running.unchecked import Unchecked
 
 #: Time limit of one run or one truth.
 TIME_LIMIT_S = 300.0

@@ -27,10 +27,10 @@ from bodycheck.environments import environments, privacy, user_cache
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.errors import BadInput
 from bodycheck.files import writing
-from bodycheck.running import pool
-from bodycheck.running.interpreter import HERE, Interpreter
-from bodycheck.running.outcome import Crashed, TimedOut
-from bodycheck.running.preparing import import_engine
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.processes.interpreter import HERE, Interpreter
+from bodycheck.running.import_engine import import_engine
 
 #: Time limit for the import and the record of one engine. Some compile code when they are imported.
 TIME_LIMIT_S = 120.0

@@ -10,11 +10,12 @@ from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case
 from bodycheck.errors import Failed
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Scene
-from bodycheck.running import engines, pool
-from bodycheck.running.outcome import Crashed, TimedOut
-from bodycheck.running.tasks import check_timestep
+from bodycheck.running import engines
+from bodycheck.running.instants import check_timestep
 
 #: Time limit (s) for a script, which takes as long as building the model.
 TIME_LIMIT_S = 120.0

@@ -8,8 +8,8 @@ from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.observables import masses, observe
 from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.results.outcome import AdapterFault, Diverged
 from bodycheck.running.body_checks import DIVERGED_ENERGY_RATIO, START_TOLERANCE, VISIBLE_MOTION
-from bodycheck.running.outcome import AdapterFault, Diverged
 
 
 def divergence(mechanism: Mechanism, trajectory: Trajectory) -> Diverged | None:

@@ -9,8 +9,8 @@ from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case
 from bodycheck.casefile.expectation import REFINEMENTS
 from bodycheck.errors import BadInput
+from bodycheck.running.instants import check_timestep
 from bodycheck.running.tasks import Task as Task
-from bodycheck.running.tasks import check_timestep
 from bodycheck.suggestion import did_you_mean
 
 #: Why an engine has no task for a case, by the kind of its scene.

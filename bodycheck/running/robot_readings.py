@@ -9,13 +9,14 @@ import numpy as np
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import RobotModels
 from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, RobotFile, RobotReading
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.scene import Vector
-from bodycheck.running import pool
+from bodycheck.results.outcome import AdapterFault
 from bodycheck.running.engines import home
-from bodycheck.running.outcome import AdapterFault, Crashed, TimedOut
 
 #: Time limit for the reading of one file by one engine (s). Some engines compile code for it.
 TIME_LIMIT_S = 120.0

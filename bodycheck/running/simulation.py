@@ -24,17 +24,18 @@ from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case, check_case
 from bodycheck.figures.definition import InterfaceLoad, Load
+from bodycheck.processes.failures import Crashed, crash
+from bodycheck.processes.process_state import TO_NEAREST, rounding
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import slides, touches
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import missing_model
+from bodycheck.results.outcome import AdapterFault as AdapterFault
+from bodycheck.results.outcome import Completed, Diverged, Outcome, Run, Unsupported
 from bodycheck.running import body_checks, mechanism_checks
-from bodycheck.running.outcome import AdapterFault as AdapterFault
-from bodycheck.running.outcome import Completed, Crashed, Diverged, Outcome, Run, Unsupported, crash
-from bodycheck.running.process_state import TO_NEAREST, rounding
-from bodycheck.running.tasks import check_timestep
+from bodycheck.running.instants import check_timestep, sampling_steps
 
 #: Largest number of steps for which the load of a contact is measured, which takes about ten times as long as stepping.
 MAX_LOAD_STEPS = 20_000
@@ -174,11 +175,6 @@ def _load(adapter: Contact, scene: Scene, method: Method, outcome: Completed) ->
         return None
     weight = scene.body.mass * scene.gravity
     return Load(float(load.mean()) / weight, float(load.max()) / weight, float((load > 0).mean()))
-
-
-def sampling_steps(instants: Array, timestep: float) -> Strides:
-    """Return the numbers of steps (m,), without duplicates, whose ends are closest to instants (n,), in s."""
-    return np.unique(np.rint(instants / timestep).astype(np.int64))
 
 
 def _advance(simulation: Simulation, scene: AnyScene, method: Method, steps: Strides) -> Outcome:

@@ -9,10 +9,10 @@ import numpy as np
 
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Adapter, Method, Models
+from bodycheck.processes import pool
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.trajectory import Array
-from bodycheck.running import pool
 from bodycheck.running.engines import home
 
 #: Time step and number of steps of a check.

@@ -6,14 +6,13 @@ A process of an engine needs nothing of the reference, and one of the reference 
 from dataclasses import dataclass
 
 from bodycheck.adapters.contract import Method
-from bodycheck.casefile.content import MAX_STEPS, Case
-from bodycheck.errors import BadInput
+from bodycheck.casefile.content import Case
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
-from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Run
+from bodycheck.reference.truths import NoTruth, Truth
+from bodycheck.results.key import RunKey
+from bodycheck.results.outcome import Run
 
 
 @dataclass(frozen=True)
@@ -48,16 +47,6 @@ class StopTask:
 
     case: Case
     law: Plane
-
-
-def check_timestep(case: Case, timestep: float) -> None:
-    """Raise `BadInput` for a time step (s) that is not possible in a case."""
-    if not 0 < timestep <= case.duration <= timestep * MAX_STEPS:
-        least = case.duration / MAX_STEPS
-        raise BadInput(
-            f"{case.name}: time step {timestep:g} s: must be positive, at most its duration, {case.duration:g} s, and at "
-            f"least {least:g} s, which results in {MAX_STEPS:.0e} steps"
-        )
 
 
 def group(argument: TruthTask | Task) -> str | None:

@@ -11,7 +11,7 @@ from bodycheck.casefile.content import Case, check_case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import bounds_of
 from bodycheck.reference import certificate
-from bodycheck.reference.certificate import Certificate
+from bodycheck.reference.certified import Certificate
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.mechanisms.coordinates import by_name
 from bodycheck.reference.mechanisms.mechanism import Mechanism
@@ -19,8 +19,8 @@ from bodycheck.reference.planar import Stop
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import NoTruth, Truth
 from bodycheck.reference.truth import truth as truth_of_scene
+from bodycheck.reference.truths import NoTruth, Truth
 
 #: Most instants at which a truth is computed at once, which takes some 5 s in flight, 30 s in a slide, and 0.5 GiB.
 MAX_INSTANTS = 300_000
@@ -62,7 +62,7 @@ def of_runs(case: Case, timesteps: Iterable[float]) -> dict[float, Truth]:
     It is made at all instants that engines with these time steps reach, and each truth is a part of it. Raises as `truth`
     does.
     """
-    from bodycheck.running.simulation import sampling_steps  # reports of stored results need no simulation
+    from bodycheck.running.instants import sampling_steps  # reports of stored results need no simulation
 
     instants = {step: sampling_steps(case.instants, step).astype(np.float64) * step for step in timesteps}
     whole = truth(case, np.unique(np.concatenate(list(instants.values()))))

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from bodycheck.judging.convergence import LARGEST_GROWTH, LOST_RAD, STEP_ROUNDINGS
+from bodycheck.judging.schemes.convergence import LARGEST_GROWTH, LOST_RAD, STEP_ROUNDINGS
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.studies.releases.rows import ALLOWANCE_SUFFIX
 

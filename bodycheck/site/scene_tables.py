@@ -11,11 +11,11 @@ from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Joint, Mechanism
 from bodycheck.reference.scene import Scene as OneBody
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.reference.truth import NoTruth
+from bodycheck.reference.truths import NoTruth
 from bodycheck.reports.quantities import QUANTITIES, bound, number, vector
 from bodycheck.reports.runs.mechanism_facts import ACTING
 from bodycheck.reports.runs.scenes import Fact, Told, describe
-from bodycheck.running import truth_records
+from bodycheck.results import truth_records
 from bodycheck.site.catalogue import Entry, Scene
 from bodycheck.site.submissions.submission import Submission
 

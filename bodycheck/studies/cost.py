@@ -15,11 +15,11 @@ import numpy as np
 
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.trajectory import Array
-from bodycheck.running import pool
 from bodycheck.running.engines import home
-from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.studies.engine_calls import share
 
 #: Number of repetitions of each measurement.

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 
 
 @dataclass(frozen=True)

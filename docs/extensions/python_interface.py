@@ -28,7 +28,8 @@ PARTS = {
     "reference.trajectory": ("Trajectory",),
     "reference.bounds": ("Bounds",),
     "adapters.method": ("Method",),
-    "running.outcome": ("Completed", "Unsupported", "Diverged", "Crashed", "TimedOut"),
+    "results.outcome": ("Completed", "Unsupported", "Diverged"),
+    "processes.failures": ("Crashed", "TimedOut"),
     "reference.errors": ("NotModelled", "OutOfReach"),
 }
 

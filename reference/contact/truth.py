@@ -14,7 +14,7 @@ from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Vector, vector_of
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Computed, Truth
+from bodycheck.reference.truths import Computed, Truth
 from bodycheck.reference.witness import WideArray, conserved_errors
 
 #: Roundings of a state that is turned into the world and printed, relative to its size.

@@ -6,10 +6,9 @@ Inertia is always about the centre of mass. A tensor is given by its six compone
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bodycheck.reference.definition import Given, Particle, Solid, Tensor
 from bodycheck.reference.exact.numbers import MP, Real, Vector3, vector
 from bodycheck.reference.exact.rotations import IDENTITY, attitude, matrix
-from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Given, Particle, Shape, Solid, Sphere, Tensor
 
 #: The components XX, YY, ZZ, XY, XZ, YZ of a symmetric tensor.
 Components = tuple[Real, Real, Real, Real, Real, Real]

@@ -1,7 +1,7 @@
 """Rotations in exact arithmetic: quaternions, and z-x-z Euler angles [G 2.14, 2.21a]."""
 
-from bodycheck.reference.definition import Attitude, EulerAngles, EulerRates
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3
+from bodycheck.reference.scene import Attitude, EulerAngles, EulerRates
 
 #: The quaternion of no rotation.
 IDENTITY: Quaternion4 = (MP.mpf(1), MP.mpf(0), MP.mpf(0), MP.mpf(0))

@@ -3,12 +3,11 @@
 import functools
 from dataclasses import dataclass, replace
 
-from bodycheck.reference.definition import Attitude, Definition, EulerRates, Given, Nearest, valid
 from bodycheck.reference.exact.axes import principal_axes
 from bodycheck.reference.exact.inertia import mass_properties
 from bodycheck.reference.exact.numbers import MP, NEGLIGIBLE, Quaternion4, Real, Vector3, doubles, vector
 from bodycheck.reference.exact.rotations import IDENTITY, attitude, body_rates, conjugate, matrix, multiply, turned, unit
-from bodycheck.reference.scene import Body, Scene, Shape, State, Vector
+from bodycheck.reference.scene import Attitude, Body, Definition, EulerRates, Given, Nearest, Scene, Shape, State, Vector, valid
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,9 +7,8 @@ from typing import Any
 
 import mpmath
 
-from bodycheck.reference.definition import Attitude, Definition, EulerAngles, EulerRates, Valid, valid
 from bodycheck.reference.independent.inertia import Rows, along_axes, inverse, mass_and_tensor, over_common_denominator
-from bodycheck.reference.scene import Body, Scene
+from bodycheck.reference.scene import Attitude, Body, Definition, EulerAngles, EulerRates, Scene, Valid, valid
 
 #: Decimal digits of the arithmetic.
 DIGITS = 100

@@ -8,8 +8,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from fractions import Fraction
 
-from bodycheck.reference.definition import Attitude, Definition, Particle, Solid, Tensor
-from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
+from bodycheck.reference.scene import Attitude, Brick, Cylinder, Definition, Ellipsoid, Particle, Shape, Solid, Sphere, Tensor
 
 #: A matrix of rational numbers by its rows.
 Rows = list[list[Fraction]]

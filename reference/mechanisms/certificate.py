@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.certificate import BITS, SPARE_BITS, TRUTH_WAY, Certificate, contradiction
+from bodycheck.reference.certified import BITS, SPARE_BITS, TRUTH_WAY, Certificate, contradiction
 from bodycheck.reference.errors import NotModelled, OutOfReach, within_range
 from bodycheck.reference.integration.rotation import WideArray
 from bodycheck.reference.mechanisms import lagrange, recursion

@@ -6,12 +6,11 @@ The way of the truth begins here. Its witness has code of its own from the file 
 import functools
 from dataclasses import dataclass
 
-from bodycheck.reference.definition import Attitude, EulerRates, Tensor
 from bodycheck.reference.exact.inertia import Components, mass_properties
 from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3, doubles, vector
 from bodycheck.reference.exact.rotations import attitude, body_rates
 from bodycheck.reference.mechanisms.mechanism import Joint, JointedBody
-from bodycheck.reference.scene import Quaternion, Vector
+from bodycheck.reference.scene import Attitude, EulerRates, Quaternion, Tensor, Vector
 
 
 @dataclass(frozen=True, eq=False)

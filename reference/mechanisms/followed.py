@@ -29,7 +29,7 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.placed import bodies_of
 from bodycheck.reference.mechanisms.ways import Motion, Way, apart, reach, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import CLOSED_FORM_BACKEND
+from bodycheck.reference.truths import CLOSED_FORM_BACKEND
 from bodycheck.reference.witness import DOUBLE_DIGITS
 from bodycheck.reference.witnesses import DOP853_NAME, DOP853_ROUNDINGS, EXTENDED_DIGITS
 

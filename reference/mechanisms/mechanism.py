@@ -8,8 +8,7 @@ no joint is free. The numbers are those of the file and are meant exactly, as th
 from dataclasses import dataclass
 from typing import Literal
 
-from bodycheck.reference.definition import Attitude, EulerRates, Given
-from bodycheck.reference.scene import Plane, Push, Scene, Shape, Vector
+from bodycheck.reference.scene import Attitude, EulerRates, Given, Plane, Push, Scene, Shape, Vector
 
 #: The place of the world where the place of a body is meant.
 WORLD = -1

@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference.definition import Attitude
 from bodycheck.reference.exact.numbers import Wide, wide
 from bodycheck.reference.exact.rotations import matrix
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism
+from bodycheck.reference.scene import Attitude
 
 #: An array of the widest type.
 WideArray = NDArray[np.longdouble]

@@ -27,7 +27,7 @@ from bodycheck.reference.mechanisms.forms.momentum import floating
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.ways import Way, bounds_of, disagreement, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Computed, Truth
+from bodycheck.reference.truths import Computed, Truth
 
 #: By how much a disagreement with a witness may be smaller than the error: see the text of the module.
 DISAGREEMENT = 2.0

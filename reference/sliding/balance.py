@@ -13,9 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.reference.definition import EulerAngles, EulerRates, valid
 from bodycheck.reference.errors import OutOfReach, within_range
-from bodycheck.reference.scene import Scene
+from bodycheck.reference.scene import EulerAngles, EulerRates, Scene, valid
 from bodycheck.reference.sliding.panels import PANEL_NODES, PARTIAL_WEIGHTS, Panels
 from bodycheck.reference.sliding.quadrature import Flat, accelerations, flat
 from bodycheck.reference.trajectory import Array

@@ -13,8 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bodycheck.reference.definition import Solid, Tensor, valid
-from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene
+from bodycheck.reference.scene import Brick, Cylinder, Plane, Scene, Solid, Tensor, valid
 from bodycheck.reference.trajectory import Array
 
 #: Distance of the instantaneous centre, in radii of the face, beyond which the nodes are fixed. There the rules below have

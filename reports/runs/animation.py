@@ -6,7 +6,7 @@ from typing import Any
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 from bodycheck.reports.lines import Line
 from bodycheck.reports.runs import mechanism_playback, playback, touching_playback
 from bodycheck.reports.runs.cast import Cast, cast

@@ -9,9 +9,9 @@ from typing import Any
 
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 from bodycheck.reports.lines import Line
-from bodycheck.running.outcome import Completed
+from bodycheck.results.outcome import Completed
 
 #: Most runs that are shown at once beside the truth.
 MOST_SHOWN = 3

@@ -8,7 +8,7 @@ from bodycheck.casefile.identity import identity
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.finding import Finding
-from bodycheck.running.header import Header
+from bodycheck.results.header import Header
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from bodycheck.judging import advice
 from bodycheck.judging.advice import Step
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
-from bodycheck.reference.truth import NoTruth, Truth
+from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, Quantity
@@ -34,8 +34,8 @@ from bodycheck.reports.same_algorithm import NO_CLASSES
 from bodycheck.reports.study import Chart
 from bodycheck.reports.tables import Table
 from bodycheck.reports.time_limit import TookTooLong, limited
-from bodycheck.running.header import Header
-from bodycheck.running.key import RunKey
+from bodycheck.results.header import Header
+from bodycheck.results.key import RunKey
 
 #: Most numbers in all curves of a report together, some 4 MB, so that even a large report opens.
 MOST_NUMBERS = 300_000

@@ -12,12 +12,12 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.observables import Observables, observe
 from bodycheck.reference.scene import Scene
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, bound, count, listing, number
 from bodycheck.reports.runs import joint_curves
 from bodycheck.reports.runs.time_charts import FRAMES
 from bodycheck.reports.series import corners, ends, envelope, rounded
-from bodycheck.running.outcome import Completed
+from bodycheck.results.outcome import Completed
 
 #: Most instants of the curves of the angular momentum.
 MOST_CORNERS = 800

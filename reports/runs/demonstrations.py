@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable, Mapping
 
-from bodycheck.running.header import Header
-from bodycheck.running.key import RunKey
+from bodycheck.results.header import Header
+from bodycheck.results.key import RunKey
 
 
 def demonstrated(header: Header, keys: Iterable[RunKey]) -> Mapping[RunKey, str]:

@@ -12,15 +12,15 @@ from functools import cached_property, lru_cache
 
 from bodycheck.casefile.identity import changed_keys, keys
 from bodycheck.figures.columns import distance_from_ideal
+from bodycheck.judging.baselines.rounding import unamplified
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
-from bodycheck.judging.rounding import unamplified
-from bodycheck.reference.truth import NoTruth, Truth
+from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number, verb
 from bodycheck.reports.runs.comparison import Comparison, Shown
-from bodycheck.running.header import Header
-from bodycheck.running.key import RunKey
+from bodycheck.results.header import Header
+from bodycheck.results.key import RunKey
 
 #: Most runs whose change gets a sentence of its own.
 MOST_CHANGES = 5

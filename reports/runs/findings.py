@@ -12,7 +12,7 @@ from bodycheck.reports.finding import COMPARABLE, COMPARABLE_POSITION_M, MOST_NA
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, bound, count, listing, number
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, memberships, same_algorithm
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 
 #: Attitude errors (rad) below this may be the rounding of thousands of steps and are not compared between engines.
 ROUNDING_ATTITUDE_RAD = 1e-9

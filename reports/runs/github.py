@@ -9,7 +9,7 @@ from bodycheck.casefile.content import Case
 from bodycheck.casefile.toml_positions import positions
 from bodycheck.judging import advice
 from bodycheck.judging.judgement import Judged, Verdict
-from bodycheck.running.unchecked import Unchecked
+from bodycheck.results.unchecked import Unchecked
 
 #: Most bytes of the summary of one step.
 LARGEST_SUMMARY = 1 << 20

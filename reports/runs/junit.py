@@ -8,8 +8,8 @@ from xml.etree.ElementTree import Element
 
 from bodycheck.judging import advice
 from bodycheck.judging.judgement import Verdict
-from bodycheck.running.header import Header
-from bodycheck.running.unchecked import Unchecked
+from bodycheck.results.header import Header
+from bodycheck.results.unchecked import Unchecked
 
 #: Characters that an XML 1.0 document must not contain, and control characters that it should not contain.
 NOT_XML = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

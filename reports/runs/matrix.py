@@ -18,7 +18,7 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound, milliseconds, number
 from bodycheck.reports.runs.commands import curve_anchor
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, firsts
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 
 
 @dataclass(frozen=True)

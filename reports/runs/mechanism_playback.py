@@ -10,11 +10,10 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from bodycheck.reference.definition import Solid
 from bodycheck.reference.mechanisms.exact import nearest_inertia, nearest_turn
 from bodycheck.reference.mechanisms.mechanism import WORLD, JointedBody, Mechanism
 from bodycheck.reference.mechanisms.observables import floats, masses
-from bodycheck.reference.scene import Vector
+from bodycheck.reference.scene import Solid, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reports.quantities import listing, milliseconds, number
 from bodycheck.reports.runs import tracks

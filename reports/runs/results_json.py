@@ -14,8 +14,8 @@ from bodycheck.figures.definition import Column
 from bodycheck.judging import judgement
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.runs.contents import Contents
-from bodycheck.running.header import DESCRIPTIONS
-from bodycheck.running.outcome import Completed, Outcome
+from bodycheck.results.header import DESCRIPTIONS
+from bodycheck.results.outcome import Completed, Outcome
 
 #: Version of the format.
 FORMAT = 1

@@ -10,8 +10,8 @@ from bodycheck.reports.quantities import QUANTITIES, TABLED, Quantity, bound, mi
 from bodycheck.reports.runs.commands import curve_anchor
 from bodycheck.reports.runs.summary import expectation_status
 from bodycheck.reports.tables import Entry, Table
-from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed
+from bodycheck.results.key import RunKey
+from bodycheck.results.outcome import Completed
 
 #: Heading of the computing time.
 COST = "Time per step, µs"

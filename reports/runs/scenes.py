@@ -12,7 +12,7 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere
-from bodycheck.reference.truth import NoTruth, Truth
+from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reports.quantities import bound, count, listing, number, vector
 from bodycheck.reports.runs.mechanism_facts import described
 from bodycheck.reports.runs.surroundings import on_plane, pushed

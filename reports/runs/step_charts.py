@@ -8,7 +8,7 @@ from bodycheck.reports.charts import Spec, framed, log_axis, method_scale
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.quantities import QUANTITIES, Quantity, count, listing
 from bodycheck.reports.study import Chart
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 
 #: The quantities that are drawn: a chart each.
 DRAWN = ("attitude_error", "position_error")

@@ -10,10 +10,10 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.notices import missing_engines
 from bodycheck.reports.quantities import count, verb
 from bodycheck.reports.runs.unsupported import is_unsupported, not_supported
-from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed, Unsupported
-from bodycheck.running.store import Results
-from bodycheck.running.unchecked import Unchecked, sentences
+from bodycheck.results.key import RunKey
+from bodycheck.results.outcome import Completed, Unsupported
+from bodycheck.results.store import Results
+from bodycheck.results.unchecked import Unchecked, sentences
 
 
 def headline(results: Results, verdicts: Sequence[Verdict]) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reports import notices
 from bodycheck.reports.notices import Asked
-from bodycheck.running.outcome import Unsupported
+from bodycheck.results.outcome import Unsupported
 
 
 def is_unsupported(verdict: Verdict) -> bool:

@@ -12,7 +12,7 @@ from bodycheck.adapters.contract import Method, Strides
 from bodycheck.adapters.stepping import Normalised
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.trajectory import Array
-from bodycheck.running.outcome import Diverged, Unsupported
+from bodycheck.results.outcome import Diverged, Unsupported
 from tests.support.cases import shortened
 
 TUMBLE = shortened(load("osrf-boxes-complex"), 1.0, 11)

@@ -15,8 +15,8 @@ from bodycheck.adapters.contract import Method, Scripts
 from bodycheck.adapters.scripts import COLUMNS
 from bodycheck.casefile.case import Case, parse
 from bodycheck.reference.trajectory import Array
+from bodycheck.results.outcome import Completed
 from bodycheck.running.exporting import NoScript, Question, written
-from bodycheck.running.outcome import Completed
 from bodycheck.running.simulation import run
 
 SAMPLES = 15

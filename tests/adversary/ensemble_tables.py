@@ -6,8 +6,9 @@ import tomllib
 from collections.abc import Callable
 from typing import Any
 
+from bodycheck.casefile.distributions import Key
 from bodycheck.casefile.ensemble_grammar import DISTRIBUTIONS
-from bodycheck.casefile.key_paths import Key, keys
+from bodycheck.casefile.key_paths import keys
 from bodycheck.casefile.values import MAX_CHOICES, MAX_MEMBERS, MAX_NUMBER, MAX_SEED, MAX_VARIATIONS
 
 Chance = random.Random

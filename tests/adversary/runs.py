@@ -9,7 +9,7 @@ import pytest
 from bodycheck import Case, CaseFaults
 from bodycheck.casefile.case import parse
 from bodycheck.casefile.values import MAX_SAMPLES
-from bodycheck.running import journal, store
+from bodycheck.results import journal, store
 from tests.adversary import case_files
 from tests.support import MINIATURES
 from tests.support.commands import bodycheck

@@ -11,16 +11,7 @@ from jsonschema import Draft202012Validator
 from bodycheck import Case, CaseFaults, load
 from bodycheck.casefile.authoring import schema
 from bodycheck.casefile.case import parse
-from bodycheck.casefile.ensemble import (
-    AnyAttitude,
-    Choice,
-    Distribution,
-    Ensemble,
-    LogUniform,
-    Normal,
-    OnSphere,
-    Uniform,
-)
+from bodycheck.casefile.distributions import AnyAttitude, Choice, Distribution, Ensemble, LogUniform, Normal, OnSphere, Uniform
 from bodycheck.casefile.identity import identity
 from bodycheck.casefile.toml_text import written
 from bodycheck.casefile.values import MAX_CHOICES, MAX_MEMBERS, MAX_VARIATIONS

@@ -12,9 +12,10 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
-from bodycheck.commands.saved import EXTREMES, RECOMMEND
 from bodycheck.errors import BadInput
-from bodycheck.running.store import RECORDS
+from bodycheck.results.store import RECORDS
+from bodycheck.studies.extremes.rows import RECORDS as EXTREMES
+from bodycheck.studies.recommend.rows import RECORDS as RECOMMEND
 from tests.support import journals, saved_results
 from tests.support.saved_results import REPORT, TABLES, call
 
@@ -52,7 +53,7 @@ def markdown(folder: Path) -> str:
 
 
 #: What has no part in a report: engines, and what runs them.
-BANNED = ("mujoco", "pinocchio", "bodycheck.adapters.registry", "bodycheck.running.simulation", "bodycheck.running.pool")
+BANNED = ("mujoco", "pinocchio", "bodycheck.adapters.registry", "bodycheck.running.simulation", "bodycheck.processes.pool")
 
 #: Makes reports where nothing of that can be imported, and tells what is imported of adapters.
 AGAIN = f"""

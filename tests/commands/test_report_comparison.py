@@ -14,8 +14,8 @@ import pytest
 
 from bodycheck.judging import result_set
 from bodycheck.reports.lines import assign
-from bodycheck.running.key import RunKey
-from bodycheck.running.store import RECORDS
+from bodycheck.results.key import RunKey
+from bodycheck.results.store import RECORDS
 from tests.support import journals, saved_results
 from tests.support.saved_results import call
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from bodycheck.running import journal
+from bodycheck.results import journal
 from tests.support import journals
 from tests.support.commands import as_process, bodycheck, bodycheck_process
 from tests.support.saved_results import SPIN, made

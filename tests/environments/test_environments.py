@@ -17,7 +17,7 @@ import bodycheck
 from bodycheck.adapters import registry
 from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment, Unobtainable
-from bodycheck.running.obtaining import obtain_all
+from bodycheck.running.fetch_environments import obtain_all
 from tests.support import wheels
 
 #: Seconds for what takes one, on machines that are busy with other things.

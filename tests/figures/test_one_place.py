@@ -13,7 +13,7 @@ from bodycheck import load, simulate, truth
 from bodycheck.figures.columns import FIGURES, LIMITED
 from bodycheck.figures.definition import Comparison
 from bodycheck.figures.scales import in_run, in_scene
-from bodycheck.running.outcome import Completed
+from bodycheck.results.outcome import Completed
 from tests.support import ROOT
 from tests.support.cases import shortened
 

@@ -16,8 +16,8 @@ from bodycheck.reference.contact.motion import Event, Interface
 from bodycheck.reference.mechanisms.mechanism import WORLD
 from bodycheck.reference.scene import Body, Brick, Plane, Push, Scene, Sphere, State, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth
-from bodycheck.running.outcome import Completed, Run
+from bodycheck.reference.truths import Truth
+from bodycheck.results.outcome import Completed, Run
 
 G, RADIUS = 9.81, 0.1
 BALL = Body(1.0, (0.004, 0.004, 0.004), Sphere(RADIUS))

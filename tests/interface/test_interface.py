@@ -17,7 +17,7 @@ from bodycheck import ExtremesResults, RecommendResults, RunResults, TradeoffRes
 from bodycheck.casefile.case import parse
 from bodycheck.interface.results import Results
 from bodycheck.judging import judgement
-from bodycheck.running import store
+from bodycheck.results import store
 from bodycheck.studies import cost
 from tests.support.cases import a_case
 from tests.support.commands import bodycheck as command

@@ -12,7 +12,7 @@ from bodycheck.casefile.case import parse
 from bodycheck.commands.command_line import app
 from bodycheck.judging import advice, judgement
 from bodycheck.judging.judgement import Verdict
-from bodycheck.running.outcome import Crashed
+from bodycheck.processes.failures import Crashed
 from tests.support.cases import a_case, expecting
 from tests.support.truths import truth_for_runs
 

@@ -17,10 +17,11 @@ from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import parse
 from bodycheck.errors import BadInput
-from bodycheck.judging import baseline, judgement, rounding, tolerances
-from bodycheck.judging.baseline import ALLOWANCE, Baseline, Difference
+from bodycheck.judging import judgement
+from bodycheck.judging.baselines import baseline, rounding, tolerances
+from bodycheck.judging.baselines.baseline import ALLOWANCE, Baseline, Difference
 from bodycheck.reference.integration.sensitivity import growth
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 from bodycheck.running.plan import plan
 from tests.support import campaigns
 from tests.support.campaigns import records

@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bodycheck.judging.classes import Motion, classes
+from bodycheck.judging.schemes.classes import Motion, classes
 from bodycheck.reference.kinematics import geodesic_angle, multiply
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.schemes.formulations import world_velocity
 from bodycheck.reference.schemes.one_step import rosenbrock_euler, step_through
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import truth
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 from bodycheck.studies.audit.trials import TRIALS
 from tests.support.programs import motion
 

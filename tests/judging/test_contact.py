@@ -19,7 +19,7 @@ from bodycheck.reference.contact_observables import penetration, tilt
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 from bodycheck.running.plan import plan
 from tests.support import campaigns
 from tests.support.campaigns import records

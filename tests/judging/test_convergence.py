@@ -9,9 +9,17 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from bodycheck import load, simulate, truth
-from bodycheck.judging.convergence import UNITS, asymptotic, attitude_order, common, converge, local_orders, observe_convergence
+from bodycheck.judging.schemes.convergence import (
+    UNITS,
+    asymptotic,
+    attitude_order,
+    common,
+    converge,
+    local_orders,
+    observe_convergence,
+)
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.running.outcome import Completed
+from bodycheck.results.outcome import Completed
 
 LADDER = (0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002)
 ORDERS = st.floats(0.5, 6)

@@ -17,9 +17,10 @@ from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import parse
 from bodycheck.judging import attribution, comparison, discrepancy, judgement
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.running import campaign, store, trajectory_files
+from bodycheck.results import store, trajectory_files
+from bodycheck.results.store import Results
+from bodycheck.running import campaign
 from bodycheck.running.plan import plan
-from bodycheck.running.store import Results
 from tests.support import journals
 from tests.support.cases import shortened
 from tests.support.processes import calls_here

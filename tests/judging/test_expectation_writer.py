@@ -13,7 +13,7 @@ from bodycheck.casefile.case import parse
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
 from bodycheck.judging.expectation_writer import Measurement, floors, measure, rewrite
-from bodycheck.reference.truth import NoTruth
+from bodycheck.reference.truths import NoTruth
 from tests.support.commands import bodycheck, call
 from tests.support.truths import truth_for_runs
 from tests.support.tumbling import TUMBLING

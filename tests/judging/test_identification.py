@@ -9,8 +9,8 @@ import pytest
 
 from bodycheck import Case, compare, load, simulate, truth
 from bodycheck.adapters.contract import Method
-from bodycheck.judging.identification import SAME_ROUNDINGS, Identification, identify
-from bodycheck.judging.scheme_rounding import ROUNDOFF, STEP_ROUNDINGS, allowance
+from bodycheck.judging.schemes.identification import SAME_ROUNDINGS, Identification, identify
+from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF, STEP_ROUNDINGS, allowance
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.scene import State
 from bodycheck.reference.schemes.catalogue import CATALOGUE
@@ -18,9 +18,9 @@ from bodycheck.reference.schemes.formulations import Equations, Formulation, bod
 from bodycheck.reference.schemes.increments import Increment, Pair, Pose, add_scaled, add_scaled_pair, cross, scale_pair, turn
 from bodycheck.reference.schemes.one_step import Scheme, semi_implicit_euler, step_through
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.reference.truth import Truth
-from bodycheck.running.outcome import Completed, Diverged, Run
-from bodycheck.running.simulation import sampling_steps
+from bodycheck.reference.truths import Truth
+from bodycheck.results.outcome import Completed, Diverged, Run
+from bodycheck.running.instants import sampling_steps
 from tests.support.cases import shortened
 
 DOUBLE = ROUNDOFF["float64"]

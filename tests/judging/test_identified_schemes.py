@@ -8,13 +8,13 @@ import pytest
 
 from bodycheck import Case, load, truth
 from bodycheck.adapters.contract import Method
-from bodycheck.judging.identification import Identification, identify
-from bodycheck.judging.scheme_rounding import ROUNDOFF
+from bodycheck.judging.schemes.identification import Identification, identify
+from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
 from bodycheck.reference.scene import State
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth
-from bodycheck.running.outcome import Completed, Run
-from bodycheck.running.simulation import sampling_steps
+from bodycheck.reference.truths import Truth
+from bodycheck.results.outcome import Completed, Run
+from bodycheck.running.instants import sampling_steps
 from tests.support.cases import shortened
 from tests.support.little_engines import (
     Step,

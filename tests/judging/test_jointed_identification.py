@@ -7,15 +7,15 @@ import pytest
 
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Mechanisms, Method
-from bodycheck.judging.identified import Identification
-from bodycheck.judging.jointed_identification import identify_jointed
-from bodycheck.judging.scheme_rounding import ROUNDOFF
+from bodycheck.judging.schemes.identified import Identification
+from bodycheck.judging.schemes.jointed_identification import identify_jointed
+from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
 from bodycheck.reference.bounds import NAMES, Bounds
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.mechanisms.recursion import follow
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import Truth
-from bodycheck.running.outcome import Completed, Run
+from bodycheck.reference.truths import Truth
+from bodycheck.results.outcome import Completed, Run
 from tests.support.jointed import ball_and_hinge, body, trajectory
 
 pytest.importorskip("pinocchio")

@@ -11,10 +11,11 @@ from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import parse
 from bodycheck.casefile.expectation import Expectation, Limit
 from bodycheck.judging import judgement
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.scene import Plane
-from bodycheck.reference.truth import NoTruth
-from bodycheck.running import campaign, store
-from bodycheck.running.outcome import Crashed, TimedOut
+from bodycheck.reference.truths import NoTruth
+from bodycheck.results import store
+from bodycheck.running import campaign
 from bodycheck.running.plan import plan
 from tests.support import campaigns
 from tests.support.campaigns import records

@@ -15,13 +15,15 @@ from bodycheck.figures.definition import Comparison
 from bodycheck.judging import members
 from bodycheck.judging.judgement import verdict
 from bodycheck.judging.members import Columns, judged, one_by_one
+from bodycheck.processes.failures import Crashed
 from bodycheck.reference.flight.flights import Flights, flights
 from bodycheck.reference.scenes import Scenes, vary
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import NoTruth, truth
+from bodycheck.reference.truth import truth
+from bodycheck.reference.truths import NoTruth
+from bodycheck.results.outcome import Completed, Diverged, Outcome, Run
 from bodycheck.running import simulation
-from bodycheck.running.members import Flown, NormError, fly
-from bodycheck.running.outcome import Completed, Crashed, Diverged, Outcome, Run
+from bodycheck.running.members.blocks import Flown, NormError, fly
 from tests.support.cases import shortened
 from tests.support.members import assert_same_row, rows_of, together, truths_alone
 

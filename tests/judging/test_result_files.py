@@ -16,8 +16,8 @@ from bodycheck.figures.columns import COLUMNS
 from bodycheck.judging import judgement
 from bodycheck.judging.discrepancy import Summary
 from bodycheck.judging.margins import Margin, margins
-from bodycheck.running import store
-from bodycheck.running.header import DESCRIPTIONS
+from bodycheck.results import store
+from bodycheck.results.header import DESCRIPTIONS
 from tests.support import saved_results
 
 #: The limits that the cases of these results set.

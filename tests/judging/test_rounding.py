@@ -9,12 +9,12 @@ from bodycheck import Case, compare, load, simulate
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import parse
-from bodycheck.judging import rounding
-from bodycheck.judging.baseline import FIGURES
+from bodycheck.judging.baselines import rounding
+from bodycheck.judging.baselines.baseline import FIGURES
 from bodycheck.reference.scene import State
 from bodycheck.reference.trajectory import Trajectory
+from bodycheck.results.outcome import Completed, Run
 from bodycheck.running import campaign
-from bodycheck.running.outcome import Completed, Run
 from tests.support.cases import OF_ONE_BODY, TOUCHING
 from tests.support.truths import truth_for_runs
 

@@ -9,7 +9,8 @@ import pytest
 
 from bodycheck import Case, load
 from bodycheck.commands.command_line import app
-from bodycheck.reference.certificate import Certificate, certify
+from bodycheck.reference.certificate import certify
+from bodycheck.reference.certified import Certificate
 from bodycheck.reference.flight import torque_free
 from bodycheck.reference.flight.closed_form import STORED_ERROR_RAD
 from bodycheck.reference.requirements import touches

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from bodycheck.reference.definition import Particle, Solid
 from bodycheck.reference.exact.axes import principal_axes
 from bodycheck.reference.exact.inertia import joined, particle, solid
 from bodycheck.reference.exact.numbers import doubles, real
@@ -21,7 +20,7 @@ from bodycheck.reference.inertia import (
     principal_moments,
     satisfies_triangle_inequality,
 )
-from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Quaternion, Shape, Sphere, Vector
+from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Particle, Quaternion, Shape, Solid, Sphere, Vector
 
 INSIDE = {
     Brick((0.1, 0.3, 0.2)): lambda x, y, z: (abs(x) < 0.1) & (abs(y) < 0.3) & (abs(z) < 0.2),

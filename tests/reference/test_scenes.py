@@ -5,10 +5,24 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bodycheck.reference.definition import Definition, EulerRates, Particle, Solid, Tensor
 from bodycheck.reference.exact.numbers import MP
 from bodycheck.reference.exact.start import defined_scene, start
-from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere, State
+from bodycheck.reference.scene import (
+    Body,
+    Brick,
+    Cylinder,
+    Definition,
+    Ellipsoid,
+    EulerRates,
+    Particle,
+    Plane,
+    Scene,
+    Shape,
+    Solid,
+    Sphere,
+    State,
+    Tensor,
+)
 from bodycheck.reference.scenes import Scenes, obstacle, sizes_of, variable, vary
 from bodycheck.reference.trajectory import Array
 

@@ -21,8 +21,8 @@ from bodycheck.reference.planar import planar_state
 from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Scene, State, Vector
 from bodycheck.reference.sliding.friction import friction
 from bodycheck.reference.sliding.motion import coupled, slide, smallest_friction
-from bodycheck.reference.truth import distance
 from bodycheck.reference.truth import truth as truth_of_scene
+from bodycheck.reference.truths import distance
 from bodycheck.reference.witness import angle_between
 from bodycheck.reference.witnesses import Backend, backend, dop853
 from tests.support.flat_slides import BRICK, DISK, PLANES, flat

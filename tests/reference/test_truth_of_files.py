@@ -6,7 +6,8 @@ import pytest
 
 from bodycheck.casefile.case import parse
 from bodycheck.reference import witnesses
-from bodycheck.reference.truth import Truth, truth
+from bodycheck.reference.truth import truth
+from bodycheck.reference.truths import Truth
 from tests.support.bound_checks import Figure, figures
 
 CASE = """\

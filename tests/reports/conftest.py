@@ -12,8 +12,8 @@ from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import parse
 from bodycheck.judging import attribution, judgement
 from bodycheck.judging.result_set import ResultSet
+from bodycheck.processes.failures import Crashed
 from bodycheck.running import plan
-from bodycheck.running.outcome import Crashed
 from tests.support import campaigns
 from tests.support.browser import Visit, visiting
 from tests.support.pages import HOSTILE

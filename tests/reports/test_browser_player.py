@@ -21,9 +21,9 @@ from bodycheck.reference.scene import Brick
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reports.runs import tracks
 from bodycheck.reports.runs.playback import RATE_TOLERANCE
+from bodycheck.results.outcome import Completed
+from bodycheck.results.store import Results
 from bodycheck.running import plan
-from bodycheck.running.outcome import Completed
-from bodycheck.running.store import Results
 from tests.support import campaigns
 from tests.support.browser import Visit, visiting
 from tests.support.cases import shortened

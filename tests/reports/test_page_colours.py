@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 
 from bodycheck.reports.lines import DASHES, FURTHER_HUES, HUES, assign
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 
 TEMPLATES = resources.files("bodycheck.reports") / "templates"
 STYLE = "".join((TEMPLATES / name).read_text("utf-8") for name in ("colours.css", "report.css"))

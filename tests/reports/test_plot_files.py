@@ -14,7 +14,7 @@ from bodycheck.reports import plot_files
 from bodycheck.reports.runs import plots
 from bodycheck.reports.runs.contents import Contents, gather
 from bodycheck.reports.study import StudyReport
-from bodycheck.running import store
+from bodycheck.results import store
 from tests.support import saved_results
 from tests.support.saved_results import call
 

@@ -1,9 +1,9 @@
 """A report says which methods are the same algorithm, kind by kind, and does not repeat itself."""
 
 from bodycheck.adapters.options import KINDS
-from bodycheck.judging.classes import MethodClass
+from bodycheck.judging.schemes.classes import MethodClass
 from bodycheck.reports.same_algorithm import MOST_CLASSES, WORDS, memberships, same_algorithm
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 
 
 def members(*names: str, distance: float = 0.0) -> MethodClass:

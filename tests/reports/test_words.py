@@ -6,7 +6,7 @@ import numpy as np
 
 from bodycheck.reports.lines import assign
 from bodycheck.reports.quantities import bound, count, listing, number
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 
 
 def test_bounds_are_rounded_up() -> None:

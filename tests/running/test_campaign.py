@@ -9,9 +9,9 @@ import pytest
 
 from bodycheck import load
 from bodycheck.judging import judgement
-from bodycheck.running import journal, store
+from bodycheck.results import journal, store
+from bodycheck.results.store import Results
 from bodycheck.running.plan import plan
-from bodycheck.running.store import Results
 from tests.support import campaigns
 from tests.support.campaigns import TIMINGS, records, run_all
 from tests.support.cases import STEADY_SPIN, shortened

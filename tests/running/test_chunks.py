@@ -14,11 +14,11 @@ import pytest
 
 from bodycheck import load
 from bodycheck.adapters.method import Method
-from bodycheck.running import chunks, crews
-from bodycheck.running.chunks import Chunk, Share, Work
-from bodycheck.running.executors.own import Own
-from bodycheck.running.halving import in_halves, limit_of
-from bodycheck.running.outcome import Crashed, TimedOut
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.running.members import chunk_workers, chunks
+from bodycheck.running.members.bisect_failures import in_halves, limit_of
+from bodycheck.running.members.chunks import Chunk, Share, Work
+from bodycheck.running.members.executors.own import Own
 from tests.support.cases import shortened
 
 SHARE = Share("engine", "1.0", (Method.parse("step", 0.002),), (0.002,))
@@ -91,10 +91,10 @@ def test_nothing_is_done_after_the_receipts_are_closed() -> None:
     done: list[Chunk] = []
 
     def perform(chunk: Any) -> Any:
-        crews.check()
+        chunk_workers.check()
         while chunk > 100:  # however busy the machine is, the rest is not done before the end
             time.sleep(0.01)
-            crews.check()
+            chunk_workers.check()
         done.append(chunk)
         return chunk
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from bodycheck.running import csv_tables
+from bodycheck.results import csv_tables
 
 
 @dataclass(frozen=True)

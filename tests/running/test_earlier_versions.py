@@ -11,9 +11,10 @@ import pytest
 from bodycheck import load
 from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import CaseFaults, parse, parse_stored
-from bodycheck.judging import baseline, judgement
-from bodycheck.running import store
-from bodycheck.running.header import LATER
+from bodycheck.judging import judgement
+from bodycheck.judging.baselines import baseline
+from bodycheck.results import store
+from bodycheck.results.header import LATER
 from bodycheck.running.plan import Task
 from tests.support import campaigns, journals
 from tests.support.commands import call

@@ -11,8 +11,9 @@ from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Engine, Integrator
 from bodycheck.adapters.record import fault_of
 from bodycheck.console.arguments import load_engines
-from bodycheck.running import engines, pool
-from bodycheck.running.outcome import TimedOut
+from bodycheck.processes import pool
+from bodycheck.processes.failures import TimedOut
+from bodycheck.running import engines
 from tests.support.cases import a_case, expecting
 from tests.support.commands import bodycheck
 from tests.support.planted_engines import plant

@@ -17,8 +17,9 @@ from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms.mechanism import WORLD
 from bodycheck.reference.scene import Body, Plane, Scene, Sphere, State
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.running import records, simulation, truth_records
-from bodycheck.running.outcome import Completed
+from bodycheck.results import records, truth_records
+from bodycheck.results.outcome import Completed
+from bodycheck.running import simulation
 
 BALL = Scene(Body(1.0, (0.004, 0.004, 0.004), Sphere(0.1)), State((0.0, 0.0, 0.1)), 10.0, Plane(0.5))
 T = np.linspace(0, 4, 5)

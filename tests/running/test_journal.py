@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from bodycheck.errors import BadInput
-from bodycheck.running import journal
+from bodycheck.results import journal
 
 HEADER = {"identity": "the same", "text": "Größe"}
 

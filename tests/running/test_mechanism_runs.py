@@ -16,9 +16,10 @@ from bodycheck.reference.bounds import NAMES, Bounds
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.mechanism import BodyStart, Joint, Mechanism
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.reference.truth import Truth
-from bodycheck.running import simulation, trajectory_files
-from bodycheck.running.outcome import Completed, Outcome, Run
+from bodycheck.reference.truths import Truth
+from bodycheck.results import trajectory_files
+from bodycheck.results.outcome import Completed, Outcome, Run
+from bodycheck.running import simulation
 from tests.support import jointed
 from tests.support.miniature import coasting
 

@@ -12,11 +12,12 @@ from bodycheck import load
 from bodycheck.adapters import norm_errors, offers, registry
 from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Method, SceneUnsupported
 from bodycheck.adapters.stepping import Normalised
+from bodycheck.processes.failures import Crashed
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.scenes import Scenes, vary
+from bodycheck.results.outcome import Completed, Diverged, Run, Unsupported
 from bodycheck.running import simulation
-from bodycheck.running.members import Flown, fly
-from bodycheck.running.outcome import Completed, Crashed, Diverged, Run, Unsupported
+from bodycheck.running.members.blocks import Flown, fly
 from tests.support.cases import STEADY_SPIN, shortened
 
 FREE = frozenset({"gravity", "translation", "rotation"})

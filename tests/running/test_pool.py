@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
-from bodycheck.running import channel, pool
-from bodycheck.running.interpreter import Interpreter
-from bodycheck.running.outcome import Crashed, TimedOut
+from bodycheck.processes import channel, pool
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.processes.interpreter import Interpreter
 from tests.support import ROOT
 from tests.support.calls import (
     CHANGES,

@@ -17,7 +17,8 @@ import pytest
 
 from bodycheck.adapters.method import Method
 from bodycheck.judging import judgement
-from bodycheck.running import campaign, journal, store
+from bodycheck.results import journal, store
+from bodycheck.running import campaign
 from bodycheck.running.plan import Task
 from tests.support import MINIATURES
 from tests.support.campaigns import TIMINGS, header

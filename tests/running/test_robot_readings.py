@@ -5,7 +5,7 @@ import pytest
 
 from bodycheck.adapters.robot_reading import RobotReading
 from bodycheck.reference.robots.terms import Terms
-from bodycheck.running.outcome import AdapterFault
+from bodycheck.results.outcome import AdapterFault
 from bodycheck.running.robot_readings import check_shapes
 
 

@@ -15,8 +15,9 @@ from bodycheck import compare, load, simulate, truth
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Engine, Integrator, Method, choice
 from bodycheck.errors import BadInput
+from bodycheck.processes.failures import Crashed
 from bodycheck.reference.scene import Plane, Scene, State
-from bodycheck.running.outcome import Completed, Crashed, Diverged
+from bodycheck.results.outcome import Completed, Diverged
 from bodycheck.running.plan import plan
 from bodycheck.running.smoke import check
 from tests.support.cases import STEADY_SPIN, shortened

@@ -16,7 +16,7 @@ from bodycheck.casefile.expectation import Expectation, Limit
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement, result_set
 from bodycheck.reference.bounds import NAMES
-from bodycheck.running import store
+from bodycheck.results import store
 from bodycheck.running.plan import plan
 from tests.support import campaigns
 from tests.support.campaigns import run_all

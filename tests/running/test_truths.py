@@ -7,7 +7,7 @@ import pytest
 
 from bodycheck import load
 from bodycheck.reference.bounds import NAMES
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 from bodycheck.running import truths
 from tests.support.cases import shortened
 from tests.support.truths import truth_for_runs

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from bodycheck.running.origin import BESIDE
+from bodycheck.results.origin import BESIDE
 from bodycheck.site.submissions import archive, contents, packing
 from tests.site import submissions as made
 

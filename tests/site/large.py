@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from typing import Any
 
 from bodycheck.casefile import case as case_files
-from bodycheck.running import records
-from bodycheck.running.records import HeaderRecord
+from bodycheck.results import records
+from bodycheck.results.records import HeaderRecord
 from bodycheck.site import catalogue
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.submissions.submission import Row, Submission

@@ -13,9 +13,10 @@ from bodycheck.adapters.method import Method
 from bodycheck.casefile.content import Case
 from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.reference.truth import Truth, truth
-from bodycheck.running.outcome import Completed, Run
-from bodycheck.running.store import Writer
+from bodycheck.reference.truth import truth
+from bodycheck.reference.truths import Truth
+from bodycheck.results.outcome import Completed, Run
+from bodycheck.results.store import Writer
 from tests.site import submissions as made
 
 TIMESTEP = 0.002

@@ -9,7 +9,7 @@ from typing import Any
 from bodycheck.casefile import case as case_files
 from bodycheck.figures.columns import COLUMNS
 from bodycheck.judging.judgement import COLUMNS as RUN_COLUMNS
-from bodycheck.running import csv_tables, journal, origin, store
+from bodycheck.results import csv_tables, journal, origin, store
 from bodycheck.site import catalogue
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.submissions import gathering

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from bodycheck.casefile import case as case_files
+from bodycheck.casefile.mechanisms.model import file_text
 from bodycheck.site import build, catalogue, links
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.submissions import archive, contents, gathering, packing
@@ -36,7 +37,7 @@ def test_cases_of_two_strangers_stay_apart_whatever_their_dates(day: str) -> Non
     assert set(alone.scenes) == {"my-case"}
     assert len(both.scenes) == 2
     assert all(name.startswith("my-case.") for name in both.scenes)
-    (name,) = (name for name, scene in both.scenes.items() if scene.case.file_text == OWN)
+    (name,) = (name for name, scene in both.scenes.items() if file_text(scene.case) == OWN)
     assert both.scenes[name].case == alone.scenes["my-case"].case
     here, there = (
         [{**entry.row, "case": ""} for entry in runs] for runs in (both.scenes[name].runs, alone.scenes["my-case"].runs)

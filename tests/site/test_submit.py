@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bodycheck.errors import BadInput
-from bodycheck.running.origin import BESIDE
+from bodycheck.results.origin import BESIDE
 from bodycheck.site.command import submit
 from bodycheck.site.submissions import archive, contents, gathering, packing, personal, submitting
 from bodycheck.site.submissions.personal import Cleaning

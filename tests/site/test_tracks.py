@@ -17,8 +17,8 @@ from bodycheck.errors import BadInput
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.trajectory import Array
 from bodycheck.reports.runs import tracks as reported
-from bodycheck.running.store import Writer
-from bodycheck.running.trajectory_files import run_path
+from bodycheck.results.store import Writer
+from bodycheck.results.trajectory_files import run_path
 from bodycheck.site import scene_motion
 from bodycheck.site.submissions import archive, gathering, packing, tracks
 from bodycheck.site.submissions.contents import TRACKS

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from bodycheck.judging.convergence import UNITS
+from bodycheck.judging.schemes.convergence import UNITS
 from bodycheck.reports import html, markdown
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.page import present

@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from bodycheck.casefile.case import parse
 from bodycheck.reference.bounds import NAMES, Bounds
-from bodycheck.reference.definition import EulerAngles, Tensor
 from bodycheck.reference.flight.flights import flights
 from bodycheck.reference.observables import observe
-from bodycheck.reference.scene import Brick, Ellipsoid, Scene
+from bodycheck.reference.scene import Brick, Ellipsoid, EulerAngles, Scene, Tensor
 from bodycheck.reference.scenes import variable, vary
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth, truth
+from bodycheck.reference.truth import truth
+from bodycheck.reference.truths import Truth
 from tests.support.multiprecision.arithmetic import MP, cross, dot, norm, real, vector
 from tests.support.multiprecision.flight import Flight, Moment, read
 from tests.support.random_cases import drawn

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.running.channel import Worker
+from bodycheck.processes.channel import Worker
 
 #: What a call keeps when it has returned.
 KEPT: list[bytearray] = []

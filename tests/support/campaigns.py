@@ -8,9 +8,10 @@ from typing import Any
 from bodycheck import Case
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Engine
-from bodycheck.running import campaign, store
+from bodycheck.results import store
+from bodycheck.results.store import Results
+from bodycheck.running import campaign
 from bodycheck.running.plan import Task, plan
-from bodycheck.running.store import Results
 from tests.support.processes import calls_here
 
 #: Columns that are different whenever something is run again.

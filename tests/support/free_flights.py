@@ -5,9 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from bodycheck.reference.definition import Definition, Solid
 from bodycheck.reference.exact.start import defined_scene
-from bodycheck.reference.scene import Body, Brick, Scene, State
+from bodycheck.reference.scene import Body, Brick, Definition, Scene, Solid, State
 from bodycheck.reference.scenes import Scenes, vary
 from bodycheck.reference.trajectory import Array
 

@@ -6,10 +6,9 @@ from typing import Literal
 
 import numpy as np
 
-from bodycheck.reference.definition import EulerAngles, Solid, Tensor
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Loop, Mechanism
-from bodycheck.reference.scene import Brick, Vector
+from bodycheck.reference.scene import Brick, EulerAngles, Solid, Tensor, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
 DIAGONAL = tuple[float, float, float]

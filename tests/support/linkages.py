@@ -5,10 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from bodycheck.reference.definition import Tensor
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Loop, Mechanism
-from bodycheck.reference.scene import Vector
+from bodycheck.reference.scene import Tensor, Vector
 
 #: The axis of planar linkages: positive angles turn x towards z.
 _ACROSS = (0.0, -1.0, 0.0)

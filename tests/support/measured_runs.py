@@ -13,8 +13,8 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.reports.lines import assign
 from bodycheck.reports.runs.matrix import Matrix, kind_of, matrices
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes
-from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed, Run, Unsupported
+from bodycheck.results.key import RunKey
+from bodycheck.results.outcome import Completed, Run, Unsupported
 
 FLIP, FLIGHT, DRAG, SLIDE = "intermediate-axis-flip", "projectile", "football-drag", "sliding-brick"
 ERRORS = {"attitude_error": 3e-4, "position_error": 2e-2, "truth_error": 1e-14}

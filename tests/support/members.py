@@ -10,7 +10,8 @@ from bodycheck.reference.bounds import NAMES, Bounds
 from bodycheck.reference.flight.flights import Flights
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth, truth
+from bodycheck.reference.truth import truth
+from bodycheck.reference.truths import Truth
 
 STATES = ("position", "quaternion", "velocity", "angular_velocity")
 

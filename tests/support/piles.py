@@ -7,9 +7,8 @@ import numpy as np
 from bodycheck.reference.contact.motion import ContactMotion, Interface
 from bodycheck.reference.contact.problem import Problem, problem
 from bodycheck.reference.contact.ways import Way
-from bodycheck.reference.definition import EulerAngles, Solid
 from bodycheck.reference.mechanisms.mechanism import BodyStart, JointedBody, Mechanism, PairContact
-from bodycheck.reference.scene import Brick, Cylinder, Plane, Push, Shape, Sphere, Vector
+from bodycheck.reference.scene import Brick, Cylinder, EulerAngles, Plane, Push, Shape, Solid, Sphere, Vector
 
 GRAVITY = 9.81
 

@@ -11,13 +11,13 @@ from typing import Any
 
 import pytest
 
-from bodycheck.running import pool
-from bodycheck.running.outcome import crash
+from bodycheck.processes import pool
+from bodycheck.processes.failures import crash
 
 
 @contextmanager
 def calls_here() -> Iterator[None]:
-    """Make the calls of `bodycheck.running.pool` in this process, which has imported and compiled what they need already.
+    """Make the calls of `bodycheck.processes.pool` in this process, which has imported and compiled what they need already.
 
     For runs that neither die nor hang: nothing limits their time or memory. Arguments and results are pickled, as for a pipe.
     """
@@ -54,7 +54,7 @@ def calls_here() -> Iterator[None]:
 
 @dataclass
 class Countdown:
-    """A clock for `bodycheck.running.pool` that stands still until so many calls are done.
+    """A clock for `bodycheck.processes.pool` that stands still until so many calls are done.
 
     With it a call that hangs is stopped when it is the last, and no other one is, however slow the machine. The pool asks for
     the time a few times a second: a limit of seconds is over in seconds, and that of the preparation of a process in a minute.

@@ -4,10 +4,10 @@ from typing import Any, Literal
 
 import numpy as np
 
-from bodycheck.judging.classes import Motion
+from bodycheck.judging.schemes.classes import Motion
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 
 #: Where a step is stretched: in the angular velocity, the turn, the change of the velocity, or that of the position.
 Part = Literal["rates", "turn", "velocity", "position", "nothing"]

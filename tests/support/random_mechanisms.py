@@ -5,10 +5,23 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from bodycheck.reference.definition import Attitude, EulerAngles, EulerRates, Given, Particle, Solid, Tensor
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, JointType, Mechanism
-from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Quaternion, Shape, Sphere
+from bodycheck.reference.scene import (
+    Attitude,
+    Brick,
+    Cylinder,
+    Ellipsoid,
+    EulerAngles,
+    EulerRates,
+    Given,
+    Particle,
+    Quaternion,
+    Shape,
+    Solid,
+    Sphere,
+    Tensor,
+)
 
 Table = dict[str, Any]
 

@@ -10,9 +10,9 @@ import pyarrow.dataset as ds
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Engine
 from bodycheck.casefile.case import Case, parse
-from bodycheck.running.chunk_files import MEASURED
-from bodycheck.running.executors import Executor
-from bodycheck.running.executors.own import Own
+from bodycheck.running.members.chunk_files import MEASURED
+from bodycheck.running.members.executors import Executor
+from bodycheck.running.members.executors.own import Own
 from bodycheck.studies.ensemble import header, study
 from bodycheck.studies.ensemble.drawing import members
 

@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from bodycheck.reference.definition import Solid
 from bodycheck.reference.mechanisms.mechanism import BodyStart, JointedBody, Mechanism
-from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Scene, Shape, Sphere, State, Vector
+from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Scene, Shape, Solid, Sphere, State, Vector
 from bodycheck.reference.trajectory import Array
 
 GRAVITY, RADIUS, MASS, INCLINE = 9.81, 0.1, 2.0, 0.3

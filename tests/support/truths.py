@@ -1,7 +1,7 @@
 """Truths at the instants of runs, as judging needs them."""
 
 from bodycheck import Case, Truth, truth
-from bodycheck.running.simulation import sampling_steps
+from bodycheck.running.instants import sampling_steps
 
 
 def truth_for_runs(case: Case, timestep: float) -> Truth:

@@ -7,10 +7,21 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from bodycheck.reference.definition import EulerRates, Given, Particle, Solid, Tensor
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, JointType, Mechanism
-from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere, Vector
+from bodycheck.reference.scene import (
+    Brick,
+    Cylinder,
+    Ellipsoid,
+    EulerRates,
+    Given,
+    Particle,
+    Shape,
+    Solid,
+    Sphere,
+    Tensor,
+    Vector,
+)
 
 #: How many of the first coordinates of a type of joint are lengths (m); all others are angles or the parts of a quaternion.
 LENGTHS: dict[JointType, int] = {"prismatic": 1, "planar": 2, "free": 3}

@@ -7,10 +7,9 @@ from bodycheck.casefile.mechanisms import grammar
 from bodycheck.casefile.mechanisms.start_faults import check_start
 from bodycheck.casefile.scenes import attitude_of, inertia_of, rotation_of, solid_shape
 from bodycheck.casefile.surroundings import attitude_on, build_contacts, build_plane, build_push, position_on
-from bodycheck.reference.definition import Solid
 from bodycheck.reference.mechanisms.exact import nearest_turn
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Loop, Mechanism
-from bodycheck.reference.scene import Plane, Shape, Vector
+from bodycheck.reference.scene import Plane, Shape, Solid, Vector
 
 #: The centre of mass of a body whose file does not say it.
 ORIGIN: Vector = (0.0, 0.0, 0.0)

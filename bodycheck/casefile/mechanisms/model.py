@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 from typing import Any
 
+from bodycheck.casefile.content import Case
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD, is_mechanism
 from bodycheck.casefile.raw_values import mapping
 from bodycheck.casefile.robots import mjcf_tree, urdf_tree
@@ -110,6 +111,11 @@ def split(text: str) -> tuple[str, dict[str, Any] | None]:
         return own, {"text": json.loads(stored)}
     except ValueError:
         return text, None
+
+
+def file_text(case: Case) -> str:
+    """Return the text of the file of a case alone, without that of its model."""
+    return split(case.text)[0]
 
 
 def expanded(document: dict[str, Any], refused: str | None = None) -> Expanded:

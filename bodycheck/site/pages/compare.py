@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from bodycheck.judging import convergence
+from bodycheck.judging.schemes import convergence
 from bodycheck.site import changes, links
 from bodycheck.site.catalogue import Catalogue
 from bodycheck.site.render import File, page

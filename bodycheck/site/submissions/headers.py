@@ -7,8 +7,8 @@ from datetime import datetime
 from typing import Any
 
 from bodycheck.errors import BadInput
-from bodycheck.running import records
-from bodycheck.running.records import HeaderRecord
+from bodycheck.results import records
+from bodycheck.results.records import HeaderRecord
 from bodycheck.site.submissions import tables
 from bodycheck.site.submissions.texts import text
 

@@ -11,9 +11,9 @@ from typing import Any
 
 from bodycheck.errors import BadInput
 from bodycheck.files import reading
-from bodycheck.running import journal, records, store
-from bodycheck.running.csv_tables import entry as csv_entry
-from bodycheck.running.origin import BESIDE
+from bodycheck.results import journal, records, store
+from bodycheck.results.csv_tables import entry as csv_entry
+from bodycheck.results.origin import BESIDE
 from bodycheck.site.submissions import cases as case_texts
 from bodycheck.site.submissions import condensing, tables, tracing, tracks
 from bodycheck.site.submissions.contents import CASE_END, CASES, TABLES, TRACKS, Contents

@@ -8,7 +8,8 @@ from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import COLUMNS, COST_COLUMNS, FIGURES, most_possible
-from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.results.outcome import Completed, Diverged, Unsupported
 from bodycheck.site.submissions.submission import Row
 from bodycheck.studies.audit.probe import Property
 from bodycheck.studies.audit.rows import Status as AuditStatus

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-from bodycheck.running.records import HeaderRecord
+from bodycheck.results.records import HeaderRecord
 from bodycheck.site.submissions.tracks import NO_TRACKS, Tracks
 
 #: A row of a table: its values by column. None stands for an empty entry.

@@ -21,7 +21,7 @@ from bodycheck.adapters.method import Method, current
 from bodycheck.casefile.values import Name
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import COLUMNS, FIGURES
-from bodycheck.running.csv_tables import FORMULA
+from bodycheck.results.csv_tables import FORMULA
 from bodycheck.site.submissions.submission import Row
 from bodycheck.site.submissions.texts import text
 from bodycheck.studies.audit.rows import Row as AuditRow

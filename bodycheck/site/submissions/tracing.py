@@ -17,15 +17,15 @@ from bodycheck.files import reading
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 from bodycheck.reports.lines import assign
 from bodycheck.reports.runs.animation import animation
 from bodycheck.reports.runs.cast import ERRORS, Cast, Shown
-from bodycheck.running import records, store
-from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed
-from bodycheck.running.store import Results
-from bodycheck.running.trajectory_files import TRAJECTORIES
+from bodycheck.results import records, store
+from bodycheck.results.key import RunKey
+from bodycheck.results.outcome import Completed
+from bodycheck.results.store import Results
+from bodycheck.results.trajectory_files import TRAJECTORIES
 from bodycheck.site.submissions.own_methods import own_method
 from bodycheck.site.submissions.submission import Row
 from bodycheck.site.submissions.tracks import Motion, Tracks

@@ -20,8 +20,8 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.requirements import touches
 from bodycheck.reports.runs.playback import Frame
 from bodycheck.reports.runs.tracks import MOST_INSTANTS
-from bodycheck.running import records
-from bodycheck.running.records import Timestep
+from bodycheck.results import records
+from bodycheck.results.records import Timestep
 from bodycheck.site.submissions.texts import text
 
 #: The version of the format.

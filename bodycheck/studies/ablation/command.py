@@ -48,7 +48,7 @@ def ablate(
     from bodycheck.console.arguments import check_has_folder
     from bodycheck.console.output import say_where
     from bodycheck.console.ran import Selection, ran
-    from bodycheck.running import origin
+    from bodycheck.results import origin
     from bodycheck.studies.ablation import printing, study
     from bodycheck.studies.ablation.page import present
 

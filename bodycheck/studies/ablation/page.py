@@ -14,8 +14,8 @@ from bodycheck.reports.notices import missing_engines
 from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
-from bodycheck.running.header import Header
-from bodycheck.running.key import RunKey
+from bodycheck.results.header import Header
+from bodycheck.results.key import RunKey
 from bodycheck.studies.ablation.rows import Change, ModelRow
 
 #: Lengths below this (m) are given in mm.

@@ -14,20 +14,23 @@ from bodycheck.adapters.offers import offered
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
-from bodycheck.judging.convergence import common
 from bodycheck.judging.judgement import Verdict
+from bodycheck.judging.schemes.convergence import common
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import distance
-from bodycheck.running import campaign, csv_tables, pool
+from bodycheck.reference.truths import distance
+from bodycheck.results import csv_tables
+from bodycheck.results.key import RunKey
+from bodycheck.results.origin import Origins
+from bodycheck.results.outcome import Completed
+from bodycheck.results.store import Results
+from bodycheck.running import campaign
 from bodycheck.running.engines import home
-from bodycheck.running.key import RunKey
-from bodycheck.running.origin import Origins
-from bodycheck.running.outcome import Completed, Crashed, TimedOut
 from bodycheck.running.plan import Task, check
-from bodycheck.running.store import Results
 from bodycheck.studies import cost
 from bodycheck.studies.ablation.rows import Change, ModelRow
 from bodycheck.studies.cost import Cost, Measured, Stretch

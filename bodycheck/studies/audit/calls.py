@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 from bodycheck.adapters import registry
-from bodycheck.running.outcome import Run
+from bodycheck.results.outcome import Run
 from bodycheck.running.plan import Task
 from bodycheck.running.tasks import perform_run
 from bodycheck.studies.audit import nondeterminism

@@ -7,15 +7,17 @@ from dataclasses import dataclass
 
 from bodycheck.adapters.contract import Engine, Kind, Method
 from bodycheck.adapters.offers import chosen
-from bodycheck.judging.classes import Motion, classes
-from bodycheck.judging.identification import identify
-from bodycheck.judging.scheme_rounding import ROUNDOFF
+from bodycheck.judging.schemes.classes import Motion, classes
+from bodycheck.judging.schemes.identification import identify
+from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.mechanisms.mechanism import alone
-from bodycheck.reference.truth import Truth
-from bodycheck.running import campaign, pool
+from bodycheck.reference.truths import Truth
+from bodycheck.results.key import RunKey
+from bodycheck.results.outcome import Completed, Run
+from bodycheck.running import campaign
 from bodycheck.running.engines import home
-from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
 from bodycheck.running.plan import Task
 from bodycheck.running.tasks import TruthTask, group, perform
 from bodycheck.studies.audit.class_rows import Classes, ClassRow, Unclassed

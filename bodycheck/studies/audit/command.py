@@ -45,7 +45,8 @@ def audit(
     from bodycheck.console.arguments import load_engines, processes
     from bodycheck.console.output import say_where, tell
     from bodycheck.files.temporary import temporary_folder
-    from bodycheck.running import campaign, origin
+    from bodycheck.results import origin
+    from bodycheck.running import campaign
     from bodycheck.studies.audit import printing, study
     from bodycheck.studies.audit.page import present
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from bodycheck.adapters import offers
 from bodycheck.adapters.contract import Adapter, EngineDiverged, Link, Links, Method, Normalising, SceneUnsupported, Simulation
-from bodycheck.judging.scheme_rounding import ROUNDOFF
+from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 

@@ -9,7 +9,7 @@ from bodycheck.reports.quantities import bound, count, listing, milliseconds, nu
 from bodycheck.reports.same_algorithm import WORDS
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
-from bodycheck.running.header import Header
+from bodycheck.results.header import Header
 from bodycheck.studies.audit.class_rows import Classes
 from bodycheck.studies.audit.probe import Property
 from bodycheck.studies.audit.rows import PROPERTIES, Facts, Fault, Row, Status, is_finding

@@ -4,9 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
-from bodycheck.running import records
+from bodycheck.results import records
 from bodycheck.studies.audit.class_rows import Classes, ClassRow, Unclassed
 from bodycheck.studies.audit.probe import Property
+
+#: The file with the records of the study.
+RECORDS = "audit.jsonl"
 
 #: The properties, in the order in which they are listed.
 PROPERTIES: tuple[Property, ...] = get_args(Property)

@@ -18,12 +18,14 @@ from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.offers import chosen
 from bodycheck.casefile.case import Case, load
 from bodycheck.judging.discrepancy import compare
-from bodycheck.reference.truth import Truth
-from bodycheck.running import csv_tables, journal, pool
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.reference.truths import Truth
+from bodycheck.results import csv_tables, journal
+from bodycheck.results.header import Header
+from bodycheck.results.origin import Origins
+from bodycheck.results.outcome import Completed, Run
 from bodycheck.running.engines import home
-from bodycheck.running.header import Header
-from bodycheck.running.origin import Origins
-from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.running.tasks import TruthTask, perform
 from bodycheck.studies.audit import classes, nondeterminism
@@ -31,16 +33,13 @@ from bodycheck.studies.audit.calls import Call, Found, make
 from bodycheck.studies.audit.class_rows import COLUMNS, Classes
 from bodycheck.studies.audit.probe import Finding
 from bodycheck.studies.audit.probes import PROBES
-from bodycheck.studies.audit.rows import FINDINGS, PROPERTIES, Facts, Fault, Row, Status, read_classes
+from bodycheck.studies.audit.rows import FINDINGS, PROPERTIES, RECORDS, Facts, Fault, Row, Status, read_classes
 
 if TYPE_CHECKING:
     from bodycheck.running.campaign import Advance
 
 #: Time limit of one probe, which may make many flights in an engine that compiles each.
 TIME_LIMIT_S = 300.0
-
-#: The file with the records of the study.
-RECORDS = "audit.jsonl"
 
 #: The shipped case whose flight shows what a method does, and the name of that flight in records.
 FLIP = "intermediate-axis-flip"

@@ -39,7 +39,7 @@ def contact(
     from bodycheck.console.output import say_where
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging.judgement import Compared
-    from bodycheck.running import origin
+    from bodycheck.results import origin
     from bodycheck.studies.contact import printing, rows, sheet, study
     from bodycheck.studies.contact.page import present
 

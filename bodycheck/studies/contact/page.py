@@ -8,7 +8,7 @@ from bodycheck.reports.notices import missing_engines
 from bodycheck.reports.quantities import QUANTITIES, count, number
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
-from bodycheck.running.header import Header
+from bodycheck.results.header import Header
 from bodycheck.studies.contact.printing import Line, lines
 from bodycheck.studies.contact.rows import ContactRow
 

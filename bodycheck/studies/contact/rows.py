@@ -5,8 +5,8 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Literal
 
-from bodycheck.running import csv_tables
-from bodycheck.running.origin import Origins
+from bodycheck.results import csv_tables
+from bodycheck.results.origin import Origins
 
 #: The file with the rows.
 FILE_NAME = "contact.csv"

@@ -7,7 +7,7 @@ from bodycheck.casefile.case import load, shipped
 from bodycheck.casefile.content import Case
 from bodycheck.figures.columns import FIGURES
 from bodycheck.reference.contact.motion import Event, EventKind
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 
 #: The tag of the shipped cases that are on the sheet.
 TAG = "contact"

@@ -10,11 +10,11 @@ from bodycheck.adapters.offers import offered
 from bodycheck.casefile.content import Case
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Compared, Verdict
-from bodycheck.judging.run_classes import TRUTHS_KEPT
-from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running.outcome import Completed
+from bodycheck.judging.schemes.run_classes import TRUTHS_KEPT
+from bodycheck.reference.truths import NoTruth, Truth
+from bodycheck.results.outcome import Completed
+from bodycheck.results.store import Results
 from bodycheck.running.plan import Task, check, refuse_nothing
-from bodycheck.running.store import Results
 from bodycheck.studies.contact.rows import ContactRow, Setting
 from bodycheck.studies.contact.sheet import SUBJECTS, truth_error, unit_of
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from bodycheck.casefile.case import Case
     from bodycheck.console.arguments import Engines as Loaded
     from bodycheck.reports.plot_files import Format
-    from bodycheck.running.executors import Executor
+    from bodycheck.running.members.executors import Executor
     from bodycheck.studies.ensemble.drawing.members import Source
 
 OneCase = Annotated[str, Parameter(help="The case: the name of a shipped case, or a case file. It has a table [ensemble].")]
@@ -142,9 +142,9 @@ def _write_member(case: "Case", source: "Source", member: int, path: Path) -> in
 
 def _executor(dask: str | None, shard: str | None, jobs: int) -> "Executor":
     """Return what carries out the chunks. Raises `BadInput` for a share that is none."""
-    from bodycheck.running.executors.dask_cluster import Cluster
-    from bodycheck.running.executors.own import Own
-    from bodycheck.running.executors.shards import Shard
+    from bodycheck.running.members.executors.dask_cluster import Cluster
+    from bodycheck.running.members.executors.own import Own
+    from bodycheck.running.members.executors.shards import Shard
 
     if dask is not None:
         return Cluster(dask, jobs)

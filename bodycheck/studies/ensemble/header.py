@@ -12,14 +12,15 @@ from typing import Any, TypedDict, cast
 
 from bodycheck.adapters.method import Method
 from bodycheck.casefile.case import Case, parse_stored
-from bodycheck.casefile.ensemble import Ensemble
+from bodycheck.casefile.distributions import Ensemble
 from bodycheck.casefile.finding import SUFFIX
 from bodycheck.errors import BadFolder
 from bodycheck.figures.revisions import REVISIONS
 from bodycheck.files import reading, writing
-from bodycheck.running import chunk_files, chunks, compaction, records
-from bodycheck.running.chunks import Share, Source
-from bodycheck.running.header import Header
+from bodycheck.results import records
+from bodycheck.results.header import Header
+from bodycheck.running.members import chunk_files, chunks, compaction
+from bodycheck.running.members.chunks import Share, Source
 
 #: The file, and the version of the format of the folder.
 FILE, FORMAT = "header.json", 1
@@ -36,7 +37,7 @@ class StoredMethod(TypedDict):
 
 
 class StoredShare(TypedDict):
-    """The share of an engine in an ensemble, as `bodycheck.running.chunks.Share`."""
+    """The share of an engine in an ensemble, as `bodycheck.running.members.chunks.Share`."""
 
     engine: str
     version: str

@@ -20,10 +20,11 @@ from bodycheck.casefile.content import Case
 from bodycheck.environments.subprocesses import MEMORY_LIMIT_BYTES
 from bodycheck.errors import BadFolder, BadInput, Failed
 from bodycheck.files import writing
-from bodycheck.running import campaign, chunk_files, chunks
+from bodycheck.running import campaign
 from bodycheck.running.campaign import Advance
-from bodycheck.running.chunks import Chunk, Receipt, Share, Source, Work
-from bodycheck.running.executors import Executor
+from bodycheck.running.members import chunk_files, chunks
+from bodycheck.running.members.chunks import Chunk, Receipt, Share, Source, Work
+from bodycheck.running.members.executors import Executor
 from bodycheck.running.plan import plan
 from bodycheck.studies.ensemble import header as headers
 from bodycheck.studies.ensemble.execution import result_tables

@@ -33,7 +33,8 @@ def extremes(
     from bodycheck.console.arguments import check_has_folder, load_cases, load_engines, processes
     from bodycheck.console.output import say_where
     from bodycheck.files.temporary import temporary_folder
-    from bodycheck.running import campaign, origin
+    from bodycheck.results import origin
+    from bodycheck.running import campaign
     from bodycheck.studies.extremes import printing, study
     from bodycheck.studies.extremes.page import present
 

@@ -10,11 +10,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running.outcome import Completed, Crashed, Diverged, Outcome, TimedOut, Unsupported
+from bodycheck.reference.truths import NoTruth, Truth
+from bodycheck.results.outcome import Completed, Diverged, Outcome, Unsupported
 from bodycheck.studies.extremes import mechanism_symptoms, touching_symptoms
 from bodycheck.studies.extremes.rows import HEALTHY, NOTHING, STATUSES
 from bodycheck.studies.extremes.symptoms import Symptom, errors, of_itself, of_truth, restart

@@ -10,7 +10,7 @@ from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.observables import observe
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth, distance
+from bodycheck.reference.truths import Truth, distance
 from bodycheck.studies.extremes.symptoms import (
     ATTITUDE_LOST_RAD,
     ENERGY_CHANGE_LIMIT,

@@ -10,7 +10,7 @@ from bodycheck.reports.notices import Asked, missing_engines, not_supported
 from bodycheck.reports.quantities import count, listing, milliseconds, number, verb
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
-from bodycheck.running.header import Header
+from bodycheck.results.header import Header
 from bodycheck.studies.extremes.outcome_map import outcome_map
 from bodycheck.studies.extremes.rows import HEALTHY, STATUSES, Limit, Row
 

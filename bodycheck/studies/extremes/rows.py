@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+#: The file with the records of the study.
+RECORDS = "extremes.jsonl"
+
 #: Values of `engine_said`: the run finished without warnings; the process gave no answer.
 HEALTHY, NOTHING = "healthy", "nothing"
 

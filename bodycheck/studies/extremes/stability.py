@@ -14,7 +14,7 @@ import numpy as np
 from bodycheck.casefile.axes import spin
 from bodycheck.casefile.content import Case
 from bodycheck.reference.scene import Scene
-from bodycheck.running.outcome import Completed, Outcome
+from bodycheck.results.outcome import Completed, Outcome
 from bodycheck.studies.extremes.symptoms import energy_change
 
 #: Duration of a run in turns, and its number of samples.

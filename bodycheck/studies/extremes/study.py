@@ -18,24 +18,28 @@ from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import chosen
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism, alone
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import NoTruth, Truth, distance, truth
-from bodycheck.running import csv_tables, journal, plan, pool
+from bodycheck.reference.truth import truth
+from bodycheck.reference.truths import NoTruth, Truth, distance
+from bodycheck.results import csv_tables, journal
+from bodycheck.results.header import Header
+from bodycheck.results.key import RunKey
+from bodycheck.results.origin import Origins
+from bodycheck.results.outcome import Completed, Outcome, Run
+from bodycheck.running import plan
 from bodycheck.running.engines import home
-from bodycheck.running.header import Header
-from bodycheck.running.key import RunKey
-from bodycheck.running.origin import Origins
-from bodycheck.running.outcome import Completed, Crashed, Outcome, Run, TimedOut
 from bodycheck.running.simulation import run
 from bodycheck.studies.extremes import mechanism_symptoms
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, states
 from bodycheck.studies.extremes.growth import growth
 from bodycheck.studies.extremes.points import Point, points
-from bodycheck.studies.extremes.rows import NOTHING, Limit, Row
+from bodycheck.studies.extremes.rows import NOTHING, RECORDS, Limit, Row
 from bodycheck.studies.extremes.stability import bracket, stable, turning
 from bodycheck.studies.extremes.symptoms import energy_change
 
@@ -44,9 +48,6 @@ if TYPE_CHECKING:  # the processes of the runs import this module, and need no t
 
 #: Time limit of one run, about three times the duration of a million steps in Python.
 TIME_LIMIT_S = 60.0
-
-#: The file with the records of the study.
-RECORDS = "extremes.jsonl"
 
 
 #: Identifies a trial: the run, the axis and the value.

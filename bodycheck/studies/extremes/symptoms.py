@@ -12,7 +12,7 @@ from bodycheck.reference.kinematics import conjugate, geodesic_angle, normalise,
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Body, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth, distance
+from bodycheck.reference.truths import Truth, distance
 
 #: Attitude error from which the attitude counts as lost.
 ATTITUDE_LOST_RAD = 1.0

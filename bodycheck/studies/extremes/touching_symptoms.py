@@ -11,7 +11,7 @@ from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.support import reach
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth, distance
+from bodycheck.reference.truths import Truth, distance
 from bodycheck.studies.extremes.symptoms import ATTITUDE_LOST_RAD, ENERGY_CHANGE_LIMIT, POSITION_LOST_FRACTION, Symptom
 
 

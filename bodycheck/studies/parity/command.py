@@ -54,7 +54,8 @@ def parity(
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import check_writable, load_engines, make_folder, processes
     from bodycheck.console.output import say_where
-    from bodycheck.running import campaign, origin
+    from bodycheck.results import origin
+    from bodycheck.running import campaign
     from bodycheck.studies.parity import printing, rows, study
     from bodycheck.studies.parity.page import present
 

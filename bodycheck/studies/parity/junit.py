@@ -6,7 +6,7 @@ from xml.etree.ElementTree import Element
 
 from bodycheck.files import writing
 from bodycheck.reports.runs.junit import clean, document, element
-from bodycheck.running.header import Header
+from bodycheck.results.header import Header
 from bodycheck.studies.parity.quantities import FILE
 from bodycheck.studies.parity.rows import ParityRow, failed
 from bodycheck.studies.parity.study import Parity

@@ -8,7 +8,7 @@ from bodycheck.reports.notices import missing_engines
 from bodycheck.reports.quantities import count, number
 from bodycheck.reports.study import Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
-from bodycheck.running.header import Header
+from bodycheck.results.header import Header
 from bodycheck.studies.parity.quantities import FILE, MEANINGS, MODEL, QUANTITIES, TERMS, Status
 from bodycheck.studies.parity.rows import ParityRow, failed
 from bodycheck.studies.parity.study import Parity

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from bodycheck.environments.environments import Environment
-from bodycheck.running import engines, obtaining
+from bodycheck.running import engines, fetch_environments
 from bodycheck.studies.parity.quantities import MODEL, Cause, Quantity, Status
 from bodycheck.studies.parity.rows import ParityRow
 from bodycheck.studies.parity.study import Asking, Parity, study
@@ -85,7 +85,7 @@ def measured(
         If a path is no file, or a file is no model.
     """
     with bar("obtaining", len(versions)) as progress:
-        obtained = obtaining.obtain_all(engine, versions, jobs, progress)
+        obtained = fetch_environments.obtain_all(engine, versions, jobs, progress)
     missing = {version: str(one) for version, one in obtained.items() if not isinstance(one, Environment)}
     records, faults = engines.describe([f"{engine}@{version}" for version in versions if version not in missing])
     missing |= {name.partition("@")[2]: fault.reason for name, fault in faults.items()}

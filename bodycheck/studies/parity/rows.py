@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 
+from bodycheck.results import csv_tables
+from bodycheck.results.origin import Origins
 from bodycheck.robots.elements import printable
-from bodycheck.running import csv_tables
-from bodycheck.running.origin import Origins
 from bodycheck.studies.parity.quantities import Cause, Quantity, Status
 
 #: The file with the rows.

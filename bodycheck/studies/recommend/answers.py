@@ -6,9 +6,9 @@ from dataclasses import replace
 
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.content import Case
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.running import campaign
-from bodycheck.running.outcome import Crashed, TimedOut
-from bodycheck.running.simulation import sampling_steps
+from bodycheck.running.instants import sampling_steps
 from bodycheck.studies import cost
 from bodycheck.studies.cost import Stretch
 from bodycheck.studies.recommend import search

@@ -60,7 +60,8 @@ def recommend(
     from bodycheck.console.arguments import check_has_folder, load_case, load_engines, processes
     from bodycheck.console.output import say_where
     from bodycheck.files.temporary import temporary_folder
-    from bodycheck.running import campaign, origin, store
+    from bodycheck.results import origin, store
+    from bodycheck.running import campaign
     from bodycheck.studies.recommend import printing, study
     from bodycheck.studies.recommend.page import present
 

@@ -7,9 +7,10 @@ from bodycheck.casefile.content import Case
 from bodycheck.errors import Failed
 from bodycheck.figures.columns import FIGURES
 from bodycheck.judging.discrepancy import compare
-from bodycheck.reference.truth import Truth
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.reference.truths import Truth
+from bodycheck.results.outcome import Completed, Run
 from bodycheck.running import campaign
-from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut
 from bodycheck.running.plan import Task
 from bodycheck.running.tasks import Truths, TruthTask
 from bodycheck.studies.recommend.rows import Probe

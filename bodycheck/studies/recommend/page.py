@@ -12,8 +12,8 @@ from bodycheck.reports.quantities import QUANTITIES, count, number
 from bodycheck.reports.series import rounded
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
-from bodycheck.running.header import Header
-from bodycheck.running.key import RunKey
+from bodycheck.results.header import Header
+from bodycheck.results.key import RunKey
 from bodycheck.studies.recommend import wording
 from bodycheck.studies.recommend.rows import Answer, Probe, Recommendation
 

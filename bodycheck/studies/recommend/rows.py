@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 
 from bodycheck.figures.columns import FIGURES
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
+
+#: The file with the records of the study.
+RECORDS = "recommend.jsonl"
 
 
 @dataclass(frozen=True)

@@ -21,25 +21,25 @@ from bodycheck.figures.columns import FIGURES, LIMITED, most_possible
 from bodycheck.figures.revisions import REVISIONS
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.judging import judgement
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reports.quantities import bound
-from bodycheck.running import campaign, csv_tables, engines, journal, plan, pool
+from bodycheck.results import csv_tables, journal
+from bodycheck.results.header import Header
+from bodycheck.results.key import RunKey
+from bodycheck.results.origin import Origins
+from bodycheck.results.outcome import Completed, Diverged, Unsupported
+from bodycheck.results.store import Results
+from bodycheck.running import campaign, engines, plan
 from bodycheck.running.campaign import Advance
-from bodycheck.running.header import Header
-from bodycheck.running.key import RunKey
-from bodycheck.running.origin import Origins
-from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
 from bodycheck.running.plan import Task
-from bodycheck.running.store import Results
 from bodycheck.running.tasks import group, perform
 from bodycheck.studies.recommend import measuring
 from bodycheck.studies.recommend.answers import answer_of, errors_of, priced
-from bodycheck.studies.recommend.rows import Answer, Asked, Probe, Recommendation
+from bodycheck.studies.recommend.rows import RECORDS, Answer, Asked, Probe, Recommendation
 from bodycheck.studies.recommend.search import Range, following, rounded_down, rounded_up
 from bodycheck.studies.spin import fastest_spin
 from bodycheck.suggestion import did_you_mean
-
-#: The file with the records of the study.
-RECORDS = "recommend.jsonl"
 
 #: Short names of figures; the second figure is for scenes with friction or drag, in which the first does not exist.
 SHORT_NAMES = {

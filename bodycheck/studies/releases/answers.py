@@ -14,14 +14,14 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import bodycheck
-from bodycheck import adapters, reference
+from bodycheck import adapters, errors, reference
 from bodycheck.adapters import registry
 from bodycheck.casefile import case
 from bodycheck.environments import user_cache
 from bodycheck.environments.environments import Environment
-from bodycheck.running import machine, pool
-from bodycheck.running.outcome import Crashed, TimedOut
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.results import machine
 from bodycheck.studies.releases.questions import TIME_LIMIT_S, Answer, Errand, Question, failed, put, stored
 
 if TYPE_CHECKING:
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 #: The packages that compute truths and errors.
 PACKAGES = ("numpy", "scipy", "heyoka")
 
-#: Packages whose source determines an answer. In a checkout, the last two are linked folders, into which `rglob` does not go.
-SOURCE_PACKAGES = (bodycheck, adapters, reference)
+#: Folders whose source determines an answer. In a checkout, the last two are linked folders, into which `rglob` does not go.
+SOURCE_FOLDERS = (Path(errors.__file__).parent, *map(Path, adapters.__path__), *map(Path, reference.__path__))
 
 Asked = tuple[Environment, Question]
 
@@ -121,10 +121,8 @@ def _context(engine: str) -> tuple[object, ...]:
 
 
 def _digest(engine: str) -> str:
-    found = {
-        path.resolve() for package in SOURCE_PACKAGES for folder in package.__path__ for path in Path(folder).rglob("*.py")
-    }
-    files = sorted(found.union(map(Path.resolve, registry.sources(engine))))
+    sources = {path.resolve() for folder in SOURCE_FOLDERS for path in folder.rglob("*.py")}
+    files = sorted(sources.union(map(Path.resolve, registry.sources(engine))))
     return sha256(b"".join(sha256(path.read_bytes()).digest() for path in files)).hexdigest()
 
 

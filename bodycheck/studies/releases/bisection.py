@@ -10,8 +10,8 @@ from bodycheck.casefile.content import Case
 from bodycheck.environments import environments
 from bodycheck.environments.environments import Unobtainable
 from bodycheck.errors import BadInput
+from bodycheck.results.outcome import Completed, Unsupported
 from bodycheck.running import plan
-from bodycheck.running.outcome import Completed, Unsupported
 from bodycheck.studies.releases import answers as release_answers
 from bodycheck.studies.releases.questions import Question
 from bodycheck.studies.releases.rows import ALLOWANCE_SUFFIX, UNOBTAINABLE

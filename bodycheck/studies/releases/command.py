@@ -112,7 +112,8 @@ def _models(
     from bodycheck import reports
     from bodycheck.console import terminal
     from bodycheck.console.output import say_where
-    from bodycheck.running import campaign, engines, origin
+    from bodycheck.results import origin
+    from bodycheck.running import campaign, engines
     from bodycheck.studies.parity import printing, releases, rows
     from bodycheck.studies.parity.page import present
     from bodycheck.studies.parity.study import Asking

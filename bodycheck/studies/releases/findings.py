@@ -9,7 +9,7 @@ from packaging.version import Version
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import QUANTITIES, count, listing, milliseconds, number
-from bodycheck.running.outcome import Completed
+from bodycheck.results.outcome import Completed
 from bodycheck.studies.releases.rows import STATUS, Change, Row
 
 #: Whole orders in words.

@@ -17,9 +17,10 @@ from bodycheck.casefile import case
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.files.temporary import temporary_folder
-from bodycheck.judging import baseline, judgement
+from bodycheck.judging import judgement
+from bodycheck.judging.baselines import baseline
+from bodycheck.processes.failures import crash
 from bodycheck.running import campaign
-from bodycheck.running.outcome import crash
 from bodycheck.running.plan import Task, plan
 from bodycheck.studies.releases.questions import Answer, Question, question_of, store
 from bodycheck.studies.tradeoff import study as tradeoff

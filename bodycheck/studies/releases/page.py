@@ -12,8 +12,8 @@ from bodycheck.reports.lines import FURTHER_HUES, HUES, Line, assign, paled
 from bodycheck.reports.quantities import QUANTITIES, Quantity, count, listing, milliseconds, number
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
-from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed
+from bodycheck.results.key import RunKey
+from bodycheck.results.outcome import Completed
 from bodycheck.studies.releases.chart import Point, release_chart
 from bodycheck.studies.releases.findings import findings, named, orders
 from bodycheck.studies.releases.rows import STATUS, Change, Found, Row, made, merged_header

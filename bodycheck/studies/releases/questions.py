@@ -13,7 +13,7 @@ from typing import Any, Literal
 from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.files import writing
-from bodycheck.running.outcome import Crashed, TimedOut
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.studies.orders import Order
 
 #: The module that answers questions in the environment of a release.

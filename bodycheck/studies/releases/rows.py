@@ -13,9 +13,9 @@ from bodycheck.adapters.method import current
 from bodycheck.errors import BadInput
 from bodycheck.figures.revisions import redefined
 from bodycheck.judging.judgement import COLUMNS
-from bodycheck.running import csv_tables, journal, records
-from bodycheck.running.header import DESCRIPTIONS, LATER, Header
-from bodycheck.running.outcome import Unsupported
+from bodycheck.results import csv_tables, journal, records
+from bodycheck.results.header import DESCRIPTIONS, LATER, Header
+from bodycheck.results.outcome import Unsupported
 
 #: The file with the records of the study.
 RECORDS = "releases.jsonl"
@@ -23,7 +23,7 @@ RECORDS = "releases.jsonl"
 #: Status of a row for a version that cannot be installed; the row says nothing about a method.
 UNOBTAINABLE = "unobtainable"
 
-#: Suffix of the column with the allowed difference of a figure if nothing has changed; see `bodycheck.judging.baseline`.
+#: Suffix of the column with the allowed difference of a figure if nothing has changed; see `judging.baselines.baseline`.
 ALLOWANCE_SUFFIX = "_allowance"
 
 #: The quantity of a change of the status.

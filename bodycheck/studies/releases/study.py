@@ -18,10 +18,10 @@ from bodycheck.environments import environments
 from bodycheck.environments.environments import Environment, Unobtainable
 from bodycheck.errors import BadInput
 from bodycheck.figures.revisions import REVISIONS
-from bodycheck.judging import baseline
-from bodycheck.running import campaign, obtaining, plan
-from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Unsupported
+from bodycheck.judging.baselines import baseline
+from bodycheck.results.key import RunKey
+from bodycheck.results.outcome import Unsupported
+from bodycheck.running import campaign, fetch_environments, plan
 from bodycheck.studies.orders import Order
 from bodycheck.studies.releases import answers as release_answers
 from bodycheck.studies.releases.questions import Answer, Question
@@ -182,7 +182,7 @@ def _obtained(engine: str, versions: Sequence[str], questions: Sequence[Question
         if version not in there or not release_answers.known([(there[version], question) for question in questions])
     ]
     with bar("obtaining", len(left)) as progress:
-        made = obtaining.obtain_all(engine, left, jobs, progress)
+        made = fetch_environments.obtain_all(engine, left, jobs, progress)
     return {version: made.get(version) or there[version] for version in versions}
 
 

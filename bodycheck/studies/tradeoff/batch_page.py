@@ -9,7 +9,7 @@ from bodycheck.reports.quantities import QUANTITIES, count, listing, millisecond
 from bodycheck.reports.series import rounded
 from bodycheck.reports.study import Chart
 from bodycheck.reports.tables import Entry, Table
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements, Row
 
 #: Lines by method.

@@ -26,15 +26,18 @@ from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.mechanisms.mechanism import alone
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth
-from bodycheck.running import campaign, pool
+from bodycheck.reference.truths import Truth
+from bodycheck.results.outcome import Completed, Diverged, Outcome, Run, Unsupported
+from bodycheck.results.store import Results
+from bodycheck.running import campaign
 from bodycheck.running.engines import home
-from bodycheck.running.outcome import Completed, Crashed, Diverged, Outcome, Run, TimedOut, Unsupported
-from bodycheck.running.simulation import AdapterFault, outcome_of, sampling_steps
-from bodycheck.running.store import Results
+from bodycheck.running.instants import sampling_steps
+from bodycheck.running.simulation import AdapterFault, outcome_of
 from bodycheck.studies.cost import ROUNDS, summarise
 from bodycheck.studies.tradeoff.columns import BATCH_COLUMNS, COST_COLUMNS
 from bodycheck.studies.tradeoff.turned import errors, turned

@@ -48,8 +48,8 @@ def tradeoff(
     from bodycheck.console.output import say_where
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging import judgement
-    from bodycheck.judging.run_classes import classes_of
-    from bodycheck.running import origin
+    from bodycheck.judging.schemes.run_classes import classes_of
+    from bodycheck.results import origin
     from bodycheck.studies.tradeoff import batch_page, batches, printing, study
     from bodycheck.studies.tradeoff.page import present
 

@@ -8,7 +8,7 @@ from bodycheck.reports.charts import INK, Spec, log_axis, method_scale, zoomable
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import Quantity, bound
 from bodycheck.reports.series import rounded
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 from bodycheck.studies.tradeoff.front import Measured
 
 #: Significant digits of stored costs, so that different measured costs remain different.

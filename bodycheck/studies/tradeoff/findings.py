@@ -3,12 +3,12 @@
 from collections import Counter, defaultdict
 from collections.abc import Collection, Mapping, Sequence
 
-from bodycheck.judging.convergence import UNITS
+from bodycheck.judging.schemes.convergence import UNITS
 from bodycheck.reports.finding import COMPARABLE, COMPARABLE_POSITION_M, MOST_NAMES, Finding
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import bound, count, listing, milliseconds, number, verb
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes, same_algorithm
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.front import Measured
 from bodycheck.studies.tradeoff.measurements import CaseMeasurements

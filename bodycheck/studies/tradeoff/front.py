@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 
 #: A row of the tradeoff study.
 Row = Mapping[str, Any]

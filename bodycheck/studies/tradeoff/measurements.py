@@ -7,9 +7,9 @@ from functools import cached_property
 from typing import Any
 
 from bodycheck.figures.columns import FIGURES
-from bodycheck.judging.convergence import UNITS
+from bodycheck.judging.schemes.convergence import UNITS
 from bodycheck.reports.quantities import QUANTITIES, Quantity, bound
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.front import COLUMNS, Measured, measured, pareto
 

@@ -3,7 +3,7 @@
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 
-from bodycheck.judging.convergence import UNITS
+from bodycheck.judging.schemes.convergence import UNITS
 from bodycheck.reports.charts import ZOOMING
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.notices import Asked, missing_engines, not_supported
@@ -11,9 +11,9 @@ from bodycheck.reports.quantities import Quantity, bound, count, listing, millis
 from bodycheck.reports.same_algorithm import NO_CLASSES, Classes
 from bodycheck.reports.study import Chart, Part, StudyReport
 from bodycheck.reports.tables import Entry, Table
-from bodycheck.running.header import Header
-from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Unsupported
+from bodycheck.results.header import Header
+from bodycheck.results.key import RunKey
+from bodycheck.results.outcome import Unsupported
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff import batch_page
 from bodycheck.studies.tradeoff import findings as tradeoff_summary

@@ -10,17 +10,19 @@ from bodycheck.adapters.contract import Engine, Integrator, Method
 from bodycheck.adapters.offers import chosen, integrator_of
 from bodycheck.casefile.content import Case
 from bodycheck.judging import judgement
-from bodycheck.judging.convergence import observe_convergence
-from bodycheck.judging.identification import identify
 from bodycheck.judging.judgement import Verdict
-from bodycheck.judging.scheme_rounding import ROUNDOFF
-from bodycheck.reference.truth import Truth
-from bodycheck.running import campaign, csv_tables
-from bodycheck.running.key import RunKey
-from bodycheck.running.origin import Origins
-from bodycheck.running.outcome import Completed, Crashed, TimedOut
+from bodycheck.judging.schemes.convergence import observe_convergence
+from bodycheck.judging.schemes.identification import identify
+from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.reference.truths import Truth
+from bodycheck.results import csv_tables
+from bodycheck.results.key import RunKey
+from bodycheck.results.origin import Origins
+from bodycheck.results.outcome import Completed
+from bodycheck.results.store import Results
+from bodycheck.running import campaign
 from bodycheck.running.plan import Task, check, refuse_nothing
-from bodycheck.running.store import Results
 from bodycheck.studies.cost import Measured, Stretch, measure, summarise
 from bodycheck.studies.orders import Order
 from bodycheck.studies.tradeoff.columns import BATCH_COLUMNS, COST_COLUMNS

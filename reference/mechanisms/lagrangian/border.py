@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
-from bodycheck.reference.definition import Definition, EulerRates, Solid, Tensor
 from bodycheck.reference.independent.border import (
     MP,
     ONE,
@@ -30,6 +29,7 @@ from bodycheck.reference.independent.border import (
 )
 from bodycheck.reference.independent.inertia import mass_and_tensor
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+from bodycheck.reference.scene import Definition, EulerRates, Solid, Tensor
 
 Kind = Literal["turn", "slide", "ball", "free"]
 

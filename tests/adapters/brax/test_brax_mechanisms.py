@@ -5,10 +5,10 @@ import pytest
 
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Mechanisms, Method, SceneUnsupported
-from bodycheck.reference.definition import EulerAngles
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointType, Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
+from bodycheck.reference.scene import EulerAngles
 from bodycheck.reference.trajectory import Array
 from tests.support.jointed import body
 

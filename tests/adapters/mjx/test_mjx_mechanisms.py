@@ -5,9 +5,9 @@ import pytest
 
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method
-from bodycheck.reference.definition import Tensor
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+from bodycheck.reference.scene import Tensor
 from tests.support.jointed import cart_pole, four_bar, trajectory
 from tests.support.orders import observed_mechanism_order
 

@@ -4,11 +4,10 @@ import pytest
 
 from bodycheck import CaseFaults
 from bodycheck.casefile.case import parse
-from bodycheck.reference.definition import EulerAngles, EulerRates, Particle, Solid, Tensor
 from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism
 from bodycheck.reference.mechanisms.start import coordinates
-from bodycheck.reference.scene import Brick, Sphere
+from bodycheck.reference.scene import Brick, EulerAngles, EulerRates, Particle, Solid, Sphere, Tensor
 from tests.support.mechanism_texts import ALL_JOINTS, CART_POLE, FOUR_BAR
 
 

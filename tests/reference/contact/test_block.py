@@ -18,7 +18,8 @@ from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Push, Scene, State, Vector
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import Truth, truth
+from bodycheck.reference.truth import truth
+from bodycheck.reference.truths import Truth
 from tests.support.blocks import GRAVITY, HALVES, MASS, block_on, in_world, integrated
 
 #: Agreement with an integration in double precision whose tolerance is 3e-14 a step (m and m/s).

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from bodycheck import load
-from bodycheck.reference.truth import Truth, truth
+from bodycheck.reference.truth import truth
+from bodycheck.reference.truths import Truth
 from tests.support.commands import bodycheck
 
 

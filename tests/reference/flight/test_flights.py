@@ -9,14 +9,13 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from bodycheck.reference.definition import Definition, Solid
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.exact.start import defined_scene
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight import flights as module
 from bodycheck.reference.flight.flights import Flights, flights
 from bodycheck.reference.kinematics import geodesic_angle
-from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere
+from bodycheck.reference.scene import Brick, Cylinder, Definition, Ellipsoid, Shape, Solid, Sphere
 from bodycheck.reference.scenes import vary
 from tests.reference.flight.integer_series import angle_between, witness
 from tests.support.free_flights import KINDS, of_kinds, random_bricks

@@ -6,22 +6,27 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bodycheck.reference.definition import (
-    Attitude,
-    Definition,
-    EulerAngles,
-    EulerRates,
-    Particle,
-    Solid,
-    Tensor,
-    valid,
-)
 from bodycheck.reference.exact.inertia import mass_properties
 from bodycheck.reference.exact.numbers import MP
 from bodycheck.reference.exact.rotations import matrix
 from bodycheck.reference.exact.start import defined_rotation, defined_scene
 from bodycheck.reference.independent.border import Border, border, times
-from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Shape, Sphere, Vector
+from bodycheck.reference.scene import (
+    Attitude,
+    Brick,
+    Cylinder,
+    Definition,
+    Ellipsoid,
+    EulerAngles,
+    EulerRates,
+    Particle,
+    Shape,
+    Solid,
+    Sphere,
+    Tensor,
+    Vector,
+    valid,
+)
 from tests.support import ROOT
 
 #: Both compute with a hundred digits; sums over ten parts lose a few.

@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bodycheck import load
-from bodycheck.reference.certificate import BITS
+from bodycheck.reference.certified import BITS
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.integration import lagrangian

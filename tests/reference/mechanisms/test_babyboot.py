@@ -9,7 +9,7 @@ from bodycheck.casefile.case import load
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 
 #: qA and qB (degrees), and their rates (rad/s), after 10 s.
 PUBLISHED, PUBLISHED_RATES = (-61.312983340691, -929.47789677244), (-6.7440081040646, -2.7795690128833)

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import sympy
 
-from bodycheck.reference.definition import EulerAngles, Given, Particle, Solid
 from bodycheck.reference.errors import NotModelled
 from bodycheck.reference.mechanisms import exact, kinematics, lagrange, observables
 from bodycheck.reference.mechanisms.coordinates import JointMotion
@@ -17,7 +16,7 @@ from bodycheck.reference.mechanisms.lagrangian.equations import derived, parts_o
 from bodycheck.reference.mechanisms.lagrangian.mass_matrix import mass_matrix
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
-from bodycheck.reference.scene import Brick, Sphere
+from bodycheck.reference.scene import Brick, EulerAngles, Given, Particle, Solid, Sphere
 from bodycheck.reference.trajectory import Array, Trajectory
 from tests.support import ROOT
 from tests.support.jointed import body, cart_pole, tree

@@ -17,7 +17,8 @@ from bodycheck.reference.mechanisms.recursion import JointStates
 from bodycheck.reference.mechanisms.truth import known_until, mechanism_truth
 from bodycheck.reference.mechanisms.ways import Motion, apart
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.reference.truth import Truth, truth
+from bodycheck.reference.truth import truth
+from bodycheck.reference.truths import Truth
 from bodycheck.reference.witnesses import DOP853_NAME
 from tests.support.jointed import body, cart_pole
 

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from bodycheck.reference import planar
-from bodycheck.reference.definition import Definition, EulerAngles, Solid
 from bodycheck.reference.exact.start import defined_scene
 from bodycheck.reference.kinematics import geodesic_angle
-from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Scene
+from bodycheck.reference.scene import Body, Brick, Cylinder, Definition, EulerAngles, Plane, Scene, Solid
 from bodycheck.reference.sliding import motion
 from bodycheck.reference.sliding.friction import Law, friction
 from bodycheck.reference.sliding.motion import Slide, slide

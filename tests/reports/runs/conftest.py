@@ -10,8 +10,9 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.runs import html_report
 from bodycheck.reports.runs.contents import Contents, gather
-from bodycheck.running import plan, store
-from bodycheck.running.store import Results
+from bodycheck.results import store
+from bodycheck.results.store import Results
+from bodycheck.running import plan
 from tests.support import campaigns
 from tests.support.report_cases import BROKEN, FLIGHT, FLIP, two_seconds
 from tests.support.saved_results import once

@@ -12,7 +12,7 @@ from bodycheck.errors import BadInput
 from bodycheck.judging import result_set
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.runs import chapters, comparison
-from bodycheck.running.store import Results
+from bodycheck.results.store import Results
 from tests.support import saved_results
 from tests.support.saved_results import call
 

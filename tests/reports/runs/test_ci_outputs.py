@@ -12,8 +12,8 @@ from bodycheck import Case, simulate
 from bodycheck.casefile.case import parse
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
+from bodycheck.processes.failures import Crashed
 from bodycheck.reports.runs import github, junit
-from bodycheck.running.outcome import Crashed
 from tests.support.commands import Done, bodycheck
 from tests.support.truths import truth_for_runs
 

@@ -16,8 +16,8 @@ from bodycheck.reports.runs import contents as contents_module
 from bodycheck.reports.runs import html_report, time_charts
 from bodycheck.reports.runs.contents import Contents, gather
 from bodycheck.reports.runs.curves import FAR
-from bodycheck.running.outcome import Completed
-from bodycheck.running.store import Results
+from bodycheck.results.outcome import Completed
+from bodycheck.results.store import Results
 from tests.support.report_cases import FLIGHT, FLIP
 
 

@@ -16,7 +16,7 @@ from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.findings import findings, measured
 from bodycheck.reports.runs.matrix import KINDS, decade, kind_of
 from bodycheck.reports.runs.summary import broken, expectation_status, headline, tally
-from bodycheck.running.outcome import Diverged
+from bodycheck.results.outcome import Diverged
 from tests.support.cases import OF_ONE_BODY
 from tests.support.measured_runs import DRAG, FLIGHT, FLIP, SLIDE, ended, matrices_of, ran
 

@@ -13,11 +13,12 @@ from bodycheck.casefile.case import parse
 from bodycheck.judging.judgement import Verdict, verdict
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.mechanism import BodyStart, Mechanism
-from bodycheck.reference.truth import Truth, truth
+from bodycheck.reference.truth import truth
+from bodycheck.reference.truths import Truth
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.runs.animation import animated
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, PLACE_TOLERANCE
-from bodycheck.running.outcome import Completed, Run
+from bodycheck.results.outcome import Completed, Run
 from tests.support.jointed import cart_pole
 
 TIMESTEP = 0.05

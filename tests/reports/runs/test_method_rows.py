@@ -4,13 +4,13 @@ from typing import Any
 
 import pytest
 
-from bodycheck.judging.classes import MethodClass
 from bodycheck.judging.judgement import Verdict
+from bodycheck.judging.schemes.classes import MethodClass
 from bodycheck.reports import notices
 from bodycheck.reports.notices import Asked
 from bodycheck.reports.runs import markdown_report
 from bodycheck.reports.runs.unsupported import not_supported, with_place
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 from tests.support.measured_runs import DRAG, FLIP, SLIDE, ended, matrices_of, ran, refused
 
 BRICK = "free-brick"

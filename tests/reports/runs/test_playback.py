@@ -18,7 +18,7 @@ from bodycheck.adapters.contract import Method
 from bodycheck.judging.judgement import Verdict, verdict
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.trajectory import Array
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 from bodycheck.reports import player
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.runs import playback as playing
@@ -26,7 +26,7 @@ from bodycheck.reports.runs import tracks
 from bodycheck.reports.runs.animation import animated
 from bodycheck.reports.runs.cast import MOST_SHOWN
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback
-from bodycheck.running.outcome import Completed
+from bodycheck.results.outcome import Completed
 from tests.support.cases import shortened
 from tests.support.truths import truth_for_runs
 

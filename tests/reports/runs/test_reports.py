@@ -13,15 +13,16 @@ from bodycheck.figures.columns import FIGURES
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reports.quantities import QUANTITIES, bound, number
 from bodycheck.reports.runs import html_report, markdown_report
 from bodycheck.reports.runs.contents import Contents, gather
 from bodycheck.reports.runs.run_table import WITHIN_TRUTH
 from bodycheck.reports.runs.summary import headline
 from bodycheck.reports.tables import pieces
-from bodycheck.running import store
-from bodycheck.running.outcome import Crashed, Diverged, TimedOut, Unsupported
-from bodycheck.running.store import Results
+from bodycheck.results import store
+from bodycheck.results.outcome import Diverged, Unsupported
+from bodycheck.results.store import Results
 from tests.support import pages
 from tests.support.pages import HOSTILE, Page, attributes_of, markdown_tables
 from tests.support.report_cases import FLIGHT, FLIP

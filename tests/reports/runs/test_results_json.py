@@ -13,8 +13,8 @@ from jsonschema import Draft202012Validator
 from bodycheck.figures import columns
 from bodycheck.judging import judgement
 from bodycheck.reports.runs import results_json
-from bodycheck.running import store
-from bodycheck.running.header import DESCRIPTIONS
+from bodycheck.results import store
+from bodycheck.results.header import DESCRIPTIONS
 from tests.support import ROOT, saved_results
 from tests.support.saved_results import call
 

@@ -9,7 +9,7 @@ from bodycheck.adapters.contract import Method
 from bodycheck.judging.discrepancy import Discrepancy
 from bodycheck.judging.judgement import Verdict
 from bodycheck.reports.runs.step_charts import over_steps
-from bodycheck.running.outcome import Completed, Diverged, Run
+from bodycheck.results.outcome import Completed, Diverged, Run
 
 CASE = "intermediate-axis-flip"
 OWN = 1e-14

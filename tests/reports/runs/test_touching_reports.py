@@ -12,13 +12,14 @@ from bodycheck import load
 from bodycheck.casefile.content import Case
 from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict, verdict
-from bodycheck.reference.truth import Truth, truth
+from bodycheck.reference.truth import truth
+from bodycheck.reference.truths import Truth
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.runs.animation import animated
 from bodycheck.reports.runs.playback import MOST_CHARACTERS, PLACE_TOLERANCE
 from bodycheck.reports.runs.scenes import Told, describe
-from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed, Run
+from bodycheck.results.key import RunKey
+from bodycheck.results.outcome import Completed, Run
 from tests.support.campaigns import run_all
 from tests.support.cases import shortened
 

@@ -14,9 +14,10 @@ from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Method, Models
 from bodycheck.errors import BadInput
 from bodycheck.judging.judgement import Verdict, verdict
+from bodycheck.processes.failures import Crashed
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.running.key import RunKey
-from bodycheck.running.outcome import Completed, Crashed, Run
+from bodycheck.results.key import RunKey
+from bodycheck.results.outcome import Completed, Run
 from bodycheck.running.simulation import run
 from bodycheck.studies import cost
 from bodycheck.studies.ablation import page as report

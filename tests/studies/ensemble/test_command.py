@@ -164,7 +164,7 @@ def test_a_cluster_leaves_the_environment_as_it_was() -> None:
     Another program may have the port on which Dask usually shows its page.
     """
     pytest.importorskip("distributed")
-    from bodycheck.running.executors import dask_cluster
+    from bodycheck.running.members.executors import dask_cluster
 
     before = dict(os.environ)
     with socket.socket() as other:

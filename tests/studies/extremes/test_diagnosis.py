@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from bodycheck import load
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import NoTruth
-from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
+from bodycheck.reference.truths import NoTruth
+from bodycheck.results.outcome import Completed, Diverged, Unsupported
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose
 from bodycheck.studies.extremes.growth import growth
 from bodycheck.studies.extremes.study import follow

@@ -20,9 +20,9 @@ from bodycheck import Case, load, simulate, truth
 from bodycheck.adapters import registry
 from bodycheck.errors import BadInput
 from bodycheck.reference.scene import State
-from bodycheck.reference.truth import NoTruth
-from bodycheck.running import journal
-from bodycheck.running.outcome import Completed
+from bodycheck.reference.truths import NoTruth
+from bodycheck.results import journal
+from bodycheck.results.outcome import Completed
 from bodycheck.studies.extremes import study as extremes
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose
 from bodycheck.studies.extremes.outcome_map import LETTERS

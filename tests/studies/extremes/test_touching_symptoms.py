@@ -7,8 +7,8 @@ import numpy as np
 from bodycheck.reference.bounds import Bounds
 from bodycheck.reference.scene import Body, Plane, Push, Scene, Sphere, State
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.reference.truth import Truth
-from bodycheck.running.outcome import Completed
+from bodycheck.reference.truths import Truth
+from bodycheck.results.outcome import Completed
 from bodycheck.studies.extremes.diagnosis import diagnose
 
 T = np.linspace(0, 2, 41)

@@ -8,10 +8,10 @@ from xml.etree import ElementTree
 import pytest
 
 from bodycheck.adapters.robot_reading import RobotFile, RobotReading
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.robots.states import seeded_states
 from bodycheck.robots.urdf_text import urdf
 from bodycheck.running import robot_readings
-from bodycheck.running.outcome import Crashed, TimedOut
 from bodycheck.running.robot_readings import FormatMissing, Refused
 from bodycheck.studies.parity.rows import COLUMNS
 from tests.support.commands import bodycheck

@@ -13,8 +13,8 @@ from bodycheck import Case, compare, load, simulate, truth
 from bodycheck.casefile.case import parse
 from bodycheck.errors import BadInput
 from bodycheck.reports import html, markdown
-from bodycheck.running import csv_tables, journal
-from bodycheck.running.outcome import Completed
+from bodycheck.results import csv_tables, journal
+from bodycheck.results.outcome import Completed
 from bodycheck.running.plan import plan
 from bodycheck.studies import cost
 from bodycheck.studies.recommend import study, wording

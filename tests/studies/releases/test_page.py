@@ -9,7 +9,7 @@ import vl_convert
 
 from bodycheck.errors import BadInput
 from bodycheck.reports import html, markdown
-from bodycheck.running.header import LATER
+from bodycheck.results.header import LATER
 from bodycheck.studies.releases import rows as release_rows
 from bodycheck.studies.releases.page import present
 from bodycheck.studies.releases.rows import UNOBTAINABLE, Found

@@ -15,10 +15,11 @@ from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import Method
 from bodycheck.commands import saved
 from bodycheck.judging import judgement
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.requirements import requirements
-from bodycheck.reference.truth import Truth
-from bodycheck.running.outcome import Completed, Crashed, Diverged, TimedOut, Unsupported
+from bodycheck.reference.truths import Truth
+from bodycheck.results.outcome import Completed, Diverged, Unsupported
 from bodycheck.studies import cost
 from bodycheck.studies.tradeoff import batch_page, batches
 from bodycheck.studies.tradeoff import study as tradeoff

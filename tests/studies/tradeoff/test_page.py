@@ -12,7 +12,7 @@ from bodycheck import load, reports
 from bodycheck.adapters import offers
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.judging import judgement
-from bodycheck.judging.run_classes import classes_of
+from bodycheck.judging.schemes.run_classes import classes_of
 from bodycheck.reports import html, markdown
 from bodycheck.reports.quantities import bound, milliseconds, number
 from bodycheck.reports.study import Part, StudyReport

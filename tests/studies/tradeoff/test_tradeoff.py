@@ -15,8 +15,8 @@ from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import shipped
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
+from bodycheck.results.store import Results
 from bodycheck.running import campaign
-from bodycheck.running.store import Results
 from bodycheck.studies import cost
 from bodycheck.studies.cost import Stretch
 from bodycheck.studies.orders import Order

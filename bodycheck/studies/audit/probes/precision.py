@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bodycheck.judging.scheme_rounding import ROUNDOFF
+from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
 from bodycheck.studies.audit.flights import NotFlown, Pilot
 from bodycheck.studies.audit.probe import Finding
 from bodycheck.studies.audit.probes.answers import not_probed

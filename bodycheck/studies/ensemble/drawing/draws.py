@@ -8,16 +8,7 @@ whose code is the same for all processors of a kind: those for doubles differ in
 import numpy as np
 from scipy.special import ndtri
 
-from bodycheck.casefile.ensemble import (
-    AnyAttitude,
-    Choice,
-    Distribution,
-    Ensemble,
-    LogUniform,
-    Normal,
-    OnSphere,
-    Uniform,
-)
+from bodycheck.casefile.distributions import AnyAttitude, Choice, Distribution, Ensemble, LogUniform, Normal, OnSphere, Uniform
 from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.ensemble.drawing.sobol import points

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from bodycheck.casefile.case import Case, CaseFaults, parse_stored
+from bodycheck.casefile.distributions import Ensemble, Key
 from bodycheck.casefile.drawn import member_document, outside, wholes
-from bodycheck.casefile.ensemble import Ensemble
-from bodycheck.casefile.key_paths import ATTITUDE, Key, Unknown, find, keys
+from bodycheck.casefile.key_paths import ATTITUDE, Unknown, find, keys
 from bodycheck.casefile.toml_text import written
 from bodycheck.casefile.values import MAX_MEMBERS
 from bodycheck.errors import BadInput

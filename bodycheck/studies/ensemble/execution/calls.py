@@ -20,13 +20,13 @@ from bodycheck.judging import members as judging
 from bodycheck.reference.flight.flights import Flights, flights
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import NoTruth, Truth
-from bodycheck.running.chunks import Work
-from bodycheck.running.crews import Role
-from bodycheck.running.flying import Stored
-from bodycheck.running.members import Flown
-from bodycheck.running.outcome import Completed
-from bodycheck.running.simulation import sampling_steps
+from bodycheck.reference.truths import NoTruth, Truth
+from bodycheck.results.outcome import Completed
+from bodycheck.running.instants import sampling_steps
+from bodycheck.running.members.blocks import Flown
+from bodycheck.running.members.chunk_workers import Role
+from bodycheck.running.members.chunks import Work
+from bodycheck.running.members.member_runs import Stored
 from bodycheck.studies.ensemble.drawing import members
 from bodycheck.studies.ensemble.execution import remarkable, truths
 

@@ -15,10 +15,16 @@ import numpy as np
 
 from bodycheck.adapters.method import Method
 from bodycheck.errors import BadInput, Failed
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.running import chunk_files, crews, engines, versions
-from bodycheck.running.chunk_files import (
+from bodycheck.results import versions
+from bodycheck.results.trajectory_files import STATE_COLUMNS
+from bodycheck.running import engines
+from bodycheck.running.members import chunk_files, chunk_workers
+from bodycheck.running.members.bisect_failures import in_halves, limit_of
+from bodycheck.running.members.blocks import Flown
+from bodycheck.running.members.chunk_files import (
     MEMBERS,
     RUN_SCHEMA,
     RUNS,
@@ -27,12 +33,8 @@ from bodycheck.running.chunk_files import (
     TRUTH_SCHEMA,
     TRUTHS,
 )
-from bodycheck.running.chunks import Chunk, Receipt
-from bodycheck.running.flying import FLYING, Flight, Stored, joined
-from bodycheck.running.halving import in_halves, limit_of
-from bodycheck.running.members import Flown
-from bodycheck.running.outcome import Crashed, TimedOut
-from bodycheck.running.trajectory_files import STATE_COLUMNS
+from bodycheck.running.members.chunks import Chunk, Receipt
+from bodycheck.running.members.member_runs import FLYING, Flight, Stored, joined
 from bodycheck.studies.ensemble.execution.calls import (
     JUDGE,
     Drawing,
@@ -103,7 +105,7 @@ def carry_out(chunk: Chunk, folder: Path) -> Receipt:
     for block in chunk.blocks:
         _add_block(made, chunk, block)
     made.tables[TRAJECTORIES] = [_trajectories(chunk, made)]
-    crews.check()
+    chunk_workers.check()
     for kind in (TRUTHS, MEMBERS, TRAJECTORIES, RUNS):  # a chunk is done where there is a file of runs
         if made.tables[kind]:
             chunk_files.write(folder, chunk, kind, made.tables[kind])
@@ -161,7 +163,7 @@ def _add_block(made: _Made, chunk: Chunk, block: range) -> None:
 def _ask(chunk: Chunk, question: Drawing | TruthTable | Judging) -> Any:
     """Ask the worker process of the reference. Raises `BadInput` for a member that is no case, and `Failed`."""
     work = chunk.work
-    found = crews.call(JUDGE, None, work.limit, work.memory)(question)
+    found = chunk_workers.call(JUDGE, None, work.limit, work.memory)(question)
     if isinstance(found, Refused):
         raise BadInput(found.text)
     if isinstance(found, Crashed | TimedOut):
@@ -175,15 +177,15 @@ def _flown(chunk: Chunk, block: range, drawn: Drawn, method: Method) -> Flown | 
     work, share = chunk.work, chunk.share
     name = case_of(work.case).name
     names = tuple(f"{name}-{member}" for member in block)
-    steps, file = steps_of(work.case, method.timestep), crews.folder() / "states.npy"
+    steps, file = steps_of(work.case, method.timestep), chunk_workers.folder() / "states.npy"
     flight = Flight(share.engine, share.version, method, drawn.members, steps, names, file)
 
     def attempt(first: int, last: int) -> Flown | Stored | Crashed | TimedOut:
         if last - first == len(block):
-            found = crews.call(FLYING, share.engine, work.limit, work.memory)(flight)
+            found = chunk_workers.call(FLYING, share.engine, work.limit, work.memory)(flight)
         else:
             limit = limit_of(last - first, len(block), work.limit)
-            with crews.single(FLYING, share.engine, limit, work.memory) as call:
+            with chunk_workers.single(FLYING, share.engine, limit, work.memory) as call:
                 found = call(flight.part(first, last))
         assert isinstance(found, Flown | Stored | Crashed | TimedOut)
         return found

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from bodycheck.errors import BadFolder, BadInput
 from bodycheck.files import writing
-from bodycheck.running import versions
+from bodycheck.results import versions
 from bodycheck.studies.ensemble import header as headers
 from bodycheck.studies.ensemble.execution import result_tables
 from bodycheck.studies.ensemble.header import EnsembleHeader

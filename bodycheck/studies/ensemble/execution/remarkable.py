@@ -8,7 +8,7 @@ import pyarrow.compute as pc
 from numpy.typing import NDArray
 
 from bodycheck.reference.trajectory import Array
-from bodycheck.running.outcome import Completed, Unsupported
+from bodycheck.results.outcome import Completed, Unsupported
 
 
 def failed(status: pa.Array, passed: pa.Array) -> NDArray[np.bool_]:

@@ -20,8 +20,10 @@ from bodycheck.casefile.case import parse_stored
 from bodycheck.errors import BadFolder
 from bodycheck.figures.columns import ALWAYS_TABLED, FIGURES, distance_from_ideal
 from bodycheck.files import reading
-from bodycheck.running import chunk_files, compaction, pool
-from bodycheck.running.chunk_files import (
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.running.members import chunk_files, compaction
+from bodycheck.running.members.chunk_files import (
     MAX_BYTES,
     MEMBERS,
     RUN_SCHEMA,
@@ -32,8 +34,7 @@ from bodycheck.running.chunk_files import (
     TRUTHS,
     ChunkFile,
 )
-from bodycheck.running.chunks import Share
-from bodycheck.running.outcome import Crashed, TimedOut
+from bodycheck.running.members.chunks import Share
 from bodycheck.studies.ensemble import header as headers
 from bodycheck.studies.ensemble.execution import remarkable
 from bodycheck.studies.ensemble.execution.truths import VOUCHER, Vouching, vouch

@@ -18,11 +18,12 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import NoTruth, Truth, computed, truth
+from bodycheck.reference.truth import computed, truth
+from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reference.witness import as_way, distances, excess
-from bodycheck.running.chunk_files import BOUND_COLUMNS
-from bodycheck.running.crews import Role
-from bodycheck.running.simulation import sampling_steps
+from bodycheck.running.instants import sampling_steps
+from bodycheck.running.members.chunk_files import BOUND_COLUMNS
+from bodycheck.running.members.chunk_workers import Role
 from bodycheck.studies.ensemble.drawing import members
 
 #: Of every so manieth member the truth is compared with witnesses.

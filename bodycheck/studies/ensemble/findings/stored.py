@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from bodycheck.adapters.method import Method
 from bodycheck.errors import BadFolder
 from bodycheck.reference.trajectory import Array
-from bodycheck.running.key import RunKey
+from bodycheck.results.key import RunKey
 from bodycheck.studies.ensemble.findings.intervals import SEQUENCES
 
 #: Folders of an ensemble: of runs by engine and case, and of members by case.

@@ -14,7 +14,7 @@ from bodycheck.casefile.expectation import OK, Expectation, Limit, unit
 from bodycheck.casefile.values import MAX_NUMBER
 from bodycheck.figures.columns import FIGURES
 from bodycheck.reference.trajectory import Array
-from bodycheck.running.outcome import Unsupported
+from bodycheck.results.outcome import Unsupported
 from bodycheck.studies.ensemble.findings.intervals import quantile
 from bodycheck.studies.ensemble.findings.stored import EngineMethod, Ensemble
 

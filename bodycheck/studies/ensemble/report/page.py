@@ -13,7 +13,7 @@ from bodycheck.reports.lines import Line
 from bodycheck.reports.notices import Asked, missing_engines, not_supported
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, count, listing, number, verb
 from bodycheck.reports.study import Animation, Chart, Part, StudyReport
-from bodycheck.running.header import Header
+from bodycheck.results.header import Header
 from bodycheck.studies.ensemble.findings.aggregates import Aggregates, Figure, Method
 from bodycheck.studies.ensemble.findings.analysis import Analysis
 from bodycheck.studies.ensemble.findings.maps import Map

@@ -9,8 +9,9 @@ from bodycheck import reports
 from bodycheck.casefile.content import Case
 from bodycheck.files.temporary import temporary_folder
 from bodycheck.reports.study import Animation
-from bodycheck.running import compaction, csv_tables, origin
+from bodycheck.results import csv_tables, origin
 from bodycheck.running.campaign import Advance
+from bodycheck.running.members import compaction
 from bodycheck.studies.ensemble.findings import stored
 from bodycheck.studies.ensemble.header import EnsembleHeader
 from bodycheck.studies.ensemble.report import kept, page

@@ -5,12 +5,12 @@ from pathlib import Path
 
 from bodycheck.casefile.case import parse
 from bodycheck.judging import judgement
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 from bodycheck.reports.quantities import QUANTITIES
 from bodycheck.reports.runs.animation import animated
 from bodycheck.reports.study import Animation
+from bodycheck.results.header import Header
 from bodycheck.running import campaign
-from bodycheck.running.header import Header
 from bodycheck.running.plan import Task
 from bodycheck.studies.ensemble.findings.aggregates import Aggregates
 from bodycheck.studies.ensemble.report.page_tables import method_lines

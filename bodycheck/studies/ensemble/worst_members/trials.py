@@ -13,12 +13,14 @@ from bodycheck.adapters.method import Method
 from bodycheck.casefile.content import Case
 from bodycheck.judging.discrepancy import compare
 from bodycheck.judging.expectation_writer import floors
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.truth import truth
-from bodycheck.running import engines, pool
+from bodycheck.results.outcome import Completed, Run, Unsupported
+from bodycheck.running import engines
 from bodycheck.running.campaign import TIME_LIMIT_S
-from bodycheck.running.halving import in_halves
-from bodycheck.running.outcome import Completed, Crashed, Run, TimedOut, Unsupported
+from bodycheck.running.members.bisect_failures import in_halves
 from bodycheck.running.simulation import run
 
 

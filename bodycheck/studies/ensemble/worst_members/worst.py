@@ -17,9 +17,9 @@ from bodycheck.casefile.values import MAX_NAME_LENGTH
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES
 from bodycheck.files import writing
+from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.running.campaign import Advance
-from bodycheck.running.outcome import Crashed, TimedOut
-from bodycheck.running.tasks import check_timestep
+from bodycheck.running.instants import check_timestep
 from bodycheck.studies.ensemble.findings.stored import Ensemble
 from bodycheck.studies.ensemble.findings.ways import Way, chosen
 from bodycheck.studies.ensemble.worst_members.shrinking import BLOCK, Document, shrink

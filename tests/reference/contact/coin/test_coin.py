@@ -20,7 +20,8 @@ from bodycheck.reference.kinematics import geodesic_angle, multiply, rotate
 from bodycheck.reference.observables import observe
 from bodycheck.reference.scene import Brick, Plane, Scene, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth, truth
+from bodycheck.reference.truth import truth
+from bodycheck.reference.truths import Truth
 from bodycheck.reference.witness import WideArray, angle_between
 from tests.support.coins import GRAVITY, HALF_LENGTH, MASS, RADIUS, as_coin, body, rolling
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from bodycheck.reference.definition import Tensor
 from bodycheck.reference.mechanisms import observables
 from bodycheck.reference.mechanisms.forms.momentum import floating
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Loop, Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
+from bodycheck.reference.scene import Tensor
 
 ROWS = ((0.02, 0.001, 0.0), (0.001, 0.03, 0.0), (0.0, 0.0, 0.04))
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import sympy
 
-from bodycheck.reference.definition import Tensor
 from bodycheck.reference.errors import OutOfReach
 from bodycheck.reference.exact.numbers import MP, Real
 from bodycheck.reference.mechanisms.forms import oscillator
 from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.oscillator import Oscillator
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+from bodycheck.reference.scene import Tensor
 
 TIMES = np.array([0.0, 1e-9, 1e-3, 0.1, 0.7, 2.0, 9.0, 100.0])
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import sympy
 
-from bodycheck.reference.definition import Tensor
 from bodycheck.reference.exact.numbers import MP, Real
 from bodycheck.reference.mechanisms.forms import pendulum
 from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.motion import Form
 from bodycheck.reference.mechanisms.forms.pendulum import Pendulum
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
+from bodycheck.reference.scene import Tensor
 
 TIMES = np.array([0.0, 1e-6, 0.3, 1.7, 12.0, 977.0])
 

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 import sympy
 
-from bodycheck.reference.definition import Definition, Tensor
 from bodycheck.reference.exact.numbers import MP, Wide, wide
 from bodycheck.reference.exact.rotations import unit
 from bodycheck.reference.exact.start import defined_scene
@@ -21,7 +20,7 @@ from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.motion import FormMotion
 from bodycheck.reference.mechanisms.forms.top import Top
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
-from bodycheck.reference.scene import Quaternion, Vector
+from bodycheck.reference.scene import Definition, Quaternion, Tensor, Vector
 
 TIMES = np.array([0.0, 0.125, 1.0, 2.5, 7.0, 20.0])
 

@@ -16,7 +16,7 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
 from bodycheck.reference.mechanisms.ways import Motion, apart
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import Truth
+from bodycheck.reference.truths import Truth
 from tests.support.linkages import closed_spatially, four_bar, n_four_bar, slider_crank
 
 pytest.importorskip("heyoka")

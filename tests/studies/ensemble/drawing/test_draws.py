@@ -13,7 +13,7 @@ from scipy.stats import norm
 from scipy.stats.qmc import Sobol
 
 from bodycheck.casefile.case import parse
-from bodycheck.casefile.ensemble import Ensemble
+from bodycheck.casefile.distributions import Ensemble
 from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.ensemble.drawing import draws

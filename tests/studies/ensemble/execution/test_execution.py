@@ -20,12 +20,12 @@ import pytest
 
 from bodycheck.casefile.case import parse
 from bodycheck.errors import BadFolder, BadInput, Failed
-from bodycheck.running import versions
-from bodycheck.running.chunks import Chunk, Receipt
-from bodycheck.running.executors.dask_cluster import Cluster, ClusterLost
-from bodycheck.running.executors.own import Own
-from bodycheck.running.executors.shards import Shard
-from bodycheck.running.interpreter import Interpreter
+from bodycheck.processes.interpreter import Interpreter
+from bodycheck.results import versions
+from bodycheck.running.members.chunks import Chunk, Receipt
+from bodycheck.running.members.executors.dask_cluster import Cluster, ClusterLost
+from bodycheck.running.members.executors.own import Own
+from bodycheck.running.members.executors.shards import Shard
 from bodycheck.studies.ensemble import header, study
 from bodycheck.studies.ensemble.execution import gathering
 from tests.support import ROOT, processes
@@ -160,7 +160,7 @@ def test_members_that_kill_their_process_are_alone(mortal: str, tmp_path: Path) 
 KILLED = """
 import sys
 from pathlib import Path
-from bodycheck.running.executors.own import Own
+from bodycheck.running.members.executors.own import Own
 from tests.support.thrown import brick, run
 run(brick(), Path(sys.argv[1]), Own(2), blocks=1)
 """
@@ -267,7 +267,7 @@ def test_a_worker_with_other_versions_is_refused(dask_folder: Path, tmp_path: Pa
 
 
 def test_a_scheduler_that_is_not_there_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("bodycheck.running.executors.dask_cluster.CONNECT_S", 0.5)
+    monkeypatch.setattr("bodycheck.running.members.executors.dask_cluster.CONNECT_S", 0.5)
     with pytest.raises(BadInput, match=r"--dask tcp://127.0.0.1:9: the scheduler cannot be reached"):
         run(brick(members=10), tmp_path / "out", Cluster("tcp://127.0.0.1:9", 1))
 

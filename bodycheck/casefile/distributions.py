@@ -1,0 +1,153 @@
+"""The distributions that the members of an ensemble are drawn with, and the keys that they vary.
+
+The parameters of a distribution are tuples with a number for each component: one for a key that is a single number.
+"""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:  # what finds positions in a file takes long to import
+    from bodycheck.casefile.toml_positions import Path
+
+#: Two keys of a table that state the same quantity. A vector that is drawn as a whole replaces the other one.
+SAME = (("euler_zxz", "quaternion"), ("euler_rates", "angular_velocity"))
+
+
+#: Which numbers a key may have.
+Sign = Literal["any", "not negative", "positive"]
+
+
+@dataclass(frozen=True)
+class Key:
+    """A number or a vector of a case file.
+
+    Attributes
+    ----------
+    whole
+        The path of the number or array in the file.
+    shape
+        The shape of the whole: () for a number, (k,) for a vector, (3, 3) for a tensor.
+    place
+        The place of one component in the array; () for all of it.
+    sign
+        Which numbers it may have.
+    named
+        The path of the whole with the names of bodies and joints; () where that is the same.
+    """
+
+    whole: "Path"
+    shape: tuple[int, ...]
+    place: tuple[int, ...] = ()
+    sign: Sign = "any"
+    named: "Path" = ()
+
+    @property
+    def text(self) -> str:
+        """The path as a case file has it, with a dot between the parts."""
+        return ".".join(map(str, (*(self.named or self.whole), *self.place)))
+
+    @property
+    def text_of_whole(self) -> str:
+        """The path of the number or array that it is, or is a component of."""
+        return replace(self, place=()).text
+
+    @property
+    def components(self) -> int | None:
+        """The number of components of the vector that is drawn; None for a single number."""
+        return self.shape[0] if self.shape and not self.place else None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The paths of all numbers that are drawn, as columns of tables are named."""
+        return (self.text,) if self.components is None else tuple(f"{self.text}.{place}" for place in range(self.components))
+
+    def is_about(self, other: "Key") -> bool:
+        """Return whether both state a quantity that is the same, at least in part."""
+        if self.whole != other.whole:
+            return other.whole in rivals(self.whole)
+        shared = min(len(self.place), len(other.place))
+        return self.place[:shared] == other.place[:shared]
+
+
+def rivals(whole: "Path") -> "tuple[Path, ...]":
+    """Return the paths of the keys that state the same quantity as that of a path."""
+    name = whole[-1]
+    return tuple((*whole[:-1], other) for pair in SAME for other in pair if name in pair and other != name)
+
+
+#: One number for each component.
+Numbers = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Uniform:
+    """The same probability everywhere between the limits `low` and `high`, each component independently."""
+
+    low: Numbers
+    high: Numbers
+
+
+@dataclass(frozen=True)
+class LogUniform:
+    """A logarithm with the same probability everywhere between those of `low` and `high`, each component independently."""
+
+    low: Numbers
+    high: Numbers
+
+
+@dataclass(frozen=True)
+class Normal:
+    """The normal distribution, each component independently."""
+
+    mean: Numbers
+    standard_deviation: Numbers
+
+
+@dataclass(frozen=True)
+class OnSphere:
+    """A vector of three components, uniformly on the surface of the sphere of this radius about 0."""
+
+    radius: float
+
+
+@dataclass(frozen=True)
+class AnyAttitude:
+    """A unit quaternion, uniformly over all rotations."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of these values, each with the same probability; each has a number for each component."""
+
+    values: tuple[Numbers, ...]
+
+
+#: Every distribution.
+Distribution = Uniform | LogUniform | Normal | OnSphere | AnyAttitude | Choice
+
+
+@dataclass(frozen=True)
+class Variation:
+    """A key of the case file, and the distribution that its number or vector is drawn from."""
+
+    key: Key
+    distribution: Distribution
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """What many members are drawn from a case with.
+
+    Attributes
+    ----------
+    members
+        How many.
+    seed
+        The seed of the random numbers.
+    vary
+        The keys that vary. No two of them are about the same quantity.
+    """
+
+    members: int
+    seed: int
+    vary: tuple[Variation, ...]

@@ -1,0 +1,135 @@
+"""Tolerances for differences that rounding alone can cause between two machines running the same versions.
+
+Processors and mathematical libraries round differently. In a run of n steps, every number is rounded at least n times with the
+relative error u = 2^-53 (2^-24 in single precision). Random errors add up to sqrt(n) u, systematic ones to n u. The motion
+amplifies them, for example by thousands in ten seconds of a flip. This is measured: the run is repeated from initial states
+that are nudged by sqrt(n) u, and the resulting change of a figure is its spread. The method works for contacts and iterative
+solvers as well as for free flight.
+
+The tolerance of a figure that is the difference of two numbers of size S is `MARGIN` (spread + n u S), plus the truth's error.
+"""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from bodycheck.casefile.content import Case
+from bodycheck.figures.columns import FIGURES, truth_bounds
+from bodycheck.figures.scales import in_run, largest
+from bodycheck.judging.baselines.nudged_contacts import nudged_contacts
+from bodycheck.judging.baselines.nudged_mechanisms import nudged_mechanism
+from bodycheck.judging.discrepancy import compare
+from bodycheck.reference.kinematics import multiply, normalise
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.requirements import touches
+from bodycheck.reference.scene import State, vector_of
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truths import Truth
+from bodycheck.results.outcome import Completed, Run
+
+#: Number of runs with nudged initial states.
+NUDGES = 4
+
+#: Factor for several roundings per step and the small number of nudged runs.
+#:
+#: With this factor, the differences between the engines' builds for x86-64 and aarch64 are at most half of the tolerance, over
+#: all shipped cases.
+MARGIN = 8.0
+
+
+def nudged(case: Case, run: Run, seed: int) -> Case:
+    """Return a case whose initial state is moved in random directions by the expected rounding error of a run.
+
+    Each part of the state is moved relative to its largest absolute value in the run. On a plane the body stays flat. Of a
+    mechanism, each coordinate and velocity of a joint and each part of the state of a free body is moved. Bodies that touch are
+    moved together, along the plane.
+
+    Parameters
+    ----------
+    case
+        The case.
+    run
+        A completed run of the case.
+    seed
+        The seed of the random directions.
+    """
+    assert isinstance(run.outcome, Completed)
+    random = np.random.default_rng(seed)
+    trajectory, scene = run.outcome.trajectory, case.scene
+    amount = _unit_of_rounding(trajectory) * math.sqrt(run.outcome.steps)
+    if touches(scene):
+        return replace(case, scene=nudged_contacts(scene, trajectory, amount, random), expectations=())
+    if isinstance(scene, Mechanism):
+        return replace(case, scene=nudged_mechanism(scene, trajectory, amount, random), expectations=())
+    initial = scene.initial
+    within, about = (slice(0, 3), slice(0, 3)) if scene.plane is None else (slice(0, 2), slice(2, 3))
+
+    def step(part: slice, size: float) -> Array:
+        direction = np.zeros(3)
+        direction[part] = random.normal(size=part.stop - part.start)
+        return amount * size * direction / np.linalg.norm(direction)
+
+    turn = multiply(np.concatenate([[1.0], step(about, 0.5)]), np.array(initial.quaternion))
+    w, x, y, z = normalise(turn).tolist()
+    state = State(
+        vector_of(np.array(initial.position) + step(within, largest(trajectory.position))),
+        (w, x, y, z),
+        vector_of(np.array(initial.velocity) + step(within, largest(trajectory.velocity))),
+        vector_of(np.array(initial.angular_velocity) + step(about, largest(trajectory.angular_velocity))),
+    )
+    return replace(case, scene=replace(scene, initial=state), expectations=())
+
+
+def allowances(truth: Truth, run: Run, others: Sequence[Run]) -> dict[str, float]:
+    """Return the tolerance of each figure of a completed run between machines, by its column.
+
+    Parameters
+    ----------
+    truth
+        The truth of the case.
+    run
+        The run.
+    others
+        The runs with nudged initial states. If one of them lacks a figure, the tolerance of the figure is infinite.
+    """
+    moved = [compare(truth, other).maxima() if isinstance(other.outcome, Completed) else {} for other in others]
+    figures = compare(truth, run).maxima()
+    found = {}
+    for name, least in unamplified(truth, run, figures).items():
+        spread = max((abs(other.get(name, math.inf) - figures[name]) for other in moved), default=math.inf)
+        found[name] = MARGIN * spread + least
+    return found
+
+
+def unamplified(truth: Truth, run: Run, names: Iterable[str]) -> dict[str, float]:
+    """Return the tolerances of a completed run's figures, by column, without amplification of rounding by the motion.
+
+    Parameters
+    ----------
+    truth
+        The truth of the case.
+    run
+        The run.
+    names
+        The columns of the figures.
+    """
+    assert isinstance(run.outcome, Completed)
+    trajectory = run.outcome.trajectory
+    all_one_way = run.outcome.steps * _unit_of_rounding(trajectory)
+    bounds, scales = truth_bounds(truth), in_run(truth, trajectory)
+    found = {}
+    for name in names:
+        bound = float(np.fmax.reduce(bounds[name])) if name in bounds else 0.0
+        found[name] = MARGIN * all_one_way * FIGURES[name].scale(scales) + bound
+    return found
+
+
+def _unit_of_rounding(trajectory: Trajectory) -> float:
+    """Return the unit roundoff of the precision in which the engine seems to keep its states."""
+    parts = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
+    states = np.concatenate(parts, axis=-1)
+    with np.errstate(over="ignore"):
+        single = np.array_equal(states.astype(np.float32), states)
+    return 2.0**-24 if single else 2.0**-53

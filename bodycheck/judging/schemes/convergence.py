@@ -1,0 +1,259 @@
+"""Observe the convergence of a method as the time step vanishes: its order, and the error that remains.
+
+The limit of a method may differ from the truth, for example with soft contacts. Therefore the order is determined from the
+differences between runs with successive time steps, in which the limit cancels. The error of the limit is the floor. It is told
+from rounding, which smaller steps do not reduce either. Attitudes that are lost, and differ by a radian whatever the time step,
+have neither order nor floor; both are then those of the beginning of the same runs.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import reduce
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+
+from bodycheck.adapters.contract import Strides
+from bodycheck.figures import mechanisms
+from bodycheck.figures.conservation import angular_momentum_size, energy_size
+from bodycheck.figures.definition import observe
+from bodycheck.reference.kinematics import geodesic_angle, normalise
+from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.observables import floats
+from bodycheck.reference.observables import Observables
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.truths import Truth, distance
+
+#: The observed quantities with their units. Energy and angular momentum are relative, as in the results.
+UNITS = {"attitude": "rad", "position": "m", "energy": "", "angular_momentum": ""}
+
+#: Smallest number of instants, without the start, that all runs must have in common.
+MIN_COMMON_INSTANTS = 4
+
+#: Errors are in the asymptotic range if at least this many successive local orders differ by at most this fraction.
+MIN_ORDERS, MAX_ORDER_SPREAD = 3, 0.1
+
+#: Local orders outside this range are caused by rounding, or by a motion that was lost.
+MIN_ORDER, MAX_ORDER = 0.25, 10.0
+
+#: Difference (rad) of the attitudes of two runs above which they are not in an asymptotic range: angles end at a half turn.
+LOST_RAD = 0.5
+
+#: Rounding of a figure per step in units of roundoff, and the largest growth of it along the motion, beyond which a floor is
+#: not called rounding: some ten roundings each, and thousands in ten seconds of a flip.
+STEP_ROUNDINGS, LARGEST_GROWTH = 16.0, 1e4
+
+#: Ratio of a change to the one before it from which on runs do not converge; at first order it is a half.
+STALLED = 0.7
+
+#: Ratio of an error to the remaining change by convergence, above which it is the error of the limit.
+FLOOR_RATIO = 3.0
+
+
+#: Where a floor comes from.
+Cause = Literal["", "limit", "rounding"]
+
+
+@dataclass(frozen=True)
+class Convergence:
+    """The observed convergence of one quantity.
+
+    Attributes
+    ----------
+    order, low, high
+        The median, the minimum and the maximum of the local orders in the asymptotic range; None if there is no such range.
+    floor
+        The error below which no time step gets; None if the error was still decreasing.
+    cause
+        Where the floor comes from: "limit" for runs that tend to another motion, and "rounding" for the engine's precision;
+        empty if there is no floor, or if neither is known to explain it.
+    horizon
+        The time (s) from the start in which order and floor were observed; None for the whole runs.
+    """
+
+    order: float | None
+    low: float | None
+    high: float | None
+    floor: float | None
+    cause: Cause = ""
+    horizon: float | None = None
+
+
+def observe_convergence(
+    runs: Sequence[tuple[float, Trajectory]], truth: Truth, errors: Mapping[str, Sequence[float]], roundoff: float
+) -> dict[str, Convergence]:
+    """Return the convergence of each quantity that is measured; empty if the runs have too few instants in common.
+
+    Parameters
+    ----------
+    runs
+        The time steps (s) and trajectories of n runs of one method, the largest time step first.
+    truth
+        The truth of the scene.
+    errors
+        The largest error of each run, for each quantity.
+    roundoff
+        The unit roundoff of the engine's arithmetic.
+    """
+    trajectories = common([trajectory for _, trajectory in runs])
+    if len(runs) < 2 or len(trajectories[0]) <= MIN_COMMON_INSTANTS:
+        return {}
+    timesteps = [timestep for timestep, _ in runs]
+    seen = [measured(truth, trajectory) for trajectory in trajectories]
+    found = {
+        quantity: converge(
+            timesteps,
+            errors[quantity],
+            [apart(quantity, *pair) for pair in pairwise(seen)],
+            STEP_ROUNDINGS * LARGEST_GROWTH * roundoff * float(trajectories[0].t[-1]),
+        )
+        for quantity in seen[0]
+    }
+    if found["attitude"].order is None and apart("attitude", *seen[-2:]) > LOST_RAD:
+        found["attitude"] = _at_first(timesteps, trajectories, truth, roundoff)
+    return found
+
+
+def _at_first(timesteps: Sequence[float], trajectories: Sequence[Trajectory], truth: Truth, roundoff: float) -> Convergence:
+    """Return the convergence of attitudes that are lost, in the longest beginning of the runs in which there is an order.
+
+    The beginning is halved until there is one. The trajectories have their instants in common.
+    """
+    count = len(trajectories[0])
+    while (count := (count + 1) // 2) > MIN_COMMON_INSTANTS:
+        parts = [trajectory.part(slice(0, count)) for trajectory in trajectories]
+        exact = normalise(truth.at(parts[0].t).trajectory.quaternion)
+        seen = [normalise(part.quaternion) for part in parts]
+        errors = [float(geodesic_angle(own, exact).max()) for own in seen]
+        changes = [float(geodesic_angle(coarse, fine).max()) for coarse, fine in pairwise(seen)]
+        end = float(parts[0].t[-1])
+        found = converge(timesteps, errors, changes, STEP_ROUNDINGS * LARGEST_GROWTH * roundoff * end)
+        if found.order is not None:
+            return replace(found, horizon=end)
+    return Convergence(None, None, None, None)
+
+
+def attitude_order(runs: Sequence[tuple[float, Trajectory]], truth: Truth) -> float:
+    """Return the local order of the attitude from three runs of one method, with their time steps (s); NaN if there is none."""
+    timesteps = [timestep for timestep, _ in runs]
+    seen = [measured(truth, trajectory) for trajectory in common([trajectory for _, trajectory in runs])]
+    (order,) = local_orders(timesteps, [apart("attitude", coarse, fine) for coarse, fine in pairwise(seen)])
+    return order
+
+
+def converge(
+    timesteps: Sequence[float], errors: Sequence[float], changes: Sequence[float], rounded: float = 0.0
+) -> Convergence:
+    """Return the convergence of one quantity.
+
+    Parameters
+    ----------
+    timesteps
+        The n time steps (s), the largest first.
+    errors
+        The n errors.
+    changes
+        The n - 1 differences between runs with successive time steps.
+    rounded
+        The largest error by rounding, times a time step (s).
+    """
+    window = asymptotic(local_orders(timesteps, changes))
+    stays, cause = floor(timesteps, errors, changes, rounded)
+    if not window:
+        return Convergence(None, None, None, stays, cause)
+    return Convergence(float(np.median(window)), min(window), max(window), stays, cause)
+
+
+def local_orders(timesteps: Sequence[float], changes: Sequence[float]) -> list[float]:
+    """Return the order p from each three successive time steps; NaN if they determine none.
+
+    A deviation G h^p from the limit changes by |G| (h0^p - h1^p) and |G| (h1^p - h2^p); the ratio of the two gives p.
+    """
+    return [_local_order(*timesteps[place : place + 3], *changes[place : place + 2]) for place in range(len(timesteps) - 2)]
+
+
+def _local_order(h0: float, h1: float, h2: float, first: float, second: float) -> float:
+    def excess(p: float) -> float:
+        return float((h0 / h1) ** p - 1 - first / second * (1 - (h2 / h1) ** p))
+
+    if not (first > 0 and second > 0 and excess(MIN_ORDER) * excess(MAX_ORDER) < 0):
+        return math.nan
+    from scipy.optimize import brentq  # takes longer to import than all else that most judgements need
+
+    return float(brentq(excess, MIN_ORDER, MAX_ORDER))
+
+
+def asymptotic(orders: Sequence[float]) -> list[float]:
+    """Return the longest sequence of successive local orders that agree; of several, the one with the smallest steps."""
+    best: list[float] = []
+    for start in range(len(orders)):
+        for stop in range(start + MIN_ORDERS, len(orders) + 1):
+            window = list(orders[start:stop])
+            alike = all(map(math.isfinite, window)) and max(window) - min(window) <= MAX_ORDER_SPREAD * max(window)
+            if alike and len(window) >= len(best):
+                best = window
+    return best
+
+
+def floor(
+    timesteps: Sequence[float], errors: Sequence[float], changes: Sequence[float], rounded: float = 0.0
+) -> tuple[float | None, Cause]:
+    """Return the error that remains for vanishing time steps, None if the error was still decreasing, and its cause.
+
+    It is the last error if the remaining change by convergence, at first order or better, is far smaller: that of a limit. It
+    is the smallest error if smaller time steps did not decrease it further. Rounding explains this if that of as many steps can
+    be as large, and if the last change is not smaller than the one before it, as it is where runs tend to a limit. Parameters
+    are those of `converge`.
+    """
+    if not any(errors):
+        return None, ""
+    left = changes[-1] / (timesteps[-2] / timesteps[-1] - 1)
+    if errors[-1] > FLOOR_RATIO * left:
+        return errors[-1], "limit"
+    smallest = int(np.argmin(errors))
+    if smallest == len(errors) - 1:
+        return None, ""
+    shrinks = len(changes) > 1 and changes[-1] < STALLED * changes[-2]
+    return errors[smallest], "rounding" if not shrinks and errors[smallest] <= rounded / timesteps[smallest] else ""
+
+
+def common(trajectories: Sequence[Trajectory]) -> list[Trajectory]:
+    """Return the trajectories at the instants that all of them have."""
+    keys = [_keys(trajectory.t, max(float(t.t[-1]) for t in trajectories)) for trajectory in trajectories]
+    shared = reduce(np.intersect1d, keys)
+    places = [np.searchsorted(own, shared) for own in keys]
+    return [trajectory.part(at) for trajectory, at in zip(trajectories, places, strict=True)]
+
+
+def _keys(t: Array, longest: float) -> Strides:
+    """Return instants as integers, because multiples of different time steps are equal only up to rounding."""
+    return np.rint(t / longest * 2**40).astype(np.int64)
+
+
+def measured(truth: Truth, trajectory: Trajectory) -> dict[str, Array]:
+    """Return the values (..., n, k) of quantities of `UNITS` at the n instants of a trajectory.
+
+    The angular momentum of a mechanism is one only where it is conserved, as it is without an error elsewhere.
+    """
+    scene = truth.scene
+    reference, seen = observe(scene, truth.trajectory), observe(scene, trajectory)
+    found = {
+        "attitude": normalise(trajectory.quaternion),
+        "position": trajectory.position,
+        "energy": seen.total_energy[:, None] / energy_size(reference),
+    }
+    if isinstance(scene, Mechanism):
+        if floats(scene):
+            momentum = mechanisms.angular_momentum_size(scene, truth.trajectory, reference)
+            found["angular_momentum"] = seen.angular_momentum / momentum
+        return found
+    assert isinstance(reference, Observables)
+    return found | {"angular_momentum": seen.angular_momentum / angular_momentum_size(scene, reference)}
+
+
+def apart(quantity: str, one: dict[str, Array], other: dict[str, Array]) -> float:
+    """Return the largest difference of a quantity over all instants."""
+    difference = geodesic_angle if quantity == "attitude" else distance
+    return float(difference(one[quantity], other[quantity]).max())

@@ -1,0 +1,35 @@
+"""The outcomes of a call in a worker process that fails: it crashed, or it exceeded its time limit."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bodycheck.processes.limits import shortage
+
+
+@dataclass(frozen=True)
+class Crashed:
+    """The engine raised an error or its process died."""
+
+    reason: str
+    status: ClassVar[str] = "crashed"
+    failed: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class TimedOut:
+    """The run, or the computation of its truth, was stopped after its time limit (s); the reason says so if none is given."""
+
+    limit: float
+    reason: str = ""
+    status: ClassVar[str] = "timeout"
+    failed: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        if not self.reason:
+            object.__setattr__(self, "reason", f"stopped after {self.limit:g} s")
+
+
+def crash(error: BaseException) -> Crashed:
+    """Return the outcome for an exception of an engine, with its message as valid UTF-8."""
+    text = f"{shortage()}: {error}" if isinstance(error, MemoryError) else f"{type(error).__name__}: {error}"
+    return Crashed(text.removesuffix(": ").encode("utf-8", "backslashreplace").decode("utf-8"))

@@ -1,0 +1,101 @@
+"""Python interpreters in which worker processes run: this one, and those of the environments of engines."""
+
+import base64
+import contextlib
+import json
+import os
+import socket
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+#: What a worker process does first: it reads what it is told, and imports from where it is told.
+BOOT = """
+import json, sys
+told = json.loads(sys.stdin.buffer.readline())
+sys.path[:] = told.pop("path") or sys.path
+from bodycheck.processes.guard import guarded
+guarded(told.pop("parent"), told["descriptor"])
+from bodycheck.processes.worker import main
+main(**told)
+"""
+
+
+@dataclass(frozen=True)
+class Interpreter:
+    """A Python interpreter that has bodycheck and the packages of an engine.
+
+    Parameters
+    ----------
+    python
+        The program.
+    variables
+        Environment variables that its processes have besides those of this process.
+    apart
+        Whether it imports from its own path, and not from where this process does.
+    """
+
+    python: Path
+    variables: tuple[tuple[str, str], ...] = ()
+    apart: bool = True
+
+    def start(self, theirs: socket.socket, mark: bytes, memory: int, watched: bool) -> "subprocess.Popen[bytes]":
+        """Start `bodycheck.processes.worker.main` in a new process, and return the process.
+
+        The process leads a session of its own, so that an interruption from the terminal does not reach it. It has no
+        descriptor of this process but that of the socket, and what it prints goes to stderr, because stdout is for results.
+
+        Parameters
+        ----------
+        theirs, mark
+            The worker's end of its channel, and the mark of messages.
+        memory
+            The memory that each of its calls may use (bytes).
+        watched
+            Whether a thread that a call leaves counts as a change of the process.
+
+        Raises
+        ------
+        OSError
+            The interpreter cannot be run.
+        """
+        alone = ["-E"] if self.apart else []  # PYTHONPATH and PYTHONHOME are for this interpreter
+        process = subprocess.Popen(
+            [str(self.python), "-P", *alone, *(f"-W{option}" for option in sys.warnoptions), "-c", BOOT],
+            stdin=subprocess.PIPE,
+            stdout=2,
+            env={**os.environ, **dict(self.variables)},
+            start_new_session=True,
+            pass_fds=() if sys.platform == "win32" else (theirs.fileno(),),
+        )
+        told = {
+            "path": None if self.apart else sys.path,
+            "parent": os.getpid(),
+            "descriptor": _shared(theirs, process.pid),
+            "mark": mark.hex(),
+            "memory": memory,
+            "watched": watched,
+        }
+        assert process.stdin is not None
+        with contextlib.suppress(OSError), process.stdin as stdin:  # a process that has ended already is seen by its channel
+            stdin.write(json.dumps(told).encode("utf-8") + b"\n")
+        return process
+
+
+def _shared(theirs: socket.socket, process: int) -> int | str:
+    """Return what `inherited` makes the socket of in a process: a descriptor, or on Windows an encoded description."""
+    if sys.platform == "win32":
+        return base64.b64encode(theirs.share(process)).decode("ascii")
+    return theirs.fileno()
+
+
+def inherited(descriptor: int | str) -> socket.socket:
+    """Return the socket that this process has from the one that started it."""
+    if sys.platform == "win32":
+        return socket.fromshare(base64.b64decode(descriptor))
+    return socket.socket(fileno=int(descriptor))
+
+
+#: The interpreter of this process, whose workers import from where this process does.
+HERE = Interpreter(Path(sys.executable), apart=False)

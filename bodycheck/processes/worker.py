@@ -1,0 +1,72 @@
+"""The program of a worker process: it says that it has started, and answers one call after another."""
+
+import math
+import os
+import pickle
+from typing import Any
+
+from bodycheck.processes import channel, limits
+from bodycheck.processes.failures import crash
+from bodycheck.processes.interpreter import inherited
+from bodycheck.processes.process_state import state, threads
+
+
+def main(descriptor: int | str, mark: str, memory: int, watched: bool) -> None:
+    """Answer the calls of the process that started this one until it closes the channel.
+
+    A call is a function, its argument, and whether it prepares the process for the calls that follow, as the import of an
+    engine does. A preparation may change the state of the process. After any other call that does, the process is not used
+    again.
+
+    Parameters
+    ----------
+    descriptor
+        What `bodycheck.processes.interpreter.inherited` makes the socket of.
+    mark
+        The mark of messages, in hexadecimal digits.
+    memory
+        The memory that each call may use (bytes).
+    watched
+        Whether a thread that a call leaves counts as a change of the process.
+    """
+    with open(os.devnull, "rb") as nothing:
+        os.dup2(nothing.fileno(), 0)
+    served, own = channel.Worker(inherited(descriptor), bytes.fromhex(mark)), os.getpid()
+    if hasattr(os, "register_at_fork"):
+        os.register_at_fork(after_in_child=served.close)
+    limits.allow_memory(memory)
+    before = state()
+    allowed: float = math.inf  # threads, until the first call after a preparation has ended
+    try:
+        served.send(0, pickle.dumps((None, True)))
+        while True:
+            number, message = served.receive()
+            result, preparing = _made(message)
+            if os.getpid() != own:  # the engine has made a copy of the process, and the copy must not answer
+                os._exit(0)
+            if preparing:
+                limits.allow_memory(memory)
+                before = state()
+            changed = state() != before or threads() > allowed
+            allowed = threads() if watched and not preparing else math.inf
+            served.send(number, _pickled(result, reusable=not changed and not limits.keeps_much()))
+    except (EOFError, ConnectionError):
+        return  # the parent is gone
+
+
+def _made(message: bytes) -> tuple[Any, bool]:
+    """Make a call, and return its result and whether it prepares the process."""
+    preparing = False
+    try:
+        function, argument, preparing = pickle.loads(message)
+        with limits.limited_memory():
+            return function(argument), preparing
+    except BaseException as error:
+        return crash(error), preparing
+
+
+def _pickled(result: Any, reusable: bool) -> bytes:
+    try:
+        return pickle.dumps((result, reusable))
+    except Exception as error:
+        return pickle.dumps((crash(error), False))

@@ -1,0 +1,77 @@
+"""The header of results: the versions, the machine and the command that they were made with."""
+
+from typing import Annotated, NotRequired, TypedDict, get_type_hints
+
+
+class Header(TypedDict):
+    """What every set of results tells of its origin; the descriptions are those of the JSON Schema of results.json."""
+
+    bodycheck: Annotated[str, "Version of bodycheck."]
+    command: Annotated[list[str], "Words of the command that made the results."]
+    started: Annotated[str, "Date and time of the start, with the offset of the time zone."]
+    machine: Annotated[dict[str, str], "Operating system, processor, number of cores and version of Python."]
+    packages: Annotated[dict[str, str], "Versions of packages that the numbers depend on."]
+    engines: Annotated[dict[str, str], "Versions of the engines."]
+    missing: Annotated[dict[str, str], "Engines that could not be used, with the reason."]
+    environments: Annotated[
+        dict[str, dict[str, str]],
+        "For each engine in an environment of its own, its packages, with the SHA-256 of each one's list of files and hashes.",
+    ]
+    demonstrations: Annotated[
+        dict[str, dict[str, str]],
+        "For each engine, the integrators that its adapter offers to demonstrate something, and what.",
+    ]
+    precisions: Annotated[dict[str, str], "For each engine, the precision of its arithmetic: float64 or float32."]
+    defaults: Annotated[
+        dict[str, dict[str, str]],
+        "For each engine, what it chooses where a user does not: integrator, timestep and tolerance, as far as it has them.",
+    ]
+    without_method: Annotated[
+        dict[str, dict[str, str]],
+        "For each engine, the cases for which it has none of the methods that were asked for, with why.",
+    ]
+
+
+#: The entries that results of earlier versions lack.
+LATER: dict[str, dict[str, dict[str, str]]] = {
+    name: {} for name in ("environments", "demonstrations", "precisions", "defaults", "without_method")
+}
+
+
+class StoredCase(TypedDict):
+    """A case in the header of a results folder: its name, and the text of its file when it was run.
+
+    file: the path that was given; empty for a shipped case. Results of earlier versions have none.
+    """
+
+    name: str
+    text: str
+    file: NotRequired[str]
+
+
+class StoredUnchecked(TypedDict):
+    """An expectation that no run could check; see `bodycheck.results.unchecked`."""
+
+    case: str
+    engine: str
+    integrator: str
+    timestep: float
+    reason: str
+    tolerated: str
+
+
+class StoredHeader(Header):
+    """The header of a results folder, with the cases that were run, what could not be checked, and the revisions of figures.
+
+    Results of earlier versions lack the latter two.
+    """
+
+    cases: list[StoredCase]
+    unchecked: NotRequired[list[StoredUnchecked]]
+    revisions: NotRequired[dict[str, int]]
+
+
+#: The entries of a header, with a description of each.
+DESCRIPTIONS: dict[str, str] = {
+    name: hint.__metadata__[0] for name, hint in get_type_hints(Header, include_extras=True).items()
+}

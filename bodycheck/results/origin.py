@@ -1,0 +1,88 @@
+"""Where the numbers of a table come from, for the tables themselves: versions, machine, command, and a hash of each case.
+
+Parquet files have it in the metadata of their schema, with the unit and the meaning of each column in the metadata of its
+field. A CSV file has no place for it: a comment before the header, or a second header with units, is taken for data by most
+readers. It has a file beside it instead, in the form and under the name of the W3C's "Metadata Vocabulary for Tabular Data"
+(https://www.w3.org/TR/tabular-metadata/), which readers that know it find by themselves and all others ignore.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+
+from bodycheck.figures.columns import COLUMNS
+from bodycheck.results.header import DESCRIPTIONS, Header, StoredHeader
+
+#: The end of the name of the file beside a CSV file.
+BESIDE = "-metadata.json"
+
+#: The key of the origin in the metadata of a Parquet file.
+KEY = "bodycheck"
+
+#: The types of columns, as the W3C calls them; truth values are written as `csv_tables` does.
+TYPES: dict[str, Any] = {
+    "string": "string",
+    "integer": "integer",
+    "number": "double",
+    "boolean": {"base": "boolean", "format": "True|False"},
+}
+
+#: Where numbers come from: an object for each set of results, as `origin` returns it.
+Origins = Sequence[Mapping[str, Any]]
+
+
+def origin(header: Header, cases: Mapping[str, str], label: str = "") -> dict[str, Any]:
+    """Return where numbers come from.
+
+    Parameters
+    ----------
+    header
+        The versions, the machine and the command.
+    cases
+        The text of each case file, by the name of the case. Its hash is the SHA-256 of its UTF-8 bytes.
+    label
+        The label of the set of results, if there are several.
+    """
+    hashes = {name: sha256(text.encode("utf-8")).hexdigest() for name, text in cases.items()}
+    kept = {name: value for name, value in header.items() if name in DESCRIPTIONS}
+    return {**({"set": label} if label else {}), **kept, "cases_sha256": hashes}
+
+
+def stored(header: StoredHeader, label: str = "") -> dict[str, Any]:
+    """Return where the numbers of a results folder come from."""
+    return origin(header, {case["name"]: case["text"] for case in header["cases"]}, label)
+
+
+def beside(path: Path, columns: Sequence[str], origins: Origins) -> bytes:
+    """Return the content of the file beside a CSV file: its columns with their units and meanings, and the origins."""
+    described = {
+        "@context": ["http://www.w3.org/ns/csvw", {"@language": "en"}],
+        "url": path.name,
+        "tableSchema": {"columns": [_column(name) for name in columns]},
+        "notes": list(origins),
+    }
+    return (json.dumps(described, ensure_ascii=False, indent=1) + "\n").encode("utf-8", "replace")
+
+
+def with_origin(table: Any, origins: Origins) -> Any:
+    """Return an Arrow table whose schema has the origins, and whose fields have their units and meanings, as metadata."""
+    fields = []
+    for field in table.schema:
+        column = COLUMNS.get(field.name)
+        told = {"description": column.told, "unit": column.unit or column.counts} if column is not None else {}
+        fields.append(field.with_metadata({name: value for name, value in told.items() if value}))
+    metadata = {**(table.schema.metadata or {}), KEY.encode(): json.dumps(list(origins), ensure_ascii=False).encode()}
+    return table.cast(pa.schema(fields, metadata))
+
+
+def _column(name: str) -> dict[str, Any]:
+    column = COLUMNS.get(name)
+    if column is None:
+        return {"name": name, "titles": name}
+    told = {"name": name, "titles": name, "datatype": TYPES[column.kind], "dc:description": column.told}
+    unit = column.unit or column.counts
+    return told | ({"schema:unitText": unit} if unit else {})

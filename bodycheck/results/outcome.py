@@ -1,0 +1,123 @@
+"""The outcomes of a run: a closed set of frozen types with the same attributes `status`, `failed` and `reason`."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar, Literal, Protocol
+
+from bodycheck.adapters.contract import Method
+from bodycheck.figures.definition import InterfaceLoad, Load
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.scene import Plane
+from bodycheck.reference.trajectory import Trajectory
+from bodycheck.results.key import RunKey
+
+
+class AdapterFault(Exception):
+    """What an adapter returned cannot be the states of its engine; the text says why."""
+
+
+class Stored(Protocol):
+    """A trajectory that is kept outside memory."""
+
+    def read(self) -> Trajectory:
+        """Return the trajectory. Raises `BadFolder` if it cannot be read."""
+
+
+@dataclass(frozen=True, eq=False)
+class Completed:
+    """The engine completed the run.
+
+    Attributes
+    ----------
+    states
+        The trajectory of a run made in this process, or where that of stored results can be read.
+    steps
+        Number of steps taken.
+    wall_time
+        Wall time of stepping alone (s).
+    load
+        The load of the contact; None in free flight, and where the engine does not report it.
+    quaternion_norm_error
+        The largest deviation from 1 of the norm of a quaternion, as the engine returned it; None if it is not known.
+    interfaces
+        The loads between bodies that rest; None where none do, and where the engine does not tell them.
+    """
+
+    states: Trajectory | Stored
+    steps: int
+    wall_time: float
+    load: Load | None = None
+    quaternion_norm_error: float | None = None
+    interfaces: tuple[InterfaceLoad, ...] | None = None
+    status: ClassVar[str] = "ok"
+    failed: ClassVar[bool] = False
+    reason: ClassVar[str] = ""
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The states at the sampled instants; those of stored results are read from disk each time and not kept."""
+        return self.states if isinstance(self.states, Trajectory) else self.states.read()
+
+
+@dataclass(frozen=True)
+class Unsupported:
+    """The engine cannot model what the scene requires; also the outcome of a run that has no truth to be compared with."""
+
+    reason: str
+    status: ClassVar[str] = "unsupported"
+    failed: ClassVar[bool] = False
+
+
+@dataclass(frozen=True)
+class Diverged:
+    """The states are not numbers, have an impossible energy or never change, or the engine stopped or reset the simulation.
+
+    Attributes
+    ----------
+    reason
+        What happened, and when.
+    signal
+        Whether the engine itself reported nothing, that it gave up, or that it reset the simulation.
+    trajectory
+        The states up to the event and the first one after it, if the engine returned any.
+    """
+
+    reason: str
+    signal: Literal["none", "gave up", "reset"] = "none"
+    trajectory: Trajectory | None = field(default=None, compare=False, repr=False)
+    status: ClassVar[str] = "diverged"
+    failed: ClassVar[bool] = True
+
+
+Outcome = Completed | Unsupported | Diverged | Crashed | TimedOut
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A run of a case in an engine with a method, and its outcome.
+
+    Attributes
+    ----------
+    case, engine, version, method
+        The names of case and engine, the engine's version, and the method.
+    outcome
+        The outcome.
+    contact_law
+        The friction that the engine's contacts would produce on the scene's plane if they were rigid; None without a plane,
+        and if the reference has no such law.
+    scene
+        The scene that was run; None where it is not known, as of a run whose process died.
+    """
+
+    case: str
+    engine: str
+    version: str
+    method: Method
+    outcome: Outcome
+    contact_law: Plane | None = None
+    scene: AnyScene | None = field(default=None, repr=False)
+
+    @property
+    def key(self) -> RunKey:
+        """The key of the run."""
+        return RunKey(self.case, self.engine, self.method)

@@ -1,0 +1,374 @@
+"""A results folder: the raw results of runs, from which all figures and reports are computed without new simulations.
+
+`run.jsonl` is a journal with a record of each truth, each run and each stop under a law of friction, written as they finish.
+If it has no footer, the work was interrupted. `trajectories/` contains the states. The header contains the texts of the case
+files.
+"""
+
+import contextlib
+import os
+from bisect import bisect_left
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, cast
+
+from bodycheck.casefile.case import Case, parse_stored
+from bodycheck.errors import BadFolder
+from bodycheck.figures.definition import Load
+from bodycheck.figures.revisions import REVISIONS
+from bodycheck.files import reading, writing
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.reference.bounds import NAMES
+from bodycheck.reference.mechanisms.kinematics import joints
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.planar import Stop
+from bodycheck.reference.scene import Plane
+from bodycheck.reference.truths import NoTruth, Truth
+from bodycheck.results import journal, records, trajectory_files, truth_records
+from bodycheck.results.header import LATER, Header, StoredHeader
+from bodycheck.results.key import RunKey
+from bodycheck.results.outcome import Completed, Diverged, Run, Unsupported
+from bodycheck.results.trajectory_files import TRAJECTORIES, StoredTrajectory, run_path, truth_path
+from bodycheck.results.unchecked import Unchecked
+
+#: Version of the format of results folders.
+FORMAT = 1
+#: The file with the records.
+RECORDS = "run.jsonl"
+#: The files of cases that all are shipped.
+NO_FILES: Mapping[str, Path] = {}
+
+
+class Writer:
+    """Writes a results folder. It is a context manager, whose regular end writes the footer.
+
+    Continues a folder in which the same work was interrupted, which it recognises by the `identity` in the header. Any other
+    results are replaced.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        header: Header,
+        identity: str,
+        cases: tuple[Case, ...],
+        unchecked: Sequence[Unchecked] = (),
+        files: Mapping[str, Path] = NO_FILES,
+    ) -> None:
+        _refuse_other_things(folder)
+        texts = [{"name": case.name, "text": case.text, "file": _shown(files.get(case.name))} for case in cases]
+        contents = {"cases": texts, "unchecked": [asdict(one) for one in unchecked], "revisions": REVISIONS}
+        self.folder = folder
+        self.journal = journal.resume(
+            folder / RECORDS, {"format": FORMAT, **header, "identity": identity, **contents}, renewed=("unchecked",)
+        )
+        there = self.journal.records
+        self.stops = {_law_of(record) for record in there if record["record"] == "stop"}
+        bodies = {case.name: _bodies(case.scene) for case in cases}
+        self.done = {_path_of(record) for record in there if record["record"] != "stop" and _is_stored(folder, record, bodies)}
+        _remove_all_but(self.done, folder)
+
+    def __enter__(self) -> "Writer":
+        self.journal.__enter__()
+        return self
+
+    def __exit__(self, *exit: Any) -> None:
+        self.journal.__exit__(*exit)
+
+    def has_truth(self, case: str, timestep: float) -> bool:
+        """Return whether the folder already had the truth of a case for a time step (s), or the reason why there is none."""
+        return truth_path(case, timestep) in self.done
+
+    def has_run(self, key: RunKey) -> bool:
+        """Return whether the folder already had a run, with any outcome."""
+        return run_path(key.case, key.engine, key.method.name, key.method.timestep) in self.done
+
+    def has_stop(self, case: str, law: Plane) -> bool:
+        """Return whether the folder already had a record of the stop of a case under a law of friction."""
+        return (case, law) in self.stops
+
+    def add_truth(self, case: Case, timestep: float, truth: Truth) -> None:
+        """Write the truth for the runs of a case with a time step (s)."""
+        bounds = {
+            column: getattr(truth.bounds, name) for column, name in zip(trajectory_files.BOUND_COLUMNS, NAMES, strict=True)
+        }
+        if truth.growth is not None:
+            bounds[trajectory_files.GROWTH_COLUMN] = truth.growth
+        trajectory_files.write(self.folder, truth_path(case.name, timestep), truth.trajectory, bounds, _bodies(truth.scene))
+        self.journal.add({"record": "truth", "case": case.name, "timestep": timestep, **truth_records.told(truth)})
+
+    def add_missing_truth(self, case: Case, timestep: float, missing: NoTruth) -> None:
+        """Record why there is no truth for the runs of a case with a time step (s)."""
+        self.journal.add({"record": "truth", "case": case.name, "timestep": timestep, **asdict(missing)})
+
+    def add_run(self, run: Run, place: int) -> None:
+        """Write a run. `place` is its position in the plan, which determines the order of all tables."""
+        record: dict[str, Any] = {
+            "record": "run",
+            "place": place,
+            "case": run.case,
+            "engine": run.engine,
+            "version": run.version,
+            "integrator": run.method.name,
+            "timestep": run.method.timestep,
+            "status": run.outcome.status,
+            "contact_law": asdict(run.contact_law) if run.contact_law is not None else None,
+        }
+        match run.outcome:
+            case Completed() as done:
+                trajectory_files.write(self.folder, _path_of(record), done.trajectory, {}, _bodies(run.scene))
+                load = asdict(done.load) if done.load is not None else None
+                record |= {"steps": done.steps, "wall_time": done.wall_time, "load": load}
+                record |= {"quaternion_norm_error": done.quaternion_norm_error}
+                if done.interfaces is not None:
+                    record |= {"interfaces": [asdict(one) for one in done.interfaces]}
+            case TimedOut(limit):
+                record |= {"limit": limit}
+            case outcome:
+                record |= {"reason": outcome.reason}
+        self.journal.add(record)
+
+    def add_stop(self, case: str, law: Plane, stop: Stop | None, reason: str = "") -> None:
+        """Record where a case's body stops if a law of friction acts on its plane.
+
+        Parameters
+        ----------
+        case
+            Name of the case.
+        law
+            The plane with the law of friction.
+        stop
+            Where and when the body stops; None if it does not, or if the reference has no truth under this law.
+        reason
+            Why there is no stop, if the computation failed.
+        """
+        record = {"record": "stop", "case": case, "law": asdict(law), "stop": None if stop is None else asdict(stop)}
+        self.journal.add(record | ({"reason": reason} if reason else {}))
+
+
+@dataclass(frozen=True)
+class Results:
+    """The contents of a results folder.
+
+    Attributes
+    ----------
+    folder
+        The folder.
+    header
+        Versions, machine and command.
+    records
+        The records of truths, runs and stops.
+    complete
+        Whether the work was completed.
+    known
+        Cases by name, which need not be made of their texts again where these are the same.
+    """
+
+    folder: Path
+    header: StoredHeader
+    records: tuple[dict[str, Any], ...]
+    complete: bool
+    known: Mapping[str, Case] = field(default_factory=dict, repr=False, compare=False, kw_only=True)
+
+    @cached_property
+    def cases(self) -> dict[str, Case]:
+        """The cases that were run, by name. Raises `CaseFaults` or `BadFolder` if their texts are damaged."""
+        found = {entry["name"]: self._case(entry["name"], entry["text"]) for entry in self.header["cases"]}
+        for name, case in found.items():
+            if case.name != name:
+                raise BadFolder(f"{self.folder}: damaged: the case {name} is called {case.name} in its own text")
+        return found
+
+    def only(self, names: Collection[str]) -> "Results":
+        """Return the results of the cases with some names alone."""
+        header = self.header | {
+            "cases": [entry for entry in self.header["cases"] if entry["name"] in names],
+            "unchecked": [entry for entry in self.header.get("unchecked", ()) if entry["case"] in names],
+        }
+        kept = tuple(record for record in self.records if record["case"] in names)
+        return replace(self, header=header, records=kept)
+
+    @cached_property
+    def files(self) -> dict[str, str]:
+        """The paths from which cases were read, as they were given, by the name of the case; shipped cases have none."""
+        return {entry["name"]: file for entry in self.header["cases"] if (file := entry.get("file", ""))}
+
+    @cached_property
+    def unchecked(self) -> tuple[Unchecked, ...]:
+        """The expectations that no run could check, because their engines cannot be used."""
+        return tuple(Unchecked(**entry) for entry in self.header.get("unchecked", ()))
+
+    def runs(self) -> Sequence[Run]:
+        """Return all runs in the order of the plan; their trajectories are read from disk each time that they are needed."""
+        return self._runs
+
+    def run(self, key: RunKey) -> Run | None:
+        """Return the run with a key, or None if there is none; its time step may differ by the rounding of a quotient."""
+        steps, runs = self._by_method.get(key.over_steps, ((), ()))
+        place = bisect_left(steps, key.method.timestep)
+        near = range(max(place - 1, 0), min(place + 1, len(steps)))
+        return next((runs[at] for at in near if key.method.is_at(steps[at])), None)
+
+    def truth(self, case: str, timestep: float) -> Truth | NoTruth:
+        """Return the truth for the runs of a case with one time step (s), read from disk, or why there is none.
+
+        Raises `BadFolder` if its file is missing or damaged.
+        """
+        record = self._truths.get((case, timestep))
+        if record is None:
+            return NoTruth("the reference was interrupted")
+        if "reason" in record:
+            # Earlier versions recorded the reason alone.
+            return NoTruth(record["reason"], record.get("limit"), record.get("crashed", False))
+        scene = self.cases[case].scene
+        trajectory, bounds, growth = trajectory_files.read_truth(self.folder / _path_of(record), _bodies(scene))
+        moved = joints(scene, trajectory) if isinstance(scene, Mechanism) else None
+        return Truth(scene, trajectory, bounds, **truth_records.ways(record), joints=moved, growth=growth)
+
+    def ways(self, case: str, timestep: float) -> dict[str, Any] | None:
+        """Return how the truth for the runs of a case with a time step (s) was found, which needs no trajectory.
+
+        It is what `Truth` has besides its scene, trajectory and bounds, by name; None where there is no truth.
+        """
+        record = self._truths.get((case, timestep), {"reason": ""})
+        return None if "reason" in record else truth_records.ways(record)
+
+    def stop_of(self, case: str) -> Stop | None:
+        """Return where and when the body of a case stops, by its truths; None if it still moves at their last instants."""
+        own = [record for (name, _), record in self._truths.items() if name == case]
+        return next((truth_records.stop(record["stop"]) for record in own if record.get("stop") is not None), None)
+
+    @cached_property
+    def stops(self) -> dict[tuple[str, Plane], Stop | None]:
+        """Where and when the body of a case stops under a law of friction, by the case's name and the plane with the law.
+
+        An entry is None if the reference knows no stop. Interrupted results lack some entries, those of earlier versions all.
+        """
+        return {_law_of(record): truth_records.stop(record["stop"]) for record in self.records if record["record"] == "stop"}
+
+    def _case(self, name: str, text: str) -> Case:
+        case = self.known.get(name)
+        return case if case is not None and case.text == text else parse_stored(text, name)
+
+    @cached_property
+    def _truths(self) -> dict[tuple[str, float], dict[str, Any]]:
+        """The records of the truths by case and time step (s)."""
+        return {(record["case"], record["timestep"]): record for record in self.records if record["record"] == "truth"}
+
+    @cached_property
+    def _runs(self) -> tuple[Run, ...]:
+        runs = [record for record in self.records if record["record"] == "run"]
+        return tuple(self._run_of(record) for record in sorted(runs, key=lambda record: int(record["place"])))
+
+    @cached_property
+    def _by_method(self) -> dict[RunKey, tuple[list[float], list[Run]]]:
+        """The time steps (s) of each method on each case, ascending, and the runs with them."""
+        found: dict[RunKey, list[Run]] = defaultdict(list)
+        for run in sorted(self._runs, key=lambda run: run.method.timestep):
+            found[run.key.over_steps].append(run)
+        return {key: ([run.method.timestep for run in runs], runs) for key, runs in found.items()}
+
+    def _run_of(self, record: dict[str, Any]) -> Run:
+        key = RunKey.of_row(record)
+        law = record["contact_law"]
+        scene = self.cases[key.case].scene
+        run = Run(key.case, key.engine, record["version"], key.method, Unsupported(""), Plane(**law) if law else None, scene)
+        match record["status"]:
+            case Completed.status:
+                states = StoredTrajectory(self.folder / _path_of(record), _bodies(scene))
+                load = Load(**record["load"]) if record["load"] else None
+                norm_error = record.get("quaternion_norm_error")  # results of earlier versions have none
+                done = Completed(states, record["steps"], record["wall_time"], load, norm_error, truth_records.loads(record))
+                return replace(run, outcome=done)
+            case TimedOut.status:
+                return replace(run, outcome=TimedOut(record["limit"]))
+            case status:
+                kind = {kind.status: kind for kind in (Unsupported, Diverged, Crashed)}[status]
+                return replace(run, outcome=kind(record["reason"]))
+
+
+def read(folder: Path) -> Results:
+    """Read the results in a folder. Raises `BadFolder` if they are missing or damaged."""
+    try:
+        contents = journal.read(folder / RECORDS)
+        if contents.header.get("format") != FORMAT:
+            raise ValueError(f"its format is {contents.header.get('format')!r}, not {FORMAT}")
+        _check(contents.header, contents.records)
+        # If a run was repeated because its trajectory was lost, its later record is the valid one.
+        latest = {_identity_of(record): record for record in contents.records}
+    except (journal.BadJournal, ValueError) as error:
+        raise BadFolder(f"{folder}: no readable results: {error}") from error
+    return Results(folder, cast(StoredHeader, LATER | contents.header), tuple(latest.values()), contents.complete)
+
+
+def _check(header: dict[str, Any], found: Sequence[dict[str, Any]]) -> None:
+    """Raise `ValueError` unless the header and the records of a results folder have what is read of them."""
+    records.typed(records.HeaderRecord, header)
+    names = {case.name for case in records.typed(records.CasesRecord, header).cases}
+    for record in found:
+        records.check(record)
+        if record["case"] not in names:
+            raise ValueError(f"a {record['record']} of the case {record['case']!r}, which the header does not contain")
+
+
+def _identity_of(record: dict[str, Any]) -> Path | tuple[str, Plane]:
+    """Return what a record is about; of two records about the same, the later one is valid."""
+    return _law_of(record) if record["record"] == "stop" else _path_of(record)
+
+
+def _law_of(record: dict[str, Any]) -> tuple[str, Plane]:
+    """Return the case and the law of friction in the record of a stop."""
+    return record["case"], Plane(**record["law"])
+
+
+def _bodies(scene: AnyScene | None) -> tuple[str, ...]:
+    """Return the names of the bodies of a mechanism; empty for any other scene."""
+    return tuple(body.name for body in scene.bodies) if isinstance(scene, Mechanism) else ()
+
+
+def _path_of(record: dict[str, Any]) -> Path:
+    """Return the path of a record's trajectory, whose name contains the method as it was spelled when it was written."""
+    if record["record"] == "truth":
+        return truth_path(record["case"], record["timestep"])
+    return run_path(record["case"], record["engine"], record["integrator"], record["timestep"])
+
+
+def _is_stored(folder: Path, record: dict[str, Any], bodies: Mapping[str, Sequence[str]]) -> bool:
+    """Return whether the trajectory of a record can be read; True if the record has none. bodies: by the names of cases."""
+    if "reason" in record or record.get("status", Completed.status) != Completed.status:
+        return True
+    return trajectory_files.is_readable(folder / _path_of(record), bodies[record["case"]])
+
+
+def _shown(file: Path | None) -> str:
+    """Return a path as text; empty if there is none, or if it cannot be printed."""
+    return str(file) if file is not None and str(file).isprintable() else ""
+
+
+def _refuse_other_things(folder: Path) -> None:
+    """Raise `BadFolder` for a path that is no folder, and for a folder that has other files than results, or a link."""
+    if folder.exists() and not folder.is_dir():
+        raise BadFolder(f"{folder}: is not a folder")
+    if reading.names_in(folder) and not (folder / RECORDS).is_file():
+        raise BadFolder(f"{folder}: contains files that are not results; give an empty or a new folder")
+    reading.refuse_links(folder)
+
+
+def _remove_all_but(kept: Collection[Path], folder: Path) -> None:
+    """Delete trajectory files that no journal record refers to, and what a process that was killed left unfinished.
+
+    The folder must not contain any symbolic link.
+    """
+    with writing.failing(folder):
+        for path in folder.rglob("*"):
+            if writing.is_part(path):
+                path.unlink()
+        for place, _, names in os.walk(folder / TRAJECTORIES, topdown=False):
+            for path in (Path(place, name) for name in names):
+                if path.relative_to(folder) not in kept:
+                    path.unlink()
+            with contextlib.suppress(OSError):  # it is not empty
+                os.rmdir(place)

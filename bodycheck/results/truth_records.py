@@ -1,0 +1,65 @@
+"""How a truth stands in a record of the journal, apart from its trajectory: how it was found, and what happens in it."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+from bodycheck.figures.definition import InterfaceLoad
+from bodycheck.reference.contact.motion import Event, Interface
+from bodycheck.reference.planar import Stop
+from bodycheck.reference.truths import Truth
+
+#: The vectors of an event of bodies that touch.
+EVENT_VECTORS = ("position", "velocity", "spin")
+
+
+def told(truth: Truth) -> dict[str, Any]:
+    """Return what a record says of a truth; what it does not have is left out."""
+    record: dict[str, Any] = {"model": truth.model, "why": truth.reason}
+    record |= {"backend": truth.backend, "witnesses": truth.witnesses}
+    if truth.stop is not None:
+        record["stop"] = asdict(truth.stop)
+    if truth.events:
+        record["events"] = [_event_told(event) for event in truth.events]
+    if truth.friction:
+        record["friction"] = truth.friction
+    if truth.interfaces:
+        record["interfaces"] = [asdict(interface) for interface in truth.interfaces]
+    return record
+
+
+def ways(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Return how the truth of a record was found, by the names of `Truth`."""
+    return {
+        "model": record["model"],
+        "reason": record["why"],
+        "backend": record["backend"],
+        "witnesses": tuple(record["witnesses"]),
+        "stop": stop(record.get("stop")),
+        "events": tuple(_event(one) for one in record.get("events", ())),
+        "friction": record.get("friction", 0.0),
+        "interfaces": tuple(Interface(tuple(one["bodies"]), one["load"]) for one in record.get("interfaces", ())),
+    }
+
+
+def stop(found: Mapping[str, Any] | None) -> Stop | None:
+    """Return the stop in a record of a truth or of a stop."""
+    return None if found is None else Stop(found["time"], tuple(found["position"]), found["yaw"])
+
+
+def loads(record: Mapping[str, Any]) -> tuple[InterfaceLoad, ...] | None:
+    """Return the loads between bodies at rest in the record of a run; earlier versions recorded none."""
+    found = record.get("interfaces")
+    return None if found is None else tuple(InterfaceLoad(tuple(one["bodies"]), one["load"], one["losses"]) for one in found)
+
+
+def _event(found: Mapping[str, Any]) -> Event:
+    vectors = {name: tuple(math.nan if one is None else one for one in found[name]) for name in EVENT_VECTORS}
+    return Event(**({**found} | vectors))
+
+
+def _event_told(event: Event) -> dict[str, Any]:
+    """Return an event for a record, in which what mechanics does not give is null."""
+    found = asdict(event)
+    return found | {name: [None if math.isnan(one) else one for one in found[name]] for name in EVENT_VECTORS}

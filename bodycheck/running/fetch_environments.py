@@ -1,0 +1,56 @@
+"""Obtain the environments of several releases at once, each in a worker process."""
+
+from collections.abc import Sequence
+from contextlib import closing
+from typing import TYPE_CHECKING
+
+from bodycheck.environments import environments, installation, making
+from bodycheck.environments.environments import Environment, Unobtainable
+from bodycheck.processes import pool
+from bodycheck.processes.failures import Crashed, TimedOut
+
+if TYPE_CHECKING:  # the processes that question releases need not import what a campaign does
+    from bodycheck.running.campaign import Advance
+
+#: Memory that an installation may use: more than any machine has, as installers need no limit.
+INSTALLATION_MEMORY_BYTES = 1 << 40
+
+
+def obtain_all(engine: str, versions: Sequence[str], jobs: int, progress: "Advance") -> dict[str, Environment | Unobtainable]:
+    """Obtain the environments of several releases at once.
+
+    Parameters
+    ----------
+    engine
+        The name of the engine.
+    versions
+        The releases; repeated ones count once.
+    jobs
+        The number of processes.
+    progress
+        Called when a release is done.
+
+    Returns
+    -------
+    dict
+        For each version its environment, or the error that says why there is none.
+    """
+    tasks = [(engine, version) for version in dict.fromkeys(versions)]
+    limit = len(making.ATTEMPTS) * installation.CALL_LIMIT_S
+    found: dict[str, Environment | Unobtainable] = {}
+    with closing(pool.call_all(_try_to_obtain, tasks, jobs, limit, INSTALLATION_MEMORY_BYTES)) as answers:
+        for (_, version), result in answers:
+            match result:
+                case Crashed() | TimedOut():
+                    found[version] = Unobtainable(f"{engine} {version}: {result.reason}")
+                case _:
+                    found[version] = result
+            progress(f"{engine} {version}")
+    return {version: found[version] for _, version in tasks}
+
+
+def _try_to_obtain(task: tuple[str, str]) -> Environment | Unobtainable:
+    try:
+        return environments.obtain(*task)
+    except Unobtainable as error:
+        return error

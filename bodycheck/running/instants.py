@@ -1,0 +1,23 @@
+"""The steps and instants at which an engine is sampled."""
+
+import numpy as np
+
+from bodycheck.adapters.contract import Strides
+from bodycheck.casefile.content import MAX_STEPS, Case
+from bodycheck.errors import BadInput
+from bodycheck.reference.trajectory import Array
+
+
+def sampling_steps(instants: Array, timestep: float) -> Strides:
+    """Return the numbers of steps (m,), without duplicates, whose ends are closest to instants (n,), in s."""
+    return np.unique(np.rint(instants / timestep).astype(np.int64))
+
+
+def check_timestep(case: Case, timestep: float) -> None:
+    """Raise `BadInput` for a time step (s) that is not possible in a case."""
+    if not 0 < timestep <= case.duration <= timestep * MAX_STEPS:
+        least = case.duration / MAX_STEPS
+        raise BadInput(
+            f"{case.name}: time step {timestep:g} s: must be positive, at most its duration, {case.duration:g} s, and at "
+            f"least {least:g} s, which results in {MAX_STEPS:.0e} steps"
+        )

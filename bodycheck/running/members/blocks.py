@@ -1,0 +1,240 @@
+"""Run many members of an ensemble with one method of an engine, in this process, and tell which runs need a closer look.
+
+Members in free flight are `Scenes`, which an engine with batching steps together. Any other member is a case of its own and is
+run by itself, as `simulation.run` does.
+"""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.adapters import norm_errors, offers, registry
+from bodycheck.adapters.contract import Adapter, Method, Signals, Strides
+from bodycheck.adapters.engine_name import in_words
+from bodycheck.casefile.content import Case
+from bodycheck.processes.process_state import TO_NEAREST, rounding
+from bodycheck.reference.kinematics import geodesic_angle
+from bodycheck.reference.scene import Scene
+from bodycheck.reference.scenes import Scenes
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.results.outcome import Completed, Diverged, Outcome
+from bodycheck.running import simulation
+from bodycheck.running.body_checks import DIVERGED_ENERGY_RATIO, START_TOLERANCE
+from bodycheck.running.simulation import UNIT_TOLERANCE
+
+#: Part of a limit below which a number that is computed for all members at once is certainly below the limit of a single run,
+#: whose sums are rounded in another order.
+CERTAIN = 0.99
+
+#: The effects that scenes in free flight can require of a model.
+OF_FLIGHT = frozenset({"gravity", "translation", "rotation"})
+
+
+@dataclass(frozen=True, eq=False)
+class Flown:
+    """The runs of m members with one method of an engine, before they are judged.
+
+    Attributes
+    ----------
+    engine, version
+        The name of the engine and its version.
+    names
+        The names of the members' cases.
+    method
+        The method.
+    steps
+        The numbers of steps (n,) from the start to each state.
+    states
+        The states (m, n, 13), in the columns of `Simulation.advance`; NaN in the rows of members in `ended`.
+    norm_error
+        (m,) largest deviations from 1 of the norms of quaternions, before the adapter normalised them; 0 where it does not.
+    wall_time
+        The wall time (s) of stepping, of all members together.
+    ended
+        How the runs ended whose states are not in `states`, by the places of their members.
+    """
+
+    engine: str
+    version: str
+    names: tuple[str, ...]
+    method: Method
+    steps: Strides
+    states: Array
+    norm_error: Array
+    wall_time: float
+    ended: Mapping[int, Outcome]
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def trajectory(self, k: int) -> Trajectory | None:
+        """Return the states of a member; None if its engine returned none."""
+        match self.ended.get(k):
+            case None:
+                return simulation.trajectory_of(self.steps, self.method, self.states[k])
+            case Completed() | Diverged() as outcome:
+                return outcome.trajectory
+            case _:
+                return None
+
+
+@dataclass(frozen=True)
+class NormError:
+    """What a simulation that normalises its quaternions tells of one member; see `contract.Normalising`."""
+
+    quaternion_norm_error: float
+
+
+def fly(engine: str, method: Method, members: Scenes | Sequence[Case], steps: Strides, names: Sequence[str] = ()) -> Flown:
+    """Run members with a method of an engine. Exceptions of the engine are not passed on: they end the runs that raise them.
+
+    Parameters
+    ----------
+    engine
+        The name of the engine.
+    method
+        The method, which the engine has.
+    members
+        The members: scenes in free flight, or cases. Cases are run one by one, each at its own instants.
+    steps
+        The numbers of steps (n,) from the start to each state of a scene; those of a case follow from the case.
+    names
+        The names of the cases of scenes, for messages; by default the places of the scenes.
+
+    Raises
+    ------
+    EngineMissing
+        If the engine is not installed or has no adapter.
+    """
+    if not isinstance(members, Scenes):
+        return _cases_flown(engine, method, members)
+    adapter, called = registry.load(engine), tuple(names) or tuple(map(str, range(len(members))))
+    scenes = [members.scene(place) for place in range(len(members))]
+    rows = _together(adapter, scenes, method, steps) or _one_by_one(adapter, engine, scenes, method, steps, called)
+    return Flown(
+        engine, adapter.engine.version, called, method, steps, rows.states, rows.norm_error, rows.wall_time, rows.ended
+    )
+
+
+def doubtful(scenes: Scenes, trajectory: Trajectory, kinetic_energy: Array, off: Array) -> NDArray[np.bool_]:
+    """Return which runs (m,) `simulation.outcome_of` may judge to be anything but completed; it completes all others.
+
+    Parameters
+    ----------
+    scenes
+        The m scenes.
+    trajectory
+        Their states, whose arrays have the axes (m, n).
+    kinetic_energy
+        The kinetic energy (m, n), J, of these states.
+    off
+        Their `norm_deviations` (m, n).
+    """
+    last = float(trajectory.t[-1])
+    speed = _length(scenes.velocity) + scenes.gravity * last
+    momentum = _length(scenes.moments * scenes.angular_velocity)
+    most = scenes.mass * speed**2 / 2 + momentum**2 / (2 * scenes.moments.min(axis=-1))
+    parts = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
+    # A comparison with what is not a number is false. A position that is none changes neither the energy nor the norm.
+    sound = np.isfinite(trajectory.position).all(axis=(1, 2))
+    sound &= (kinetic_energy <= CERTAIN * DIVERGED_ENERGY_RATIO * most[:, None]).all(axis=-1)
+    sound &= (off <= UNIT_TOLERANCE).all(axis=-1)
+    sound &= np.logical_or.reduce([(part[:, -1] != part[:, 0]).any(axis=-1) for part in parts])
+    return np.asarray(~(sound & _begins(scenes, trajectory)))
+
+
+def norm_deviations(trajectory: Trajectory) -> Array:
+    """Return the deviations from 1 (..., n) of the norms of the quaternions of a trajectory."""
+    return np.asarray(np.abs(np.hypot.reduce(trajectory.quaternion, axis=-1) - 1))
+
+
+def _begins(scenes: Scenes, trajectory: Trajectory) -> NDArray[np.bool_]:
+    """Return which trajectories (m,) certainly begin at the states of their scenes, if they begin at t = 0."""
+    if trajectory.t[0] != 0:
+        return np.ones(len(scenes), dtype=bool)
+    pairs = (
+        (trajectory.position[:, 0], scenes.position),
+        (trajectory.velocity[:, 0], scenes.velocity),
+        (trajectory.angular_velocity[:, 0], scenes.angular_velocity),
+    )
+    near = [_length(got - asked) <= CERTAIN * START_TOLERANCE * np.maximum(1.0, _length(asked)) for got, asked in pairs]
+    turned = geodesic_angle(trajectory.quaternion[:, 0], scenes.quaternion)
+    return np.asarray(np.logical_and.reduce([*near, turned <= CERTAIN * START_TOLERANCE]))
+
+
+def _length(vectors: Array) -> Array:
+    return np.asarray(np.hypot.reduce(vectors, axis=-1))
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """The rows of all members in `Flown`, and how the runs without rows ended."""
+
+    states: Array
+    norm_error: Array
+    wall_time: float
+    ended: dict[int, Outcome]
+
+
+def _together(adapter: Adapter, scenes: Sequence[Scene], method: Method, steps: Strides) -> _Rows | None:
+    """Return the runs of all scenes at once; None if the engine cannot make them, so that each must be made by itself."""
+    record = adapter.engine
+    if record.batch == 1 or len(scenes) == 1 or not record.models >= OF_FLIGHT:
+        return None
+    if offers.not_offered(record, scenes[0], method) is not None:
+        return None
+    try:
+        made = offers.prepare(adapter, scenes, method)
+        with np.errstate(all="ignore"):  # runs that overflow are judged by their states
+            start = time.perf_counter()
+            returned = made.advance(np.diff(steps, prepend=0))
+            wall_time = time.perf_counter() - start
+        states = simulation.rows_of(returned, len(scenes), len(steps))
+    except (Exception, SystemExit):  # an engine may raise anything, and only some of the scenes may be the reason
+        return None
+    signals = made.signals if isinstance(made, Signals) else {}
+    ended: dict[int, Outcome] = {place: Diverged(text, "gave up") for place, text in signals.items()}
+    if rounding() != TO_NEAREST:
+        ended = dict.fromkeys(range(len(scenes)), simulation.OTHER_ROUNDING)
+    return _Rows(states, norm_errors.of_each(made, len(scenes)), wall_time, ended)
+
+
+def _one_by_one(
+    adapter: Adapter, engine: str, scenes: Sequence[Scene], method: Method, steps: Strides, names: Sequence[str]
+) -> _Rows:
+    """Return the runs of scenes, each made by itself."""
+    found = _Rows(np.full((len(scenes), len(steps), 13), np.nan), np.zeros(len(scenes)), 0.0, {})
+    wall_time = 0.0
+    for place, (scene, name) in enumerate(zip(scenes, names, strict=True)):
+        try:
+            outcome = simulation.outcome_in(adapter, engine, scene, method, steps)
+        except (Exception, SystemExit) as error:  # an engine may raise anything
+            outcome = simulation.ended_by(error, in_words(engine, adapter.engine.version), name)
+        outcome = simulation.where_rounded_to_nearest(outcome)
+        if not isinstance(outcome, Completed):
+            found.ended[place] = outcome
+            continue
+        states = outcome.trajectory
+        found.states[place] = np.hstack([states.position, states.quaternion, states.velocity, states.angular_velocity])
+        found.norm_error[place] = outcome.quaternion_norm_error or 0.0
+        wall_time += outcome.wall_time
+    return _Rows(found.states, found.norm_error, wall_time, found.ended)
+
+
+def _cases_flown(engine: str, method: Method, cases: Sequence[Case]) -> Flown:
+    """Return the runs of cases, each made by itself; all of them are in `Flown.ended`."""
+    runs = [simulation.run(case, engine, method) for case in cases]
+    return Flown(
+        engine=engine,
+        version=registry.load(engine).engine.version,
+        names=tuple(case.name for case in cases),
+        method=method,
+        steps=np.empty(0, dtype=np.int64),
+        states=np.empty((len(cases), 0, 13)),
+        norm_error=np.zeros(len(cases)),
+        wall_time=sum(run.outcome.wall_time for run in runs if isinstance(run.outcome, Completed)),
+        ended={place: run.outcome for place, run in enumerate(runs)},
+    )

@@ -1,0 +1,76 @@
+"""Compact the files of chunks into a few files of tens of MB, with the rows in the order of the plan.
+
+Nothing of it depends on how the ensemble was cut into chunks. At most one row group is in memory at a time.
+"""
+
+import shutil
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+
+from bodycheck.errors import BadFolder
+from bodycheck.files import reading, writing
+from bodycheck.running.members.chunk_files import encoded
+
+#: Most rows of a row group, and of a file: a row of runs takes some 200 bytes.
+GROUP_ROWS, FILE_ROWS = 1 << 16, 1 << 18
+
+
+def write(tables: Iterable[Any], schema: Any, place: Path, inside: Path) -> int:
+    """Write tables as `place/part-00000.parquet` and further files, in place of those that are there.
+
+    Returns the number of rows. Raises `NotWritten`.
+
+    Parameters
+    ----------
+    tables
+        Tables of PyArrow in the order of their rows.
+    schema
+        The columns of the tables. Columns of these that it lacks are left out.
+    place
+        The folder of the files.
+    inside
+        The folder of the ensemble.
+    """
+    remove(place, inside)
+    count = rows = 0
+    groups: list[Any] = []
+    for group in _groups(tables, schema):
+        groups.append(group)
+        rows += group.num_rows
+        if sum(one.num_rows for one in groups) + GROUP_ROWS > FILE_ROWS:
+            _write(groups, schema, place / f"part-{count:05}.parquet", inside)
+            count, groups = count + 1, []
+    if groups or not count:
+        _write(groups, schema, place / f"part-{count:05}.parquet", inside)
+    return rows
+
+
+def remove(place: Path, inside: Path) -> None:
+    """Remove a folder inside a folder of results, in which nothing is a symbolic link. Raises `BadFolder` and `NotWritten`."""
+    if place.is_symlink():
+        raise BadFolder(f"{place}: is a symbolic link; a results folder must not contain any, remove it")
+    reading.refuse_links(place)
+    with writing.failing(place):
+        if place.exists():
+            shutil.rmtree(place)
+
+
+def _groups(tables: Iterable[Any], schema: Any) -> Iterator[Any]:
+    """Yield the rows of tables in tables of `GROUP_ROWS` rows, of which the last may have fewer."""
+    waiting: list[Any] = []
+    for table in tables:
+        waiting.append(table.select(schema.names))
+        while sum(one.num_rows for one in waiting) >= GROUP_ROWS:
+            whole = pa.concat_tables(waiting)
+            yield whole.slice(0, GROUP_ROWS)
+            waiting = [whole.slice(GROUP_ROWS)]
+    rest = pa.concat_tables(waiting) if waiting else None
+    if rest is not None and rest.num_rows:
+        yield rest
+
+
+def _write(groups: list[Any], schema: Any, path: Path, inside: Path) -> None:
+    writing.write(path, encoded(schema, groups), inside)

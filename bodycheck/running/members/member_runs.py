@@ -1,0 +1,135 @@
+"""Fly members of an ensemble in parts, and join what became of them."""
+
+import contextlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from bodycheck.adapters import registry
+from bodycheck.adapters.contract import Strides
+from bodycheck.adapters.method import Method
+from bodycheck.casefile.content import Case
+from bodycheck.processes.failures import Crashed, TimedOut
+from bodycheck.reference.scenes import Scenes
+from bodycheck.results.outcome import Outcome
+from bodycheck.running.members import blocks as members
+from bodycheck.running.members.blocks import Flown
+from bodycheck.running.members.chunk_workers import Role
+
+
+@dataclass(frozen=True, eq=False)
+class Flight:
+    """What a worker process of an engine is asked to fly.
+
+    Attributes
+    ----------
+    engine, version, method
+        The name and the version of the engine, and the method.
+    members
+        The m members: scenes in free flight, or cases.
+    steps
+        The numbers of steps (n,) from the start to each state of a scene.
+    names
+        The m names of the cases.
+    file
+        Where the states are to be written; None to return them.
+    """
+
+    engine: str
+    version: str
+    method: Method
+    members: Scenes | tuple[Case, ...]
+    steps: Strides
+    names: tuple[str, ...]
+    file: Path | None = None
+
+    def part(self, first: int, last: int) -> "Flight":
+        """Return the flight of some of the members, from one place up to another one, without it."""
+        own = slice(first, last)
+        return replace(
+            self,
+            members=self.members.part(own) if isinstance(self.members, Scenes) else self.members[own],
+            names=self.names[own],
+            file=None,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Stored:
+    """What became of members whose states are in a file, which is much faster than sending them from process to process.
+
+    Attributes
+    ----------
+    flown
+        What became of them, without their states.
+    file
+        The file of the states.
+    """
+
+    flown: Flown
+    file: Path
+
+    @property
+    def wall_time(self) -> float:
+        """The wall time (s) of stepping, of all members together."""
+        return self.flown.wall_time
+
+    def read(self) -> Flown:
+        """Return what became of them with their states. Raises `OSError` and `ValueError`."""
+        return replace(self.flown, states=np.load(self.file, allow_pickle=False))
+
+
+def prepare(engine: str) -> None:
+    """Import an engine. If that raises an exception, each call raises it again."""
+    with contextlib.suppress(registry.EngineMissing):
+        registry.load(engine)
+
+
+def fly(flight: Flight) -> Flown | Stored:
+    """Fly members in this process. States that cannot be written into the file are returned. Raises `EngineMissing`."""
+    found = members.fly(flight.engine, flight.method, flight.members, flight.steps, flight.names)
+    if flight.file is None or not found.states.size:
+        return found
+    try:
+        np.save(flight.file, found.states)
+    except OSError:  # the disk is full, for example
+        return found
+    return Stored(replace(found, states=np.empty((0, 0, 13))), flight.file)
+
+
+def joined(flight: Flight, parts: Sequence[tuple[range, Flown | Stored | Crashed | TimedOut]]) -> Flown | Stored:
+    """Return what became of all members of a flight, from what became of its parts, in their order.
+
+    A part that failed as a whole has one member.
+    """
+    if len(parts) == 1 and isinstance(parts[0][1], Flown | Stored):
+        return parts[0][1]
+    samples = len(flight.steps) if isinstance(flight.members, Scenes) else 0
+    states = np.full((len(flight.names), samples, 13), np.nan)
+    norm_error, ended, wall_time = np.zeros(len(flight.names)), dict[int, Outcome](), 0.0
+    for places, found in parts:
+        if isinstance(found, Crashed | TimedOut):
+            ended |= dict.fromkeys(places, found)
+            continue
+        assert isinstance(found, Flown)  # a part has no file
+        own = slice(places.start, places.stop)
+        states[own], norm_error[own] = found.states, found.norm_error
+        ended |= {places[place]: outcome for place, outcome in found.ended.items()}
+        wall_time += found.wall_time
+    return Flown(
+        engine=flight.engine,
+        version=flight.version,
+        names=flight.names,
+        method=flight.method,
+        steps=flight.steps if samples else np.empty(0, dtype=np.int64),
+        states=states,
+        norm_error=norm_error,
+        wall_time=wall_time,
+        ended=ended,
+    )
+
+
+#: What worker processes of engines do.
+FLYING = Role(fly, prepare)

@@ -1,0 +1,66 @@
+"""Reading of saved studies: the checks that all of them share.
+
+A folder comes from anyone. What a table says is compared with the records beside it, and nothing is simulated.
+"""
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, cast
+
+from bodycheck.adapters.method import current
+from bodycheck.errors import BadFolder
+from bodycheck.figures import revisions
+from bodycheck.reports.study import StudyReport
+from bodycheck.results import csv_tables, journal, records, store
+from bodycheck.results.header import Header
+from bodycheck.results.journal import Contents
+from bodycheck.results.store import Results
+
+#: How to read a column of results by its kind in `bodycheck.columns`.
+PARSERS: dict[str, csv_tables.Parser] = {"string": str, "boolean": csv_tables.truth_value, "integer": int, "number": float}
+
+#: The predicate of messages about an interrupted study.
+INTERRUPTED = "was interrupted before its report was written; run it again with the same --out to resume it"
+
+
+def finished(path: Path) -> tuple[Contents, Header]:
+    """Return the records of a finished study, and their header.
+
+    Raises `BadFolder` if the study was interrupted, and `ValueError` if the header lacks an entry that every report contains.
+    """
+    contents = journal.read(path)
+    header = checked(contents.header)
+    if not contents.complete:
+        raise BadFolder(f"{path.parent}: the study {INTERRUPTED}")
+    return contents, header
+
+
+def checked(header: Mapping[str, Any]) -> Header:
+    """Return a header. Raises `ValueError` if it lacks an entry that every report contains."""
+    records.typed(records.HeaderRecord, header)
+    return cast(Header, header)
+
+
+def check_runs(results: Results, table: str, told: set[Any], made: set[Any]) -> None:
+    """Raise `BadFolder` if a table does not list the same runs as the records in its folder."""
+    if not told or told != made:
+        raise BadFolder(
+            f"{results.folder}: {table} does not list the same runs as {store.RECORDS}: it is damaged, or it belongs to other "
+            "results and must be removed"
+        )
+
+
+def dated(report: StudyReport, header: Mapping[str, Any], figures: Collection[str]) -> StudyReport:
+    """Return a report that says which of its figures were measured with another definition. figures: those that it has."""
+    stored = records.typed(records.RevisionsRecord, header).revisions
+    return replace(report, notices=(*report.notices, *(f"{text}." for text in revisions.notices(stored, figures))))
+
+
+def rows(path: Path, parsers: Mapping[str, csv_tables.Parser]) -> list[dict[str, Any]]:
+    """Return the rows of a table, with the present spelling of methods that earlier versions of bodycheck spelled otherwise."""
+    return [row | {"integrator": current(row["integrator"])} for row in csv_tables.read(path, parsers)]
+
+
+def runs(results: Results) -> Iterator[dict[str, Any]]:
+    return (record for record in results.records if record["record"] == "run")

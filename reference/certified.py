@@ -1,0 +1,83 @@
+"""A certificate of a truth, and the contradiction between two computations that refutes it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from bodycheck.reference.trajectory import Array
+from bodycheck.reference.truths import Truth
+from bodycheck.reference.witness import Witness
+
+#: Name of the way that is the truth.
+TRUTH_WAY = "truth"
+
+
+#: Why a truth without another way is not certified.
+NO_OTHER_WAY = "no other way follows this motion"
+
+
+#: Bits of a mantissa that are left when rounding has grown along the motion: the error of the way is then below 1e-20.
+SPARE_BITS = 72
+
+
+#: Numbers of bits of a mantissa that are used, for each of which the equations are compiled once.
+BITS = (128, 192, 256, 320)
+
+
+#: The figures that ways are compared in: the name of a bound, its unit, and what differs, in words.
+COMPARED = (
+    ("error", "rad", ""),
+    ("angular_velocity_error", "rad/s", " in angular velocity"),
+    ("position_error", "m", " in position"),
+    ("velocity_error", "m/s", " in velocity"),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """A truth with the differences between all ways of computing it, at its n instants.
+
+    Attributes
+    ----------
+    truth
+        The truth.
+    differences
+        (n,) largest angles so far between the attitudes of two ways (rad), by the names of the two ways.
+    bound
+        (n,) certified bound of the attitude error of the truth (rad), never decreasing: its distance from the most accurate
+        other way, plus that way's own error. It is measured, and is not the bound that the truth prints.
+    digits
+        Decimal digits of the arithmetic of the most accurate other way; 0 if there is none.
+    faults
+        Why the truth is not certified, one sentence each: pairs of ways that are farther apart than their own bounds allow.
+    growth
+        (n,) attitude error (rad) per unit of relative error made at the worst earlier moment; None where it is not known. See
+        `integration.sensitivity`.
+    """
+
+    truth: Truth
+    differences: dict[tuple[str, str], Array]
+    bound: Array
+    digits: int
+    faults: tuple[str, ...]
+    growth: Array | None
+
+    @property
+    def certified(self) -> bool:
+        """Whether no two ways contradict each other."""
+        return not self.faults
+
+
+def contradiction(one: Witness, other: Witness, apart: dict[str, Array]) -> str | None:
+    """By how much two ways differ more than their own bounds allow, in words, or None where they do not."""
+    for name, unit, what in COMPARED:
+        if name not in apart:
+            continue
+        allowed = np.broadcast_to(getattr(one, name) + getattr(other, name), apart[name].shape)
+        worst = int(np.argmax(apart[name] - allowed))
+        if apart[name][worst] > allowed[worst]:
+            return (
+                f"{one.name} and {other.name} are {apart[name][worst]:.2g} {unit} apart{what}, "
+                f"their bounds allow {allowed[worst]:.2g}"
+            )
+    return None

@@ -1,0 +1,135 @@
+"""A truth with its bounds, and the reason where the reference has none."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bodycheck.reference.bounds import Bounds
+from bodycheck.reference.contact.motion import Event, Interface
+from bodycheck.reference.kinematics import dot
+from bodycheck.reference.mechanisms.coordinates import JointMotion
+from bodycheck.reference.mechanisms.mechanism import AnyScene
+from bodycheck.reference.planar import Stop
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reference.witness import Witness
+
+#: Name of the backend that evaluates closed forms.
+CLOSED_FORM_BACKEND = "numpy"
+
+
+#: Name of the backend that integrates slides.
+INTEGRATION_BACKEND = "scipy-dop853"
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """The reference trajectory of a scene, and the bound of its error.
+
+    Attributes
+    ----------
+    scene
+        The scene.
+    trajectory
+        The reference trajectory at n instants, in the frame of the scene's body; of a mechanism, of all its bodies.
+    bounds
+        Bounds of the errors of the trajectory itself at each instant.
+    model
+        Name of the equations that were solved.
+    reason
+        Why these equations are exact for the scene.
+    backend
+        Name of the software that solved them.
+    witnesses
+        Names of the independent solutions that the bounds rely on; empty where none is needed, and where none can be computed.
+    stop
+        The instant and place where a body on a plane comes to rest; None in free flight and where it still moves at the last
+        instant.
+    joints
+        The motion of the joints of a mechanism at the same instants; None of a single body.
+    growth
+        (n,) by how much an error at t = 0 has grown at most, of a mechanism; None where it is not known.
+    events
+        What happens within the instants to bodies that touch: impacts, the begin of rolling, slipping, rest and tipping. Where
+        mechanics gives no motion after or before one, states and bounds are NaN.
+    friction
+        The smallest coefficient of friction with which nothing slips along a motion without slip; 0 for any other motion.
+    interfaces
+        The normal forces between bodies that touch and rest.
+    """
+
+    scene: AnyScene
+    trajectory: Trajectory
+    bounds: Bounds
+    model: str
+    reason: str
+    backend: str
+    witnesses: tuple[str, ...] = ()
+    stop: Stop | None = None
+    joints: JointMotion | None = None
+    growth: Array | None = None
+    events: tuple[Event, ...] = ()
+    friction: float = 0.0
+    interfaces: tuple[Interface, ...] = ()
+
+    def at(self, times: Array) -> "Truth":
+        """The part of this truth at ascending times (n,), s. Raises `ValueError` if it does not have all of them."""
+        known = self.trajectory.t
+        if np.array_equal(times, known):
+            return self
+        indices = np.minimum(np.searchsorted(known, times), len(known) - 1)
+        if not len(times) or not np.array_equal(known[indices], times):
+            raise ValueError("the truth is at other instants; `bodycheck.reference.truth.at` computes it at these")
+        stop = self.stop if self.stop is not None and self.stop.time <= times[-1] else None
+        return replace(
+            self,
+            trajectory=self.trajectory.part(indices),
+            bounds=self.bounds.part(indices),
+            stop=stop,
+            joints=None if self.joints is None else self.joints.part(indices),
+            growth=None if self.growth is None else self.growth[indices],
+            events=tuple(event for event in self.events if event.time <= times[-1]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Computed:
+    """A truth with what its bounds come from.
+
+    Attributes
+    ----------
+    truth
+        The truth.
+    own
+        The bounds that the way of the truth has of itself. The bounds of the truth are larger where a witness contradicts it.
+    witnesses
+        The witnesses.
+    """
+
+    truth: Truth
+    own: Bounds
+    witnesses: tuple[Witness, ...]
+
+
+@dataclass(frozen=True)
+class NoTruth:
+    """The answer where the reference has no truth.
+
+    Attributes
+    ----------
+    reason
+        Why there is none.
+    limit
+        The time limit (s) at which its computation was stopped; None if it was not stopped.
+    crashed
+        Whether its computation failed.
+    """
+
+    reason: str
+    limit: float | None = None
+    crashed: bool = False
+
+
+def distance(one: Array, other: Array) -> Array:
+    """Euclidean distances (...) between vectors (..., k)."""
+    difference = one - other
+    return np.asarray(np.sqrt(dot(difference, difference)))
