@@ -15,9 +15,13 @@ from bodycheck.reports.study import StudyReport
 from bodycheck.results import store
 from bodycheck.results.store import Results
 from bodycheck.studies import reading
+from bodycheck.studies.audit import rows as audit
+from bodycheck.studies.ensemble import header as ensemble
+from bodycheck.studies.extremes import rows as extremes
+from bodycheck.studies.recommend import rows as recommend
 
 #: The studies whose folder has a file of records of its own, by its name, each with the study's folder.
-JOURNALS = {"extremes.jsonl": "extremes", "recommend.jsonl": "recommend", "audit.jsonl": "audit", "ensemble.json": "ensemble"}
+JOURNALS = {extremes.RECORDS: "extremes", recommend.RECORDS: "recommend", audit.RECORDS: "audit", ensemble.FILE: "ensemble"}
 
 #: The studies whose folder contains the records of runs and a table, by the name of the table, each with the study's folder.
 TABLES = {"tradeoff.csv": "tradeoff", "ablation.csv": "ablation"}
