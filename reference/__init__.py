@@ -8,10 +8,11 @@ depend on engines, case files or reports.
 Start here:
 
 - `truth`: the reference trajectory of a scene with the bound of its own error. This is the entry point of the package.
+  `truths` defines what it returns, and `certified` what `certificate` returns.
 - `witnesses`: the other ways to a flight, and whether each can follow it. `witness`: what a way gives, and how two compare.
 - `certificate`: every way of computing one truth, compared with every other.
-- `scene`: bodies, initial states, planes. `definition`: what a file says of the body and its start. `trajectory`: sampled
-  states. `bounds`: bounds of the errors of these. All other modules use them.
+- `scene`: bodies, initial states, planes, and what a file says of the body and its start. `trajectory`: sampled states.
+  `bounds`: bounds of the errors of these. All other modules use them.
 - `scenes`: many scenes in free flight that differ in numbers only, as arrays.
 - `errors`: the exceptions for scenes and motions that the reference cannot compute.
 
@@ -34,7 +35,7 @@ Folders:
 
 Imports run in one direction: `certificate` imports `truth`, `truth` imports `witnesses`, and these two import `flight`,
 `sliding`, `independent` and `integration`. These, as well as `schemes` and `chapter`, import `exact` and the modules for any
-motion. Those import `scene`, `definition`, `trajectory`, `bounds` and `errors`, which import nothing of this package but one
+motion. Those import `scene`, `trajectory`, `bounds` and `errors`, which import nothing of this package but one
 another. `flight` and `sliding` import the DOP853 driver of `integration`, and `independent` its Taylor method. Otherwise the
 folders do not import one another.
 """

@@ -1,8 +1,8 @@
-"""The Python interface for studies: `bodycheck.run`, `.tradeoff`, `.recommend` and `.extremes`, and what they return.
+"""The Python interface: `bodycheck.run`, and what it shares with `.tradeoff`, `.recommend` and `.extremes`.
 
 The functions have the arguments of the commands of these names, with their defaults, and raise `BadInput` with their texts.
 
-- `runs`, `tradeoffs`, `recommendations` and `extremes` have one function each, and the class of its results.
+- `runs` has `bodycheck.run` and its results. The other functions are in the folders of their studies, in `interface`.
 - `results`: what all results have: a headline, tables as data frames, and plots. `plots`: a chart of the report, which a
   notebook shows. `html`: results as a part of a page, for a notebook.
 - `arguments`: cases, names and numbers as Python gives them. `folders`: where results are.
