@@ -18,6 +18,7 @@ from bodycheck.reference.schemes.formulations import Equations, Formulation, bod
 from bodycheck.reference.schemes.increments import Increment, Pair, Pose, add_scaled, add_scaled_pair, cross, scale_pair, turn
 from bodycheck.reference.schemes.one_step import Scheme, semi_implicit_euler, step_through
 from bodycheck.reference.trajectory import Trajectory
+from bodycheck.reference.truth import at
 from bodycheck.reference.truths import Truth
 from bodycheck.results.outcome import Completed, Diverged, Run
 from bodycheck.running.instants import sampling_steps
@@ -56,7 +57,7 @@ def truth_of(case: Case) -> Truth:
 
 
 def found(case: Case, run: Run) -> Identification:
-    identification = identify(case, run, truth_of(case), DOUBLE)
+    identification = identify(case, run, at(truth_of(case), run.outcome.trajectory.t), DOUBLE)
     assert identification is not None
     return identification
 

@@ -126,7 +126,8 @@ def test_a_process_of_an_engine_imports_nothing_that_reads_files() -> None:
     """That takes longer than all that it needs."""
     heavy = {"bodycheck.casefile.case", "bodycheck.running.campaign", "pyarrow", "pydantic", "tree_sitter"}
     code = (
-        "import sys\nfrom bodycheck.running import preparing, simulation, tasks, truths, worker\n"
+        "import sys\nfrom bodycheck.processes import worker\n"
+        "from bodycheck.running import import_engine, simulation, tasks, truths\n"
         f"print({heavy} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -136,8 +137,8 @@ def test_a_process_of_an_engine_imports_nothing_that_reads_files() -> None:
 def test_a_process_of_an_engine_imports_no_scipy() -> None:
     """The motion of bodies that touch needs it, and only with such bodies must a process of an engine know that motion."""
     code = (
-        "import sys\nfrom bodycheck.running import preparing, simulation, tasks, worker\n"
-        "preparing.import_engine('mujoco')\nprint('scipy' in sys.modules)"
+        "import sys\nfrom bodycheck.processes import worker\nfrom bodycheck.running import simulation, tasks\n"
+        "from bodycheck.running.import_engine import import_engine\nimport_engine('mujoco')\nprint('scipy' in sys.modules)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "False\n"

@@ -80,7 +80,7 @@ def test_nobody_else_writes_a_journal_that_is_being_written(tmp_path: Path) -> N
 WRITER = """
 import sys, time
 from pathlib import Path
-from bodycheck.running import journal
+from bodycheck.results import journal
 opened = journal.begin(Path(sys.argv[1]), {"identity": "the same"})
 print("open", flush=True)
 time.sleep(600)

@@ -94,7 +94,7 @@ def test_a_call_that_holds_the_interpreter_is_stopped(tmp_path: Path, monkeypatc
 def test_workers_and_what_they_start_die_with_their_parent(tmp_path: Path, what: str, count: int) -> None:
     pids = tmp_path / "pids"
     code = (
-        "from functools import partial\nfrom bodycheck.running import pool\n"
+        "from functools import partial\nfrom bodycheck.processes import pool\n"
         "from tests.support.calls import holding_the_interpreter, leaving_children\n"
         f"list(pool.call_all({what}, [{str(pids)!r}] * 2, jobs=2, limit=600.0))"
     )

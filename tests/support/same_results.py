@@ -23,8 +23,7 @@ def rows_of(path: Path) -> list[dict[str, str]]:
     """Return the rows of a table without the varying columns."""
     with path.open(encoding="utf-8", newline="") as file:
         lines = (line for line in file if not line.startswith("#"))
-        rows = [{name: value for name, value in row.items() if not VARYING.fullmatch(name)} for row in csv.DictReader(lines)]
-    return rows
+        return [{name: value for name, value in row.items() if not VARYING.fullmatch(name)} for row in csv.DictReader(lines)]
 
 
 def tables_of(folder: Path) -> dict[str, Path]:
