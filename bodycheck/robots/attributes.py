@@ -28,6 +28,15 @@ SPACE = " \t\r\n"
 ZERO = (0.0, 0.0, 0.0)
 
 
+def read_numbers(text: str) -> tuple[float, ...] | None:
+    """Return the numbers in the text of an attribute, which may be NaN or infinite; None if anything else is in it, or nothing."""
+    words = text.strip(SPACE)
+    if not 0 < len(words) <= MAX_CHARACTERS:
+        return None
+    values = [_value(word) for word in re.split(f"[{SPACE}]+", words)]
+    return None if None in values else tuple(value for value in values if value is not None)
+
+
 def numbers(
     about: About, quantity: FaultyQuantity, element: Element, attribute: str, default: tuple[float, ...]
 ) -> tuple[float, ...]:
@@ -38,14 +47,12 @@ def numbers(
     text = element.attributes.get(attribute)
     if text is None:
         return default
-    words = text.strip(SPACE)
-    found = [_value(word) for word in re.split(f"[{SPACE}]+", words)] if 0 < len(words) <= MAX_CHARACTERS else []
-    values = tuple(value for value in found if value is not None)
-    fits = len(values) == len(found) == len(default)
-    if not fits or not all(map(math.isfinite, values)):
+    values = read_numbers(text)
+    fits = values is not None and len(values) == len(default)
+    if values is None or not fits or not all(map(math.isfinite, values)):
         allowed = "one number" if len(default) == 1 else f"{len(default)} numbers separated by spaces"
         about.add(quantity, element, attribute, f"read {quoted(text)}; allowed: {allowed}")
-    return values if fits else default
+    return values if values is not None and fits else default
 
 
 def number(about: About, quantity: FaultyQuantity, element: Element, attribute: str, default: float = 0.0) -> float:

@@ -173,6 +173,12 @@ TOLERATED = {
     "nan": (changed('value="2"', 'value="nan"'), "base", "mass", "<mass value>: read 'nan'; allowed: one number"),
     "too large": (changed('ixx="0.1"', 'ixx="1e999"'), "base", "inertia", "<inertia ixx>: read '1e999'"),
     "comma": (changed('value="2"', 'value="2,5"'), "base", "mass", "<mass value>: read '2,5'; allowed: one number"),
+    "a no-break space": (
+        changed('xyz="0.1 0.2 0.3"', 'xyz="0.1\u00a00.2 0.3"'),
+        "base",
+        "center_of_mass",
+        "allowed: 3 numbers separated by spaces",
+    ),
     "commas": (changed('xyz="0.1 0.2 0.3"', 'xyz="1,2,3"'), "base", "center_of_mass", "allowed: 3 numbers separated by spaces"),
     "left of xacro": (changed('value="2"', 'value="${m}"'), "base", "mass", "read '${m}'"),
     "other digits": (changed('value="2"', 'value="٢"'), "base", "mass", "read '٢'"),

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from bodycheck.casefile.values import MAX_NUMBER
-from bodycheck.robots.attributes import NUMBER
+from bodycheck.robots.attributes import read_numbers
 from bodycheck.robots.elements import Element, quoted, refuse
 
 
@@ -32,10 +32,10 @@ def numbers(
         if default is not None:
             return default
         refuse(element, attribute, f"is missing; allowed: {allowed}")
-    words = text.split()
-    if len(words) not in counts or not all(NUMBER.fullmatch(word) and abs(float(word)) <= MAX_NUMBER for word in words):
+    values = read_numbers(text)
+    if values is None or len(values) not in counts or not all(abs(value) <= MAX_NUMBER for value in values):
         refuse(element, attribute, f"read {quoted(text)}; allowed: {allowed} of at most {MAX_NUMBER:g} in size")
-    return tuple(map(float, words))
+    return values
 
 
 def number(element: Element, attribute: str, default: float | None = None) -> float:

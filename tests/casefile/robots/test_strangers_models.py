@@ -60,6 +60,10 @@ REFUSED = {
     "no attitude": (mjcf('<geom type="box" size="1 1 1" quat="0 0 0 0"/>'), "<geom quat>: read '0 0 0 0'; allowed: vectors"),
     "parallel": (mjcf('<geom type="box" size="1 1 1" xyaxes="1 0 0 2 0 0"/>'), "<geom xyaxes>: read '1 0 0 2 0 0'"),
     "no length": (mjcf('<geom type="box" size="1 1 0"/>'), "<geom size>: read '1 1 0'; allowed: positive lengths"),
+    "a no-break space": (
+        mjcf('<geom type="box" size="1\u00a01 1"/>'),
+        "<geom size>: read '1\\xa01 1'; allowed: 3 numbers separated by spaces",
+    ),
     "few sizes": (mjcf('<geom type="box" size="1 1"/>'), "<geom size>: read '1 1'; allowed: 3 numbers separated by spaces"),
     "no ends": (mjcf('<geom type="capsule" size="1" fromto="1 0 0 1 0 0"/>'), "<geom fromto>: read '1 0 0 1 0 0'"),
     "full and turned": (
