@@ -4,16 +4,20 @@ VENV := .venv
 BIN := $(VENV)/bin
 RESULTS ?= results
 # uv takes a tenth of the time of pip, but does not know the package sources that only pip is configured for; pip stands in.
-INSTALL := $(BIN)/uv pip install --quiet --python $(BIN)/python --constraint constraints.txt --editable
+INSTALL := $(BIN)/uv pip install --quiet --compile-bytecode --python $(BIN)/python --constraint constraints.txt --editable
 
 # The lowest versions of all direct dependencies are tried in an environment of their own, with the tests that use them most.
 LOWEST := .venv-lowest
 LOWEST_TESTS := tests/adapters/test_contract.py tests/casefile/test_case.py tests/commands/test_command_line.py \
 	tests/commands/test_pytest_plugin.py tests/running/test_store.py tests/reports/test_plot_files.py
 
-.PHONY: run test lint types tests lowest slow engines benchmarks docs linkcheck site sites screenshots clean
+.PHONY: compile run test lint types tests lowest slow engines benchmarks docs linkcheck site sites screenshots clean
 
-run: $(VENV)/.installed
+# Where Python writes no bytecode, every process would parse all modules again. Unchanged modules are not compiled again.
+compile: $(VENV)/.installed
+	$(BIN)/python -m compileall -q bodycheck reference adapters reports tests
+
+run: compile
 	$(BIN)/bodycheck run --out $(RESULTS)
 
 test: lint types tests
@@ -26,7 +30,7 @@ types: $(VENV)/.installed-for-development
 	$(BIN)/mypy
 
 # All tests of a file in one process: what they share is made once.
-tests: $(VENV)/.installed-for-development
+tests: $(VENV)/.installed-for-development compile
 	$(BIN)/pytest -n auto --dist loadfile
 
 # The tools of the tests come second, since they have no lowest versions.

@@ -1,4 +1,4 @@
-"""bodycheck holds physics engines against rigid-body mechanics.
+"""bodycheck checks physics engines against exact rigid-body mechanics.
 
 >>> import bodycheck
 >>> case = bodycheck.load("free-brick")

@@ -91,7 +91,7 @@ def install(folder: Path, requirements: Sequence[str], constraints: Sequence[str
     limits = folder / "constraints.txt"
     limits.write_text("\n".join(constraints), "utf-8")
     until = ["--exclude-newer", day.isoformat()] if day is not None else []
-    options = ["--quiet", "--only-binary", ":all:", "--constraint", str(limits), *until]
+    options = ["--quiet", "--compile-bytecode", "--only-binary", ":all:", "--constraint", str(limits), *until]
     _uv_pip(["install", "--python", str(interpreter(folder)), *options, *requirements], requirements)
 
 

@@ -25,7 +25,7 @@ GUARDED = sys.platform == "linux"
 #: Time limit for the end of killed processes. Those of a program that has changed its user cannot be killed.
 ENDING_S = 5.0
 
-#: Interval at which it is looked for further processes to kill.
+#: Polling interval while descendants are being killed (s).
 INTERVAL_S = 0.002
 
 #: What wakes the guard: a process of its own has ended, or it is to end itself.

@@ -74,7 +74,7 @@ _crews: dict[int, _Crew] = {}
 
 
 def begin(ended: threading.Event) -> None:
-    """Say by which event this thread learns that nobody waits any more for what it does."""
+    """Register the event that cancels this thread's work."""
     _crews[threading.get_ident()] = _Crew(ended)
 
 

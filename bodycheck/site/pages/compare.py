@@ -1,4 +1,4 @@
-"""The page that holds any two results of an engine against each other: dates, versions or machines."""
+"""The page that compares any two results of an engine: dates, versions or machines."""
 
 from collections.abc import Iterator
 

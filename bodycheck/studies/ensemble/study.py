@@ -40,7 +40,7 @@ MOST_BLOCKS = 1_000_000
 #: How long (s) the files that workers elsewhere have written may take to appear here, as those on a network do.
 PATIENCE_S = 60.0
 
-#: Interval (s) at which it is looked for them.
+#: Polling interval for them (s).
 INTERVAL_S = 0.2
 
 
