@@ -29,7 +29,7 @@ ZERO = (0.0, 0.0, 0.0)
 
 
 def read_numbers(text: str) -> tuple[float, ...] | None:
-    """Return the numbers in the text of an attribute, which may be NaN or infinite; None if anything else is in it, or nothing."""
+    """Return the numbers in the text of an attribute, which may be NaN or infinite; None if it has none, or anything else."""
     words = text.strip(SPACE)
     if not 0 < len(words) <= MAX_CHARACTERS:
         return None
