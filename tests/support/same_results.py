@@ -15,7 +15,7 @@ from pathlib import Path
 
 #: Columns with measured times or what follows from them, with versions, or with the folder of the results.
 VARYING = re.compile(
-    r"wall_time|.*time_per_step.*|setup_time|cost(_low|_high)?|evaluations|real_?time_factor|version|.*_version|loaded|started"
+    r"wall_time|.*time_per_step.*|setup_time|(relative_)?cost(_low|_high)?|engine_share|evaluations|real_?time_factor|version|.*_version|loaded|started"
 )
 
 

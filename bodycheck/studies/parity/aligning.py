@@ -12,7 +12,7 @@ from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.parity import conventions
-from bodycheck.studies.parity.conventions import Convention, in_world, written
+from bodycheck.studies.parity.conventions import Convention, Given, in_world, written
 from bodycheck.studies.parity.matching import Match
 from bodycheck.studies.parity.quantities import FORCES
 from bodycheck.studies.parity.stacks import Stack, stacked, times, transposed, values
@@ -104,44 +104,87 @@ def places(found: Match) -> dict[str, list[int]]:
     return {name: own for name, own in by_joint.items() if len(own) > 1}
 
 
-def aligned(engine: Stack, truth: Stack, found: Match, asked: Motion) -> tuple[Stack, Convention]:
-    """Return an engine's terms in the conventions of the file, and the conventions that it has.
+def convention_of(engine: Stack, truth: Stack, match: Match, probes: Motion) -> Convention:
+    """Return the conventions of an engine, which are decided once for a robot, at probe states that are not compared.
+
+    So an engine that is wrong at a state by just such a conversion is not taken to have another convention there.
+
+    engine: its terms at the probes, in its own conventions for the velocities that are compared, in the order of the file.
+    truth: the truth for these velocities at the probes.
+    """
+    convention = conventions.find(match.bodies, places(match), probes.states, engine, truth)
+    conversion = _conversion(match, probes, convention)
+    if conversion is None:
+        return convention
+    efforts = _nearest(_forward(engine, probes, conversion), truth.forward_dynamics)
+    accelerations_given = _nearest(_inverse(engine, probes, conversion), truth.inverse_dynamics)
+    return replace(convention, efforts=efforts, accelerations=accelerations_given)
+
+
+def aligned(engine: Stack, truth: Stack, match: Match, motion_compared: Motion, convention: Convention) -> Stack:
+    """Return an engine's terms in the conventions of the file.
 
     engine: its terms in its own conventions for the velocities that are compared, in the order of the file.
     truth: the truth for these velocities.
     """
-    convention = conventions.find(found.bodies, places(found), asked.states, engine, truth)
-    turned = _turned(engine, truth, found, asked, convention)
-    centres = {link.name: np.asarray(link.center_of_mass, np.float64) for link in found.bodies.links}
+    turned = _turned(engine, match, motion_compared, convention)
+    centres = {link.name: np.asarray(link.center_of_mass, np.float64) for link in match.bodies.links}
     jacobians = {
-        name: in_world(own, turned.poses.get(name, truth.poses[name]), centres.get(name, np.zeros(3)), convention.jacobians)
-        for name, own in turned.jacobians.items()
+        name: in_world(
+            jacobian, turned.poses.get(name, truth.poses[name]), centres.get(name, np.zeros(3)), convention.jacobians
+        )
+        for name, jacobian in turned.jacobians.items()
         if name in truth.poses
     }
-    return replace(turned, jacobians=jacobians), convention
+    return replace(turned, jacobians=jacobians)
 
 
-def _turned(engine: Stack, truth: Stack, found: Match, asked: Motion, convention: Convention) -> Stack:
+@dataclass(frozen=True, eq=False)
+class _Conversion:
+    """The matrices (s, n, n) that convert velocities of the file to those of an engine.
+
+    drift (s, n): what the derivatives of the matrices add to accelerations.
+    """
+
+    matrix: Array
+    drift: Array
+
+
+def _conversion(match: Match, motion_compared: Motion, convention: Convention) -> _Conversion | None:
+    """Return how velocities of the file become those of an engine; None if they are the same."""
+    joints = {name: form for name, form in convention.joints.items() if form != conventions.Written()}
+    if not joints:
+        return None
+    matrix, change = _matrices(match, motion_compared, joints)
+    return _Conversion(matrix, times(change, motion_compared.velocities))
+
+
+def _turned(engine: Stack, match: Match, motion_compared: Motion, convention: Convention) -> Stack:
     """Return terms for the velocities of the file, from terms for the velocities of an engine."""
-    how = {name: own for name, own in convention.joints.items() if own != conventions.Written()}
-    if not how:
+    conversion = _conversion(match, motion_compared, convention)
+    if conversion is None:
         return engine
-    matrix, change = _matrices(found, asked, how)
+    matrix, drift = conversion.matrix, conversion.drift
     back = transposed(matrix)
-    drift = times(change, asked.velocities)  # what the derivative of the matrix adds to accelerations
-    vectors: dict[str, Any] = {name: None if (own := getattr(engine, name)) is None else times(back, own) for name in FORCES}
-    mass, coriolis, forward, inverse = engine.mass_matrix, vectors["coriolis_force"], engine.forward_dynamics, None
+    vectors: dict[str, Any] = {
+        name: None if (force := getattr(engine, name)) is None else times(back, force) for name in FORCES
+    }
+    mass, coriolis = engine.mass_matrix, vectors["coriolis_force"]
     if mass is not None and coriolis is not None:
         coriolis = coriolis + times(back, times(mass, drift))
-    if forward is not None:
-        forward = _forward(engine, asked, matrix, drift, truth)
-    if engine.inverse_dynamics is not None:
-        inverse = _inverse(engine, asked, matrix, drift, truth)
+    forward, inverse = (readings(engine, motion_compared, conversion) for readings in (_forward, _inverse))
     return replace(
         engine,
         mass_matrix=None if mass is None else back @ mass @ matrix,
-        jacobians={name: own @ matrix for name, own in engine.jacobians.items()},
-        **(vectors | {"coriolis_force": coriolis, "forward_dynamics": forward, "inverse_dynamics": inverse}),
+        jacobians={name: jacobian @ matrix for name, jacobian in engine.jacobians.items()},
+        **(
+            vectors
+            | {
+                "coriolis_force": coriolis,
+                "forward_dynamics": forward.get(convention.efforts),
+                "inverse_dynamics": inverse.get(convention.accelerations),
+            }
+        ),
     )
 
 
@@ -155,43 +198,45 @@ def _matrices(found: Match, asked: Motion, how: Mapping[str, conventions.Written
     return matrix, change
 
 
-def _forward(engine: Stack, asked: Motion, matrix: Array, drift: Array, truth: Stack) -> Array:
-    """Return accelerations in the velocities of the file, under the efforts of the states.
+def _forward(engine: Stack, motion_compared: Motion, conversion: _Conversion) -> dict[Given, Array]:
+    """Return accelerations in the velocities of the file, by what the engine may have been given as efforts.
 
-    An engine may have been given the efforts as they are in the state, or converted to its own velocities: whichever is nearer
-    to the truth is taken.
+    These are the efforts converted to the velocities of the engine, or as they are in the state. Empty without accelerations.
     """
-    forward = np.asarray(engine.forward_dynamics)
-    back = np.asarray(np.linalg.inv(matrix), np.float64)
-    converted = [forward]
+    if engine.forward_dynamics is None:
+        return {}
+    back = np.asarray(np.linalg.inv(conversion.matrix), np.float64)
+    readings: dict[Given, Array] = {"converted": np.asarray(engine.forward_dynamics)}
     if engine.mass_matrix is not None:
-        missing = times(transposed(back), asked.efforts) - asked.efforts
-        converted.append(forward + _solved(engine.mass_matrix, missing))
-    return _nearest([times(back, own - drift) for own in converted], truth.forward_dynamics)
+        missing = times(transposed(back), motion_compared.efforts) - motion_compared.efforts
+        readings["as in the state"] = readings["converted"] + _solved(engine.mass_matrix, missing)
+    return {given: times(back, reading - conversion.drift) for given, reading in readings.items()}
 
 
-def _inverse(engine: Stack, asked: Motion, matrix: Array, drift: Array, truth: Stack) -> Array:
-    """Return the efforts for the accelerations of the states, in the velocities of the file.
+def _inverse(engine: Stack, motion_compared: Motion, conversion: _Conversion) -> dict[Given, Array]:
+    """Return efforts in the velocities of the file, by what the engine may have been given as accelerations.
 
-    An engine may have been given the accelerations as they are in the state, or converted to its own velocities with or
-    without the derivative of the conversion: whichever is nearest to the truth is taken.
+    These are the accelerations converted to the velocities of the engine, with or without the derivative of the conversion, or
+    as they are in the state. Empty without efforts.
     """
-    inverse, back = np.asarray(engine.inverse_dynamics), transposed(matrix)
-    converted = [inverse]
+    if engine.inverse_dynamics is None:
+        return {}
+    inverse, wanted = np.asarray(engine.inverse_dynamics), motion_compared.accelerations
+    readings: dict[Given, Array] = {"converted": inverse}
     if engine.mass_matrix is not None:
-        right = times(matrix, asked.accelerations) + drift
-        given = (times(matrix, asked.accelerations), asked.accelerations)
-        converted += [inverse + times(engine.mass_matrix, right - own) for own in given]
-    return _nearest([times(back, own) for own in converted], truth.inverse_dynamics)
+        without = times(conversion.matrix, wanted)
+        right = without + conversion.drift
+        readings["converted without its derivative"] = inverse + times(engine.mass_matrix, right - without)
+        readings["as in the state"] = inverse + times(engine.mass_matrix, right - wanted)
+    return {given: times(transposed(conversion.matrix), reading) for given, reading in readings.items()}
 
 
-def _nearest(candidates: Sequence[Array], truth: Array | None) -> Array:
-    """Return the candidate that is nearest to the truth; the first if there is no truth."""
-    if truth is None:
-        return candidates[0]
-    errors = [float(np.max(np.abs(own - truth), initial=0.0)) for own in candidates]
-    finite = [error if np.isfinite(error) else np.inf for error in errors]
-    return candidates[finite.index(min(finite))]
+def _nearest(readings: Mapping[Given, Array], truth: Array | None) -> Given:
+    """Return which reading at probe states is nearest to the truth; the first one if there is no truth or no reading."""
+    if truth is None or not readings:
+        return next(iter(readings), "converted")
+    errors = {given: float(np.max(np.abs(reading - truth), initial=0.0)) for given, reading in readings.items()}
+    return min(errors, key=lambda given: errors[given] if np.isfinite(errors[given]) else np.inf)
 
 
 def _solved(mass: Array, forces: Array) -> Array:

@@ -11,8 +11,8 @@ from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.parity import numbers, tree
-from bodycheck.studies.parity.aligning import Motion, accelerations, aligned, motion, reduced, selected, truth_of
-from bodycheck.studies.parity.conventions import Convention
+from bodycheck.studies.parity.aligning import Motion, accelerations, aligned, convention_of, motion, reduced, selected, truth_of
+from bodycheck.studies.parity.conventions import PROBES, Convention
 from bodycheck.studies.parity.matching import Match, match
 from bodycheck.studies.parity.quantities import MODEL, TERMS, Quantity, Status
 from bodycheck.studies.parity.rows import Compared
@@ -33,14 +33,17 @@ class Asked:
         The model of the file.
     states, gravity
         The states and the gravitational acceleration (m/s^2) at which terms are compared.
+    probes
+        Further states, at which the conventions of an engine are decided.
     truth
-        The terms of the model at the states, for all of its velocities.
+        The terms of the model at the states and then at the probes, for all of its velocities.
     gravity_stated
         Whether the file says what gravity is.
     """
 
     model: RobotModel
     states: tuple[RobotState, ...]
+    probes: tuple[RobotState, ...]
     gravity: Vector
     truth: Stack
     gravity_stated: bool
@@ -81,8 +84,12 @@ class Comparison:
 
 
 def asked(model: RobotModel, states: Sequence[RobotState], gravity: Vector, gravity_stated: bool) -> Asked:
-    """Return what engines are asked about a model, with the truth, which is computed once for all engines."""
-    return Asked(model, tuple(states), gravity, truth_of(model, states, gravity), gravity_stated)
+    """Return what engines are asked about a model, with the truth, which is computed once for all engines.
+
+    states: those that are compared, and then `PROBES` at which conventions are decided.
+    """
+    compared, probes = tuple(states[:-PROBES]), tuple(states[-PROBES:])
+    return Asked(model, compared, probes, gravity, truth_of(model, states, gravity), gravity_stated)
 
 
 def compare(given: Asked, reading: RobotReading, tolerance: float) -> Comparison:
@@ -98,13 +105,17 @@ def compare(given: Asked, reading: RobotReading, tolerance: float) -> Comparison
         The largest relative difference that counts as agreement.
     """
     found = match(given.model, reading)
-    moved = motion(found, given.states)
-    whole = truth_of(found.model, given.states, given.gravity) if found.lacking else given.truth
+    states = (*given.states, *given.probes)
+    judged, probes = range(len(given.states)), range(len(given.states), len(states))
+    moved = motion(found, states)
+    whole = truth_of(found.model, states, given.gravity) if found.lacking else given.truth
     truth = reduced(whole, found, moved)
-    own = Stack() if found.otherwise else selected(stacked(reading.terms), found.columns.tolist())
+    terms_read = Stack() if found.otherwise else selected(stacked(reading.terms), found.columns.tolist())
     if found.extra:  # the base is free, so that it gives way
-        own = replace(own, forward_dynamics=None)
-    engine, convention = aligned(own, truth, found, moved)
+        terms_read = replace(terms_read, forward_dynamics=None)
+    convention = convention_of(terms_read.at(probes), truth.at(probes), found, moved.at(probes))
+    moved, truth, terms_read = moved.at(judged), truth.at(judged), terms_read.at(judged)
+    engine = aligned(terms_read, truth, found, moved, convention)
     mass = float(np.sum([float(link.mass) for link in given.model.links]))
     scale = sizes(truth, found.labels, moved.velocities, mass, float(np.linalg.norm(given.gravity)))
     comparison = _with_followers(Comparison(given, reading, tolerance, found, moved, truth, engine, convention, scale, ()))

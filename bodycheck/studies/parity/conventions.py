@@ -27,8 +27,12 @@ BodyPoint = Literal["origin", "center of mass", "world"]
 #: Difference, relative to the size of a Jacobian or mass matrix, up to which a convention counts as that of the engine.
 ALIKE = 1e-6
 
-#: States at which conventions are tried.
-STATES = 3
+#: Probe states, at which conventions are decided and nothing is compared.
+PROBES = 3
+
+#: What an engine may have been given as efforts or accelerations: those of the state, which are in the velocities of the file,
+#: or converted to its own velocities.
+Given = Literal["as in the state", "converted", "converted without its derivative"]
 
 
 @dataclass(frozen=True)
@@ -92,10 +96,12 @@ JACOBIAN_FRAMES = tuple(
 
 @dataclass(frozen=True)
 class Convention:
-    """How an engine writes velocities, by the name of the joint, and Jacobians."""
+    """How an engine writes velocities, by the name of the joint, Jacobians, and what efforts and accelerations it takes."""
 
     joints: Mapping[str, Written] = field(default_factory=dict)
     jacobians: JacobianFrame = field(default_factory=JacobianFrame)
+    efforts: Given = "converted"
+    accelerations: Given = "converted"
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -106,6 +112,9 @@ class Convention:
             point = {"origin": "the frame's origin", "center of mass": "the centre of mass", "world": "the world's origin"}
             rows = "angular rows first, " if own.angular_first else ""
             told.append(f"its Jacobians are along the axes of the {own.axes}, {rows}for {point[own.point]}")
+        if told and any(form != Written() for form in self.joints.values()):
+            told.append(f"the efforts of its forward dynamics are {self.efforts}")
+            told.append(f"the accelerations of its inverse dynamics are {self.accelerations}")
         return tuple(told)
 
 
@@ -212,15 +221,13 @@ def find(
     places
         The places of the velocities of each joint that has several, among those that are compared.
     states
-        The states.
+        The probe states.
     engine, truth
-        What the engine computes, in its own conventions and in the order of the file, and the truth.
+        What the engine computes at them, in its own conventions and in the order of the file, and the truth.
     """
-    few = range(min(STATES, len(states)))
-    engine, truth, some = engine.at(few), truth.at(few), states[: len(few)]
     centres = {link.name: np.asarray(link.center_of_mass, np.float64) for link in model.links}
     known = [name for name in centres if name in engine.jacobians and name in truth.jacobians]
-    ways = {name: _ways(model, name, some) for name in places}
+    ways = {name: _ways(model, name, states) for name in places}
     if not known:
         return Convention({name: _by_mass(ways[name], own, engine, truth) for name, own in places.items()})
     children = {joint.name: model.links[joint.child].name for joint in model.joints}

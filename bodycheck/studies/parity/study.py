@@ -17,6 +17,7 @@ from bodycheck.robots.elements import printable
 from bodycheck.running import robot_readings
 from bodycheck.running.robot_readings import Answer, Compile, FormatMissing, Reader
 from bodycheck.studies.parity.comparing import Asked, asked, compare
+from bodycheck.studies.parity.conventions import PROBES
 from bodycheck.studies.parity.diagnosis.explaining import diagnosed
 from bodycheck.studies.parity.models import Robot, named, robot
 from bodycheck.studies.parity.motion import sentence
@@ -150,7 +151,7 @@ def _of_robot(engines: Mapping[str, Engine], own: Robot, asks: Asking, reader: R
     rows = [row(own.name, FILE, "", one) for one in file_rows(own, impossible)]
     notes: dict[str, tuple[str, ...]] = {}
     gravity = GRAVITY if own.model is None else own.model.gravity
-    states = () if own.model is None else seeded_states(own.model, fitting(own.model, asks.states), asks.seed)
+    states = () if own.model is None else seeded_states(own.model, fitting(own.model, asks.states) + PROBES, asks.seed)
     answers = reader(own.file, states, gravity)
     if only_readers:
         answers = robot_readings.readable(answers)

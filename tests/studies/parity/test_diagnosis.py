@@ -13,7 +13,7 @@ from bodycheck.reference.robots.dynamics import velocity_labels
 from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.robots.states import seeded_states
 from bodycheck.studies.parity.comparing import asked, compare
-from bodycheck.studies.parity.conventions import CANDIDATES, Frame, Point, Written
+from bodycheck.studies.parity.conventions import CANDIDATES, PROBES, Frame, Point, Written, written
 from bodycheck.studies.parity.diagnosis.explaining import diagnosed
 from bodycheck.studies.parity.rows import Compared
 from tests.support.engine_readings import GRAVITY, reading
@@ -25,7 +25,7 @@ TOLERANCE = 1e-10
 
 
 def rows(file: RobotModel, engine: RobotModel, count: int = 12, **options: object) -> tuple[Compared, ...]:
-    states = seeded_states(file, count, 0)
+    states = seeded_states(file, count + PROBES, 0)
     given = asked(file, states, GRAVITY, False)
     return diagnosed(compare(given, reading(engine, states, **options), TOLERANCE)).rows  # type: ignore[arg-type]
 
@@ -63,7 +63,7 @@ def test_a_joint_whose_damping_and_friction_are_not_used_has_a_row_for_each() ->
     """An engine tells both rightly, and has neither in its accelerations."""
     clean = clean_model()
     file = with_joint(clean, "rail", damping=0.5, friction=0.25)
-    states = seeded_states(file, 12, 0)
+    states = seeded_states(file, 12 + PROBES, 0)
     terms = tuple(replace(own, passive_force=None) for own in reading(clean, states).terms)
     told = replace(reading(file, states), terms=terms)
     found = diagnosed(compare(asked(file, states, GRAVITY, False), told, TOLERANCE)).rows
@@ -131,13 +131,34 @@ def test_a_clean_model_has_no_cause_however_a_floating_base_is_written(how: Writ
 def test_the_mass_matrix_tells_the_point_of_a_single_body(point: Point) -> None:
     model = random_tree(Random(513), 1, floating=True)
     how = Written("child", "child", point, True)
-    states = seeded_states(model, 6, 0)
+    states = seeded_states(model, 6 + PROBES, 0)
     told = reading(model, states, how={"joint_0": how})
     # The Jacobian of the body is of the same point and along the same axes as its velocity.
     own = tuple(replace(terms, jacobians={"link_0": np.roll(np.eye(6), 3, axis=1)}) for terms in told.terms)
     given = asked(model, states, GRAVITY, False)
     found = compare(given, replace(told, terms=own), TOLERANCE)
     assert "mass_matrix" not in {row.quantity for row in found.rows if row.status != "agrees"}
+
+
+@pytest.mark.parametrize(("wrong", "statuses"), [(12 + PROBES, {"agrees"}), (12, {"differs"})], ids=["everywhere", "compared"])
+def test_a_convention_is_that_of_the_probes(wrong: int, statuses: set[str]) -> None:
+    """An engine may take the efforts of the state for its own velocities.
+
+    If it does so only where it is compared, and converts them at the probes, its accelerations are wrong by such a conversion.
+    """
+    model, form = random_tree(Random(7), 1, floating=True), Written("child", "parent", "origin", True)
+    states = seeded_states(model, 12 + PROBES, 0)
+    converted = reading(model, states, how={"joint_0": form})
+    matrices, _ = written(model, "joint_0", states, form)
+    terms = list(converted.terms)
+    for index, (state, matrix) in enumerate(zip(states[:wrong], matrices, strict=False)):
+        effort, mass = np.array(state.efforts["joint_0"]), np.asarray(terms[index].mass_matrix)
+        missing = np.linalg.inv(matrix).T @ effort - effort
+        acceleration = np.asarray(terms[index].forward_dynamics) - np.linalg.solve(mass, missing)
+        terms[index] = replace(terms[index], forward_dynamics=acceleration)
+    compared = compare(asked(model, states, GRAVITY, False), replace(converted, terms=tuple(terms)), TOLERANCE)
+    assert {row.status for row in compared.rows if row.quantity == "forward_dynamics"} == statuses
+    assert compared.convention.efforts == ("as in the state" if statuses == {"agrees"} else "converted")
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -16,6 +16,7 @@ from bodycheck.robots.urdf_text import urdf
 from bodycheck.running import engines
 from bodycheck.running.robot_readings import Answer, FormatMissing, Reader, Refused, reader
 from bodycheck.studies.parity.comparing import asked, compare
+from bodycheck.studies.parity.conventions import PROBES
 from bodycheck.studies.parity.diagnosis.explaining import diagnosed
 from bodycheck.studies.parity.rows import Compared
 from bodycheck.studies.parity.study import SINGLE_PRECISION
@@ -56,7 +57,7 @@ def rows(
 
     single: the engines that compute in single precision.
     """
-    states = seeded_states(model, count, 0)
+    states = seeded_states(model, count + PROBES, 0)
     found: dict[str, tuple[Compared, ...] | Answer] = {}
     for name, answer in read(file, states, GRAVITY).items():
         if isinstance(answer, RobotReading):
