@@ -7,6 +7,7 @@ one. Only measured times, numbers that follow from them, versions, and the origi
 """
 
 import csv
+import math
 import re
 import sys
 from collections.abc import Iterator, Mapping
@@ -31,8 +32,11 @@ def tables_of(folder: Path) -> dict[str, Path]:
     return {path.relative_to(folder).as_posix(): path for path in sorted(folder.rglob("*.csv"))}
 
 
-def differences(before: Path, after: Path) -> Iterator[str]:
-    """Yield a line for each table, row and value that is in one of two folders alone, or differs."""
+def differences(before: Path, after: Path, relative: float = 0.0, absolute: float = 0.0) -> Iterator[str]:
+    """Yield a line for each table, row and value that is in one of two folders alone, or differs.
+
+    relative, absolute: how much numbers may differ, relative to their size and in their unit.
+    """
     old_tables, new_tables = tables_of(before), tables_of(after)
     if not old_tables and not new_tables:
         yield f"neither {before} nor {after} has a table"
@@ -41,16 +45,25 @@ def differences(before: Path, after: Path) -> Iterator[str]:
             yield f"{name}: only in {before if name in old_tables else after}"
             continue
         for number, (old, new) in enumerate(zip_longest(rows_of(old_tables[name]), rows_of(new_tables[name])), start=1):
-            yield from (f"{name}, row {number}: {text}" for text in _of_rows(old, new))
+            yield from (f"{name}, row {number}: {text}" for text in _of_rows(old, new, relative, absolute))
 
 
-def _of_rows(old: Mapping[str, str] | None, new: Mapping[str, str] | None) -> Iterator[str]:
+def _of_rows(old: Mapping[str, str] | None, new: Mapping[str, str] | None, relative: float, absolute: float) -> Iterator[str]:
     if old is None or new is None:
         yield "only after" if old is None else "only before"
         return
     for column in dict.fromkeys((*old, *new)):
-        if old.get(column) != new.get(column):
+        if not _same(old.get(column), new.get(column), relative, absolute):
             yield f"{column}: {old.get(column)} before, {new.get(column)} after"
+
+
+def _same(old: str | None, new: str | None, relative: float, absolute: float) -> bool:
+    if old == new or old is None or new is None:
+        return old == new
+    try:
+        return math.isclose(float(old), float(new), rel_tol=relative, abs_tol=absolute)
+    except ValueError:
+        return False
 
 
 if __name__ == "__main__":
