@@ -7,14 +7,14 @@ stranger but one written anew from its elements: without document type definitio
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from xml.sax.saxutils import escape, quoteattr
 
 from bodycheck.adapters.robot_reading import RobotFile
 from bodycheck.files import writing
 from bodycheck.robots import elements, mjcf_copy
-from bodycheck.robots.elements import Element
+from bodycheck.robots.elements import MAX_DEPTH, Element, refuse
 from bodycheck.robots.places import folders
 from bodycheck.robots.removing import Removed, local, remove
-from bodycheck.robots.writing_xml import written
 
 #: Elements that are left out of the copy of a URDF: shapes to be seen, and what names or holds other files. Shapes for
 #: collisions stay where they have sizes of their own.
@@ -22,6 +22,31 @@ UNWANTED = {
     "visual", "material", "mesh", "texture", "deformable", "reduced_deformable", "include", "plugin", "script", "size", "sdf",
     "uri", "url", "file", "filename",
 }  # fmt: skip
+
+
+def written(root: Element) -> bytes:
+    """Return the content of an XML file with an element and everything in it.
+
+    Raises `BadInput` if elements are nested more than `MAX_DEPTH` deep, as they may be after files have been put into others.
+    """
+    parts = ['<?xml version="1.0" encoding="UTF-8"?>\n']
+    left: list[tuple[Element | str, int]] = [(root, 1)]
+    while left:
+        one, depth = left.pop()
+        if isinstance(one, str):
+            parts.append(one)
+            continue
+        if depth > MAX_DEPTH:
+            refuse(one, None, f"elements are nested more than {MAX_DEPTH} deep")
+        attributes = "".join(f" {name}={quoteattr(value)}" for name, value in one.attributes.items())
+        text = "".join(escape(piece, {"\r": "&#13;"}) for piece in one.text)
+        if not one.children and not text:
+            parts.append(f"<{one.tag}{attributes}/>\n")
+            continue
+        parts.append(f"<{one.tag}{attributes}>{text or chr(10)}")
+        left.append((f"</{one.tag}>\n", depth))
+        left += [(child, depth + 1) for child in reversed(one.children)]
+    return "".join(parts).encode("utf-8")
 
 
 @dataclass(frozen=True)

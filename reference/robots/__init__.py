@@ -5,7 +5,7 @@
 - `state`: positions, velocities, accelerations and efforts of the joints of a robot model.
 - `states`: such states from a seed.
 - `terms`: what an engine and the reference compute at a state: poses, Jacobians, mass matrix, forces, accelerations.
-- `dynamics`: these terms by the reference, with `motion` of the links, `rotations`, `passive` forces, and `cholesky`.
+- `dynamics`: these terms by the reference, with `motion` of the links and `rotations`.
 - `fusing`: links that are welded together as one link.
 - `physical`: what of a model no bodies can have.
 - `changed`: a model with other numbers in one link or joint.

@@ -9,17 +9,72 @@ another one is independent here; states have it where it belongs.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from bodycheck.reference.kinematics import cross
-from bodycheck.reference.robots.cholesky import solved
-from bodycheck.reference.robots.model import RobotModel, Wide
+from bodycheck.reference.kinematics import cross, normalise
+from bodycheck.reference.robots.model import RobotJoint, RobotModel, Wide
 from bodycheck.reference.robots.motion import PlacedLink, each, jacobians, placed, poses, rows, velocity_maps
-from bodycheck.reference.robots.passive import passive_force
+from bodycheck.reference.robots.rotations import rotation_vector
 from bodycheck.reference.robots.state import VELOCITIES, RobotState, Values
 from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.scene import Vector
+
+
+def passive_force(model: RobotModel, states: Sequence[RobotState]) -> Wide:
+    """The forces (n, k) p = -stiffness d - damping v - friction sign(v) for all velocities, in the order of the file's joints.
+
+    d is the displacement of a revolute or prismatic joint from its rest. The spring of another joint is slack in the zero
+    position: there d is the shift of the child (m), and the rotation vector of its attitude (rad).
+    """
+    parts = [np.zeros((len(states), 0), np.longdouble)]
+    for joint in model.joints:
+        velocity = rows(states, joint, lambda state: state.velocities)
+        force: Wide = np.asarray(-joint.damping * velocity - joint.friction * np.sign(velocity), np.longdouble)
+        if joint.stiffness:
+            force = force - joint.stiffness * _displacement(joint, rows(states, joint, lambda state: state.positions))
+        parts.append(force)
+    return np.concatenate(parts, axis=1)
+
+
+def _displacement(joint: RobotJoint, position: Wide) -> Wide:
+    match joint.type:
+        case "spherical":
+            return rotation_vector(normalise(position))
+        case "floating":
+            return np.concatenate([position[:, :3], rotation_vector(normalise(position[:, 3:]))], axis=1)
+        case "planar":
+            return position
+        case _:
+            return position - joint.rest
+
+
+def solved(matrices: Wide, right: Wide) -> tuple[Wide, NDArray[np.bool_]]:
+    """The solutions (n, k) of n equations, and whether each matrix is positive definite beyond rounding (n,).
+
+    matrices: (n, k, k), symmetric. right: (n, k). Where a matrix is not positive definite, its solution means nothing.
+    """
+    rest, known = matrices.copy(), right.copy()
+    count, size = right.shape
+    smallest = size * np.finfo(np.longdouble).eps * np.diagonal(matrices, axis1=1, axis2=2)
+    definite = np.ones(count, np.bool_)
+    factor = np.zeros_like(matrices)
+    for k in range(size):
+        enough = rest[:, k, k] > smallest[:, k]
+        definite &= enough
+        pivot: Any = np.sqrt(np.where(enough, rest[:, k, k], 1))
+        factor[:, k:, k] = rest[:, k:, k] / pivot[:, None]
+        factor[:, k, k] = pivot
+        below = factor[:, k + 1 :, k]
+        rest[:, k + 1 :, k + 1 :] -= below[:, :, None] * below[:, None, :]
+        known[:, k] /= pivot
+        known[:, k + 1 :] -= below * known[:, k, None]
+    for k in reversed(range(size)):
+        known[:, k] /= factor[:, k, k]
+        known[:, :k] -= factor[:, k, :k] * known[:, k, None]
+    return known, definite
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from bodycheck.reference.schemes.one_step import rosenbrock_euler, step_through
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import truth
 from bodycheck.results.key import RunKey
-from bodycheck.studies.audit.trials import TRIALS
+from bodycheck.studies.audit.classes import TRIALS
 from tests.support.programs import motion
 
 TUMBLING, TURNED = TRIALS[0].case.scene, TRIALS[1].case.scene

@@ -1,6 +1,5 @@
 """Comparison of results with earlier ones.
 
 - `baseline` saves results and finds changes, within `tolerances`; `baseline_checks` checks a baseline that is read.
-- `rounding` estimates the differences that rounding can cause, from `nudged_runs` whose initial state is changed a little;
-  `nudged_mechanisms` and `nudged_contacts` change the scenes.
+- `rounding` estimates the differences that rounding can cause, from `nudged_runs`, whose initial states are changed a little.
 """

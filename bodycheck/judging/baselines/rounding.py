@@ -10,7 +10,7 @@ The tolerance of a figure that is the difference of two numbers of size S is `MA
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,16 +18,18 @@ import numpy as np
 from bodycheck.casefile.content import Case
 from bodycheck.figures.columns import FIGURES, truth_bounds
 from bodycheck.figures.scales import in_run, largest
-from bodycheck.judging.baselines.nudged_contacts import nudged_contacts
-from bodycheck.judging.baselines.nudged_mechanisms import nudged_mechanism
 from bodycheck.judging.discrepancy import compare
 from bodycheck.reference.kinematics import multiply, normalise
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms import exact, kinematics
+from bodycheck.reference.mechanisms.coordinates import places
+from bodycheck.reference.mechanisms.mechanism import AnyScene, BodyStart, Joint, JointedBody, Mechanism
 from bodycheck.reference.requirements import touches
-from bodycheck.reference.scene import State, vector_of
+from bodycheck.reference.scene import Plane, State, Vector, vector_of
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Truth
 from bodycheck.results.outcome import Completed, Run
+
+Change = Callable[[Vector], Vector]
 
 #: Number of runs with nudged initial states.
 NUDGES = 4
@@ -37,6 +39,112 @@ NUDGES = 4
 #: With this factor, the differences between the engines' builds for x86-64 and aarch64 are at most half of the tolerance, over
 #: all shipped cases.
 MARGIN = 8.0
+
+
+def nudged_mechanism(mechanism: Mechanism, trajectory: Trajectory, amount: float, random: np.random.Generator) -> Mechanism:
+    """Return a mechanism whose joints and free bodies begin a little beside where they do.
+
+    Parameters
+    ----------
+    mechanism, trajectory
+        The mechanism, and a run of it.
+    amount
+        The size of the nudges, relative to the largest values in the run, and in half a rad for attitudes.
+    random
+        What directions are drawn from.
+    """
+    motion = kinematics.joints(mechanism, trajectory)
+    most, fastest = (np.abs(values).max(axis=0, initial=0.0) for values in (motion.position, motion.velocity))
+    joints = (
+        _joint(joint, amount * most[held], amount * fastest[moving], amount / 2, random)
+        for joint, (held, moving) in zip(mechanism.joints, places(mechanism), strict=True)
+    )
+    bodies = (_body(body, trajectory.body(place), amount, random) for place, body in enumerate(mechanism.bodies))
+    return replace(mechanism, joints=tuple(joints), bodies=tuple(bodies))
+
+
+def _joint(joint: Joint, apart: Array, rates: Array, turn: float, random: np.random.Generator) -> Joint:
+    """Return a joint with other initial values. apart, rates: the sizes of the nudges; turn: that of a quaternion (rad)."""
+    start = np.array(joint.start) + random.choice([-1.0, 1.0], len(apart)) * apart
+    if joint.type in ("spherical", "free"):
+        start[-4:] = multiply(np.array(joint.start[-4:]), _turned(turn, random))
+    velocity = np.array(joint.start_velocity) + random.choice([-1.0, 1.0], len(rates)) * rates
+    return replace(joint, start=tuple(start.tolist()), start_velocity=tuple(velocity.tolist()))
+
+
+def _body(body: JointedBody, states: Trajectory, amount: float, random: np.random.Generator) -> JointedBody:
+    """Return a free body with another initial state; any other body as it is."""
+    if body.start is None:
+        return body
+    start = body.start
+
+    def beside(given: Vector, size: float) -> Vector:
+        direction = random.normal(size=3)
+        return vector_of(np.array(given) + amount * size * direction / np.linalg.norm(direction))
+
+    rates = vector_of(exact.rates(start.attitude, start.rotation))
+    w, x, y, z = multiply(np.array(exact.nearest_turn(start.attitude)), _turned(amount / 2, random)).tolist()
+    moved = BodyStart(
+        beside(start.position, largest(states.position)),
+        (w, x, y, z),
+        beside(start.velocity, largest(states.velocity)),
+        beside(rates, largest(states.angular_velocity)),
+    )
+    return replace(body, start=moved)
+
+
+def _turned(angle: float, random: np.random.Generator) -> Array:
+    """Return the quaternion of a turn by a small angle (rad) about a random axis."""
+    axis = random.normal(size=3)
+    return np.concatenate([[1.0], angle / 2 * axis / np.linalg.norm(axis)])
+
+
+def nudged_contacts(scene: AnyScene, trajectory: Trajectory, amount: float, random: np.random.Generator) -> AnyScene:
+    """Return a scene of bodies that touch whose bodies begin a little beside where they do, and a little faster or slower.
+
+    Parameters
+    ----------
+    scene, trajectory
+        The scene, and a run of it.
+    amount
+        The size of the nudges, relative to the largest values in the run.
+    random
+        What directions are drawn from.
+    """
+    assert scene.plane is not None
+    along = _direction(scene.plane, random) * amount * largest(trajectory.position)
+    faster = 1.0 + amount * random.choice([-1.0, 1.0])
+
+    def beside(position: Vector) -> Vector:
+        return vector_of(np.array(position) + along)
+
+    def scaled(velocity: Vector) -> Vector:
+        return vector_of(faster * np.array(velocity))
+
+    if isinstance(scene, Mechanism):
+        return replace(scene, bodies=tuple(_changed_body(body, beside, scaled) for body in scene.bodies))
+    start = scene.initial
+    moved = replace(
+        start,
+        position=beside(start.position),
+        velocity=scaled(start.velocity),
+        angular_velocity=scaled(start.angular_velocity),
+    )
+    return replace(scene, initial=moved)
+
+
+def _direction(plane: Plane, random: np.random.Generator) -> Array:
+    """Return a random unit vector along the plane."""
+    angle, downhill = random.uniform(0.0, 2 * np.pi), np.array([np.cos(plane.incline), 0.0, -np.sin(plane.incline)])
+    direction: Array = np.cos(angle) * downhill + np.sin(angle) * np.array([0.0, 1.0, 0.0])
+    return direction
+
+
+def _changed_body(body: JointedBody, beside: Change, scaled: Change) -> JointedBody:
+    start = BodyStart() if body.start is None else body.start
+    rates = vector_of(exact.rates(start.attitude, start.rotation))
+    moved = replace(start, position=beside(start.position), velocity=scaled(start.velocity), rotation=scaled(rates))
+    return replace(body, start=moved)
 
 
 def nudged(case: Case, run: Run, seed: int) -> Case:

@@ -228,13 +228,15 @@ def find(
     centres = {link.name: np.asarray(link.center_of_mass, np.float64) for link in model.links}
     known = [name for name in centres if name in engine.jacobians and name in truth.jacobians]
     ways = {name: _ways(model, name, states) for name in places}
+    types = {joint.name: joint.type for joint in model.joints}
     if not known:
-        return Convention({name: _by_mass(ways[name], own, engine, truth) for name, own in places.items()})
+        return Convention(_forms({name: _by_mass(ways[name], own, engine, truth) for name, own in places.items()}, types))
     children = {joint.name: model.links[joint.child].name for joint in model.joints}
     best, chosen = (-1, 0.0, 0.0), Convention()
     for frame in JACOBIAN_FRAMES:
         found = {name: in_world(engine.jacobians[name], truth.poses[name], centres[name], frame) for name in known}
-        joints = {name: _by_jacobian(ways[name], children[name], own, found, truth) for name, own in places.items()}
+        misfits = {name: _by_jacobian(ways[name], children[name], own, found, truth) for name, own in places.items()}
+        joints = _forms(misfits, types)
         changes = {name: (places[name], ways[name][how]) for name, how in joints.items()}
         errors = np.array([_error(_rewritten(found[name], changes), truth.jacobians[name]) for name in known])
         left = float(np.sum(np.where(errors < ALIKE, 0.0, np.minimum(errors, 1.0))))
@@ -272,27 +274,42 @@ def _of_masses(engine: Stack, truth: Stack, changes: Mapping[str, tuple[Sequence
 
 def _by_jacobian(
     ways: Mapping[Written, Array], child: str, places: Sequence[int], found: Mapping[str, Array], truth: Stack
-) -> Written:
-    """Return how a joint's velocity is written, by the columns of the Jacobian of the body that it moves."""
+) -> dict[Written, float]:
+    """Return the errors of the forms of a joint's velocity, by the columns of the Jacobian of the body that it moves.
+
+    Empty without this Jacobian.
+    """
     if child not in found:
-        return Written()
+        return {}
     own, expected = found[child][:, :, places], truth.jacobians[child][:, :, places]
-    return _least({how: _error(own @ matrix, expected) for how, matrix in ways.items()})
+    return {how: _error(own @ matrix, expected) for how, matrix in ways.items()}
 
 
-def _by_mass(ways: Mapping[Written, Array], places: Sequence[int], engine: Stack, truth: Stack) -> Written:
-    """Return how a joint's velocity is written, by its block of the mass matrix."""
+def _by_mass(ways: Mapping[Written, Array], places: Sequence[int], engine: Stack, truth: Stack) -> dict[Written, float]:
+    """Return the errors of the forms of a joint's velocity, by its block of the mass matrix; empty without it."""
     if engine.mass_matrix is None or truth.mass_matrix is None:
-        return Written()
+        return {}
     block = np.ix_(range(len(truth.mass_matrix)), places, places)
     own, expected = engine.mass_matrix[block], truth.mass_matrix[block]
-    return _least({how: _error(transposed(matrix) @ own @ matrix, expected) for how, matrix in ways.items()})
+    return {how: _error(transposed(matrix) @ own @ matrix, expected) for how, matrix in ways.items()}
 
 
-def _least(errors: Mapping[Written, float]) -> Written:
-    """Return the first convention whose error is as small as the least, up to rounding."""
-    least = min(errors.values()) + ALIKE
-    return next(how for how, error in errors.items() if error <= least)
+def _forms(misfits: Mapping[str, Mapping[Written, float]], types: Mapping[str, str]) -> dict[str, Written]:
+    """Return how the velocities of joints are written, from the errors of all forms of each joint.
+
+    Joints of one type have one form, so that no joint that is wrong by a conversion gets a form for itself: the one that fits
+    most of them up to rounding, and of several such forms the first one with the least errors.
+    """
+    forms = dict.fromkeys(misfits, Written())
+    for joint_type in {types[name] for name in misfits}:
+        joints = [errors for name, errors in misfits.items() if types[name] == joint_type and errors]
+        if not joints:
+            continue
+        fits = {form: sum(errors[form] <= ALIKE for errors in joints) for form in joints[0]}
+        sums = {form: sum(errors[form] for errors in joints) for form in joints[0] if fits[form] == max(fits.values())}
+        chosen = next(form for form, error in sums.items() if error <= min(sums.values()) + ALIKE)
+        forms |= {name: chosen for name in misfits if types[name] == joint_type}
+    return forms
 
 
 def _error(found: Array, expected: Array) -> float:

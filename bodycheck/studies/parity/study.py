@@ -164,9 +164,12 @@ def _of_robot(engines: Mapping[str, Engine], own: Robot, asks: Asking, reader: R
 
 
 def fitting(model: RobotModel, states: int) -> int:
-    """Return how many of some states a model is compared at: fewer where Jacobians would take too much memory."""
+    """Return how many of some states a model is compared at.
+
+    There are fewer where Jacobians, also those at the probes, would take too much memory.
+    """
     velocities = sum(VELOCITIES[joint.type] for joint in model.joints)
-    return max(1, min(states, LARGEST // max(1, 6 * velocities * len(model.links))))
+    return max(1, min(states, LARGEST // max(1, 6 * velocities * len(model.links)) - PROBES))
 
 
 def of_answer(

@@ -3,5 +3,5 @@
 - `study` compares releases, and `bisection` finds the release that broke a limit. `rows` defines the tables.
 - `questions` and `answers` ask releases for results, and cache them. `measurement` is the program that runs in the environment
   of a release.
-- `page`, `findings` and `chart` make the report. `command` and `printing` serve the command line.
+- `page` and `findings` make the report. `command` and `printing` serve the command line.
 """

@@ -161,6 +161,19 @@ def test_a_convention_is_that_of_the_probes(wrong: int, statuses: set[str]) -> N
     assert compared.convention.efforts == ("as in the state" if statuses == {"agrees"} else "converted")
 
 
+def test_joints_of_one_type_have_one_form() -> None:
+    """An engine that writes the velocity of one ball joint along other axes than those of all others is wrong there."""
+    model = random_tree(Random(3), 8, types=("spherical",))
+    parents = {joint.parent for joint in model.joints}
+    wrong = next(joint.name for joint in model.joints if joint.type == "spherical" and joint.child not in parents)
+    states = seeded_states(model, 12 + PROBES, 0)
+    compared = compare(
+        asked(model, states, GRAVITY, False), reading(model, states, how={wrong: Written(angular="joint")}), TOLERANCE
+    )
+    assert set(compared.convention.joints.values()) == {Written()}
+    assert "differs" in {row.status for row in compared.rows if row.quantity == "mass_matrix"}
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_a_clean_tree_has_no_cause_in_any_order_of_its_joints(seed: int) -> None:
     random = Random(seed)
