@@ -11,18 +11,14 @@ from bodycheck.reference.witness import Witness
 #: Name of the way that is the truth.
 TRUTH_WAY = "truth"
 
-
 #: Why a truth without another way is not certified.
 NO_OTHER_WAY = "no other way follows this motion"
-
 
 #: Bits of a mantissa that are left when rounding has grown along the motion: the error of the way is then below 1e-20.
 SPARE_BITS = 72
 
-
 #: Numbers of bits of a mantissa that are used, for each of which the equations are compiled once.
 BITS = (128, 192, 256, 320)
-
 
 #: The figures that ways are compared in: the name of a bound, its unit, and what differs, in words.
 COMPARED = (

@@ -104,7 +104,10 @@ def at(known: Truth, times: Array) -> Truth:
 
     It is a part of the known truth if that has all of these times, and is computed if not; this raises as `truth` does.
     """
-    return known.at(times) if np.isin(times, known.trajectory.t).all() and len(times) else truth(known.scene, times)
+    try:
+        return known.at(times)
+    except ValueError:  # it does not have all of them
+        return truth(known.scene, times)
 
 
 def computed(scene: AnyScene, times: Array, solver: Backend | None = None, *, vouched: bool = True) -> Computed:

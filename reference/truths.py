@@ -16,7 +16,6 @@ from bodycheck.reference.witness import Witness
 #: Name of the backend that evaluates closed forms.
 CLOSED_FORM_BACKEND = "numpy"
 
-
 #: Name of the backend that integrates slides.
 INTEGRATION_BACKEND = "scipy-dop853"
 

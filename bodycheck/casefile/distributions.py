@@ -12,7 +12,6 @@ if TYPE_CHECKING:  # what finds positions in a file takes long to import
 #: Two keys of a table that state the same quantity. A vector that is drawn as a whole replaces the other one.
 SAME = (("euler_zxz", "quaternion"), ("euler_rates", "angular_velocity"))
 
-
 #: Which numbers a key may have.
 Sign = Literal["any", "not negative", "positive"]
 

@@ -3,8 +3,7 @@
 The files in the folder tell which of the two it is. Nothing is simulated, and no engine needs to be installed.
 """
 
-import importlib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -15,16 +14,27 @@ from bodycheck.reports.study import StudyReport
 from bodycheck.results import store
 from bodycheck.results.store import Results
 from bodycheck.studies import reading
-from bodycheck.studies.audit import rows as audit
-from bodycheck.studies.ensemble import header as ensemble
-from bodycheck.studies.extremes import rows as extremes
-from bodycheck.studies.recommend import rows as recommend
+from bodycheck.studies.ablation import saved as ablation
+from bodycheck.studies.audit import saved as audit
+from bodycheck.studies.audit.rows import RECORDS as AUDIT
+from bodycheck.studies.ensemble.header import FILE as ENSEMBLE
+from bodycheck.studies.ensemble.report import reporting as ensemble
+from bodycheck.studies.extremes import saved as extremes
+from bodycheck.studies.extremes.rows import RECORDS as EXTREMES
+from bodycheck.studies.recommend import saved as recommend
+from bodycheck.studies.recommend.rows import RECORDS as RECOMMEND
+from bodycheck.studies.tradeoff import saved as tradeoff
 
-#: The studies whose folder has a file of records of its own, by its name, each with the study's folder.
-JOURNALS = {extremes.RECORDS: "extremes", recommend.RECORDS: "recommend", audit.RECORDS: "audit", ensemble.FILE: "ensemble"}
+#: How a study is read whose folder has a file of records of its own, by the name of that file.
+JOURNALS: dict[str, Callable[[Path], StudyReport]] = {
+    EXTREMES: extremes.read,
+    RECOMMEND: recommend.read,
+    AUDIT: audit.read,
+    ENSEMBLE: ensemble.again,
+}
 
-#: The studies whose folder contains the records of runs and a table, by the name of the table, each with the study's folder.
-TABLES = {"tradeoff.csv": "tradeoff", "ablation.csv": "ablation"}
+#: How a study is read whose folder contains the records of runs and a table, by the name of the table.
+TABLES: dict[str, Callable[[Results], StudyReport]] = {"tradeoff.csv": tradeoff.read, "ablation.csv": ablation.read}
 
 #: What reading and judging damaged files may raise, beside `BadInput`.
 DAMAGE = (
@@ -51,7 +61,7 @@ def read(folder: Path) -> Results | StudyReport:
         )
     with undamaged(folder):
         if present[0] in JOURNALS:
-            return _study(JOURNALS[present[0]], folder)
+            return JOURNALS[present[0]](folder)
         results = store.read(folder)
         return _study_of_runs(results) or results
 
@@ -82,10 +92,4 @@ def _study_of_runs(results: Results) -> StudyReport | None:
         )
     if not results.complete:
         raise BadFolder(f"{results.folder}: the study {reading.INTERRUPTED}")
-    return _study(TABLES[tables[0]], results)
-
-
-def _study(name: str, saved: Path | Results) -> StudyReport:
-    """Return the report of a saved study, which the module `saved` in the study's folder reads."""
-    report: StudyReport = importlib.import_module(f"bodycheck.studies.{name}.saved").read(saved)
-    return report
+    return TABLES[tables[0]](results)

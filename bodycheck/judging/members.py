@@ -29,7 +29,7 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results.outcome import Completed, Outcome, Run
 from bodycheck.running import simulation
-from bodycheck.running.members import blocks as members
+from bodycheck.running.members import blocks
 from bodycheck.running.members.blocks import Flown, NormError
 
 #: Members whose figures are computed at once: few enough for their numbers to stay in the cache of a processor.
@@ -141,7 +141,7 @@ def _measured(exact: _Exact, flown: Flown, part: slice, limited: Collection[str]
     trajectory = simulation.trajectory_of(flown.steps, flown.method, flown.states[part])
     largest, instants = {}, {}
     with np.errstate(all="ignore"):  # states that cannot be may overflow, and errors too large for a number are infinite
-        off = members.norm_deviations(trajectory)
+        off = blocks.norm_deviations(trajectory)
         compared = Comparison(exact, trajectory, None, np.maximum(off.max(axis=-1), flown.norm_error[part]))
         for name, figure in FIGURES.items():
             values = figure.compute(compared)
@@ -149,7 +149,7 @@ def _measured(exact: _Exact, flown: Flown, part: slice, limited: Collection[str]
                 largest[name] = values.max(axis=-1) if figure.largest else values
                 if figure.largest and name in limited:
                     instants[name] = trajectory.t[np.argmax(values, axis=-1)]
-        doubtful = members.doubtful(exact.scene, trajectory, compared.seen.kinetic_energy, off)
+        doubtful = blocks.doubtful(exact.scene, trajectory, compared.seen.kinetic_energy, off)
     return _Measured(largest, instants, doubtful)
 
 

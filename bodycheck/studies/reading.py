@@ -30,16 +30,10 @@ def finished(path: Path) -> tuple[Contents, Header]:
     Raises `BadFolder` if the study was interrupted, and `ValueError` if the header lacks an entry that every report contains.
     """
     contents = journal.read(path)
-    header = checked(contents.header)
+    records.typed(records.HeaderRecord, contents.header)
     if not contents.complete:
         raise BadFolder(f"{path.parent}: the study {INTERRUPTED}")
-    return contents, header
-
-
-def checked(header: Mapping[str, Any]) -> Header:
-    """Return a header. Raises `ValueError` if it lacks an entry that every report contains."""
-    records.typed(records.HeaderRecord, header)
-    return cast(Header, header)
+    return contents, cast(Header, contents.header)
 
 
 def check_runs(results: Results, table: str, told: set[Any], made: set[Any]) -> None:

@@ -14,7 +14,7 @@ from bodycheck.casefile.content import Case
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.scenes import Scenes
 from bodycheck.results.outcome import Outcome
-from bodycheck.running.members import blocks as members
+from bodycheck.running.members import blocks
 from bodycheck.running.members.blocks import Flown
 from bodycheck.running.members.chunk_workers import Role
 
@@ -89,7 +89,7 @@ def prepare(engine: str) -> None:
 
 def fly(flight: Flight) -> Flown | Stored:
     """Fly members in this process. States that cannot be written into the file are returned. Raises `EngineMissing`."""
-    found = members.fly(flight.engine, flight.method, flight.members, flight.steps, flight.names)
+    found = blocks.fly(flight.engine, flight.method, flight.members, flight.steps, flight.names)
     if flight.file is None or not found.states.size:
         return found
     try:
