@@ -2,6 +2,7 @@
 
 import errno
 import sys
+from collections.abc import Callable
 
 from cyclopts import App, CycloptsError, Parameter
 
@@ -18,15 +19,7 @@ from bodycheck.commands.truth import truth
 from bodycheck.errors import BAD_INPUT, FAILED, INTERRUPTED, NO_ROOM, SHOWN_OF_NAME, BadInput, Failed
 from bodycheck.runner_log import guarded
 from bodycheck.site.command import site, submit
-from bodycheck.studies.ablation.command import ablate
-from bodycheck.studies.audit.command import audit
-from bodycheck.studies.contact.command import contact
-from bodycheck.studies.ensemble.command import ensemble
-from bodycheck.studies.extremes.command import extremes
-from bodycheck.studies.parity.command import parity
-from bodycheck.studies.recommend.command import recommend
-from bodycheck.studies.releases.command import bisect, releases
-from bodycheck.studies.tradeoff.command import tradeoff
+from bodycheck.studies import plain_command
 
 app = App(
     name="bodycheck",
@@ -38,8 +31,11 @@ app = App(
 )
 
 #: All commands, in the order of their registration.
-COMMANDS = (
-    *(run, tradeoff, recommend, extremes, ensemble, ablate, audit, parity, contact, gather, query, releases, bisect),
+COMMANDS: tuple[Callable[..., int] | App, ...] = (
+    run,
+    *plain_command.of_studies(),
+    gather,
+    query,
     *(report, diff, site, submit, truth, export, cases, engines, validate, new, schema, expect),
 )
 

@@ -5,6 +5,7 @@ The files in the folder tell which of the two it is. Nothing is simulated, and n
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 
 from bodycheck.casefile.case import CaseFaults
@@ -13,28 +14,7 @@ from bodycheck.files.reading import refuse_links
 from bodycheck.reports.study import StudyReport
 from bodycheck.results import store
 from bodycheck.results.store import Results
-from bodycheck.studies import reading
-from bodycheck.studies.ablation import saved as ablation
-from bodycheck.studies.audit import saved as audit
-from bodycheck.studies.audit.rows import RECORDS as AUDIT
-from bodycheck.studies.ensemble.header import FILE as ENSEMBLE
-from bodycheck.studies.ensemble.report import reporting as ensemble
-from bodycheck.studies.extremes import saved as extremes
-from bodycheck.studies.extremes.rows import RECORDS as EXTREMES
-from bodycheck.studies.recommend import saved as recommend
-from bodycheck.studies.recommend.rows import RECORDS as RECOMMEND
-from bodycheck.studies.tradeoff import saved as tradeoff
-
-#: How a study is read whose folder has a file of records of its own, by the name of that file.
-JOURNALS: dict[str, Callable[[Path], StudyReport]] = {
-    EXTREMES: extremes.read,
-    RECOMMEND: recommend.read,
-    AUDIT: audit.read,
-    ENSEMBLE: ensemble.again,
-}
-
-#: How a study is read whose folder contains the records of runs and a table, by the name of the table.
-TABLES: dict[str, Callable[[Results], StudyReport]] = {"tradeoff.csv": tradeoff.read, "ablation.csv": ablation.read}
+from bodycheck.studies import plain, registry
 
 #: What reading and judging damaged files may raise, beside `BadInput`.
 DAMAGE = (
@@ -52,18 +32,37 @@ def read(folder: Path) -> Results | StudyReport:
     if not folder.is_dir():
         raise BadFolder(f"{folder}: there is no such folder" if not folder.exists() else f"{folder}: is not a folder")
     refuse_links(folder)
-    files = (store.RECORDS, *JOURNALS)
+    readers = _readers()
+    files = (store.RECORDS, *(name for name in readers if not name.endswith(".csv")))
     present = [name for name in files if (folder / name).is_file()]
     if len(present) != 1:
         content = " and ".join(present) or f"neither {', '.join(files[:-1])} nor {files[-1]}"
         raise BadFolder(
             f"{folder}: not a folder of results: it contains {content}; bodycheck writes exactly one of them into each folder"
         )
+    tables = [name for name in readers if name.endswith(".csv") and (folder / name).is_file()]
     with undamaged(folder):
-        if present[0] in JOURNALS:
-            return JOURNALS[present[0]](folder)
-        results = store.read(folder)
-        return _study_of_runs(results) or results
+        if present[0] in readers:
+            return readers[present[0]](folder)
+        if len(tables) > 1:
+            raise BadFolder(
+                f"{folder}: contains {' and '.join(tables)}, but only one can belong to these results; remove the other"
+            )
+        return readers[tables[0]](folder) if tables else store.read(folder)
+
+
+def _readers() -> dict[str, Callable[[Path], StudyReport]]:
+    """Return the functions that read the folders of studies, by the name of the file by which a folder is recognised.
+
+    That is the journal of the study, or the table beside the records of its runs.
+    """
+    readers: dict[str, Callable[[Path], StudyReport]] = {}
+    for name in registry.STUDIES:
+        if (saved := registry.part(name, "saved")) is not None:
+            readers[saved.FILE] = saved.read
+        elif registry.is_plain(name):
+            readers[plain.journal(name)] = partial(plain.read, name)
+    return readers
 
 
 @contextmanager
@@ -79,17 +78,3 @@ def undamaged(*folders: Path) -> Iterator[None]:
 
 def _names(folders: tuple[Path, ...]) -> str:
     return " or ".join(map(str, folders))
-
-
-def _study_of_runs(results: Results) -> StudyReport | None:
-    """Return the report of the study whose table is beside the runs; None if there is no such table."""
-    tables = [name for name in TABLES if (results.folder / name).is_file()]
-    if not tables:
-        return None
-    if len(tables) > 1:
-        raise BadFolder(
-            f"{results.folder}: contains {' and '.join(tables)}, but only one can belong to these results; remove the other"
-        )
-    if not results.complete:
-        raise BadFolder(f"{results.folder}: the study {reading.INTERRUPTED}")
-    return TABLES[tables[0]](results)

@@ -16,7 +16,8 @@ from typing import TypeVar
 import numpy as np
 
 from bodycheck.figures import bounds, conservation, contact, mechanisms, motion, touching
-from bodycheck.figures.definition import Column, Comparison, Figure
+from bodycheck.figures.column import Column
+from bodycheck.figures.definition import Comparison, Figure
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
 

@@ -1,4 +1,4 @@
-"""What a column of results and a figure of a run are: their names, units and meanings, and how a figure is computed."""
+"""Figures of a run: their names, units and meanings, and how they are computed from a comparison with the truth."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -9,6 +9,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from bodycheck.figures.column import Column, Kind
 from bodycheck.reference.bounds import Bounds
 from bodycheck.reference.contact.impacts import Impact, impacts
 from bodycheck.reference.contact.motion import Event, Interface
@@ -28,62 +29,12 @@ from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Truth
 
-#: Types of values, as JSON Schema calls them.
-Kind = Literal["string", "boolean", "integer", "number"]
-
 #: Where the column of a figure is: a value in every completed run, a column in every table, or a column only in tables with a
 #: run that has a value.
 Presence = Literal["every run", "every table", "where measured"]
 
 #: An instant that is so near to an impact, relative to it, may be either side of it.
 ROUNDED_TIME = 1e-12
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column of results.
-
-    Attributes
-    ----------
-    name, kind
-        The key in tables and files, and the type of its values.
-    title
-        The head of a table or the title of an axis.
-    meaning
-        A phrase for readers who know nothing of bodycheck.
-    unit
-        The SI unit, empty for a pure number.
-    counts
-        What a number without a unit counts, for example steps. A number without a unit that counts nothing is relative.
-    largest
-        Whether the value is the largest one over the sampled instants.
-    remark
-        What else the grammar of case files says, for example in which scenes the value exists.
-    """
-
-    name: str
-    kind: Kind
-    title: str
-    meaning: str
-    unit: str = ""
-    counts: str = ""
-    largest: bool = False
-    remark: str = ""
-
-    @property
-    def told(self) -> str:
-        """The meaning, with the word "largest" where the column has the largest value over the instants."""
-        return f"largest {self.meaning}" if self.largest else self.meaning
-
-    @property
-    def in_unit(self) -> str:
-        """The unit, or what a number without a unit counts, or the word "relative"."""
-        return self.unit or self.counts or "relative"
-
-    @property
-    def description(self) -> str:
-        """The meaning with the unit and the remark."""
-        return "".join((self.told, self.unit and f", {self.unit}", self.remark and f"; {self.remark}"))
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from bodycheck.errors import BadInput
@@ -10,10 +11,15 @@ from bodycheck.interface.html import shown
 from bodycheck.interface.plots import Plot, chosen
 from bodycheck.reports import plot_files
 from bodycheck.reports.study import StudyReport
+from bodycheck.results import tables
 from bodycheck.suggestion import did_you_mean
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+#: Units of columns: none.
+NO_UNITS: Mapping[str, str] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -39,6 +45,29 @@ class Table:
     numbers: frozenset[str]
     units: Mapping[str, str]
     shown: Sequence[str]
+
+    @classmethod
+    def of(cls, described: tables.Table[Any], rows: Sequence[Any], units: Mapping[str, str] = NO_UNITS) -> "Table":
+        """Return rows as a table.
+
+        Parameters
+        ----------
+        described
+            The description of the table.
+        rows
+            The rows, as the description says.
+        units
+            The units of columns whose unit depends on the rows.
+        """
+        columns = described.names(rows)
+        known = {name: described.by_name[name] for name in columns}
+        return cls(
+            described.records(rows),
+            columns,
+            frozenset(name for name, column in known.items() if column.kind == "number"),
+            {name: column.unit for name, column in known.items() if column.unit} | dict(units),
+            described.shown or columns,
+        )
 
     def to_frame(self) -> "pd.DataFrame":
         """Return the table as a data frame with the units in `attrs["units"]`. Raises `BadInput` if pandas is missing."""

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 from bodycheck import reports
 from bodycheck.console.ran import Selection, ran_of
 from bodycheck.errors import BadInput
-from bodycheck.figures.columns import COLUMNS, UNITS
 from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Cases, Names, Numbers
 from bodycheck.interface.folders import kept
@@ -18,6 +17,7 @@ from bodycheck.interface.results import Results, Table
 from bodycheck.judging import judgement, result_set
 from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
+from bodycheck.results.tables import RESULTS
 from bodycheck.running.plan import plan
 from bodycheck.suggestion import did_you_mean
 
@@ -25,12 +25,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from bodycheck.reports.runs.brief import Brief
-
-#: The columns that a notebook shows.
-SHOWN = (
-    *("case", "engine", "integrator", "timestep", "status", "passed"),
-    *("attitude_error", "position_error", "energy_drift", "energy_error", "reason"),
-)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,10 +64,7 @@ class RunResults(Results):
     @property
     def tables(self) -> dict[str, Table]:
         """The table of runs, by the name `results`."""
-        rows = judgement.records(self.verdicts)
-        columns = list(rows[0]) if rows else list(judgement.COLUMNS)
-        numbers = frozenset(name for name in columns if COLUMNS[name].kind == "number")
-        return {"results": Table(rows, columns, numbers, {name: UNITS[name] for name in columns if name in UNITS}, SHOWN)}
+        return {"results": Table.of(RESULTS, judgement.records(self.verdicts))}
 
     def to_frame(self, table: str = "") -> "pd.DataFrame":
         """Return the table of runs, whose name is `results`, with the columns and types of results.parquet.

@@ -9,8 +9,9 @@ remaining error at a given step, which vanishes with it, is the *time step* erro
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -26,6 +27,7 @@ from bodycheck.results.key import RunKey
 from bodycheck.results.origin import Origins
 from bodycheck.results.outcome import Completed, Run
 from bodycheck.results.store import Results
+from bodycheck.results.tables import RESULTS, RUN, Meaning, Table, table_of
 from bodycheck.running.truths import stop_under
 
 #: The attributed quantities: time (s), distance from the start (m) and rotation since the start (rad) at the stop.
@@ -34,35 +36,36 @@ QUANTITIES = ("stop_time", "stop_distance", "stop_yaw")
 
 @dataclass(frozen=True)
 class Attribution:
-    """The signed parts of the error of one quantity, engine minus truth, in the quantity's unit.
-
-    Attributes
-    ----------
-    case, engine, version, integrator, timestep
-        The case and the method; the time step is in s.
-    quantity
-        The quantity.
-    total
-        The error, which is the sum of the other parts.
-    model_form
-        The part that the engine's law of contact causes; None if the reference has no such law, and `constraint` then contains
-        it.
-    constraint
-        What is left for vanishing time steps; None for a method that was run with one time step only.
-    time_step
-        The part that vanishes with the time step; None for a method that was run with one time step only.
-    """
+    """The signed parts of the error of one quantity, engine minus truth, in the quantity's unit."""
 
     case: str
     engine: str
     version: str
     integrator: str
     timestep: float
-    quantity: str
-    total: float
-    model_form: float | None
-    constraint: float | None
-    time_step: float | None
+    quantity: Annotated[str, Meaning("Quantity", "what the numbers of the row are of")]
+    total: Annotated[float, Meaning("Total", "error of the quantity, engine minus truth, in s, m or rad", signed=True)]
+    model_form: Annotated[
+        float | None,
+        Meaning(
+            "Model form",
+            "part of the error from another law of friction; empty if the reference has no such law, and the constraint then "
+            "contains it",
+            signed=True,
+        ),
+    ]
+    constraint: Annotated[
+        float | None,
+        Meaning(
+            "Constraint",
+            "part that remains for vanishing time steps under the engine's own law; empty for a method with one time step",
+            signed=True,
+        ),
+    ]
+    time_step: Annotated[
+        float | None,
+        Meaning("Time step", "part that vanishes with the time step; empty for a method with one time step", signed=True),
+    ]
 
     @property
     def key(self) -> RunKey:
@@ -70,8 +73,18 @@ class Attribution:
         return RunKey(self.case, self.engine, Method.parse(self.integrator, self.timestep))
 
 
-#: The columns of attribution.csv.
-COLUMNS = tuple(field.name for field in fields(Attribution))
+PARTS = table_of(
+    Attribution,
+    "attribution",
+    "parts of errors",
+    key=(*RUN, "quantity"),
+    filled=("case", "engine", "version", "integrator", "timestep", "quantity"),
+)
+
+#: The same table with the results of several sets.
+PARTS_OF_SETS: Table[Mapping[str, Any]] = Table(
+    PARTS.name, PARTS.title, None, (RESULTS.by_name[LABEL], *PARTS.columns), (LABEL, *PARTS.key), PARTS.filled
+)
 
 
 def attribute(results: Results, verdicts: Iterable[Verdict]) -> list[Attribution]:
@@ -127,11 +140,12 @@ def write(attributions: Mapping[str, Iterable[Attribution]], folder: Path, origi
     They are given by the label of their set of results, which is a column of the table if there are several sets. The origins
     say where the numbers come from.
     """
-    rows = [{LABEL: label} | asdict(part) for label, own in attributions.items() for part in own]
-    if len(attributions) == 1:
-        rows = [{name: row[name] for name in COLUMNS} for row in rows]
-    if rows:
-        csv_tables.write(folder / "attribution.csv", list(rows[0]), rows, origins)
+    if len(attributions) > 1:
+        rows = [{LABEL: label} | asdict(part) for label, parts in attributions.items() for part in parts]
+        if rows:
+            csv_tables.write(folder, PARTS_OF_SETS, rows, origins)
+    elif parts := [part for parts in attributions.values() for part in parts]:
+        csv_tables.write(folder, PARTS, parts, origins)
 
 
 def _exact(

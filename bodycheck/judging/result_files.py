@@ -1,9 +1,8 @@
 """Write the tables of judged results: results.csv, results.parquet, and the metadata beside the first."""
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -13,6 +12,7 @@ from bodycheck.judging import judgement
 from bodycheck.judging.judgement import Verdict
 from bodycheck.results import csv_tables
 from bodycheck.results.origin import Origins, with_origin
+from bodycheck.results.tables import RESULTS
 
 
 def write(verdicts: Sequence[Verdict], folder: Path, origins: Origins) -> None:
@@ -33,8 +33,7 @@ def write(verdicts: Sequence[Verdict], folder: Path, origins: Origins) -> None:
         A file cannot be written.
     """
     table = judgement.arrow(verdicts)
-    rows: list[Mapping[str, Any]] = list(judgement.records(verdicts))
-    csv_tables.write(folder / "results.csv", table.column_names, rows, origins)
+    csv_tables.write(folder, RESULTS, judgement.records(verdicts), origins, table.column_names)
     writing.write(folder / "results.parquet", _parquet(table, origins))
 
 

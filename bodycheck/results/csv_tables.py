@@ -1,4 +1,4 @@
-"""Tables as CSV files: how all of them are written and read.
+"""Tables as CSV files.
 
 A file is UTF-8 text with a header line. Lines end in a line feed, decimal numbers have all the digits that identify them, truth
 values are `True` and `False`, and an entry without a value (None or NaN) is empty. A text that a spreadsheet would take for a
@@ -7,37 +7,39 @@ formula has an apostrophe before it, which `read` removes.
 
 import csv
 import io
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from types import UnionType
-from typing import Any, get_args
+from typing import Any
 
+from bodycheck.figures.column import Kind
 from bodycheck.files import reading, writing
 from bodycheck.results.origin import BESIDE, Origins, beside
+from bodycheck.results.tables import Row, Table
 
 #: What a text begins with that spreadsheets take for a formula.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-
-Parser = Callable[[str], Any]
 
 #: The largest size of a table that is read, in bytes.
 MAX_BYTES = 1 << 28
 
 
-def write(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]], origins: Origins = ()) -> None:
+def write(
+    folder: Path, table: Table[Row], rows: Sequence[Row], origins: Origins = (), columns: Sequence[str] | None = None
+) -> None:
     """Write a table, and beside it a file with the units of its columns and where its numbers come from; see `origin`.
 
     Parameters
     ----------
-    path
-        The file, which is replaced if it exists.
-    columns
-        The names of the columns, in their order.
+    folder
+        The folder of the file, which is replaced if it exists.
+    table
+        The description of the table.
     rows
-        The values of each row by column; a column that a row lacks is empty in it.
+        The rows. An entry is empty where a row has no value for its column.
     origins
         Where the numbers come from.
+    columns
+        The names of the columns, in their order; those of the rows if it is None, see `Table.names`.
 
     Raises
     ------
@@ -46,23 +48,27 @@ def write(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, Any]],
     ValueError
         A row has a value for a column that is not among `columns`.
     """
+    names = table.names(rows) if columns is None else columns
     stream = io.StringIO()
-    writer = csv.DictWriter(stream, columns, lineterminator="\n")
+    writer = csv.DictWriter(stream, names, lineterminator="\n")
     writer.writeheader()
-    writer.writerows({name: entry(value) for name, value in row.items()} for row in rows)
+    writer.writerows({name: entry(value) for name, value in record.items()} for record in table.records(rows))
+    path = folder / table.file
     writing.write(path, stream.getvalue().encode("utf-8", "replace"))
-    writing.write(path.with_name(path.name + BESIDE), beside(path, columns, origins))
+    writing.write(path.with_name(path.name + BESIDE), beside(table, names, origins))
 
 
-def read(path: Path, parsers: Mapping[str, Parser]) -> list[dict[str, Any]]:
-    """Return the rows of a table, each with its values by column.
+def read(folder: Path, table: Table[Row]) -> list[dict[str, Any]]:
+    """Return the records of a table, each with its values by column.
+
+    An empty entry is None, except in columns of texts. A column that the description does not have holds numbers.
 
     Parameters
     ----------
-    path
-        The file.
-    parsers
-        How to read the columns that do not hold decimal numbers. An empty entry is None unless the parser is `str`.
+    folder
+        The folder of the file.
+    table
+        The description of the table.
 
     Raises
     ------
@@ -71,20 +77,22 @@ def read(path: Path, parsers: Mapping[str, Parser]) -> list[dict[str, Any]]:
     ValueError
         An entry cannot be parsed, a row is too long, or the file is not UTF-8.
     """
+    parsers = {column.name: PARSERS[column.kind] for column in table.columns}
 
     def value(name: str, text: str) -> Any:
         parser = parsers.get(name, float)
         text = text[1:] if text and text.startswith("'") and _is_formula(text[1:]) else text
         return parser(text) if text or parser is str else None
 
+    path = folder / table.file
     stream = io.StringIO(reading.content(path, MAX_BYTES).decode("utf-8"), newline="")
     try:
-        table = list(csv.DictReader(stream, strict=True))
+        lines = list(csv.DictReader(stream, strict=True))
     except csv.Error as error:
         raise ValueError(str(error)) from error
-    if any(None in row or None in row.values() for row in table):
+    if any(None in line or None in line.values() for line in lines):
         raise ValueError(f"{path}: a row has more or fewer entries than the header")
-    return [{name: value(name, text) for name, text in row.items()} for row in table]
+    return [{name: value(name, text) for name, text in line.items()} for line in lines]
 
 
 def entry(value: Any) -> Any:
@@ -99,12 +107,12 @@ def _is_formula(text: str) -> bool:
     return text.lstrip("'").startswith(FORMULA)
 
 
-def parsers_of(rows: type) -> dict[str, Parser]:
-    """Return the parsers for the fields of a dataclass of rows that hold text or integers."""
-    types = {field.name: get_args(field.type) if isinstance(field.type, UnionType) else (field.type,) for field in fields(rows)}
-    return {name: parser for name, allowed in types.items() for parser in (str, int) if parser in allowed}
+def _truth_value(text: str) -> bool:
+    """Return the truth value that `write` writes as this text. Raises `ValueError` for any other text."""
+    if text not in ("True", "False"):
+        raise ValueError(f"{text!r:.60} is neither True nor False")
+    return text == "True"
 
 
-def truth_value(text: str) -> bool:
-    """Return the truth value that `write` writes as this text. Raises `KeyError` for any other text."""
-    return {"True": True, "False": False}[text]
+#: The functions that read the entries of columns, by the kind of the column.
+PARSERS: dict[Kind, Callable[[str], Any]] = {"string": str, "boolean": _truth_value, "integer": int, "number": float}

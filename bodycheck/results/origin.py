@@ -9,13 +9,14 @@ readers. It has a file beside it instead, in the form and under the name of the 
 import json
 from collections.abc import Mapping, Sequence
 from hashlib import sha256
-from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
 
+from bodycheck.figures.column import Column
 from bodycheck.figures.columns import COLUMNS
 from bodycheck.results.header import DESCRIPTIONS, Header, StoredHeader
+from bodycheck.results.tables import Table
 
 #: The end of the name of the file beside a CSV file.
 BESIDE = "-metadata.json"
@@ -57,12 +58,15 @@ def stored(header: StoredHeader, label: str = "") -> dict[str, Any]:
     return origin(header, {case["name"]: case["text"] for case in header["cases"]}, label)
 
 
-def beside(path: Path, columns: Sequence[str], origins: Origins) -> bytes:
-    """Return the content of the file beside a CSV file: its columns with their units and meanings, and the origins."""
+def beside(table: Table[Any], columns: Sequence[str], origins: Origins) -> bytes:
+    """Return the content of the file beside a CSV file: its columns with their units and meanings, and the origins.
+
+    columns: the names of the columns that the file has, in their order.
+    """
     described = {
         "@context": ["http://www.w3.org/ns/csvw", {"@language": "en"}],
-        "url": path.name,
-        "tableSchema": {"columns": [_column(name) for name in columns]},
+        "url": table.file,
+        "tableSchema": {"columns": [_column(table.by_name[name]) for name in columns]},
         "notes": list(origins),
     }
     return (json.dumps(described, ensure_ascii=False, indent=1) + "\n").encode("utf-8", "replace")
@@ -79,10 +83,13 @@ def with_origin(table: Any, origins: Origins) -> Any:
     return table.cast(pa.schema(fields, metadata))
 
 
-def _column(name: str) -> dict[str, Any]:
-    column = COLUMNS.get(name)
-    if column is None:
-        return {"name": name, "titles": name}
-    told = {"name": name, "titles": name, "datatype": TYPES[column.kind], "dc:description": column.told}
+def _column(column: Column) -> dict[str, Any]:
+    """Return what the metadata of a CSV file says of a column."""
+    described = {
+        "name": column.name,
+        "titles": column.name,
+        "datatype": TYPES[column.kind],
+        "dc:description": column.told,
+    }
     unit = column.unit or column.counts
-    return told | ({"schema:unitText": unit} if unit else {})
+    return described | ({"schema:unitText": unit} if unit else {})

@@ -5,7 +5,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
-from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 from typing import Protocol
@@ -18,7 +17,7 @@ from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.requirements import slides
 from bodycheck.reference.truths import NoTruth
-from bodycheck.results import store, versions
+from bodycheck.results import resumption, store, versions
 from bodycheck.results.header import Header
 from bodycheck.results.machine import fingerprint
 from bodycheck.results.outcome import Completed, Run
@@ -208,10 +207,9 @@ def no_truth(result: NoTruth | Crashed | TimedOut) -> NoTruth:
 
 def _identity(tasks: Sequence[Task], head: Header, limit: float, memory: int) -> str:
     """Return a digest of everything that determines the results, regardless of the machine and the command."""
-    versions = [store.FORMAT, head["bodycheck"], head["packages"], head["engines"]]
+    everything = [store.FORMAT, *resumption.versions(head)]
     cases = {task.case.name: task.case for task in tasks}
-    plan = [task.key for task in tasks]
-    return sha256(repr((versions, limit, memory, cases, plan)).encode("utf-8")).hexdigest()
+    return resumption.identity(everything, limit, memory, cases, [task.key for task in tasks])
 
 
 def _missing(writer: Writer, argument: TruthTask | Task) -> int:

@@ -7,7 +7,7 @@ from typing import Any, Literal, get_args
 
 from bodycheck.site.catalogue import Entry
 from bodycheck.studies.parity.quantities import CAUSES, FILE, MEANINGS, QUANTITIES, Quantity, Status
-from bodycheck.studies.parity.rows import COLUMNS, ParityRow
+from bodycheck.studies.parity.rows import READINGS, ParityRow
 from bodycheck.studies.parity.wording import brief, name_of, of_engine
 
 #: What is said of an engine and a robot, or of one of its quantities; the first that holds.
@@ -139,7 +139,7 @@ def quantities(read: Sequence[Reading]) -> list[tuple[Quantity, str, str, list[M
 def parity_row(entry: Entry) -> ParityRow:
     """Return a row as the study has it; a cause that the study does not know counts as none that was found."""
     numbers = ("difference", "relative", "quantity")
-    known: dict[str, Any] = {name: entry.get(name) if name in numbers else entry.get(name) or "" for name in COLUMNS}
+    known: dict[str, Any] = {name: entry.get(name) if name in numbers else entry.get(name) or "" for name in READINGS.by_name}
     return ParityRow(**known | {"cause": known["cause"] if known["cause"] in CAUSES else "unexplained"})
 
 

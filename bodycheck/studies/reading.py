@@ -16,9 +16,7 @@ from bodycheck.results import csv_tables, journal, records, store
 from bodycheck.results.header import Header
 from bodycheck.results.journal import Contents
 from bodycheck.results.store import Results
-
-#: How to read a column of results by its kind in `bodycheck.columns`.
-PARSERS: dict[str, csv_tables.Parser] = {"string": str, "boolean": csv_tables.truth_value, "integer": int, "number": float}
+from bodycheck.results.tables import Row, Table
 
 #: The predicate of messages about an interrupted study.
 INTERRUPTED = "was interrupted before its report was written; run it again with the same --out to resume it"
@@ -36,6 +34,14 @@ def finished(path: Path) -> tuple[Contents, Header]:
     return contents, cast(Header, contents.header)
 
 
+def finished_runs(folder: Path) -> Results:
+    """Return the runs of a finished study, whose table is beside their records. Raises `BadFolder` if it was interrupted."""
+    results = store.read(folder)
+    if not results.complete:
+        raise BadFolder(f"{folder}: the study {INTERRUPTED}")
+    return results
+
+
 def check_runs(results: Results, table: str, told: set[Any], made: set[Any]) -> None:
     """Raise `BadFolder` if a table does not list the same runs as the records in its folder."""
     if not told or told != made:
@@ -51,9 +57,18 @@ def dated(report: StudyReport, header: Mapping[str, Any], figures: Collection[st
     return replace(report, notices=(*report.notices, *(f"{text}." for text in revisions.notices(stored, figures))))
 
 
-def rows(path: Path, parsers: Mapping[str, csv_tables.Parser]) -> list[dict[str, Any]]:
-    """Return the rows of a table, with the present spelling of methods that earlier versions of bodycheck spelled otherwise."""
-    return [row | {"integrator": current(row["integrator"])} for row in csv_tables.read(path, parsers)]
+def rows(folder: Path, table: Table[Row]) -> list[Row]:
+    """Return the rows of a table, with the present spelling of methods that earlier versions of bodycheck spelled otherwise.
+
+    Raises `ValueError` for a row that is not as the description of the table says.
+    """
+    return [row(table, record) for record in csv_tables.read(folder, table)]
+
+
+def row(table: Table[Row], record: Mapping[str, Any]) -> Row:
+    """Return the row of a record of a table; see `rows`."""
+    present = table.values(record) | {"integrator": current(record["integrator"])}
+    return cast(Row, present) if table.row is None else records.typed(table.row, present)
 
 
 def runs(results: Results) -> Iterator[dict[str, Any]]:

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any, get_args
 
+from bodycheck.figures.column import Column
 from bodycheck.figures.columns import CASE_COLUMNS, COLUMNS, FIGURES, FURTHER, LIMIT_COLUMNS
-from bodycheck.figures.definition import Column
 from bodycheck.judging import judgement
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.runs.contents import Contents

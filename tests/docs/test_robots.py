@@ -7,6 +7,7 @@ from typing import Any, get_args
 import pytest
 
 from bodycheck.adapters import registry
+from bodycheck.results import csv_tables
 from bodycheck.studies.parity import rows
 from bodycheck.studies.parity.quantities import Cause, Status
 from bodycheck.studies.parity.rows import Compared
@@ -33,7 +34,8 @@ def script() -> dict[str, Any]:
 def test_engines_with_the_same_robots_share_a_row(
     script: dict[str, Any], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    rows.write([rows.row(model, engine, "1.0", own) for (model, engine), own in FOUND.items()], tmp_path, [])
+    readings = [rows.row(model, engine, "1.0", own) for (model, engine), own in FOUND.items()]
+    csv_tables.write(tmp_path, rows.READINGS, readings)
     script["main"]([str(tmp_path)])
     lines = capsys.readouterr().out.splitlines()
     assert "| dart 1.0 | 2 | 0 | 0 | 0 | 0 |" in lines

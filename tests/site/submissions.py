@@ -1,7 +1,7 @@
 """Small results folders and submissions as tests make them: with the writers of bodycheck, but without running an engine."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -102,7 +102,7 @@ def tradeoff(timestep: float, cost: float = 1e-3, **values: Any) -> Row:
     costs: dict[str, Any] = {
         "time_per_step_low": 0.9 * cost * timestep,
         "time_per_step_high": 1.2 * cost * timestep,
-        "evaluations": 1.0,
+        "evaluations": 1,
         "cost": cost,
         "processor_time_per_step": cost * timestep,
         "setup_time": 0.01,
@@ -210,7 +210,8 @@ def write_folder(
     texts = {name: case_files.load(name).text for name in sorted(named) if case_files.is_shipped(name)} | dict(cases or {})
     stored: Any = {**told, "cases": [{"name": name, "text": text} for name, text in texts.items()]}
     for name, table in rows.items():
-        csv_tables.write(folder / name, _columns(name, table), table, [origin.stored(stored)])
+        as_mappings = replace(TABLES[name], row=None)
+        csv_tables.write(folder, as_mappings, table, [origin.stored(stored)], _columns(name, table))
     with journal.begin(folder / store.RECORDS, {"format": store.FORMAT, **stored}):
         pass
     return folder
@@ -242,5 +243,5 @@ def _columns(name: str, rows: Sequence[Row]) -> list[str]:
     there = {column for row in rows for column in row}
     if name in ("results.csv", "tradeoff.csv", "releases.csv"):
         there |= set(RUN_COLUMNS)
-    ordered = [*COLUMNS, *(column for column in TABLES[name].kinds if column not in COLUMNS)]
+    ordered = [*COLUMNS, *(column for column in TABLES[name].by_name if column not in COLUMNS)]
     return [column for column in ordered if column in there] if there & {"status", "passed"} else list(rows[0])

@@ -44,7 +44,7 @@ COMMANDS: list[tuple[str, Row, str]] = [
     ),
     (
         "tradeoff.csv",
-        submissions.tradeoff(0.001, batch=100.0),
+        submissions.tradeoff(0.001, batch=100),
         f"tradeoff {FREE} --engine mujoco@4.0.0 --integrator Euler --timestep 0.001 --batch 100",
     ),
     (

@@ -4,7 +4,7 @@ import pytest
 
 from bodycheck.errors import BadInput
 from bodycheck.site.pages import badges, engines, feed, releases
-from bodycheck.site.submissions.plausible import FILLED
+from bodycheck.site.submissions.tables import TABLES
 from tests.site import submissions as make
 from tests.site import upgrades as example
 
@@ -18,7 +18,7 @@ ROWS = example.STUDIES | {
 @pytest.mark.parametrize("table", ROWS)
 def test_an_empty_entry_or_a_zero_breaks_no_page(table: str) -> None:
     row, *others = ROWS[table]
-    columns = [column for column in row if column not in FILLED[table]]
+    columns = [column for column in row if column not in TABLES[table].filled]
     assert columns
     made = 0
     for column in columns:

@@ -28,7 +28,6 @@ from bodycheck.reports.runs.matrix import KINDS
 from bodycheck.site import changes, links
 from bodycheck.site.catalogue import Catalogue, Entry
 from bodycheck.site.cells import Cell
-from bodycheck.site.columns import columns
 from bodycheck.site.commands import command
 from bodycheck.site.front import Front
 from bodycheck.site.render import File
@@ -91,8 +90,7 @@ def index(catalogue: Catalogue) -> dict[str, Any]:
             name: {
                 "title": table.title,
                 "columns": {
-                    one.name: {"title": one.title, "unit": one.unit or one.counts, "meaning": one.told}
-                    for one in columns(name).values()
+                    one.name: {"title": one.title, "unit": one.unit or one.counts, "meaning": one.told} for one in table.columns
                 },
             }
             for name, table in TABLES.items()

@@ -93,8 +93,10 @@ def _table(path: Path, clean: Cleaning) -> bytes:
     whole = len(rows)
     if path.name == "parity.csv":
         rows = list(map(list, condensing.condensed(rows)))
-    kinds = tables.TABLES[path.name].kinds
-    texts = [place for place, name in enumerate(rows[0] if rows else ()) if "text" in kinds.get(name, "") and name not in PARTS]
+    columns = tables.TABLES[path.name].by_name
+    heads = rows[0] if rows else []
+    of_texts = {name for name in heads if name in columns and "text" in tables.kind(columns[name])} - set(PARTS)
+    texts = [index for index, name in enumerate(heads) if name in of_texts]
     known: dict[str, str] = {}
     for row in rows[1:]:
         for place in texts:

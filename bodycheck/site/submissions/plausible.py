@@ -2,48 +2,25 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, get_args
+from typing import Any
 
 from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
-from bodycheck.figures.columns import COLUMNS, COST_COLUMNS, FIGURES, most_possible
+from bodycheck.figures.columns import COST_COLUMNS, FIGURES, most_possible
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.results.outcome import Completed, Diverged, Unsupported
 from bodycheck.site.submissions.submission import Row
-from bodycheck.studies.audit.probe import Property
-from bodycheck.studies.audit.rows import Status as AuditStatus
-from bodycheck.studies.contact.rows import Setting
-from bodycheck.studies.parity import quantities as parity
-from bodycheck.studies.releases.rows import STATUS, UNOBTAINABLE
+from bodycheck.site.submissions.tables import TABLES
+from bodycheck.studies.releases.rows import UNOBTAINABLE
 
 #: How a run ends.
 ENDS = tuple(outcome.status for outcome in (Completed, Unsupported, Diverged, Crashed, TimedOut))
 
-#: The words that may stand in columns, by table and column.
-WORDS: dict[tuple[str, str], frozenset[str]] = {
-    **{(table, "status"): frozenset(ENDS) for table in ("results.csv", "tradeoff.csv", "contact.csv")},
-    ("releases.csv", "status"): frozenset((*ENDS, UNOBTAINABLE)),
-    ("tradeoff.csv", "precision"): frozenset(("float64", "float32")),
-    ("orders.csv", "floor_cause"): frozenset(("limit", "rounding")),
-    ("changes.csv", "quantity"): frozenset((*COLUMNS, STATUS)),
-    ("contact.csv", "setting"): frozenset(get_args(Setting)),
-    ("contact.csv", "figure"): frozenset(FIGURES),
-    ("parity.csv", "status"): frozenset(get_args(parity.Status)),
-    ("parity.csv", "quantity"): frozenset(parity.QUANTITIES),
-    ("parity.csv", "cause"): frozenset(parity.CAUSES),
-    ("audit.csv", "property"): frozenset(get_args(Property)),
-    ("audit.csv", "status"): frozenset(get_args(AuditStatus)),
-    ("ensemble.csv", "figure"): frozenset(FIGURES),
-}
-
-#: Columns whose numbers may be negative, by table.
-SIGNED: dict[str, frozenset[str]] = {
-    "attribution.csv": frozenset(("total", "model_form", "constraint", "time_step")),
-    "orders.csv": frozenset(("order", "order_low", "order_high")),
-    "changes.csv": frozenset(("order_before", "order_after")),
-    "contact.csv": frozenset(("truth",)),
-    "audit.csv": frozenset(("value",)),
+#: The words for how a run ends, by table.
+STATUSES: dict[str, frozenset[str]] = {
+    **dict.fromkeys(("results.csv", "tradeoff.csv", "contact.csv"), frozenset(ENDS)),
+    "releases.csv": frozenset((*ENDS, UNOBTAINABLE)),
 }
 
 #: The largest size of a number: no engine computes with larger ones before a run counts as diverged.
@@ -58,31 +35,6 @@ MEASURED = (*FIGURES, *(column.name for column in COST_COLUMNS))
 
 #: The figures that have a largest value, such as angles.
 LIMITED = tuple(figure for figure in FIGURES if most_possible(figure, 1.0) < math.inf)
-
-#: The columns in which every row has an entry, by table. Of a release that could not be had nothing else is known.
-FILLED: dict[str, tuple[str, ...]] = {
-    "results.csv": ("case", "engine", "version", "integrator", "timestep", "status"),
-    "attribution.csv": ("case", "engine", "version", "integrator", "timestep", "quantity"),
-    "tradeoff.csv": ("case", "engine", "version", "integrator", "timestep", "status"),
-    "orders.csv": ("case", "engine", "version", "integrator", "quantity"),
-    "releases.csv": ("case", "engine", "version", "status"),
-    "changes.csv": ("case", "engine", "integrator", "timestep", "quantity", "from_version", "to_version"),
-    "contact.csv": ("engine", "scene", "setting", "status"),
-    "parity.csv": ("model", "engine", "status", "subject"),
-    "audit.csv": ("engine", "version", "integrator", "timestep", "property", "status"),
-    "ensemble.csv": ("case", "engine", "version", "integrator", "timestep", "members"),
-}
-
-#: The columns that together name a row, which no other row of the table may have.
-NAMES: dict[str, tuple[str, ...]] = {
-    "results.csv": ("case", "engine", "integrator", "timestep"),
-    "tradeoff.csv": ("case", "engine", "integrator", "timestep", "device", "precision", "batch"),
-    "releases.csv": ("case", "version", "integrator", "timestep"),
-    "orders.csv": ("case", "engine", "integrator", "quantity"),
-    "attribution.csv": ("case", "engine", "integrator", "timestep", "quantity"),
-    "contact.csv": ("engine", "scene", "setting", "figure", "integrator", "timestep"),
-    "ensemble.csv": ("case", "engine", "integrator", "timestep", "figure"),
-}
 
 #: The tables whose rows are all of the versions that the header names.
 OF_ONE_VERSION = ("results.csv", "tradeoff.csv", "orders.csv", "attribution.csv", "contact.csv", "audit.csv", "ensemble.csv")
@@ -103,10 +55,12 @@ def check(name: str, rows: Sequence[Row], cases: Mapping[str, Case], engines: Ma
         The versions of the engines by name, as the header has them.
     """
     known = {adapter_of(engine) for engine in engines} | ({"file"} if name == "parity.csv" else set())
-    words = {column: allowed for (table, column), allowed in WORDS.items() if table == name}
-    signed = SIGNED.get(name, frozenset())
+    table = TABLES[name]
+    words = {column.name: column.words for column in table.columns if column.words}
+    words |= {"status": STATUSES[name]} if name in STATUSES else {}
+    signed = frozenset(column.name for column in table.columns if column.signed)
     for line, row in enumerate(rows, start=2):
-        if empty := next((column for column in FILLED[name] if row.get(column) is None), None):
+        if empty := next((column for column in table.filled if row.get(column) is None), None):
             raise fault(name, line, empty, "", "an entry in every row")
         _check_words(name, line, row, words)
         _check_numbers(name, line, row, signed)
@@ -120,7 +74,8 @@ def check(name: str, rows: Sequence[Row], cases: Mapping[str, Case], engines: Ma
             raise fault(name, line, "case", case, "the cases that come with bodycheck, and those whose file is with the table")
         if name in RUNS:
             _check_run(name, line, row, cases[str(case)])
-    _check_once(name, rows)
+    if table.key:
+        _check_once(name, rows, table.key)
 
 
 def fault(name: str, line: int, column: str, read: Any, allowed: str) -> BadInput:
@@ -160,11 +115,8 @@ def _check_run(name: str, line: int, row: Row, case: Case) -> None:
             raise fault(name, line, figure, value, f"at most {most:.12g} in {case.name}")
 
 
-def _check_once(name: str, rows: Iterable[Row]) -> None:
-    """Raise `BadInput` if two rows are of the same run."""
-    columns = NAMES.get(name)
-    if columns is None:
-        return
+def _check_once(name: str, rows: Iterable[Row], columns: Sequence[str]) -> None:
+    """Raise `BadInput` if two rows are of the same run. columns: those that identify a run."""
     lines: dict[tuple[Any, ...], int] = {}
     for line, row in enumerate(rows, start=2):
         key = tuple(row.get(column) for column in columns)

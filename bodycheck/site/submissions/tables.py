@@ -8,11 +8,9 @@ import csv
 import io
 import math
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Callable
 from functools import lru_cache
-from types import UnionType
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -20,17 +18,20 @@ from bodycheck.adapters.engine_name import EngineName
 from bodycheck.adapters.method import Method, current
 from bodycheck.casefile.values import Name
 from bodycheck.errors import BadInput
-from bodycheck.figures.columns import COLUMNS, FIGURES
+from bodycheck.figures.column import Column
+from bodycheck.figures.column import Kind as ColumnKind
+from bodycheck.judging.attribution import PARTS
 from bodycheck.results.csv_tables import FORMULA
+from bodycheck.results.tables import RESULTS, Table
 from bodycheck.site.submissions.submission import Row
 from bodycheck.site.submissions.texts import text
-from bodycheck.studies.audit.rows import Row as AuditRow
-from bodycheck.studies.contact.rows import ContactRow
-from bodycheck.studies.ensemble.rows import Row as EnsembleRow
-from bodycheck.studies.orders import Order
-from bodycheck.studies.parity.rows import ParityRow
-from bodycheck.studies.releases.rows import ALLOWANCE_SUFFIX, Change
-from bodycheck.studies.tradeoff.columns import BATCH_COLUMNS, COST_COLUMNS
+from bodycheck.studies.audit.rows import ROWS as AUDIT
+from bodycheck.studies.contact.rows import SHEET
+from bodycheck.studies.ensemble.rows import ROWS as ENSEMBLE
+from bodycheck.studies.orders import ORDERS
+from bodycheck.studies.parity.rows import READINGS
+from bodycheck.studies.releases.rows import CHANGES, RELEASES
+from bodycheck.studies.tradeoff.rows import RUNS
 
 #: What may stand in a column. A "case" is the name of one, a "method" the spelling of an integrator with its options.
 Kind = Literal["case", "engine", "version", "method", "text", "number", "integer", "boolean", "number or text"]
@@ -50,28 +51,6 @@ NUMBER = re.compile(r"-?[0-9]{1,25}(?:\.[0-9]{1,25})?(?:e[+-]?[0-9]{1,3})?")
 _NAMES = TypeAdapter(Name)
 
 
-@dataclass(frozen=True)
-class Table:
-    """A table of a results folder.
-
-    Parameters
-    ----------
-    name
-        The name of its file.
-    title
-        What it is, for readers.
-    kinds
-        What may stand in each column.
-    required
-        The columns that it must have.
-    """
-
-    name: str
-    title: str
-    kinds: Mapping[str, Kind]
-    required: tuple[str, ...]
-
-
 #: The kinds of columns that have these names in any table.
 NAMED: dict[str, Kind] = {
     "case": "case",
@@ -85,61 +64,19 @@ NAMED: dict[str, Kind] = {
     "after": "number or text",
 }
 
-#: The kinds of columns of results by what `bodycheck.figures.columns` says of them.
-PLAIN: dict[str, Kind] = {"string": "text", "number": "number", "integer": "integer", "boolean": "boolean"}
-
-_RESULTS: dict[str, Kind] = {name: NAMED.get(name) or PLAIN[column.kind] for name, column in COLUMNS.items()}
-_NUMBERS: dict[str, Kind] = dict.fromkeys(COST_COLUMNS + BATCH_COLUMNS, "number")
-_ALLOWANCES: dict[str, Kind] = {f"{name}{ALLOWANCE_SUFFIX}": "number" for name in FIGURES}
-_ATTRIBUTION: dict[str, Kind] = {
-    "case": "case",
-    "engine": "engine",
-    "version": "version",
-    "integrator": "method",
-    "timestep": "number",
-    "quantity": "text",
-    **dict.fromkeys(("total", "model_form", "constraint", "time_step"), "number"),
+#: The tables that the site has pages for, by the names of their files.
+TABLES: dict[str, Table[Any]] = {
+    table.file: table for table in (RESULTS, PARTS, RUNS, ORDERS, RELEASES, CHANGES, SHEET, READINGS, AUDIT, ENSEMBLE)
 }
 
-
-def _of(rows: type) -> dict[str, Kind]:
-    """Return the kinds of the columns of a table whose rows are a dataclass."""
-    found: dict[str, Kind] = {}
-    for field in fields(rows):
-        types = get_args(field.type) if isinstance(field.type, UnionType) else (field.type,)
-        plain: Kind = "number" if float in types else "integer" if int in types else "text"
-        found[field.name] = NAMED.get(field.name) or plain
-    return found
+#: What every table of runs must have. Any other table must have all its columns.
+RUN = ("case", "engine", "version", "integrator", "timestep", "status")
 
 
-def _table(name: str, title: str, kinds: Mapping[str, Kind], *required: str) -> Table:
-    return Table(name, title, kinds, required or tuple(kinds))
-
-
-#: What every table of runs must have.
-_RUN = ("case", "engine", "version", "integrator", "timestep", "status")
-
-#: The tables by the names of their files.
-TABLES: dict[str, Table] = {
-    table.name: table
-    for table in (
-        _table("results.csv", "runs", _RESULTS, *_RUN),
-        _table("attribution.csv", "parts of errors", _ATTRIBUTION),
-        _table(
-            "tradeoff.csv",
-            "errors and costs over time steps",
-            _RESULTS | _NUMBERS | {"device": "text", "precision": "text"},
-            *_RUN,
-        ),
-        _table("orders.csv", "orders of convergence", _of(Order)),
-        _table("releases.csv", "runs of releases", _RESULTS | _ALLOWANCES, *_RUN),
-        _table("changes.csv", "changes from release to release", _of(Change)),
-        _table("contact.csv", "contact sheet", _of(ContactRow)),
-        _table("parity.csv", "readings of robot models", _of(ParityRow)),
-        _table("audit.csv", "audit", _of(AuditRow)),
-        _table("ensemble.csv", "ensembles", _of(EnsembleRow)),
-    )
-}
+def kind(column: Column) -> Kind:
+    """Return what may stand in a column."""
+    plain: dict[ColumnKind, Kind] = {"string": "text", "number": "number", "integer": "integer", "boolean": "boolean"}
+    return NAMED.get(column.name) or plain[column.kind]
 
 
 def read(name: str, content: bytes) -> tuple[Row, ...]:
@@ -163,7 +100,7 @@ def read(name: str, content: bytes) -> tuple[Row, ...]:
         reader = csv.reader(io.StringIO(content.decode("utf-8"), newline=""), strict=True)
         columns = next(reader, [])
         _check_columns(name, columns)
-        kinds = [(column, PARSERS[TABLES[name].kinds[column]]) for column in columns]
+        kinds = [(column, PARSERS[kind(TABLES[name].by_name[column])]) for column in columns]
         found: list[Row] = []
         most = MOST_ROWS_OF.get(name, MOST_ROWS)
         for row in reader:
@@ -193,9 +130,10 @@ def _check_columns(name: str, columns: list[str]) -> None:
     table = TABLES[name]
     if not columns:
         raise BadInput(f"{name}: is empty")
-    if unknown := [column for column in columns if column not in table.kinds]:
-        raise BadInput(f"{name}:1: has a column {unknown[0][:60]!r}; allowed: {', '.join(table.kinds)}"[:500])
-    if missing := [column for column in table.required if column not in columns]:
+    if unknown := [column for column in columns if column not in table.by_name]:
+        raise BadInput(f"{name}:1: has a column {unknown[0][:60]!r}; allowed: {', '.join(table.by_name)}"[:500])
+    required = RUN if table.row is None else tuple(table.by_name)
+    if missing := [column for column in required if column not in columns]:
         raise BadInput(f"{name}:1: has no column {missing[0]}")
     if len(set(columns)) < len(columns):
         raise BadInput(f"{name}:1: has a column twice")

@@ -43,7 +43,6 @@ def ablate(
     The same case is run on models of growing size, from the smallest that represents it to one with everything computed. The
     default time step is 2 ms; half of it is run too. Costs are measured with one process. The table is ablation.csv.
     """
-    from bodycheck import reports
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import check_has_folder
     from bodycheck.console.output import say_where
@@ -51,18 +50,23 @@ def ablate(
     from bodycheck.results import origin
     from bodycheck.studies.ablation import printing, study
     from bodycheck.studies.ablation.page import present
+    from bodycheck.studies.ablation.rows import MODELS, records
+    from bodycheck.studies.output import Output
 
     check_has_folder(figures, out)
     tables.check(view, printing.MODELS)
     with ran(Selection(cases, engine, integrator, timestep, jobs), study.plan, out, quiet) as made:
         results = made.results
         rows = study.evaluate(results, made.engines, integrator, timestep)
-        if out is not None:
-            study.write(rows, out, [origin.stored(results.header)])
-            reports.write_study(present(results.header, results.cases, rows), out, figures)
+        report = present(results.header, results.cases, rows)
+        Output(out, figures).write(report, ((MODELS, records(rows)),), [origin.stored(results.header)])
     if json:
-        terminal.print_json(study.records(rows))
+        terminal.print_json(records(rows))
     elif not quiet:
         printing.print_ablation(rows, view)
     say_where(out, quiet)
     return FAILED if made.engine_failed else OK
+
+
+#: The commands of the study.
+COMMANDS = (ablate,)

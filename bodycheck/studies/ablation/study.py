@@ -2,8 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -23,9 +21,7 @@ from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import distance
-from bodycheck.results import csv_tables
 from bodycheck.results.key import RunKey
-from bodycheck.results.origin import Origins
 from bodycheck.results.outcome import Completed
 from bodycheck.results.store import Results
 from bodycheck.running import campaign
@@ -34,13 +30,6 @@ from bodycheck.running.plan import Task, check
 from bodycheck.studies import cost
 from bodycheck.studies.ablation.rows import Change, ModelRow
 from bodycheck.studies.cost import Cost, Measured, Stretch
-
-#: The first columns of ablation.csv. They are followed by the errors, the changes relative to the smallest model with the
-#: rounding and the time-step errors that may cause them, the status of the run, and the part that the model adds.
-COLUMNS = (
-    *("case", "engine", "version", "integrator", "timestep", "model"),
-    *("relative_cost", "relative_cost_low", "relative_cost_high"),
-)
 
 #: Ratio of an error of first order to its change when the time step is halved; the ratio is smaller for higher orders.
 FIRST_ORDER_FACTOR = 2.0
@@ -253,25 +242,3 @@ def attitudes_apart(one: Trajectory, other: Trajectory) -> float:
 def largest(values: Array) -> float:
     """Return the largest of some values as a float."""
     return float(values.max())
-
-
-def write(rows: Sequence[ModelRow], folder: Path, origins: Origins) -> None:
-    """Write ablation.csv into a folder, with where its numbers come from."""
-    table = records(rows)
-    csv_tables.write(folder / "ablation.csv", list(table[0]), table, origins)
-
-
-def records(rows: Sequence[ModelRow]) -> list[dict[str, Any]]:
-    """Return the rows with all columns; missing values are None."""
-    errors = dict.fromkeys(name for row in rows for name in row.errors)
-    found = []
-    for row in rows:
-        record: dict[str, Any] = {name: getattr(row, name) for name in COLUMNS} | errors | dict(row.errors)
-        for quantity in ("position", "attitude"):
-            change = row.changes.get(quantity)
-            record[f"{quantity}_change"] = change.size if change else None
-            record[f"{quantity}_rounding"] = change.rounding if change else None
-            record[f"{quantity}_time_step"] = change.time_step if change else None
-        told = {"time_per_step": row.time_per_step, "status": row.status, "reason": row.reason, "adds": row.adds}
-        found.append(record | told)
-    return found

@@ -1,47 +1,37 @@
 """The rows of classes.csv: which methods are the same algorithm."""
 
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
+from typing import Annotated
 
 from bodycheck.adapters.contract import Kind
-
-#: The columns of classes.csv.
-COLUMNS = ("kind", "class", "scheme", "engine", "version", "integrator", "distance", "scene_timestep")
+from bodycheck.results.tables import Meaning, table_of
 
 
 @dataclass(frozen=True)
 class ClassRow:
-    """A method, and the class that it is in on scenes of one kind.
+    """A method, and the class that it is in on scenes of one kind."""
 
-    Parameters
-    ----------
-    kind
-        The kind of the scenes.
-    name
-        The name of the class: its scheme, or "not identified" with a number. No other class of the kind has it.
-    scheme
-        The textbook scheme with which the class agrees; empty if there is none.
-    engine, version, integrator
-        The method.
-    distance
-        The largest difference of the motions of two methods in the class; see `judging.classes.MethodClass`.
-    scene_timestep
-        The time step (s) of the scenes.
-    """
-
-    kind: Kind
-    name: str
-    scheme: str
+    kind: Annotated[Kind, Meaning("Kind", "kind of the scenes")]
+    name: Annotated[
+        str,
+        Meaning(
+            "Class",
+            'name of the class: its scheme, or "not identified" with a number; no other class of the kind has it',
+            column="class",
+        ),
+    ]
+    scheme: Annotated[str, Meaning("Scheme", "textbook scheme with which the class agrees; empty if there is none")]
     engine: str
     version: str
     integrator: str
-    distance: float
-    scene_timestep: float
+    distance: Annotated[
+        float, Meaning("Distance", "largest difference of the motions of two methods in the class, relative to their size")
+    ]
+    scene_timestep: Annotated[float, Meaning("Time step", "time step of the scenes", "s")]
 
-    @property
-    def record(self) -> dict[str, Any]:
-        """The row by the columns of classes.csv."""
-        return {("class" if name == "name" else name): value for name, value in asdict(self).items()}
+
+#: The table of classes.
+CLASSES = table_of(ClassRow, "classes", "methods that are the same algorithm", key=("kind", "engine", "integrator"))
 
 
 @dataclass(frozen=True)

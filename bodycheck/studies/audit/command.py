@@ -4,7 +4,6 @@ Its imports are inside the function, so that `--help` answers at once.
 """
 
 import sys
-from contextlib import ExitStack
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -40,28 +39,30 @@ def audit(
     """
     from dataclasses import asdict
 
-    from bodycheck import reports
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import load_engines, processes
     from bodycheck.console.output import say_where, tell
-    from bodycheck.files.temporary import temporary_folder
     from bodycheck.results import origin
     from bodycheck.running import campaign
     from bodycheck.studies.audit import printing, study
+    from bodycheck.studies.audit.class_rows import CLASSES
     from bodycheck.studies.audit.page import present
+    from bodycheck.studies.audit.rows import ROWS
+    from bodycheck.studies.output import Output
 
     tables.check(view, printing.ROWS)
     loaded = load_engines(engines)
     planned = study.prepare(loaded.records, integrator, timestep)
     head = campaign.header(sys.argv, loaded.records, loaded.missing)
     facts = study.facts(loaded.records)
-    with ExitStack() as stack:
-        folder = out or stack.enter_context(temporary_folder())
-        progress = stack.enter_context(terminal.progress("auditing", planned.size, quiet))
-        found = stack.enter_context(study.results(planned, folder, head, processes(jobs), progress))
-        if out is not None:
-            study.write(found, out, [origin.origin(head, {planned.flip.name: planned.flip.text})])
-            reports.write_study(present(head, facts, found.rows, found.faults, found.classes), out)
+    output = Output(out, quiet=quiet)
+    with (
+        output.work("auditing", planned.size) as (folder, progress),
+        study.results(planned, folder, head, processes(jobs), progress) as found,
+    ):
+        report = present(head, facts, found.rows, found.faults, found.classes)
+        origins = [origin.origin(head, {planned.flip.name: planned.flip.text})]
+        output.write(report, ((ROWS, found.rows), (CLASSES, found.classes.rows)), origins)
     if json:
         terminal.print_json([asdict(row) for row in found.rows])
     elif not quiet:
@@ -74,3 +75,7 @@ def audit(
         print(f"bodycheck: {fault.text}", file=sys.stderr)
     say_where(out, quiet)
     return FAILED if found.faults or loaded.failed() else OK
+
+
+#: The commands of the study.
+COMMANDS = (audit,)

@@ -2,10 +2,11 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from bodycheck.results import records
-from bodycheck.studies.audit.class_rows import Classes, ClassRow, Unclassed
+from bodycheck.results.tables import Meaning, table_of
+from bodycheck.studies.audit.class_rows import CLASSES, Classes, ClassRow, Unclassed
 from bodycheck.studies.audit.probe import Property
 
 #: The file with the records of the study.
@@ -24,38 +25,38 @@ FINDINGS: tuple[Status, ...] = ("default", "deviates")
 
 @dataclass(frozen=True)
 class Row:
-    """What the audit says of one property of a method.
-
-    Parameters
-    ----------
-    engine, version, integrator, timestep
-        The method; the time step is in s.
-    property
-        The property.
-    value, unit
-        The size of what was found, with its unit; None where there is none.
-    expected
-        What the value is of an engine that computes mechanics alone, as it is printed.
-    status
-        The status.
-    probe
-        The name of the probe, with what it saw or why it could not tell.
-    attitude_error
-        The largest error of the attitude (rad) of the method's flight in the shipped case intermediate-axis-flip, which lasts
-        10 s, with this time step. None where nothing was found, and where the flight did not end.
-    """
+    """What the audit says of one property of a method."""
 
     engine: str
     version: str
     integrator: str
     timestep: float
-    property: Property
-    value: float | None
-    unit: str
-    expected: str
-    status: Status
-    probe: str
-    attitude_error: float | None
+    property: Annotated[Property, Meaning("Property", "what the probe looks for that mechanics does not have")]
+    value: Annotated[
+        float | None, Meaning("Value", "its size, in the unit that the row names; empty if it has none", signed=True)
+    ]
+    unit: Annotated[str, Meaning("Unit", "unit of the values of the row")]
+    expected: Annotated[str, Meaning("Expected", "value of an engine that computes mechanics alone")]
+    status: Annotated[
+        Status,
+        Meaning("Status", "default and deviates are findings; none, for as mechanics has it; not-probed, for unknown"),
+    ]
+    probe: Annotated[str, Meaning("Probe", "probe that gave the answer, with what it saw or why it could not tell")]
+    attitude_error: Annotated[
+        float | None,
+        Meaning(
+            "Attitude error",
+            "largest attitude error of the method in intermediate-axis-flip; empty without a finding, or if the flight did "
+            "not end",
+            "rad",
+        ),
+    ]
+
+
+ROWS = table_of(Row, "audit", "audit", filled=("engine", "version", "integrator", "timestep", "property", "status"))
+
+#: The tables of the study, the main one first.
+TABLES = (ROWS, CLASSES)
 
 
 def is_finding(row: Row) -> bool:

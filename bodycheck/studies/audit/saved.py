@@ -4,20 +4,20 @@ from pathlib import Path
 
 from bodycheck.errors import BadFolder
 from bodycheck.reports.study import StudyReport
-from bodycheck.results import csv_tables, records
+from bodycheck.results import records
 from bodycheck.studies import reading
 from bodycheck.studies.audit import page as audit
-from bodycheck.studies.audit.rows import RECORDS, Facts, Fault, Row, read_classes
+from bodycheck.studies.audit.rows import RECORDS, ROWS, Facts, Fault, read_classes
 
-#: How to read the columns of audit.csv whose texts are of a closed set.
-TEXTS: dict[str, csv_tables.Parser] = {"property": str, "status": str}
+#: The file by which its folder is recognised.
+FILE = RECORDS
 
 
 def read(folder: Path) -> StudyReport:
     """Return the report of a finished audit in a folder. Raises `BadFolder` and errors of damaged files."""
     contents, header = reading.finished(folder / RECORDS)
     facts = {name: records.typed(Facts, own) for name, own in contents.header["facts"].items()}
-    rows = [records.typed(Row, row) for row in reading.rows(folder / "audit.csv", csv_tables.parsers_of(Row) | TEXTS)]
+    rows = reading.rows(folder, ROWS)
     made = [record for record in contents.records if record["record"] == "probe"]
     if {(row.engine, row.integrator) for row in rows} != {(one["engine"], one["integrator"]) for one in made}:
         raise BadFolder(f"{folder}: damaged: audit.csv does not list the same methods as {RECORDS}")

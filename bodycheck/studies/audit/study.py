@@ -5,12 +5,10 @@ resumed, and a probe whose process dies leaves the others as they are.
 """
 
 import math
-import sys
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass, fields
-from hashlib import sha256
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,16 +19,15 @@ from bodycheck.judging.discrepancy import compare
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.truths import Truth
-from bodycheck.results import csv_tables, journal
+from bodycheck.results import resumption
 from bodycheck.results.header import Header
-from bodycheck.results.origin import Origins
 from bodycheck.results.outcome import Completed, Run
 from bodycheck.running.engines import home
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.running.tasks import TruthTask, perform
 from bodycheck.studies.audit import classes, nondeterminism
 from bodycheck.studies.audit.calls import Call, Found, make
-from bodycheck.studies.audit.class_rows import COLUMNS, Classes
+from bodycheck.studies.audit.class_rows import Classes
 from bodycheck.studies.audit.probe import Finding
 from bodycheck.studies.audit.probes import PROBES
 from bodycheck.studies.audit.rows import FINDINGS, PROPERTIES, RECORDS, Facts, Fault, Row, Status, read_classes
@@ -174,10 +171,10 @@ def results(
         If another process is writing to the folder.
     """
     told = {name: asdict(own) for name, own in facts(planned.engines).items()}
-    with journal.resume(folder / RECORDS, {**head, "facts": told, "identity": _identity(planned, head, limit)}) as log:
+    work = (planned.methods, planned.integrators, planned.flip, tuple(PROBES))
+    with resumption.opened(folder / RECORDS, head, limit, work, what="audit", facts=told) as log:
         answers = _read(log.records)
         if log.records:
-            print(f"bodycheck: resuming the interrupted audit in {folder}", file=sys.stderr)
             progress("", sum(map(len, answers.values())))
         for call, found in _missing(planned, answers, jobs, limit):
             log.add({"record": "probe", **asdict(call), **_recorded(found)})
@@ -221,12 +218,6 @@ def _is_of_engine(engine: Engine, method: Method) -> bool:
     offered = {own.name: own for own in engine.integrators if "flight" in own.kinds}
     default = engine.defaults.get("integrator", "").replace(",", " ").split()
     return "settings" not in offered[method.integrator].options and (method.integrator in default or len(offered) == 1)
-
-
-def write(found: Audit, folder: Path, origins: Origins) -> None:
-    """Write audit.csv and classes.csv into a folder, with where their numbers come from."""
-    csv_tables.write(folder / "audit.csv", [field.name for field in fields(Row)], map(asdict, found.rows), origins)
-    csv_tables.write(folder / "classes.csv", COLUMNS, (row.record for row in found.classes.rows), origins)
 
 
 def _call(engine: str, method: Method, probe: str) -> Call:
@@ -322,10 +313,3 @@ def _read(recorded: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], Answer
             findings = tuple(Finding(**finding) for finding in told["findings"])
             answers[engine, integrator][probe] = Found(findings, told["flights"], told["attitude_error"])
     return answers
-
-
-def _identity(planned: Plan, head: Header, limit: float) -> str:
-    """Return a digest of everything that determines the results, regardless of the machine and the command."""
-    versions = [head["bodycheck"], head["packages"], head["engines"]]
-    work = (planned.methods, planned.integrators, planned.flip, tuple(PROBES))
-    return sha256(repr((versions, limit, work)).encode("utf-8")).hexdigest()

@@ -34,28 +34,31 @@ def contact(
     """
     from dataclasses import asdict
 
-    from bodycheck import reports
     from bodycheck.console import tables, terminal
     from bodycheck.console.output import say_where
     from bodycheck.console.ran import Selection, ran
     from bodycheck.judging.judgement import Compared
     from bodycheck.results import origin
-    from bodycheck.studies.contact import printing, rows, sheet, study
+    from bodycheck.studies.contact import printing, sheet, study
     from bodycheck.studies.contact.page import present
+    from bodycheck.studies.contact.rows import SHEET
+    from bodycheck.studies.output import Output
 
     tables.check(view, printing.LINES)
     selection = Selection(case or sheet.scenes(), engines, integrator, timestep, jobs)
     compared = Compared()
     with ran(selection, study.plan, out, quiet, compared.meet) as made:
         found = study.evaluate(made.results, made.engines, compared)
-        if out is not None:
-            header = made.results.header
-            rows.write(found, out, [origin.stored(header)])
-            why = study.reasons(made.results, made.engines)
-            reports.write_study(present(header, made.results.cases, found, why), out)
+        header = made.results.header
+        report = present(header, made.results.cases, found, study.reasons(made.results, made.engines))
+        Output(out).write(report, ((SHEET, found),), [origin.stored(header)])
     if json:
         terminal.print_json([asdict(row) for row in found])
     elif not quiet:
         printing.print_sheet(found, view)
     say_where(out, quiet)
     return FAILED if made.engine_failed else OK
+
+
+#: The commands of the study.
+COMMANDS = (contact,)

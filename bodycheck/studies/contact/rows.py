@@ -1,15 +1,10 @@
 """The rows of contact.csv."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
-from pathlib import Path
-from typing import Literal
+from dataclasses import dataclass
+from typing import Annotated, Literal
 
-from bodycheck.results import csv_tables
-from bodycheck.results.origin import Origins
-
-#: The file with the rows.
-FILE_NAME = "contact.csv"
+from bodycheck.figures.columns import FIGURES
+from bodycheck.results.tables import Meaning, table_of
 
 #: Which method a row is of: what the engine does where its user chooses nothing, or that with the smallest value of the figure.
 Setting = Literal["defaults", "best"]
@@ -19,39 +14,43 @@ Setting = Literal["defaults", "best"]
 class ContactRow:
     """A figure of a scene in an engine with one method.
 
-    Attributes
-    ----------
-    engine, version, integrator, timestep
-        The method; the time step is in s. They are empty in the row of best settings where no method ran.
-    scene
-        The name of the case.
-    setting
-        Which method it is.
-    figure, value, unit
-        The name of the figure, its value and unit; no figure where the run did not complete.
-    truth, truth_error
-        What the figure's subject is in mechanics, such as the instant of an impact, and the bound of its error, in the unit.
-    status
-        How the run ended.
+    The method is empty in the row of best settings if no method ran.
     """
 
     engine: str
     version: str
     integrator: str
-    timestep: float | None
-    scene: str
-    setting: Setting
-    figure: str
-    value: float | None
-    unit: str
-    truth: float | None
-    truth_error: float | None
+    timestep: Annotated[float | None, Meaning("Time step", "time step; empty if no method ran", "s")]
+    scene: Annotated[str, Meaning("Scene", "name of the case")]
+    setting: Annotated[
+        Setting,
+        Meaning("Setting", "defaults, for what the engine does by itself, or best, for the smallest value found"),
+    ]
+    figure: Annotated[
+        str,
+        Meaning("Figure", "name of the figure of results; empty where the run did not complete", words=frozenset(FIGURES)),
+    ]
+    value: Annotated[float | None, Meaning("Value", "its value, in the unit that the row names")]
+    unit: Annotated[str, Meaning("Unit", "unit of the values of the row")]
+    truth: Annotated[
+        float | None,
+        Meaning(
+            "Truth",
+            "what the figure is about in mechanics, such as the instant of an impact, in the row's unit",
+            signed=True,
+        ),
+    ]
+    truth_error: Annotated[float | None, Meaning("Bound", "bound of the error of the truth, in the row's unit")]
     status: str
 
 
-COLUMNS = tuple(field.name for field in fields(ContactRow))
+SHEET = table_of(
+    ContactRow,
+    "contact",
+    "contact sheet",
+    key=("engine", "scene", "setting", "figure", "integrator", "timestep"),
+    filled=("engine", "scene", "setting", "status"),
+)
 
-
-def write(rows: Sequence[ContactRow], folder: Path, origins: Origins) -> None:
-    """Write contact.csv into a folder, with where its numbers come from."""
-    csv_tables.write(folder / FILE_NAME, COLUMNS, map(asdict, rows), origins)
+#: The tables of the study.
+TABLES = (SHEET,)

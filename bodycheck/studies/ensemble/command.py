@@ -187,3 +187,7 @@ def _carry_out(
     printing.print_made(made, shown.json, shown.view, shown.quiet)
     say_where(shown.out, shown.quiet)
     return bool(made.broken)
+
+
+#: The commands of the study.
+COMMANDS = (ensemble,)

@@ -6,7 +6,6 @@ It also decides whether work in a folder is the same: its identity is a digest o
 import json
 from collections.abc import Mapping, Sequence
 from datetime import UTC, date, datetime
-from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypedDict, cast
 
@@ -17,7 +16,7 @@ from bodycheck.casefile.finding import SUFFIX
 from bodycheck.errors import BadFolder
 from bodycheck.figures.revisions import REVISIONS
 from bodycheck.files import reading, writing
-from bodycheck.results import records
+from bodycheck.results import records, resumption
 from bodycheck.results.header import Header
 from bodycheck.running.members import chunk_files, chunks, compaction
 from bodycheck.running.members.chunks import Share, Source
@@ -103,7 +102,7 @@ def of(
     return {
         **head,
         "format": FORMAT,
-        "identity": sha256(repr(depends).encode("utf-8")).hexdigest(),
+        "identity": resumption.identity(*depends),
         "case": case.name,
         "text": case.text,
         "members": source.size,

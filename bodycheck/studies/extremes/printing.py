@@ -1,10 +1,11 @@
 """Print the tables of the study of extremes to the terminal."""
 
 from collections.abc import Sequence
+from typing import Any
 
 from bodycheck.console.options import View
 from bodycheck.console.output import say, tell
-from bodycheck.console.tables import attribute, show
+from bodycheck.console.tables import Column, attribute, show
 from bodycheck.studies.extremes.rows import Limit, Row
 
 #: The columns of the table of runs.
@@ -31,7 +32,11 @@ LIMITS = (
 )
 
 
-def print_extremes(rows: Sequence[Row], limits: Sequence[Limit], view: View) -> None:
+#: The tables.
+TABLES: tuple[Sequence[Column[Any]], ...] = (RUNS, LIMITS)
+
+
+def print_rows(rows: Sequence[Row], limits: Sequence[Limit], view: View) -> None:
     """Print one line per run, beginning with wrong runs that the engine did not report, then one line per method and spin."""
     show(RUNS, sorted(rows, key=lambda row: not row.believed), view)
     if limits and (not view.names or {column.name for column in LIMITS} & set(view.names)):

@@ -1,6 +1,9 @@
-"""The rows of the study of extremes, which its tables and its report contain."""
+"""The rows of the study of extreme values, which its tables and its report contain."""
 
 from dataclasses import dataclass
+from typing import Annotated
+
+from bodycheck.results.tables import Meaning, table_of
 
 #: The file with the records of the study.
 RECORDS = "extremes.jsonl"
@@ -17,33 +20,24 @@ STATUSES = (
 
 @dataclass(frozen=True)
 class Row:
-    """One run of a method, with a case changed along an axis to a value.
-
-    Attributes
-    ----------
-    case, engine, version, integrator, timestep
-        The case and the method; the time step is in s.
-    axis, value
-        What is changed, and its value, in the unit of the axis.
-    status
-        How the run ended: ok, inaccurate, energy-loss, energy-gain, frozen, diverged, silent-reset, crashed, timeout or
-        unsupported.
-    engine_said
-        The message of the engine: "healthy" if it ended without warnings, and "nothing" if its process gave no answer.
-    detail
-        A description of the symptoms.
-    """
+    """A run of a method, with a case changed along an axis to a value."""
 
     case: str
     engine: str
     version: str
     integrator: str
     timestep: float
-    axis: str
-    value: float
-    status: str
-    engine_said: str
-    detail: str
+    axis: Annotated[str, Meaning("Axis", "axis of the case along which it is changed")]
+    value: Annotated[float, Meaning("Value", "value on the axis, in the unit of the axis", signed=True)]
+    status: Annotated[str, Meaning("Status", f"how the run ended: {', '.join(STATUSES[:-1])} or {STATUSES[-1]}")]
+    engine_said: Annotated[
+        str,
+        Meaning(
+            "Engine said",
+            f'message of the engine: "{HEALTHY}" if it ended without warnings, "{NOTHING}" if its process gave no answer',
+        ),
+    ]
+    detail: Annotated[str, Meaning("Detail", "description of the symptoms")]
 
     @property
     def believed(self) -> bool:
@@ -53,27 +47,46 @@ class Row:
 
 @dataclass(frozen=True)
 class Limit:
-    """The largest stable time step of a method at a spin.
-
-    Attributes
-    ----------
-    case, engine, version, integrator
-        The case and the method.
-    spin
-        The rate at which the body spins (rad/s).
-    largest_stable_timestep
-        The largest stable time step (s); None if no step was stable.
-    spin_times_step
-        The rotation of the body in that step (rad); None if no step was stable.
-    smallest_unstable_timestep
-        The smallest unstable time step (s); None if all steps were stable, up to a full turn per step.
-    """
+    """The largest stable time step of a method at a spin."""
 
     case: str
     engine: str
     version: str
     integrator: str
-    spin: float
-    largest_stable_timestep: float | None
-    spin_times_step: float | None
-    smallest_unstable_timestep: float | None
+    spin: Annotated[float, Meaning("Spin", "rate at which the body spins", "rad/s")]
+    largest_stable_timestep: Annotated[
+        float | None, Meaning("Largest stable step", "largest stable time step; empty if no step was stable", "s")
+    ]
+    spin_times_step: Annotated[
+        float | None, Meaning("Turn per step", "rotation of the body in that step; empty if no step was stable", "rad")
+    ]
+    smallest_unstable_timestep: Annotated[
+        float | None,
+        Meaning(
+            "Smallest unstable step",
+            "smallest unstable time step; empty if all steps were stable, up to a full turn per step",
+            "s",
+        ),
+    ]
+
+
+RUNS = table_of(
+    Row,
+    "extremes",
+    "runs at extreme values",
+    key=("case", "engine", "integrator", "axis", "value"),
+    shown=("case", "engine", "integrator", "timestep", "axis", "value", "status", "engine_said"),
+)
+LIMITS = table_of(
+    Limit,
+    "limits",
+    "largest stable time steps",
+    key=("case", "engine", "integrator", "spin"),
+    shown=(
+        *("case", "engine", "integrator", "spin"),
+        *("largest_stable_timestep", "spin_times_step", "smallest_unstable_timestep"),
+    ),
+)
+
+#: The tables of the study, the main one first.
+TABLES = (RUNS, LIMITS)

@@ -3,11 +3,9 @@
 Every run has its own process and is recorded when it ends, so that an interrupted study can be resumed.
 """
 
-import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass, fields, replace
-from hashlib import sha256
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -27,10 +25,10 @@ from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truth import truth
 from bodycheck.reference.truths import NoTruth, Truth, distance
-from bodycheck.results import csv_tables, journal
+from bodycheck.results import resumption
 from bodycheck.results.header import Header
+from bodycheck.results.journal import Journal
 from bodycheck.results.key import RunKey
-from bodycheck.results.origin import Origins
 from bodycheck.results.outcome import Completed, Outcome, Run
 from bodycheck.running import plan
 from bodycheck.running.engines import home
@@ -146,6 +144,11 @@ def prepare(cases: Sequence[Case], engines: Mapping[str, Engine], integrators: S
     return Study(trials, searches)
 
 
+def suits(case: Case) -> bool:
+    """Return whether a case has axes."""
+    return bool(case.extremes)
+
+
 @contextmanager
 def results(
     study: Study, folder: Path, head: Header, jobs: int, progress: "Advance", limit: float = TIME_LIMIT_S
@@ -175,9 +178,7 @@ def results(
     BadJournal
         If another process is writing to the folder.
     """
-    with journal.resume(folder / RECORDS, {**head, "identity": _identity(study, head, limit)}) as log:
-        if log.records:
-            print(f"bodycheck: resuming the interrupted study in {folder}", file=sys.stderr)
+    with resumption.opened(folder / RECORDS, head, limit, study) as log:
         versions = head["engines"]
         rows = _rows(study, log, versions, jobs, limit, progress)
         limits = _limits(study, log, versions, jobs, limit, progress)
@@ -198,15 +199,7 @@ def follow(scene: AnyScene, times: Array) -> Truth | NoTruth:
         return NoTruth(f"the reference cannot follow: {error}")
 
 
-def write(rows: Iterable[Row], limits: Iterable[Limit], folder: Path, origins: Origins) -> None:
-    """Write extremes.csv and limits.csv into a folder, with where their numbers come from."""
-    csv_tables.write(folder / "extremes.csv", [field.name for field in fields(Row)], map(asdict, rows), origins)
-    csv_tables.write(folder / "limits.csv", [field.name for field in fields(Limit)], map(asdict, limits), origins)
-
-
-def _rows(
-    study: Study, log: journal.Journal, versions: Mapping[str, str], jobs: int, limit: float, progress: "Advance"
-) -> list[Row]:
+def _rows(study: Study, log: Journal, versions: Mapping[str, str], jobs: int, limit: float, progress: "Advance") -> list[Row]:
     there = [Row(**record["row"]) for record in log.records if record["record"] == "run"]
     rows = {(RunKey.of_row(asdict(row)), row.axis, row.value): row for row in there}
     if rows:
@@ -223,7 +216,7 @@ def _rows(
 
 
 def _limits(
-    study: Study, log: journal.Journal, versions: Mapping[str, str], jobs: int, limit: float, progress: "Advance"
+    study: Study, log: Journal, versions: Mapping[str, str], jobs: int, limit: float, progress: "Advance"
 ) -> list[Limit]:
     """Make the searches in parallel, with one process for each of their runs, and return their limits."""
     probes: dict[SearchKey, dict[float, bool]] = {search.key: {} for search in study.searches}
@@ -305,9 +298,3 @@ def _limit(search: Search, version: str, largest: float | None, smallest: float 
 
     method = (search.engine, version, search.method.name)
     return Limit(search.case.name, *method, search.spin, timestep(largest), largest, timestep(smallest))
-
-
-def _identity(study: Study, head: Header, limit: float) -> str:
-    """Return a digest of everything that determines the results, regardless of the machine and the command."""
-    versions = [head["bodycheck"], head["packages"], head["engines"]]
-    return sha256(repr((versions, limit, study)).encode("utf-8")).hexdigest()

@@ -50,12 +50,12 @@ def parity(
     """
     from dataclasses import asdict
 
-    from bodycheck import reports
     from bodycheck.console import tables, terminal
     from bodycheck.console.arguments import check_writable, load_engines, make_folder, processes
     from bodycheck.console.output import say_where
     from bodycheck.results import origin
     from bodycheck.running import campaign
+    from bodycheck.studies.output import Output
     from bodycheck.studies.parity import printing, rows, study
     from bodycheck.studies.parity.page import present
 
@@ -77,8 +77,7 @@ def parity(
     head = campaign.header(sys.argv, loaded.records, loaded.missing)
     every = [row for one in found for row in one.rows]
     if out is not None:
-        rows.write(every, out, [origin.origin(head, {})])
-        reports.write_study(present(head, found), out)
+        Output(out).write(present(head, found), ((rows.READINGS, every),), [origin.origin(head, {})])
     if junit is not None:
         from bodycheck.studies.parity import junit as as_tests
 
@@ -91,3 +90,7 @@ def parity(
             printing.print_rows(every, view)
     say_where(out, quiet)
     return FAILED if any(map(rows.failed, every)) or loaded.failed() else OK
+
+
+#: The commands of the study.
+COMMANDS = (parity,)

@@ -1,16 +1,11 @@
 """The rows of the table of a parity study."""
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields, replace
-from pathlib import Path
+from dataclasses import asdict, dataclass, replace
+from typing import Annotated
 
-from bodycheck.results import csv_tables
-from bodycheck.results.origin import Origins
+from bodycheck.results.tables import Meaning, table_of
 from bodycheck.robots.elements import printable
 from bodycheck.studies.parity.quantities import Cause, Quantity, Status
-
-#: The file with the rows.
-FILE_NAME = "parity.csv"
 
 
 @dataclass(frozen=True)
@@ -52,20 +47,26 @@ class ParityRow:
     The engine of a row about the file itself is "file".
     """
 
-    model: str
+    model: Annotated[str, Meaning("Model", "file of the robot")]
     engine: str
     version: str
-    status: Status
-    quantity: Quantity | None
-    subject: str
-    engine_value: str
-    truth_value: str
-    difference: float | None
-    relative: float | None
-    cause: Cause
+    status: Annotated[Status, Meaning("Status", "what came of the comparison with the file")]
+    quantity: Annotated[
+        Quantity | None,
+        Meaning("Quantity", "what the numbers of the row are of; empty for a file that an engine does not read at all"),
+    ]
+    subject: Annotated[str, Meaning("Subject", "body or joint; model for the whole")]
+    engine_value: Annotated[str, Meaning("Engine", "numbers or words of the engine, at the state with the largest difference")]
+    truth_value: Annotated[str, Meaning("File", "numbers or words of the file, at the same state")]
+    difference: Annotated[float | None, Meaning("Difference", "largest difference of a component, in the unit of the quantity")]
+    relative: Annotated[float | None, Meaning("Relative difference", "difference relative to the size of the quantity")]
+    cause: Annotated[Cause, Meaning("Cause", "why it differs; empty where it does not")]
 
 
-COLUMNS = tuple(field.name for field in fields(ParityRow))
+READINGS = table_of(ParityRow, "parity", "readings of robot models", filled=("model", "engine", "status", "subject"))
+
+#: The tables of the study.
+TABLES = (READINGS,)
 
 
 def row(model: str, engine: str, version: str, compared: Compared) -> ParityRow:
@@ -82,8 +83,3 @@ def row(model: str, engine: str, version: str, compared: Compared) -> ParityRow:
 def failed(one: ParityRow | Compared) -> bool:
     """Return whether a row says that something differs or is refused."""
     return one.status in ("differs", "refused")
-
-
-def write(rows: Sequence[ParityRow], folder: Path, origins: Origins) -> None:
-    """Write parity.csv into a folder, with where its numbers come from."""
-    csv_tables.write(folder / FILE_NAME, COLUMNS, map(asdict, rows), origins)

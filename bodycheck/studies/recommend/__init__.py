@@ -4,6 +4,5 @@
   next step to be measured, `measuring` makes the runs. `rows` defines the result.
 - `wording` says it in sentences. `page` makes the report. `command` and `printing` serve the command line.
 
->>> from bodycheck.studies.recommend.study import recommend
->>> recommend(bodycheck.load("osrf-boxes-complex"), error=1e-3).best
+>>> bodycheck.recommend("osrf-boxes-complex", error=1e-3).best
 """

@@ -4,7 +4,6 @@ Its imports are inside the function, so that `--help` answers at once.
 """
 
 import sys
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -55,30 +54,19 @@ def recommend(
         The figure whose error is limited: attitude, position, energy, angular_momentum, or the name of a figure in the tables
         of results. Default: attitude.
     """
-    from bodycheck import reports
-    from bodycheck.console import tables, terminal
+    from bodycheck.console import tables
     from bodycheck.console.arguments import check_has_folder, load_case, load_engines, processes
     from bodycheck.console.output import say_where
-    from bodycheck.files.temporary import temporary_folder
-    from bodycheck.results import origin, store
-    from bodycheck.running import campaign
+    from bodycheck.studies.output import Output
     from bodycheck.studies.recommend import printing, study
-    from bodycheck.studies.recommend.page import present
+    from bodycheck.studies.recommend.interface import carry_out
 
     check_has_folder(figures, out)
     tables.check(view, printing.ANSWERS)
     loaded = load_case(case)
     engines = load_engines(engine)
     planned = study.prepare(loaded, engines.records, integrator, quantity, error)
-    known = study.reused(store.read(reuse), planned) if reuse is not None else []
-    head = campaign.header(sys.argv, engines.records, engines.missing)
-    with ExitStack() as stack:
-        folder = out or stack.enter_context(temporary_folder())
-        progress = stack.enter_context(terminal.progress("searching", len(planned.searches), quiet))
-        found = stack.enter_context(study.results(planned, folder, head, processes(jobs), progress, known))
-        if out is not None:
-            study.write(found, out, [origin.origin(head, {loaded.name: loaded.text})])
-            reports.write_study(present(head, found), out, figures)
+    found = carry_out(planned, engines, sys.argv, processes(jobs), Output(out, figures, quiet), reuse).found
     _tell(found, json, view, quiet)
     say_where(out, quiet)
     return OK if found.reached and not engines.failed([loaded]) else FAILED
@@ -98,3 +86,7 @@ def _tell(found: "Recommendation", json: bool, view: Viewed, quiet: bool) -> Non
         printing.print_recommendation(found, view)
     elif not found.reached:
         tell(wording.headline(found))
+
+
+#: The commands of the study.
+COMMANDS = (recommend,)

@@ -1,30 +1,20 @@
 """`bodycheck.recommend`: the method that keeps an error at the lowest cost, and the largest time step with which it does."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
-from bodycheck import conversion, reports
-from bodycheck.console.arguments import load_engines
+from bodycheck import conversion
+from bodycheck.console.arguments import Engines, load_engines
 from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Names, OneCase
-from bodycheck.interface.folders import kept
 from bodycheck.interface.results import StudyResults, Table
 from bodycheck.results import origin, store
 from bodycheck.running import campaign
+from bodycheck.studies.output import Output
 from bodycheck.studies.recommend import study
 from bodycheck.studies.recommend.page import present
-from bodycheck.studies.recommend.rows import Answer, Probe, Recommendation
-
-#: The units of the columns of answers and steps; that of a cost is computing time for simulated time.
-UNITS = {
-    **dict.fromkeys(("timestep", "smallest", "broken"), "s"),
-    **dict.fromkeys(("cost", "cost_low", "cost_high"), "s/s"),
-}
-
-#: The columns that a notebook shows.
-SHOWN = ("engine", "integrator", "timestep", "error", "margin", "cost", "broken", "reached", "reason")
-SHOWN_STEPS = ("engine", "integrator", "timestep", "error", "status", "reason")
+from bodycheck.studies.recommend.rows import ANSWERS, STEPS, Answer, Recommendation
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,18 +43,54 @@ class RecommendResults(StudyResults):
     def tables(self) -> dict[str, Table]:
         """The tables `recommend`, the answers, and `steps`, all measured time steps."""
         unit = self.found.asked.unit
-        units = UNITS | ({"error": unit, "truth_error": unit} if unit else {})
-        numbers = frozenset((*UNITS, "error", "truth_error", "margin"))
-
-        def table(rows: Sequence[Answer] | Sequence[Probe], kind: type[Answer | Probe], shown: Sequence[str]) -> Table:
-            columns = [field.name for field in fields(kind)]
-            own = {name: units[name] for name in columns if name in units}
-            return Table([asdict(row) for row in rows], columns, numbers, own, shown)
-
+        units = {"error": unit} if unit else {}
+        of_steps = {"error": unit, "truth_error": unit} if unit else {}
         return {
-            "recommend": table(self.found.answers, Answer, SHOWN),
-            "steps": table(self.found.probes, Probe, SHOWN_STEPS),
+            ANSWERS.name: Table.of(ANSWERS, self.found.answers, units),
+            STEPS.name: Table.of(STEPS, self.found.probes, of_steps),
         }
+
+
+def carry_out(
+    planned: study.Study,
+    engines: Engines,
+    command: Sequence[str],
+    jobs: int,
+    output: Output,
+    reuse: Path | None = None,
+) -> RecommendResults:
+    """Make the searches of a study, and write the tables and the report.
+
+    Parameters
+    ----------
+    planned
+        The searches.
+    engines
+        The engines.
+    command
+        The words of the command, for the header of the results.
+    jobs
+        The number of processes.
+    output
+        Where the results go. An interrupted study in its folder is resumed.
+    reuse
+        A folder with results of runs, whose time steps are not measured again.
+
+    Raises
+    ------
+    BadInput, BadJournal, Failed
+        As `study.results` and `study.reused`.
+    """
+    known = study.reused(store.read(reuse), planned) if reuse is not None else []
+    head = campaign.header(command, engines.records, engines.missing)
+    with (
+        output.work("searching", len(planned.searches)) as (folder, progress),
+        study.results(planned, folder, head, jobs, progress, known) as found,
+    ):
+        report = present(head, found)
+        origins = [origin.origin(head, {planned.case.name: planned.case.text})]
+        output.write(report, ((ANSWERS, found.answers), (STEPS, found.probes)), origins)
+    return RecommendResults(report, found)
 
 
 def recommend(
@@ -115,15 +141,8 @@ def recommend(
     engines = load_engines(named)
     planned = study.prepare(loaded, engines.records, spellings, figure, wanted)
     earlier = arguments.path("--reuse", reuse)
-    known = study.reused(store.read(earlier), planned) if earlier is not None else []
     command = arguments.command(
         "recommend", (case,), error=wanted, quantity=figure, engine=named, integrator=spellings, reuse=earlier
     )
-    head = campaign.header(command, engines.records, engines.missing)
-    folder = arguments.path("--out", out)
-    with kept(folder) as place, study.results(planned, place.folder, head, jobs, known=known) as found:
-        report = present(head, found)
-        if folder is not None:
-            study.write(found, folder, [origin.origin(head, {loaded.name: loaded.text})])
-            reports.write_study(report, folder)
-    return RecommendResults(report, found)
+    output = Output(arguments.path("--out", out))
+    return carry_out(planned, engines, command, jobs, output, earlier)

@@ -1,9 +1,11 @@
 """What the study finds: a probe for each measured time step, an answer for each method, and both together."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from bodycheck.figures.columns import FIGURES
 from bodycheck.results.key import RunKey
+from bodycheck.results.tables import Meaning, table_of
 
 #: The file with the records of the study.
 RECORDS = "recommend.jsonl"
@@ -11,25 +13,17 @@ RECORDS = "recommend.jsonl"
 
 @dataclass(frozen=True)
 class Probe:
-    """A measured time step of a method.
-
-    Parameters
-    ----------
-    engine, version, integrator, timestep
-        The method; the time step is in s.
-    status, reason
-        The status of the run, and why it is not ok.
-    error, truth_error
-        The figure that is limited, and the bound of the truth's own error in it; None where they are not known.
-    """
+    """A measured time step of a method."""
 
     engine: str
     version: str
     integrator: str
     timestep: float
     status: str
-    error: float | None
-    truth_error: float | None
+    error: Annotated[float | None, Meaning("Error", "value of the limited figure, in its unit; empty if it is not known")]
+    truth_error: Annotated[
+        float | None, Meaning("Bound", "bound of the truth's own error in the figure; empty if it is not known")
+    ]
     reason: str
 
     @property
@@ -42,49 +36,60 @@ class Probe:
 class Answer:
     """The largest measured time step of a method such that it and every smaller measured one keep the limit.
 
-    Where there is none, it is the step with the smallest error.
-
-    Parameters
-    ----------
-    engine, version, integrator, timestep
-        The method; the time step is in s, and None if no run completed.
-    error
-        The error at this step; None if no run completed.
-    cost
-        Computing time (s) per simulated second, the median of repeated timings; None if it could not be measured.
-    margin
-        The limit divided by the error; None if there is no error, or if it is 0.
-    reached
-        Whether the limit is kept.
-    cost_low, cost_high
-        The minimum and the maximum of the repeated timings, as `cost`.
-    steps
-        The number of measured time steps.
-    smallest, broken
-        The smallest measured time step (s), and the smallest one that breaks the limit; None if there is none.
-    reason
-        Why no run completed, or why the cost could not be measured; empty otherwise.
+    If there is no such time step, it is the one with the smallest error.
     """
 
     engine: str
     version: str
     integrator: str
-    timestep: float | None
-    error: float | None
-    cost: float | None
-    margin: float | None
-    reached: bool
-    cost_low: float | None
-    cost_high: float | None
-    steps: int
-    smallest: float | None
-    broken: float | None
-    reason: str
+    timestep: Annotated[float | None, Meaning("Time step", "time step; empty if no run completed", "s")]
+    error: Annotated[float | None, Meaning("Error", "error at this step, in the unit of the figure; empty if no run completed")]
+    cost: Annotated[
+        float | None,
+        Meaning(
+            "Cost",
+            "computing time per simulated second, the median of repeated timings; empty if it could not be measured",
+            "s/s",
+        ),
+    ]
+    margin: Annotated[
+        float | None, Meaning("Margin", "limit divided by the error; empty if there is no error, or if it is 0", counts="times")
+    ]
+    reached: Annotated[bool, Meaning("Reached", "whether the limit is kept")]
+    cost_low: Annotated[float | None, Meaning("Cost, low", "smallest of the repeated timings, as the cost", "s/s")]
+    cost_high: Annotated[float | None, Meaning("Cost, high", "largest of the repeated timings, as the cost", "s/s")]
+    steps: Annotated[int, Meaning("Runs", "number of the measured time steps", counts="time steps")]
+    smallest: Annotated[float | None, Meaning("Smallest step", "smallest measured time step; empty if there is none", "s")]
+    broken: Annotated[
+        float | None,
+        Meaning("Breaks at", "smallest measured time step that breaks the limit; empty if there is none", "s"),
+    ]
+    reason: Annotated[str, Meaning("Reason", "why no run completed, or why the cost could not be measured; empty otherwise")]
 
     @property
     def method(self) -> RunKey:
         """The key of the engine and the method, over all cases and time steps."""
         return RunKey.of_method(self.engine, self.integrator)
+
+
+#: The table of answers and that of all measured time steps.
+ANSWERS = table_of(
+    Answer,
+    "recommend",
+    "time steps that keep an error",
+    key=("engine", "integrator"),
+    shown=("engine", "integrator", "timestep", "error", "margin", "cost", "broken", "reached", "reason"),
+)
+STEPS = table_of(
+    Probe,
+    "steps",
+    "measured time steps",
+    key=("engine", "integrator", "timestep"),
+    shown=("engine", "integrator", "timestep", "error", "status", "reason"),
+)
+
+#: The tables of the study, the main one first.
+TABLES = (ANSWERS, STEPS)
 
 
 @dataclass(frozen=True)

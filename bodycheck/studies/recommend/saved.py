@@ -4,19 +4,20 @@ from pathlib import Path
 
 from bodycheck.errors import BadFolder
 from bodycheck.reports.study import StudyReport
-from bodycheck.results import csv_tables, records
+from bodycheck.results import records
 from bodycheck.studies import reading
 from bodycheck.studies.recommend import page as recommend
-from bodycheck.studies.recommend.rows import RECORDS, Answer, Asked, Probe, Recommendation
+from bodycheck.studies.recommend.rows import ANSWERS, RECORDS, STEPS, Asked, Recommendation
+
+#: The file by which its folder is recognised.
+FILE = RECORDS
 
 
 def read(folder: Path) -> StudyReport:
     """Return the report of a finished search in a folder. Raises `BadFolder` and errors of damaged files."""
     contents, header = reading.finished(folder / RECORDS)
     asked = records.typed(Asked, contents.header["asked"])
-    parsers = csv_tables.parsers_of(Answer) | {"reached": csv_tables.truth_value}
-    answers = [records.typed(Answer, answer) for answer in reading.rows(folder / "recommend.csv", parsers)]
-    probes = [records.typed(Probe, probe) for probe in reading.rows(folder / "steps.csv", csv_tables.parsers_of(Probe))]
+    answers, probes = reading.rows(folder, ANSWERS), reading.rows(folder, STEPS)
     if {probe.method for probe in probes} - {answer.method for answer in answers}:
         raise BadFolder(f"{folder}: damaged: recommend.csv does not list the same methods as steps.csv")
     report = recommend.present(header, Recommendation(asked, tuple(answers), tuple(probes)))

@@ -4,39 +4,35 @@ Every run has a worker process of its engine, and is recorded when it ends, so t
 """
 
 import math
-import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, fields
-from hashlib import sha256
+from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
 
-from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Engine, Method
 from bodycheck.adapters.offers import chosen, integrator_of
 from bodycheck.casefile.content import Case
 from bodycheck.errors import BadInput
 from bodycheck.figures.columns import FIGURES, LIMITED, most_possible
 from bodycheck.figures.revisions import REVISIONS
-from bodycheck.files.temporary import temporary_folder
 from bodycheck.judging import judgement
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reports.quantities import bound
-from bodycheck.results import csv_tables, journal
+from bodycheck.results import resumption
 from bodycheck.results.header import Header
+from bodycheck.results.journal import Journal
 from bodycheck.results.key import RunKey
-from bodycheck.results.origin import Origins
 from bodycheck.results.outcome import Completed, Diverged, Unsupported
 from bodycheck.results.store import Results
-from bodycheck.running import campaign, engines, plan
+from bodycheck.running import engines, plan
 from bodycheck.running.campaign import Advance
 from bodycheck.running.plan import Task
 from bodycheck.running.tasks import group, perform
 from bodycheck.studies.recommend import measuring
 from bodycheck.studies.recommend.answers import answer_of, errors_of, priced
-from bodycheck.studies.recommend.rows import RECORDS, Answer, Asked, Probe, Recommendation
+from bodycheck.studies.recommend.rows import RECORDS, Asked, Probe, Recommendation
 from bodycheck.studies.recommend.search import Range, following, rounded_down, rounded_up
 from bodycheck.studies.spin import fastest_spin
 from bodycheck.suggestion import did_you_mean
@@ -88,51 +84,21 @@ class Study:
     searches: tuple[Search, ...]
 
 
-def recommend(
-    case: Case,
-    *,
-    error: float,
-    quantity: str = "attitude",
-    records: Mapping[str, Engine] | None = None,
-    integrators: Sequence[str] = (),
-    known: Sequence[Probe] = (),
-    jobs: int = 2,
-) -> Recommendation:
-    """Return the methods that keep an error on a case, each with the largest time step that does, the cheapest first.
+def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str], quantity: str, error: float) -> Study:
+    """Return a search for every method of some engines.
 
     Parameters
     ----------
     case
         The case.
-    error
-        The largest allowed error, in the unit of the figure.
-    quantity
-        A key of `SHORT_NAMES`, or the name of a figure.
     records
-        The records of the engines by name; None for all engines that can be used.
+        The records of the engines by name.
     integrators
         Spellings of methods; all that the engines offer if it is empty.
-    known
-        Time steps that were measured before, as `reused` returns them.
-    jobs
-        The largest number of engines that run at the same time.
-
-    Raises
-    ------
-    BadInput
-        As `prepare`, and if the truth of the case has an error as large as the one that is asked for.
-    Failed
-        If the case has no truth.
-    """
-    used = engines.describe(registry.names())[0] if records is None else records
-    planned = prepare(case, used, integrators, quantity, error)
-    head = campaign.header(sys.argv, used, {})
-    with temporary_folder() as folder, results(planned, folder, head, jobs, known=known) as found:
-        return found
-
-
-def prepare(case: Case, records: Mapping[str, Engine], integrators: Sequence[str], quantity: str, error: float) -> Study:
-    """Return a search for every method of some engines; parameters are those of `recommend`.
+    quantity
+        A key of `SHORT_NAMES`, or the name of a figure.
+    error
+        The largest allowed error, in the unit of the figure.
 
     Raises `BadInput` for an error that cannot be asked for, for a figure that there is not, for a method that no engine has,
     and if there is nothing to run.
@@ -235,10 +201,7 @@ def results(
     """
     case = study.case
     asked = Asked(case.name, case.duration, study.figure, study.error)
-    told = {"asked": asdict(asked), "identity": _identity(study, head, known), "revisions": REVISIONS}
-    with journal.resume(folder / RECORDS, {**head, **told}) as log:
-        if log.records:
-            print(f"bodycheck: resuming the interrupted study in {folder}", file=sys.stderr)
+    with resumption.opened(folder / RECORDS, head, study, tuple(known), asked=asdict(asked), revisions=REVISIONS) as log:
         probes = [*known, *(Probe(**record["probe"]) for record in log.records)]
         with pool.crew(perform, jobs, TIME_LIMIT_S, group=group, home=engines.home) as call_each:
             found = _search(study, probes, log, call_each, progress)
@@ -249,14 +212,8 @@ def results(
         yield Recommendation(asked, tuple(answers), tuple(ordered))
 
 
-def write(found: Recommendation, folder: Path, origins: Origins) -> None:
-    """Write recommend.csv, the answers, and steps.csv, all measured time steps, into a folder, with where they come from."""
-    csv_tables.write(folder / "recommend.csv", [field.name for field in fields(Answer)], map(asdict, found.answers), origins)
-    csv_tables.write(folder / "steps.csv", [field.name for field in fields(Probe)], map(asdict, found.probes), origins)
-
-
 def _search(
-    study: Study, known: Sequence[Probe], log: journal.Journal, call_each: measuring.CallEach, progress: Advance
+    study: Study, known: Sequence[Probe], log: Journal, call_each: measuring.CallEach, progress: Advance
 ) -> dict[RunKey, list[Probe]]:
     """Measure steps until every search is done, and return all measured steps of each method.
 
@@ -300,9 +257,3 @@ def _check_truth(probe: Probe, study: Study) -> None:
             f"--error {study.error:g}: the truth of {study.case.name} has an error of up to {bound(probe.truth_error)} "
             f"{FIGURES[study.figure].unit} itself; ask for a larger one"
         )
-
-
-def _identity(study: Study, head: Header, known: Sequence[Probe]) -> str:
-    """Return a digest of everything that determines the results, regardless of the machine and the command."""
-    versions = [head["bodycheck"], head["packages"], head["engines"]]
-    return sha256(repr((versions, study, tuple(known))).encode("utf-8")).hexdigest()

@@ -109,13 +109,14 @@ def _models(
     """Compare what releases make of files of robots, and say which changed what a file means."""
     from dataclasses import asdict
 
-    from bodycheck import reports
     from bodycheck.console import terminal
     from bodycheck.console.output import say_where
     from bodycheck.results import origin
     from bodycheck.running import campaign, engines
-    from bodycheck.studies.parity import printing, releases, rows
+    from bodycheck.studies.output import Output
+    from bodycheck.studies.parity import printing, releases
     from bodycheck.studies.parity.page import present
+    from bodycheck.studies.parity.rows import READINGS
     from bodycheck.studies.parity.study import Asking
 
     found, missing = releases.measured(engine, versions, models, Asking(), jobs, bar)
@@ -123,8 +124,8 @@ def _models(
     if out is not None:
         records = engines.describe([f"{engine}@{version}" for version in versions if version not in missing])[0]
         head = campaign.header(sys.argv, records, {f"{engine}@{version}": why for version, why in missing.items()})
-        rows.write([row for one in found for row in one.rows], out, [origin.origin(head, {})])
-        reports.write_study(present(head, found), out)
+        readings = [row for one in found for row in one.rows]
+        Output(out).write(present(head, found), ((READINGS, readings),), [origin.origin(head, {})])
     if json:
         told = [asdict(row) for one in found for row in one.rows]
         terminal.print_json({"rows": told, "changes": [asdict(change) for change in changed], "unmeasured": missing})
@@ -218,3 +219,7 @@ def bisect(
         print(notice, file=sys.stderr)
     terminal.print_json(bisection.as_json(found, observer)) if json else printing.print_bisection(found, observer)
     return FAILED if found.unknown or notice else OK
+
+
+#: The commands of the study.
+COMMANDS = (releases, bisect)

@@ -5,17 +5,20 @@ describes the machine.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any, cast, get_type_hints
+from typing import Annotated, Any, cast, get_type_hints
 
 from bodycheck.adapters.method import current
 from bodycheck.errors import BadInput
+from bodycheck.figures.column import Column
+from bodycheck.figures.columns import FIGURES
 from bodycheck.figures.revisions import redefined
 from bodycheck.judging.judgement import COLUMNS
 from bodycheck.results import csv_tables, journal, records
 from bodycheck.results.header import DESCRIPTIONS, LATER, Header
 from bodycheck.results.outcome import Unsupported
+from bodycheck.results.tables import RESULTS, Meaning, Table, table_of
 
 #: The file with the records of the study.
 RECORDS = "releases.jsonl"
@@ -38,43 +41,68 @@ Row = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Change:
-    """A difference between the results of a method in one version and in the next version that could be measured.
-
-    Parameters
-    ----------
-    engine, case, integrator, timestep
-        The run; the time step is in s.
-    quantity
-        A column of results, or `STATUS`.
-    from_version, to_version
-        The two versions.
-    before, after
-        The figures or the statuses.
-    factor
-        The ratio of the larger error to the smaller one; None for statuses, and if the smaller one is zero.
-    order_before, order_after
-        The observed orders in the quantity; None if there is none.
-    scheme_before, scheme_after
-        The textbook schemes; empty if none is named.
-    allowance
-        The difference that is allowed if nothing has changed.
-    """
+    """A difference between the results of a method in one version and in the next version that could be measured."""
 
     engine: str
     case: str
     integrator: str
-    quantity: str
-    from_version: str
-    to_version: str
-    before: float | str
-    after: float | str
-    factor: float | None
-    order_before: float | None
-    order_after: float | None
-    scheme_before: str
-    scheme_after: str
+    quantity: Annotated[
+        str, Meaning("Quantity", "what the numbers of the row are of", words=frozenset((*RESULTS.by_name, STATUS)))
+    ]
+    from_version: Annotated[str, Meaning("From", "earlier version")]
+    to_version: Annotated[str, Meaning("To", "next version that could be measured")]
+    before: Annotated[float | str, Meaning("Before", "value or status in the earlier version, in the unit of the quantity")]
+    after: Annotated[float | str, Meaning("After", "value or status in the later version, in the unit of the quantity")]
+    factor: Annotated[
+        float | None,
+        Meaning(
+            "Factor",
+            "ratio of the larger error to the smaller one; empty for a status, and if the smaller one is zero",
+            counts="times",
+        ),
+    ]
+    order_before: Annotated[
+        float | None, Meaning("Order before", "observed order of convergence in the earlier version", signed=True)
+    ]
+    order_after: Annotated[
+        float | None, Meaning("Order after", "observed order of convergence in the later version", signed=True)
+    ]
+    scheme_before: Annotated[str, Meaning("Scheme before", "textbook scheme of the earlier version; empty if none is named")]
+    scheme_after: Annotated[str, Meaning("Scheme after", "textbook scheme of the later version; empty if none is named")]
     timestep: float
-    allowance: float | None
+    allowance: Annotated[
+        float | None,
+        Meaning("Allowance", "difference that is allowed if nothing has changed, in the unit of the quantity"),
+    ]
+
+
+#: The columns with the allowed difference of a figure from release to release.
+ALLOWANCES = tuple(
+    Column(
+        *(f"{name}{ALLOWANCE_SUFFIX}", "number", f"{figure.title}, allowance"),
+        *(f"difference of {name} that is allowed if nothing has changed", figure.unit, figure.counts),
+    )
+    for name, figure in FIGURES.items()
+)
+
+#: The table of the runs of all releases. Of a release that could not be obtained nothing but the status is known.
+RELEASES: Table[Row] = Table(
+    "releases",
+    "runs of releases",
+    None,
+    (*RESULTS.columns, *ALLOWANCES),
+    key=("case", "version", "integrator", "timestep"),
+    filled=("case", "engine", "version", "status"),
+)
+CHANGES = table_of(
+    Change,
+    "changes",
+    "changes from release to release",
+    filled=("case", "engine", "integrator", "timestep", "quantity", "from_version", "to_version"),
+)
+
+#: The tables of the study, the main one first.
+TABLES = (RELEASES, CHANGES)
 
 
 class ReleasesHeader(Header):
@@ -171,8 +199,8 @@ def write(found: Found, folder: Path) -> None:
             log.add({"record": "change", "change": asdict(change)})
         further = dict.fromkeys(name for row in found.rows for name in row if name not in COLUMNS)
         names = sorted(further, key=lambda name: name.endswith(ALLOWANCE_SUFFIX))
-        csv_tables.write(folder / "releases.csv", (*COLUMNS, *names), found.rows, origins)
-        csv_tables.write(folder / "changes.csv", [field.name for field in fields(Change)], map(asdict, found.changes), origins)
+        csv_tables.write(folder, RELEASES, found.rows, origins, (*COLUMNS, *names))
+        csv_tables.write(folder, CHANGES, found.changes, origins)
 
 
 def read(folder: Path) -> Found:

@@ -39,7 +39,7 @@ from bodycheck.running.engines import home
 from bodycheck.running.instants import sampling_steps
 from bodycheck.running.simulation import AdapterFault, outcome_of
 from bodycheck.studies.cost import ROUNDS, summarise
-from bodycheck.studies.tradeoff.columns import BATCH_COLUMNS, COST_COLUMNS
+from bodycheck.studies.tradeoff.rows import BATCH_COLUMNS, COST_COLUMNS
 from bodycheck.studies.tradeoff.turned import errors, turned
 
 #: Most states of all scenes that are in memory at a time: 26 MiB.

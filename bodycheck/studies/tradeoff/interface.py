@@ -1,43 +1,25 @@
 """`bodycheck.tradeoff`: error and cost of every method over a range of time steps."""
 
+import sys
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bodycheck import reports
 from bodycheck.console.arguments import batch_sizes
-from bodycheck.console.ran import Selection, ran_of
-from bodycheck.figures.columns import COLUMNS, UNITS
+from bodycheck.console.progress import progress
+from bodycheck.console.ran import Ran, Selection, ran_of
 from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Cases, Names, Numbers
 from bodycheck.interface.results import StudyResults, Table
 from bodycheck.judging import judgement
 from bodycheck.judging.schemes.run_classes import classes_of
 from bodycheck.results import origin
-from bodycheck.studies.orders import Order
-from bodycheck.studies.tradeoff import batches, study
+from bodycheck.studies.orders import ORDERS, Order
+from bodycheck.studies.output import Output
+from bodycheck.studies.tradeoff import batch_page, batches, study
 from bodycheck.studies.tradeoff.page import present
-
-#: The units of the columns of the cost that have one; that of `cost` is computing time for simulated time.
-COST_UNITS = {
-    **dict.fromkeys(("time_per_step_low", "time_per_step_high", "processor_time_per_step", "setup_time"), "s"),
-    "cost": "s/s",
-    "worst_position_error": "m",
-    "worst_attitude_error": "rad",
-}
-
-#: The columns of the cost that hold numbers which are not integers.
-COSTS = frozenset((*COST_UNITS, "engine_share"))
-
-#: The columns that a notebook shows.
-SHOWN = (
-    *("case", "engine", "integrator", "timestep", "status", "position_error", "attitude_error"),
-    *("energy_drift", "energy_error", "cost", "reason"),
-)
-
-#: Those of the table of orders.
-SHOWN_ORDERS = ("case", "engine", "integrator", "quantity", "order", "order_low", "order_high", "claimed", "floor", "scheme")
+from bodycheck.studies.tradeoff.rows import RUNS
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -58,16 +40,37 @@ class TradeoffResults(StudyResults):
     @property
     def tables(self) -> dict[str, Table]:
         """The tables `tradeoff` and `orders`. The unit of a floor is that of its quantity."""
-        columns = list(self.rows[0])
-        units = {name: unit for name, unit in (UNITS | COST_UNITS).items() if name in columns}
-        numbers = frozenset(name for name in columns if name in COSTS or (name in COLUMNS and _is_number(name)))
-        of_orders = [field.name for field in fields(Order)]
-        figures = frozenset(("order", "order_low", "order_high", "floor", "scheme_residual"))
-        rows = [asdict(order) for order in self.orders]
-        return {
-            "tradeoff": Table(self.rows, columns, numbers, units, SHOWN),
-            "orders": Table(rows, of_orders, figures, {"scheme_residual": "rad"}, SHOWN_ORDERS),
-        }
+        return {RUNS.name: Table.of(RUNS, self.rows), ORDERS.name: Table.of(ORDERS, self.orders)}
+
+
+def carry_out(runs: Ran, timesteps: Sequence[float], batch_sizes: Sequence[int], output: Output) -> TradeoffResults:
+    """Measure what runs cost and how their errors converge, and write the tables and the report.
+
+    Parameters
+    ----------
+    runs
+        The runs of the methods over their time steps.
+    timesteps
+        The time steps (s) that the user asked for; empty for those that suit each case.
+    batch_sizes
+        The numbers of scenes that are also run in one batch.
+    output
+        Where the results go.
+    """
+    results, engines = runs.results, runs.engines
+    verdicts = judgement.judge(results)
+    with progress("measuring", 2 * len(results.cases), output.quiet) as advance:
+        rows = study.price(results, verdicts, engines, advance)
+        orders = study.orders(results, verdicts, engines, advance)
+    if batch_sizes:
+        if (text := batch_page.without(rows)) and not output.quiet:
+            print(f"bodycheck: {text}", file=sys.stderr)
+        planned = batches.plan(results, verdicts, engines, batch_sizes, timesteps)
+        with progress("batches", len(planned), output.quiet) as advance:
+            rows = batches.rows_alike(rows, batches.rows(planned, results, engines, advance))
+    report = present(results.header, rows, orders, classes_of(results, results.runs()))
+    output.write(report, ((RUNS, rows), (ORDERS, orders)), [origin.stored(results.header)])
+    return TradeoffResults(report, rows, orders)
 
 
 def tradeoff(
@@ -112,18 +115,4 @@ def tradeoff(
     command = arguments.command("tradeoff", each, engine=engines, integrator=integrators, timestep=timesteps, batch=sizes)
     folder = arguments.path("--out", out)
     with ran_of(given, selection, study.plan, folder, command, quiet=True) as made:
-        verdicts = judgement.judge(made.results)
-        rows = study.price(made.results, verdicts, made.engines)
-        orders = study.orders(made.results, verdicts, made.engines)
-        if sizes:
-            planned = batches.plan(made.results, verdicts, made.engines, sizes, timesteps)
-            rows = batches.rows_alike(rows, batches.rows(planned, made.results, made.engines))
-        report = present(made.results.header, rows, orders, classes_of(made.results, made.results.runs()))
-        if folder is not None:
-            study.write(rows, orders, folder, [origin.stored(made.results.header)])
-            reports.write_study(report, folder)
-    return TradeoffResults(report, rows, orders)
-
-
-def _is_number(name: str) -> bool:
-    return COLUMNS[name].kind == "number"
+        return carry_out(made, timesteps, sizes, Output(folder))

@@ -2,8 +2,6 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, fields
-from pathlib import Path
 from typing import Any
 
 from bodycheck.adapters.contract import Engine, Integrator, Method
@@ -16,18 +14,16 @@ from bodycheck.judging.schemes.identification import identify
 from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.truths import Truth
-from bodycheck.results import csv_tables
 from bodycheck.results.key import RunKey
-from bodycheck.results.origin import Origins
 from bodycheck.results.outcome import Completed
 from bodycheck.results.store import Results
 from bodycheck.running import campaign
 from bodycheck.running.plan import Task, check, refuse_nothing
 from bodycheck.studies.cost import Measured, Stretch, measure, summarise
 from bodycheck.studies.orders import Order
-from bodycheck.studies.tradeoff.columns import BATCH_COLUMNS, COST_COLUMNS
 from bodycheck.studies.tradeoff.front import COLUMNS
 from bodycheck.studies.tradeoff.ladder import ladder
+from bodycheck.studies.tradeoff.rows import BATCH_COLUMNS, COST_COLUMNS
 
 
 def plan(
@@ -101,12 +97,6 @@ def price(
         if isinstance(found, Crashed | TimedOut):
             row["reason"] = row["reason"] or f"its cost could not be measured: {found.reason}"
     return rows
-
-
-def write(rows: Sequence[Mapping[str, Any]], orders: Iterable[Order], folder: Path, origins: Origins) -> None:
-    """Write tradeoff.csv and orders.csv into a folder, with where their numbers come from."""
-    csv_tables.write(folder / "tradeoff.csv", list(rows[0]), rows, origins)
-    csv_tables.write(folder / "orders.csv", [field.name for field in fields(Order)], map(asdict, orders), origins)
 
 
 def _task(case: Case, verdict: Verdict) -> Task:

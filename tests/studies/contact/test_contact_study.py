@@ -11,7 +11,7 @@ from bodycheck.casefile.case import load
 from bodycheck.figures.columns import FIGURES
 from bodycheck.running import engines
 from bodycheck.studies.contact import sheet
-from bodycheck.studies.contact.rows import COLUMNS
+from bodycheck.studies.contact.rows import SHEET
 from bodycheck.studies.contact.study import default_method, plan
 from tests.support.commands import bodycheck
 
@@ -51,7 +51,7 @@ def rows(made: Path) -> list[dict[str, str]]:
 
 
 def test_the_table_has_its_columns_and_is_what_is_printed(made: Path) -> None:
-    assert tuple(rows(made)[0]) == COLUMNS
+    assert list(rows(made)[0]) == list(SHEET.by_name)
     assert [row["figure"] for row in json.loads((made / "printed.json").read_text())] == [row["figure"] for row in rows(made)]
 
 

@@ -13,7 +13,7 @@ from bodycheck.reference.robots.states import seeded_states
 from bodycheck.robots.urdf_text import urdf
 from bodycheck.running import robot_readings
 from bodycheck.running.robot_readings import FormatMissing, Refused
-from bodycheck.studies.parity.rows import COLUMNS
+from bodycheck.studies.parity.rows import READINGS
 from tests.support.commands import bodycheck
 from tests.support.engine_readings import GRAVITY
 from tests.support.planted_engines import plant
@@ -62,7 +62,7 @@ def test_a_difference_is_named_in_every_output(here: Path) -> None:
     assert "armature differs: elbow (armature 0.1 instead of 0.0)" in done.stdout
     assert "refuses the file: joint elbow is not to my taste" in done.stdout
     table = list(csv.DictReader((here / "out" / "parity.csv").read_text("utf-8").splitlines()))
-    assert tuple(table[0]) == COLUMNS
+    assert list(table[0]) == list(READINGS.by_name)
     assert {(row["engine"], row["subject"]) for row in table if row["cause"]} == {("heavy", "elbow"), ("heavy", "model")}
     assert {row["status"] for row in table if row["engine"] == "faithful"} == {"agrees"}
     assert "heavy: armature differs" in (here / "out" / "report.md").read_text("utf-8")

@@ -12,15 +12,17 @@ import pytest
 from bodycheck import Case, compare, load, simulate, truth
 from bodycheck.casefile.case import parse
 from bodycheck.errors import BadInput
+from bodycheck.files.temporary import temporary_folder
 from bodycheck.reports import html, markdown
 from bodycheck.results import csv_tables, journal
 from bodycheck.results.outcome import Completed
+from bodycheck.running import campaign
 from bodycheck.running.plan import plan
 from bodycheck.studies import cost
 from bodycheck.studies.recommend import study, wording
 from bodycheck.studies.recommend.answers import UNSEEN
 from bodycheck.studies.recommend.page import present
-from bodycheck.studies.recommend.rows import Answer, Probe, Recommendation
+from bodycheck.studies.recommend.rows import ANSWERS, STEPS, Recommendation
 from bodycheck.studies.recommend.search import answer
 from tests.support import campaigns, pages
 from tests.support.campaigns import header, records
@@ -51,8 +53,11 @@ def _costs_are_measured_roughly(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def recommended(case: Case, error: float, engines: tuple[str, ...] = ("mujoco", "pinocchio"), **options: Any) -> Recommendation:
-    with calls_here():
-        return study.recommend(case, error=error, records=records(*engines), **options)
+    used = records(*engines)
+    planned = study.prepare(case, used, options.pop("integrators", ()), options.pop("quantity", "attitude"), error)
+    head = campaign.header(["bodycheck", "recommend"], used, {})
+    with calls_here(), temporary_folder() as folder, study.results(planned, folder, head, 2, **options) as found:
+        return found
 
 
 @pytest.fixture(scope="module")
@@ -249,9 +254,9 @@ def test_the_command(calls_here: None, tumbling: Case, tmp_path: Path) -> None:
     assert list(first)[:8] == ["engine", "version", "integrator", "timestep", "error", "cost", "margin", "reached"]
     assert (first["integrator"], first["reached"]) == ("RK4", True)
     assert (second["integrator"], second["reached"]) == ("Euler", False)
-    answers = csv_tables.read(out / "recommend.csv", csv_tables.parsers_of(Answer) | {"reached": csv_tables.truth_value})
+    answers = csv_tables.read(out, ANSWERS)
     assert answers == [first, second]
-    assert len(csv_tables.read(out / "steps.csv", csv_tables.parsers_of(Probe))) == first["steps"] + second["steps"]
+    assert len(csv_tables.read(out, STEPS)) == first["steps"] + second["steps"]
     report = (out / "report.html").read_text()
     (out / "report.html").unlink()
     assert call("report", out) == 0

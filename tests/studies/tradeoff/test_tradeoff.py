@@ -22,9 +22,9 @@ from bodycheck.studies.cost import Stretch
 from bodycheck.studies.orders import Order
 from bodycheck.studies.spin import fastest_spin
 from bodycheck.studies.tradeoff import study as tradeoff
-from bodycheck.studies.tradeoff.columns import BATCH_COLUMNS, COST_COLUMNS
 from bodycheck.studies.tradeoff.front import measured, pareto
 from bodycheck.studies.tradeoff.ladder import fitted, ladder
+from bodycheck.studies.tradeoff.rows import BATCH_COLUMNS, COST_COLUMNS
 from tests.support import campaigns
 from tests.support.campaigns import records
 from tests.support.cases import shortened

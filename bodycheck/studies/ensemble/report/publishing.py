@@ -1,7 +1,6 @@
 """Write the tables and the report of an ensemble, for which its worst members are run again."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +15,7 @@ from bodycheck.studies.ensemble.findings import stored
 from bodycheck.studies.ensemble.header import EnsembleHeader
 from bodycheck.studies.ensemble.report import kept, page
 from bodycheck.studies.ensemble.report.reporting import Made, material
-from bodycheck.studies.ensemble.rows import DependenceRow, Row
+from bodycheck.studies.ensemble.rows import DEPENDENCES, ROWS
 from bodycheck.studies.ensemble.worst_members import playing, worst
 
 if TYPE_CHECKING:
@@ -59,9 +58,8 @@ def write(
         A file cannot be written.
     """
     analysis, origins = made.analysis, [origin.origin(header, {case.name: case.text})]
-    records = made.records()
-    for name, rows, kind in (("ensemble", "rows", Row), ("sensitivity", "sensitivity", DependenceRow)):
-        csv_tables.write(folder / f"{name}.csv", [field.name for field in fields(kind)], records[rows], origins)
+    csv_tables.write(folder, ROWS, analysis.aggregates.rows(), origins)
+    csv_tables.write(folder, DEPENDENCES, analysis.dependence_rows(), origins)
     files, animations = ((), ()) if text_of is None else _run_worst(made, folder, case, header, text_of, jobs, progress)
     kept.write(folder, files, animations)
     reports.write_study(page.present(material(case, header, analysis, files, animations)), folder, formats)

@@ -1,4 +1,4 @@
-"""What the files of an ensemble say: its tables and its report. Nothing is run, and no engine is needed."""
+"""The findings of an ensemble and the material of its report, from its files. Nothing is run."""
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -7,18 +7,16 @@ from typing import Any
 import numpy as np
 
 from bodycheck.adapters.method import Method
-from bodycheck.casefile.case import Case, parse_stored
-from bodycheck.errors import BadFolder
+from bodycheck.casefile.case import Case
 from bodycheck.reference.requirements import needs
 from bodycheck.reports.quantities import count
-from bodycheck.reports.study import Animation, StudyReport
-from bodycheck.studies.ensemble import header as headers
+from bodycheck.reports.study import Animation
 from bodycheck.studies.ensemble.findings import stored
 from bodycheck.studies.ensemble.findings.analysis import Analysis, analyse
 from bodycheck.studies.ensemble.findings.stored import Ensemble
 from bodycheck.studies.ensemble.findings.ways import chosen
 from bodycheck.studies.ensemble.header import EnsembleHeader
-from bodycheck.studies.ensemble.report import kept, page
+from bodycheck.studies.ensemble.report import page
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,21 +91,6 @@ def broken(ensemble: Ensemble, case: Case) -> tuple[str, ...]:
             named = f"{case.name}, {by.engine} {by.integrator} at {by.timestep:g} s"
             told.append(f"{named}: {of}, the first is member {ensemble.members[first]}: {reason}")
     return tuple(told)
-
-
-def again(folder: Path) -> StudyReport:
-    """Return the report of an ensemble from its folder alone; nothing is run.
-
-    Raises
-    ------
-    BadFolder
-        The ensemble was interrupted, or files are missing or damaged.
-    """
-    header = headers.read(folder)
-    if not header["complete"]:
-        raise BadFolder(f"{folder}: the ensemble was interrupted; run it again with the same --out to resume it")
-    case = parse_stored(header["text"], header["case"])
-    return page.present(material(case, header, read(folder, case, header).analysis, *kept.read(folder)))
 
 
 def material(

@@ -1,12 +1,17 @@
-"""The columns of tradeoff.csv after those of results."""
+"""The tables of the study: tradeoff.csv, whose columns are those of results and of costs, and orders.csv."""
 
-from bodycheck.figures.definition import Column
+from collections.abc import Mapping
+from typing import Any
+
+from bodycheck.figures.column import Column
+from bodycheck.results.tables import RESULTS, RUN, RUN_FILLED, Table
+from bodycheck.studies.orders import ORDERS
 
 #: Columns after those of results: what a step costs.
 COSTS = (
     Column("time_per_step_low", "number", "Time per step, low", "smallest time per step of the repeated timings", "s"),
     Column("time_per_step_high", "number", "Time per step, high", "largest time per step of the repeated timings", "s"),
-    Column("evaluations", "number", "Evaluations", "evaluations of the accelerations per step", counts="evaluations"),
+    Column("evaluations", "integer", "Evaluations", "evaluations of the accelerations per step", counts="evaluations"),
     Column("cost", "number", "Cost", "computing time per simulated second", "s/s"),
     Column("processor_time_per_step", "number", "Processor time per step", "time of all processors per step", "s"),
     Column(
@@ -22,8 +27,28 @@ BATCHES = (
     Column("failed_scenes", "integer", "Failed scenes", "number of the scenes of a batch that failed", counts="scenes"),
     Column("batch", "integer", "Batch", "number of the scenes of a batch", counts="scenes"),
     Column("device", "string", "Device", "device of the engine's arithmetic"),
-    Column("precision", "string", "Precision", "precision of the engine's arithmetic"),
+    Column(
+        *("precision", "string", "Precision", "precision of the engine's arithmetic"),
+        words=frozenset(("float64", "float32")),
+    ),
 )
 
 COST_COLUMNS = tuple(column.name for column in COSTS)
 BATCH_COLUMNS = tuple(column.name for column in BATCHES)
+
+#: The table of runs and of batches, with what they cost.
+RUNS: Table[Mapping[str, Any]] = Table(
+    "tradeoff",
+    "errors and costs over time steps",
+    None,
+    (*RESULTS.columns, *COSTS, *BATCHES),
+    key=(*RUN, "device", "precision", "batch"),
+    filled=RUN_FILLED,
+    shown=(
+        *("case", "engine", "integrator", "timestep", "status", "position_error", "attitude_error"),
+        *("energy_drift", "energy_error", "cost", "reason"),
+    ),
+)
+
+#: The tables of the study, the main one first.
+TABLES = (RUNS, ORDERS)

@@ -1,0 +1,51 @@
+"""Resume interrupted work: the digest that identifies the work, and the journal of what was done."""
+
+import sys
+from collections.abc import Mapping
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from bodycheck.results import journal
+from bodycheck.results.header import Header
+from bodycheck.results.journal import Journal
+
+
+def versions(head: Header) -> list[Any]:
+    """Return the versions of everything that the numbers depend on."""
+    return [head["bodycheck"], head["packages"], head["engines"]]
+
+
+def identity(*work: object) -> str:
+    """Return a digest of everything that determines results, regardless of the machine and the command.
+
+    Work is the same if the `repr` of everything that is given here is the same.
+    """
+    return sha256(repr(work).encode("utf-8")).hexdigest()
+
+
+def opened(path: Path, head: Header, *work: object, what: str = "study", **entries: Mapping[str, Any]) -> Journal:
+    """Return the journal of some work. If the file has the same work, interrupted, the journal has its records.
+
+    Parameters
+    ----------
+    path
+        The file.
+    head
+        The header of the results.
+    work
+        Everything that determines the results besides the versions in the header.
+    what
+        The word for the work in the message that it is resumed.
+    entries
+        Further entries of the header.
+
+    Raises
+    ------
+    BadJournal
+        If another process is writing the file.
+    """
+    log = journal.resume(path, {**head, **entries, "identity": identity(versions(head), *work)})
+    if log.records:
+        print(f"bodycheck: resuming the interrupted {what} in {path.parent}", file=sys.stderr)
+    return log

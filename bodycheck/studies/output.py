@@ -1,0 +1,52 @@
+"""Output of a study: where its tables and its report are written, and whether its progress is shown."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from bodycheck import reports
+from bodycheck.console.progress import progress
+from bodycheck.files.temporary import temporary_folder
+from bodycheck.reports.study import StudyReport
+from bodycheck.results import csv_tables
+from bodycheck.results.origin import Origins
+from bodycheck.results.tables import Table
+
+if TYPE_CHECKING:
+    from bodycheck.reports.plot_files import Format
+    from bodycheck.running.campaign import Advance
+
+
+@dataclass(frozen=True)
+class Output:
+    """Where the results of a study go, and whether its progress is shown.
+
+    Attributes
+    ----------
+    folder
+        The folder for records, tables and the report; None if nothing is kept.
+    figures
+        The formats in which every plot is also written as a file of its own.
+    quiet
+        Whether no progress is shown.
+    """
+
+    folder: Path | None = None
+    figures: "tuple[Format, ...]" = ()
+    quiet: bool = True
+
+    @contextmanager
+    def work(self, label: str, size: int) -> "Iterator[tuple[Path, Advance]]":
+        """Provide the folder for the records of some work, which is temporary if nothing is kept, and show its progress."""
+        with ExitStack() as stack:
+            folder = self.folder or stack.enter_context(temporary_folder())
+            yield folder, stack.enter_context(progress(label, size, self.quiet))
+
+    def write(self, report: StudyReport, tables: Sequence[tuple[Table[Any], Sequence[Any]]], origins: Origins) -> None:
+        """Write tables, each a description and its rows, and the report, unless nothing is kept."""
+        if self.folder is not None:
+            for table, rows in tables:
+                csv_tables.write(self.folder, table, rows, origins)
+            reports.write_study(report, self.folder, self.figures)

@@ -1,0 +1,225 @@
+"""Studies of methods on cases whose folder has only `rows` and `study`: their command, Python function, page and saved results.
+
+The module `rows` of such a study has `TABLES`, the descriptions of its tables, and `RECORDS`, the name of the journal in its
+folder. Its module `study` has
+
+- `prepare(cases, engines, integrators)`, which returns the plan of the work; its `size` is the number of parts;
+- `results(plan, folder, header, jobs, progress)`, a context that does the work and provides the rows of each table;
+- `suits(case)`, if it is not for every case: whether it is for a shipped case if the user names none.
+
+The rows of the main table are recorded in the journal, as the entry `row` of records. The docstring of the folder, up to its
+first list, is the help of the command.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bodycheck.casefile.content import Case
+from bodycheck.console import tables as terminal
+from bodycheck.console.arguments import Engines, load_engines
+from bodycheck.console.options import View
+from bodycheck.console.output import say
+from bodycheck.errors import BadFolder
+from bodycheck.interface import arguments
+from bodycheck.interface.arguments import Cases, Names
+from bodycheck.interface.results import StudyResults
+from bodycheck.interface.results import Table as FrameTable
+from bodycheck.reports.notices import missing_engines
+from bodycheck.reports.quantities import count, number
+from bodycheck.reports.study import Part, StudyReport
+from bodycheck.reports.tables import Entry
+from bodycheck.reports.tables import Table as PageTable
+from bodycheck.results import origin
+from bodycheck.results.header import Header
+from bodycheck.results.tables import Table
+from bodycheck.running import campaign
+from bodycheck.studies import reading, registry
+from bodycheck.studies.output import Output
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PlainResults(StudyResults):
+    """The results of a study.
+
+    Attributes
+    ----------
+    rows_by_table
+        The rows of each table.
+    described
+        The descriptions of the tables, the main one first.
+    """
+
+    rows_by_table: Sequence[Sequence[Any]]
+    described: Sequence[Table[Any]]
+
+    @property
+    def tables(self) -> dict[str, FrameTable]:
+        """The tables by name, the main one first."""
+        return {table.name: FrameTable.of(table, rows) for table, rows in zip(self.described, self.rows_by_table, strict=True)}
+
+
+def suited(name: str, cases: Iterable[Case], *, named: bool) -> list[Case]:
+    """Return the cases that a study is made of: those that the user named, or the shipped ones that it is for."""
+    suits: Callable[[Case], bool] = getattr(_part(name, "study"), "suits", lambda case: True)
+    return [case for case in cases if named or suits(case)]
+
+
+def carry_out(
+    name: str,
+    cases: Sequence[Case],
+    engines: Engines,
+    integrators: Sequence[str],
+    command: Sequence[str],
+    jobs: int,
+    output: Output,
+) -> PlainResults:
+    """Make a study, and write its tables and its report.
+
+    Parameters
+    ----------
+    name
+        The name of the study.
+    cases, engines, integrators
+        What it is made of; all methods of the engines if no integrator is given.
+    command
+        The words of the command, for the header of the results.
+    jobs
+        The number of processes.
+    output
+        Where the results go. An interrupted study in its folder is resumed.
+
+    Raises
+    ------
+    BadInput, BadJournal
+        As `prepare` and `results` of the study.
+    """
+    study, described = _part(name, "study"), _part(name, "rows").TABLES
+    planned = study.prepare(cases, engines.records, integrators)
+    header = campaign.header(command, engines.records, engines.missing)
+    with (
+        output.work(name, planned.size) as (folder, progress),
+        study.results(planned, folder, header, jobs, progress) as rows,
+    ):
+        report = present(name, header, rows)
+        origins = [origin.origin(header, {case.name: case.text for case in cases})]
+        output.write(report, tuple(zip(described, rows, strict=True)), origins)
+    return PlainResults(report, rows, described)
+
+
+def present(name: str, header: Header, rows: Sequence[Sequence[Any]]) -> StudyReport:
+    """Return the contents of the report of a study: those of its module `page`, or its tables as they are."""
+    if (page := registry.part(name, "page")) is not None:
+        report: StudyReport = page.present(header, *rows)
+        return report
+    tables: Sequence[Table[Any]] = _part(name, "rows").TABLES
+    return StudyReport(
+        title=tables[0].title.capitalize(),
+        headline=f"{count(len(rows[0]), 'row')} of {tables[0].title}",
+        header=header,
+        notices=tuple(missing_engines(header)),
+        findings=(),
+        parts=tuple(_page_part(table, table_rows) for table, table_rows in zip(tables, rows, strict=True)),
+    )
+
+
+def journal(name: str) -> str:
+    """Return the name of the journal in the folder of a study."""
+    return str(_part(name, "rows").RECORDS)
+
+
+def read(name: str, folder: Path) -> StudyReport:
+    """Return the report of a finished study in a folder.
+
+    Raises `BadFolder` if it was interrupted, or if its main table differs from what its journal records, and errors of damaged
+    files.
+    """
+    rows = _part(name, "rows")
+    contents, header = reading.finished(folder / rows.RECORDS)
+    tables: Sequence[Table[Any]] = rows.TABLES
+    rows_by_table = [reading.rows(folder, table) for table in tables]
+    recorded = {reading.row(tables[0], record["row"]) for record in contents.records if "row" in record}
+    if set(rows_by_table[0]) != recorded:
+        raise BadFolder(f"{folder}: damaged: {tables[0].file} does not list the same runs as {rows.RECORDS}")
+    return present(name, header, rows_by_table)
+
+
+def function(name: str) -> Callable[..., PlainResults]:
+    """Return the Python function of a study, with the parameters of its command."""
+
+    def study(
+        cases: Cases = (),
+        *,
+        engine: Names = (),
+        integrator: Names = (),
+        out: str | Path | None = None,
+        jobs: int | None = None,
+    ) -> PlainResults:
+        return called(name, cases, engine, integrator, out, jobs)
+
+    study.__name__ = study.__qualname__ = name
+    study.__doc__ = registry.about(name)
+    return study
+
+
+def called(name: str, cases: Cases, engine: Names, integrator: Names, out: str | Path | None, jobs: int | None) -> PlainResults:
+    """Make a study with the arguments of its Python function. Raises `BadInput` with the texts of the command line."""
+    each = arguments.listed(cases)
+    named, spellings = arguments.names("--engine", engine), arguments.names("--integrator", integrator)
+    processes = arguments.jobs_of(jobs)
+    given = suited(name, arguments.given_cases(each).cases, named=bool(each))
+    command = arguments.command(name, each, engine=named, integrator=spellings)
+    output = Output(arguments.path("--out", out))
+    return carry_out(name, given, load_engines(named), spellings, command, processes, output)
+
+
+def check_view(name: str, view: View) -> None:
+    """Raise `BadInput` if a view names a column that the tables of a study on the terminal lack."""
+    printing = registry.part(name, "printing")
+    terminal.check(view, *(printing.TABLES if printing is not None else map(_terminal_columns, _part(name, "rows").TABLES)))
+
+
+def print_tables(name: str, results: PlainResults, view: View) -> None:
+    """Print the tables of a study: as its module `printing` does, or all columns of each."""
+    if (printing := registry.part(name, "printing")) is not None:
+        printing.print_rows(*results.rows_by_table, view)
+        return
+    for position, (table, rows) in enumerate(zip(results.described, results.rows_by_table, strict=True)):
+        if position:
+            say("")
+        terminal.show(_terminal_columns(table), table.records(rows), view)
+
+
+def _terminal_columns(table: Table[Any]) -> list[terminal.Column[Any]]:
+    """Return the columns of a table on the terminal, of which the last ones go first where it is narrow."""
+    heads = [(column.name, f"{column.name} {column.unit}".rstrip()) for column in table.columns]
+    return [terminal.entry(name, head, ".6g", goes=goes) for goes, (name, head) in enumerate(heads)]
+
+
+def _part(name: str, module: str) -> Any:
+    part = registry.part(name, module)
+    assert part is not None, f"the study {name} has no module {module}"
+    return part
+
+
+def _page_part(table: Table[Any], rows: Sequence[Any]) -> Part:
+    """Return the part of a page with all rows of a table."""
+    columns = [table.by_name[name] for name in table.names(rows)]
+    cells = PageTable(
+        columns=tuple(f"{column.title}, {column.unit}" if column.unit else column.title for column in columns),
+        numeric=tuple(column.kind in ("number", "integer") for column in columns),
+        rows=tuple(tuple(_cell(record[column.name]) for column in columns) for record in table.records(rows)),
+        failed=(False,) * len(rows),
+        notes=(),
+    )
+    return Part(
+        table.name, table.title.capitalize(), (f"The table is {table.file}.",), (), ((table.title.capitalize(), cells),)
+    )
+
+
+def _cell(value: Any) -> Entry:
+    """Return the cell of a value."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return Entry(number(value), float(value))
+    return Entry("" if value is None else str(value))

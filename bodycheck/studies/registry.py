@@ -1,0 +1,32 @@
+"""The studies, each a folder beside this module, whose parts are modules with fixed names.
+
+A folder needs `rows` and `study`, of which `plain` says what they contain. If its options, its page or what it prints differ
+from those of a plain study, it also has `command`, `interface` (its Python function), `page`, `printing` or `saved` (the
+function that reads its folder).
+"""
+
+import importlib
+import importlib.util
+import inspect
+from typing import Any
+
+#: The folders of the studies, in the order in which their commands are listed.
+STUDIES = ["tradeoff", "recommend", "extremes", "ensemble", "ablation", "audit", "parity", "contact", "releases"]
+
+
+def is_plain(study: str) -> bool:
+    """Return whether a study has the command of all studies; see `plain`."""
+    return importlib.util.find_spec(f"{__package__}.{study}.command") is None
+
+
+def part(study: str, name: str) -> Any | None:
+    """Return a module of the folder of a study; None if the folder has no such module."""
+    path = f"{__package__}.{study}.{name}"
+    return importlib.import_module(path) if importlib.util.find_spec(path) is not None else None
+
+
+def about(study: str) -> str:
+    """Return what a study is: the docstring of its folder up to the first list."""
+    paragraphs = (inspect.getdoc(importlib.import_module(f"{__package__}.{study}")) or "").split("\n\n")
+    lists = [number for number, text in enumerate(paragraphs) if text.startswith("- ")]
+    return "\n\n".join(paragraphs[: min(lists, default=None)])
