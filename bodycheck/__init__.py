@@ -105,9 +105,12 @@ _refuse_to_shadow()
 def __getattr__(name: str) -> Any:
     if name == "__version__":
         return importlib.import_module("importlib.metadata").version("bodycheck")
-    if name not in HOMES:
-        raise AttributeError(f"module 'bodycheck' has no attribute {name!r}")
-    return getattr(importlib.import_module(f"bodycheck.{HOMES[name]}"), name)
+    if name in HOMES:
+        return getattr(importlib.import_module(f"bodycheck.{HOMES[name]}"), name)
+    studies = importlib.import_module("bodycheck.studies.registry")
+    if name in studies.STUDIES and studies.is_plain(name):
+        return importlib.import_module("bodycheck.studies.plain").function(name)
+    raise AttributeError(f"module 'bodycheck' has no attribute {name!r}")
 
 
 def __dir__() -> list[str]:
