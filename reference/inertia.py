@@ -103,7 +103,7 @@ def angular_momentum(body: Body, angular_velocity: NDArray[np.float64]) -> Array
 
 
 def satisfies_triangle_inequality(moments: Vector) -> bool:
-    """Whether a mass distribution with these principal moments (kg m^2) exists: no moment exceeds the sum of the other two."""
+    """Return whether a body can have these principal moments (kg m^2): none exceeds the sum of the other two."""
     smallest, middle, largest = sorted(moments)
     return largest <= (smallest + middle) * (1 + TRIANGLE_TOLERANCE)
 

@@ -107,7 +107,7 @@ def _alone(body: ContactBody) -> Scene:
 
 
 def _gaps(problem: Problem, body: ContactBody, times: Array) -> WideArray:
-    """How far (n,), m, a body in free flight is above the plane."""
+    """Return the heights (n,), m, of a body in free flight above the plane."""
     position, _, quaternion, *_ = _flight(problem, body, times)
     return np.asarray(position[:, 2] - reach(body.shape, quaternion, NORMAL))
 

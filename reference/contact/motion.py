@@ -1,4 +1,4 @@
-"""What every way of bodies that touch makes: their states, the bounds of these, and events."""
+"""The result of every way for bodies that touch: their states, the bounds of these, and events."""
 
 import math
 from collections.abc import Mapping

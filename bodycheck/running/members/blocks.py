@@ -83,7 +83,7 @@ class Flown:
 
 @dataclass(frozen=True)
 class NormError:
-    """What a simulation that normalises its quaternions tells of one member; see `contract.Normalising`."""
+    """The norm errors of one member from a simulation that normalises its quaternions; see `contract.Normalising`."""
 
     quaternion_norm_error: float
 

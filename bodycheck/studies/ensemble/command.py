@@ -108,7 +108,7 @@ def ensemble(
 
 @dataclass(frozen=True)
 class _Shown:
-    """What is written and printed of an ensemble: the options of the command with these names."""
+    """The options of the command for output, under their names."""
 
     out: Path | None
     figures: "tuple[Format, ...]"

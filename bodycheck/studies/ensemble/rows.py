@@ -47,7 +47,7 @@ class Row:
 
 @dataclass(frozen=True)
 class DependenceRow:
-    """How a figure of one method depends on one of the drawn numbers: a row of sensitivity.csv.
+    """The dependence of a method's figure on one of the drawn numbers: a row of sensitivity.csv.
 
     Attributes
     ----------

@@ -15,7 +15,7 @@ FILE_NAME = "parity.csv"
 
 @dataclass(frozen=True)
 class Compared:
-    """What one engine has of one quantity, and what the file has.
+    """A quantity as an engine has it and as the file has it.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Whether a scene is a coin that rolls on its rim, and its start in units in which it is of the size one."""
+"""The start of a coin that rolls on its rim, in units in which its size is one, and the test whether a scene is one."""
 
 import math
 from dataclasses import dataclass

@@ -21,7 +21,7 @@ class Executor(Protocol):
 
     @property
     def whole(self) -> bool:
-        """Whether it carries out all chunks, and not only a share of them."""
+        """True if it carries out all chunks, and not only a share of them."""
         ...
 
     @property

@@ -152,7 +152,7 @@ class _Submitted:
 
 @dataclass
 class _Window:
-    """How many chunks are to be submitted at a time. The scheduler is asked now and then, as workers come and go."""
+    """The number of chunks to submit at a time. The scheduler is asked now and then, because workers come and go."""
 
     client: "Client"
     size: int = LEAST_WINDOW

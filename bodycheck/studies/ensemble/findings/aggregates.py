@@ -1,4 +1,4 @@
-"""What the tables and the report of an ensemble are made of: counts, quantiles, histograms and tails of each method.
+"""Aggregates for the tables and the report of an ensemble: counts, quantiles, histograms and tails of each method.
 
 Their size does not depend on the number of members. One column of all runs is in memory at a time.
 """
@@ -53,7 +53,7 @@ class Way:
 
 @dataclass(frozen=True)
 class Method:
-    """How the runs of a method ended.
+    """The outcomes of the runs of a method.
 
     Attributes
     ----------
@@ -146,7 +146,7 @@ class Figure:
 
 @dataclass(frozen=True, eq=False)
 class Aggregates:
-    """What is known of an ensemble of one case.
+    """Counts, distributions and the ranking of methods for an ensemble of one case.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What the files of an ensemble say: its tables and its report. Nothing is run, and no engine is needed."""
+"""The tables and the report of an ensemble, made from its files. Nothing is run, and no engine is needed."""
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -23,7 +23,7 @@ from bodycheck.studies.ensemble.report import kept, page
 
 @dataclass(frozen=True, eq=False)
 class Made:
-    """What is known of an ensemble.
+    """The analysis of an ensemble and its findings.
 
     Attributes
     ----------

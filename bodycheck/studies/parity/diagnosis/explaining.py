@@ -45,7 +45,7 @@ class _Case:
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """What was found of the differences of an engine from a file.
+    """The causes of an engine's differences from a file.
 
     Attributes
     ----------

@@ -92,7 +92,7 @@ def faults(own: Comparison, terms: Stack, model: RobotModel) -> Iterator[Fault]:
 
 @dataclass(frozen=True)
 class _Set:
-    """What may differ: bodies, whether armatures do, and how many numbers the bodies' changes may have together."""
+    """The numbers that may differ: those of bodies, with a limit of how many in all, and armatures."""
 
     bodies: tuple[str, ...]
     armatures: bool
