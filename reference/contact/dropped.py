@@ -167,7 +167,7 @@ def _half_lengths(body: ContactBody) -> Vector:
 
 
 def _impact(problem: Problem, body: ContactBody, instant: float) -> Event:
-    """The first impact. The states after it are not known."""
+    """Return the first impact as an event at an instant (s). The states after it are not known."""
     position, velocity, quaternion, _, turned, _ = _flight(problem, body, np.array([instant]))
     size = float(reach(body.shape, quaternion, NORMAL)[0])
     high = HEIGHT_ROUNDINGS * (size + float(np.abs(body.position).max())) + float(turned[0]) * size

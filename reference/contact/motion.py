@@ -1,4 +1,4 @@
-"""The result of every way for bodies that touch: their states, the bounds of these, and events."""
+"""The data that every way for touching bodies returns: states, their error bounds, and events."""
 
 import math
 from collections.abc import Mapping

@@ -60,7 +60,7 @@ class Coin:
     flipped: bool
 
     def as_given(self, quaternion: WideArray, spin: WideArray) -> tuple[WideArray, WideArray]:
-        """Attitudes (n, 4) and angular velocities (n, 3) of this coin as those of the body of the scene, in its units."""
+        """Convert attitudes (n, 4) and angular velocities (n, 3) of the coin to those of the scene's body, in its units."""
         if self.flipped:
             quaternion, spin = multiply(quaternion, _TURNED * Wide(-1)), spin * _SIGNS
         return quaternion, spin / self.time

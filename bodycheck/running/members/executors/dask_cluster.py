@@ -69,7 +69,7 @@ class Cluster:
 
     @property
     def chunks(self) -> int:
-        """The number of chunks from which on it is evenly busy; how many workers another cluster will have is not known."""
+        """The smallest number of chunks that keeps it evenly busy. The size of a cluster that is not local is not known."""
         return CHUNKS_EACH * (self.jobs if self.address == LOCAL else MANY_WORKERS)
 
     def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:

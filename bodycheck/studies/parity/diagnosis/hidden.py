@@ -120,7 +120,7 @@ def _solve(
     known: dict[str, tuple[_Kind, ...]],
     chosen: _Set,
 ) -> tuple[dict[str, Inertial], Array] | None:
-    """Return the changed bodies and the armatures that explain everything; None if there are none of a known kind."""
+    """Return the changed bodies and armatures that explain all differences; None if no changes of a known kind do."""
     least = LEFT * float(np.max(np.abs(found.left)))
     armatures = found.armatures[:, free]
     everything = np.concatenate([armatures, *(found.bodies[name] for name in bodies)], axis=1)
