@@ -211,7 +211,7 @@ def print_tools(scene: Scene, traces: Mapping[str, Trace]) -> None:
 
 def print_explanations(scene: Scene, traces: Mapping[str, Trace]) -> None:
     """Print what explains the rates of some tools, and what it leaves."""
-    print("\n| tool | its rates are those of | off by at most, deg/s | of which unexplained, deg/s |")
+    print("\n| tool | scheme that gives its rates | largest error, deg/s | unexplained part, deg/s |")
     print("| --- | --- | --- | --- |")
     for tool, (words, _) in EXPLANATIONS.items():
         error, left = unexplained(scene, tool, traces[tool])
@@ -241,7 +241,7 @@ def at_rest(case: Case) -> Case:
 
 
 def print_engines(case: Case) -> None:
-    """Print what the rates of engines are off by at most: in the flight of the case, with a mass of 2 kg, and at rest."""
+    """Print the largest errors of the rates of engines: in the flight of the case, with a mass of 2 kg, and at rest."""
     of_2_kg = replace(case, scene=replace(case.scene, body=replace(case.scene.body, mass=2.0)))
     print("\n| engine | method | in flight, deg/s | in flight, mass 2 kg, deg/s | at rest, deg/s |")
     print("| --- | --- | --- | --- | --- |")
@@ -252,7 +252,7 @@ def print_engines(case: Case) -> None:
 
 
 def print_traces(scene: Scene, traces: Mapping[str, Trace]) -> None:
-    """Print what each tool is off by at most over its whole trace."""
+    """Print the largest error of each tool over its whole trace."""
     print("\n| tool | instants | rates at most, deg/s | of which unexplained, deg/s | attitude at most, deg |")
     print("| --- | --- | --- | --- | --- |")
     for tool, trace in traces.items():
