@@ -75,9 +75,7 @@ def mesh(vertices: ArrayLike, triangles: ArrayLike, mass: float) -> MassProperti
     volumes = np.linalg.det(corners) / 6
     volume = float(volumes.sum())
     if not abs(volume) > 1e-12 * float(np.abs(volumes).sum()):
-        raise ValueError(
-            "the surface encloses no volume; it must be closed, and all triangles must have the same orientation"
-        )
+        raise ValueError("the surface encloses no volume; it must be closed, and all triangles must have the same orientation")
     sums = corners.sum(axis=1)
     centre = volumes @ sums / (4 * volume)
     second = np.einsum("n,ni,nj->ij", volumes, sums, sums) + np.einsum("n,nki,nkj->ij", volumes, corners, corners)
