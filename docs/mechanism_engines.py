@@ -65,7 +65,7 @@ CONVERGES = 1.3
 
 @dataclass(frozen=True)
 class Found:
-    """What a method is off by on a case.
+    """The errors of a method on a case.
 
     Attributes
     ----------
@@ -107,7 +107,7 @@ def models(records: Mapping[str, Engine]) -> Iterator[str]:
 
 
 def measured(engine: str, cases: Sequence[str], timesteps: Sequence[float]) -> dict[str, dict[str, Found]]:
-    """What each method of an engine is off by, by the name of the method and the case."""
+    """Return the errors of each method of an engine, by the name of the method and the case."""
     with tempfile.TemporaryDirectory() as folder:
         results = bodycheck.run(cases, engine=engine, timestep=timesteps, out=Path(folder) / "results", allow_missing=True)
         found: dict[tuple[str, str], dict[float, Verdict]] = {}

@@ -42,7 +42,7 @@ COLUMNS = {
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What a tool published, at n instants.
+    """The published results of a tool, at n instants.
 
     Attributes
     ----------
@@ -123,7 +123,7 @@ def rates_of(motion: Trajectory) -> Array:
 
 
 def off_by(scene: Scene, trace: Trace) -> tuple[Array, Array]:
-    """What a tool is off by: its rates (n, 3), deg/s, and the angle between its attitude and the exact one (n,), deg."""
+    """Return a tool's errors: of its rates (n, 3), deg/s, and the angle between its attitude and the exact one (n,), deg."""
     motion = exact(scene, trace.times)
     return trace.rates - rates_of(motion), np.degrees(geodesic_angle(trace.quaternion, motion.quaternion))
 
@@ -173,13 +173,13 @@ EXPLANATIONS: dict[str, tuple[str, Callable[[Scene, Array], Array]]] = {
 
 
 def unexplained(scene: Scene, tool: str, trace: Trace) -> tuple[float, float]:
-    """What a tool's rates are off by at most after the start, deg/s, and what its explanation leaves of it."""
+    """Return the largest error of a tool's rates after the start, deg/s, and the part of it that the explanation leaves."""
     times, rates = trace.times[1:], trace.rates[1:]
     return _largest(rates - rates_of(exact(scene, times))), _largest(rates - EXPLANATIONS[tool][1](scene, times))
 
 
 def misread(scene: Scene, roll_rate: float) -> tuple[Array, float]:
-    """What another initial roll rate (rad/s) changes after 30 s: the rates (3,), deg/s, and the attitude, deg."""
+    """Return the changes due to another initial roll rate (rad/s) after 30 s: rates (3,), deg/s, and attitude, deg."""
     _, pitch_rate, yaw_rate = scene.initial.angular_velocity
     state = replace(scene.initial, angular_velocity=(roll_rate, pitch_rate, yaw_rate))
     end = np.array([30.0])
@@ -211,7 +211,7 @@ def print_tools(scene: Scene, traces: Mapping[str, Trace]) -> None:
 
 def print_explanations(scene: Scene, traces: Mapping[str, Trace]) -> None:
     """Print what explains the rates of some tools, and what it leaves."""
-    print("\n| tool | its rates are those of | off by at most, deg/s | of which unexplained, deg/s |")
+    print("\n| tool | scheme that gives its rates | largest error, deg/s | unexplained part, deg/s |")
     print("| --- | --- | --- | --- |")
     for tool, (words, _) in EXPLANATIONS.items():
         error, left = unexplained(scene, tool, traces[tool])
@@ -241,7 +241,7 @@ def at_rest(case: Case) -> Case:
 
 
 def print_engines(case: Case) -> None:
-    """Print what the rates of engines are off by at most: in the flight of the case, with a mass of 2 kg, and at rest."""
+    """Print the largest errors of the rates of engines: in the flight of the case, with a mass of 2 kg, and at rest."""
     of_2_kg = replace(case, scene=replace(case.scene, body=replace(case.scene.body, mass=2.0)))
     print("\n| engine | method | in flight, deg/s | in flight, mass 2 kg, deg/s | at rest, deg/s |")
     print("| --- | --- | --- | --- | --- |")
@@ -252,7 +252,7 @@ def print_engines(case: Case) -> None:
 
 
 def print_traces(scene: Scene, traces: Mapping[str, Trace]) -> None:
-    """Print what each tool is off by at most over its whole trace."""
+    """Print the largest error of each tool over its whole trace."""
     print("\n| tool | instants | rates at most, deg/s | of which unexplained, deg/s | attitude at most, deg |")
     print("| --- | --- | --- | --- | --- |")
     for tool, trace in traces.items():

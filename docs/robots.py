@@ -42,7 +42,7 @@ def listed(names: Iterable[str]) -> str:
 
 
 def counted(rows: Rows) -> dict[str, dict[str, str]]:
-    """What each engine does with each model: agrees, differs, or the status that it has for the whole file."""
+    """Return the result of each engine for each model: agrees, differs, or the status of the whole file."""
     found: dict[str, dict[str, str]] = defaultdict(dict)
     for row in rows:
         if row["engine"] != "file":

@@ -60,7 +60,7 @@ class Certificate:
 
     @property
     def certified(self) -> bool:
-        """Whether no two ways contradict each other."""
+        """True if no two ways contradict each other."""
         return not self.faults
 
 

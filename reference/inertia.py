@@ -75,7 +75,7 @@ def mesh(vertices: ArrayLike, triangles: ArrayLike, mass: float) -> MassProperti
     volumes = np.linalg.det(corners) / 6
     volume = float(volumes.sum())
     if not abs(volume) > 1e-12 * float(np.abs(volumes).sum()):
-        raise ValueError("the surface encloses no volume; it must be closed, and its triangles must all be ordered alike")
+        raise ValueError("the surface encloses no volume; it must be closed, and all triangles must have the same orientation")
     sums = corners.sum(axis=1)
     centre = volumes @ sums / (4 * volume)
     second = np.einsum("n,ni,nj->ij", volumes, sums, sums) + np.einsum("n,nki,nkj->ij", volumes, corners, corners)
@@ -103,7 +103,7 @@ def angular_momentum(body: Body, angular_velocity: NDArray[np.float64]) -> Array
 
 
 def satisfies_triangle_inequality(moments: Vector) -> bool:
-    """Whether a mass distribution with these principal moments (kg m^2) exists: no moment exceeds the sum of the other two."""
+    """Return whether a body can have these principal moments (kg m^2): none exceeds the sum of the other two."""
     smallest, middle, largest = sorted(moments)
     return largest <= (smallest + middle) * (1 + TRIANGLE_TOLERANCE)
 

@@ -1,4 +1,4 @@
-"""What a model of a scene must contain to be exact, derived from the scene itself."""
+"""The contents that an exact model of a scene must have, derived from the scene itself."""
 
 import math
 from collections.abc import Collection
@@ -130,7 +130,7 @@ def symmetry(moments: Vector) -> Symmetry:
 
 
 def lies_flat(scene: Scene) -> bool:
-    """Whether the body lies flat on the plane z = 0; see `planar.planar_state`."""
+    """Return whether the body lies flat on the plane z = 0; see `planar.planar_state`."""
     try:
         planar_state(scene)
     except NotFlat:
@@ -139,7 +139,7 @@ def lies_flat(scene: Scene) -> bool:
 
 
 def touches(scene: AnyScene) -> bool:
-    """Whether bodies touch otherwise than one that lies flat on a level plane, so that `contact` has their motion."""
+    """Return whether `contact` has the motion: bodies touch, but not as a single one that lies flat on a level plane."""
     if isinstance(scene, Mechanism):
         return scene.plane is not None
     if scene.plane is None or scene.drag:
@@ -149,7 +149,7 @@ def touches(scene: AnyScene) -> bool:
 
 
 def slides(scene: AnyScene) -> TypeGuard[Scene]:
-    """Whether the scene is one body that lies flat on a level plane, so that `sliding` has its motion, or is to have it."""
+    """Return whether `sliding` has, or should have, the motion: the scene is one body that lies flat on a level plane."""
     return isinstance(scene, Scene) and scene.plane is not None and not touches(scene)
 
 

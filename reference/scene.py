@@ -235,7 +235,7 @@ class Nearest:
 
 @dataclass(frozen=True)
 class Definition:
-    """What the file says of the body and of its initial rotation.
+    """The body and its initial rotation as the file states them.
 
     Attributes
     ----------
@@ -290,13 +290,13 @@ class Scene:
 
     @property
     def conserves(self) -> bool:
-        """Whether energy and angular momentum about the centre of mass are conserved: there are no plane, drag and pushes."""
+        """True if energy and angular momentum about the centre of mass are conserved: there are no plane, drag and pushes."""
         return self.plane is None and not self.drag and not self.pushes
 
 
 @dataclass(frozen=True)
 class Valid:
-    """Which parts of the definition of a scene the scene still has."""
+    """The parts of a scene's definition that the scene still has."""
 
     inertia: bool
     attitude: bool
@@ -304,7 +304,7 @@ class Valid:
 
 
 def valid(scene: Scene) -> Valid:
-    """Which parts of the definition of a scene the scene still has: those whose doubles are the ones that it was made with."""
+    """Return the parts of its definition that a scene still has: those whose doubles are the ones that it was made with."""
     nearest = scene.definition.nearest if scene.definition is not None else None
     if nearest is None:
         return Valid(inertia=False, attitude=False, rotation=False)

@@ -124,7 +124,7 @@ class Scenes:
 
 
 def obstacle(base: Scene) -> str | None:
-    """What keeps a scene from being the base of `vary`, in words; None where nothing does."""
+    """Return the reason why a scene cannot be the base of `vary`, or None if it can."""
     definition, holds = base.definition, valid(base)
     if base.plane is not None:
         return "it has a plane"
@@ -140,7 +140,7 @@ def obstacle(base: Scene) -> str | None:
 
 
 def variable(base: Scene) -> bool:
-    """Whether a scene can be the base of `vary`."""
+    """Return whether a scene can be the base of `vary`."""
     return obstacle(base) is None
 
 

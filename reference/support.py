@@ -1,4 +1,4 @@
-"""How far the surface of a body reaches in a direction, by the support function of its shape, and how deep into a plane."""
+"""The extent of a body in a direction, from the support function of its shape, and its depth below a plane."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from bodycheck.reference.trajectory import Array, Trajectory
 
 
 def reach(shape: Shape, quaternion: Array, normal: Vector) -> Array:
-    """How far (n,), m, a body reaches from its centre of mass against a direction.
+    """Return the extent (n,), m, of a body from its centre of mass against a direction.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ class Witness:
 
 
 def distances(one: "Witness", other: "Witness") -> dict[str, Array]:
-    """How far two ways are apart at each instant (n,), in the figures that both compute, by the names of `Bounds`.
+    """Return the distances of two ways at each instant (n,), in the figures that both compute, by the names of `Bounds`.
 
     All differences are formed in the wider of the two types.
     """

@@ -73,7 +73,7 @@ Way = Callable[[Scene, Array], Witness]
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """What is known of a rotation before it is integrated.
+    """The properties of a rotation that are known before it is integrated.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ class Course:
 
 
 def course(begin: Start, times: Array, few_periods: float = FEW_PERIODS) -> Course:
-    """What is known of the rotation from a start, which is not at rest, until ascending times (n,) >= 0, s.
+    """Return what is known of the rotation from a start, which is not at rest, until ascending times (n,) >= 0, s.
 
     A rounding of the moments also changes the rate of the polhode, lambda of `torque_free`, by the rounding over the difference
     of the two moments that the rate is proportional to.

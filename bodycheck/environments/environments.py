@@ -3,9 +3,9 @@
 The cache folder is the user's, or the one that the environment variable BODYCHECK_CACHE names. It has a folder for each release
 and each interpreter with the packages that the environment must fit.
 
-An environment is made under a temporary name, by one process at a time, and renamed as the last act, so that it is there either
-whole or not at all. What an installation that was killed leaves behind is removed by the next one, and an environment that is
-damaged is made anew. Nothing in the folder is used or run if another user can change it, or a folder that it is in.
+An environment is made under a temporary name, by one process at a time, and renamed as the last step, so that it is either
+complete or not at all. The next installation removes the remains of one that was killed, and makes a damaged environment again.
+Nothing in the folder is used or run if another user can change it or one of its parent folders.
 """
 
 import contextlib

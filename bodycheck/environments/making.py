@@ -1,4 +1,4 @@
-"""How an environment is made in an empty folder: a release of an engine that can be imported, beside bodycheck itself.
+"""Making an environment in an empty folder: a release of an engine that can be imported, beside bodycheck itself.
 
 The environment holds the release and the packages that it depends on, and these come first on `sys.path`. The packages of the
 running interpreter follow, added by a .pth file that Python reads when it starts. Three kinds of conflict are met here:

@@ -10,6 +10,6 @@ VARIABLE = "BODYCHECK_CACHE"
 
 
 def folder() -> Path:
-    """Return the folder, which need not be there."""
+    """Return the cache folder, which may not exist yet."""
     chosen = os.environ.get(VARIABLE)
     return Path(chosen).absolute() if chosen else user_cache_path("bodycheck")

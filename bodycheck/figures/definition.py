@@ -77,7 +77,7 @@ def observe(scene: AnyScene | Scenes, trajectory: Trajectory) -> AnyObservables:
 
 
 class Exact(Protocol):
-    """What runs are compared with: the truth of a scene, `Truth`, or those of m scenes in free flight.
+    """The exact values for comparisons with runs: the truth of a scene, `Truth`, or those of m scenes in free flight.
 
     Those of several scenes have the scenes as the first axis of all arrays but the instants, which they have in common. The
     states of a mechanism have its bodies there.
@@ -140,7 +140,7 @@ class Comparison:
 
     @property
     def conserves(self) -> bool:
-        """Whether energy and angular momentum are conserved, as they are in several scenes, which are all in free flight."""
+        """True if energy and angular momentum are conserved, as they are in several scenes, which are all in free flight."""
         return isinstance(self.scene, Scenes) or self.scene.conserves
 
     @property

@@ -1,4 +1,4 @@
-"""What to do next where an expectation does not hold: the commands that find the cause, accept the change or tolerate it."""
+"""Next steps for a broken expectation: the commands that find the cause, accept the change or tolerate it."""
 
 import shlex
 from collections.abc import Iterator

@@ -54,7 +54,7 @@ COMMENT_ON_LIMIT = re.compile(r"# \S+ x .*measured with .*")
 
 @dataclass(frozen=True)
 class Measurement:
-    """What a method gave.
+    """The measured figures of a method.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Limited:
 
 @dataclass(frozen=True)
 class Change:
-    """What became of a measurement, in words. done: whether the file agrees with it now."""
+    """The effect of a measurement on the file, in words. done: whether the file agrees with it now."""
 
     verdict: Verdict
     text: str
@@ -112,7 +112,7 @@ def measure(verdict: Verdict, truth: Truth | NoTruth, asked: Collection[str] = (
 
 
 def floors(truth: Truth, names: Iterable[str]) -> dict[str, float]:
-    """What rounding may come to in figures, in their units."""
+    """Return the possible sizes of rounding errors in figures, in their units."""
     scales = in_scene(truth)
     bounds = {name: float(np.fmax.reduce(bound)) for name, bound in truth_bounds(truth).items()}
     return {name: max(ROUNDING * FIGURES[name].scale(scales), bounds.get(name, 0.0)) for name in names}
@@ -154,7 +154,7 @@ def places(files: Sequence[str], cases: Sequence[Case]) -> dict[str, Path]:
 def plan(
     cases: Sequence[Case], engines: Mapping[str, Engine], integrators: Sequence[str], timesteps: Sequence[float]
 ) -> tuple[Task, ...]:
-    """What is measured: the runs of `running.plan.plan`, without the finer steps that only serve to see an order.
+    """Return the runs to measure: those of `running.plan.plan`, without the finer steps that only serve to measure an order.
 
     Raises `BadInput` as `running.plan.plan` does.
     """

@@ -107,7 +107,7 @@ class _Exact:
 
 @dataclass(frozen=True, eq=False)
 class _Measured:
-    """What is computed of m members at once.
+    """The quantities that are computed for m members at once.
 
     Attributes
     ----------

@@ -42,7 +42,7 @@ class ResultSet:
 
     @property
     def failed(self) -> bool:
-        """Whether a run failed, or an expectation that could not be checked counts as failed."""
+        """True if a run failed, or an expectation that could not be checked counts as failed."""
         unchecked = any(one.failed for one in self.results.unchecked)
         return unchecked or any(verdict.passed is False for verdict in self.verdicts)
 

@@ -47,7 +47,7 @@ class Parent:
 
     @property
     def busy(self) -> bool:
-        """Whether a part of a message has not been sent yet."""
+        """True if a part of a message has not been sent yet."""
         return bool(self._unsent)
 
     def send(self, number: int, message: bytes) -> None:

@@ -37,7 +37,7 @@ SHUTDOWN_TIMEOUT_S = 10.0
 
 @dataclass(frozen=True)
 class Home:
-    """Where the processes of a group live, and how they are prepared for its calls.
+    """The interpreter of the processes of a group, and their preparation for its calls.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def crew(
 
 @dataclass(eq=False)
 class _Calls:
-    """How calls are made, and the worker processes that are kept for further calls.
+    """The function and limits of calls, and the worker processes that are kept for further calls.
 
     `kept` has the idle worker of each group; a group then has one worker at most. It is None if a worker ends when there is no
     call left for it, and a group may then have as many workers as there are processes.

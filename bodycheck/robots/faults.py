@@ -1,4 +1,4 @@
-"""What the specification of a file's format refuses in it."""
+"""Violations of a file format's specification."""
 
 from dataclasses import dataclass, field, replace
 from typing import Literal
@@ -18,7 +18,7 @@ MAX_FAULTS = 200
 
 @dataclass(frozen=True)
 class FileFault:
-    """What the specification refuses in a file.
+    """A violation of the specification in a file.
 
     Attributes
     ----------

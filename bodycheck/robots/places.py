@@ -68,5 +68,5 @@ class Folders:
 
 
 def folders(model: Path, packages: Sequence[Path]) -> Folders:
-    """Return the folders whose files may be read for a model, which is in its folder by the path that the user named."""
+    """Return the folders from which files may be read for a model: that of its path as the user gave it, and the packages."""
     return Folders(model.parent.resolve(), tuple(package.resolve() for package in packages))

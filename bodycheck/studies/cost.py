@@ -53,7 +53,7 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Measured:
-    """What was measured of a stretch.
+    """The measurements of a stretch.
 
     Attributes
     ----------

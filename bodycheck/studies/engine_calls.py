@@ -1,4 +1,4 @@
-"""How much of the time of a simulation passes in the engine's own calls, and how much in the loop in Python around them."""
+"""The share of the time of a simulation that passes in the engine's own calls, and that of the loop in Python around them."""
 
 import time
 from collections.abc import Callable, Iterator, Sequence

@@ -1,4 +1,4 @@
-"""Output of a study: where its tables and its report are written, and whether its progress is shown."""
+"""Output of a study: the folder of its tables and its report, and the display of its progress."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Output:
-    """Where the results of a study go, and whether its progress is shown.
+    """The destination of the results of a study, and the display of its progress.
 
     Attributes
     ----------

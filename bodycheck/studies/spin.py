@@ -1,4 +1,4 @@
-"""How fast a scene turns at its start."""
+"""The rate at which a scene turns at its start."""
 
 import math
 

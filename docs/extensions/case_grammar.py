@@ -55,7 +55,7 @@ def keys() -> Iterator[tuple[str, str]]:
 
 
 def _places(defined: Schema, top: str) -> dict[str, list[str]]:
-    """Where each table stands that can be reached from another, in the order of the keys; the one at the top stands nowhere."""
+    """Return the paths at which each table can be reached from the top one, in the order of the keys; none for the top one."""
     found: dict[str, list[str]] = {top: []}
     waiting = [(top, "")]
     while waiting:
@@ -98,7 +98,7 @@ def _section(defined: Schema, name: str, where: Sequence[str]) -> list[str]:
 
 
 def _heading(definition: Schema, name: str, where: Sequence[str]) -> str:
-    """Where a table stands, and the key that tells it from others there; its name in words if it stands in many places."""
+    """Return the path of a table and the key that distinguishes it there, or its name in words if it has many paths."""
     fixed = {key: value["const"] for key, value in definition.get("properties", {}).items() if "const" in value}
     chosen = [f" with `{key} = {json.dumps(fixed[key])}`" for key in ("shape", "type", "distribution") if key in fixed]
     if not where:
@@ -111,7 +111,7 @@ def _heading(definition: Schema, name: str, where: Sequence[str]) -> str:
 
 
 def _type(value: Schema) -> str:
-    """What may stand behind a key, with its limits."""
+    """Return the type of a key's value, with its limits."""
     if "$ref" in value:
         name = value["$ref"].rpartition("/")[2]
         return f"[{_words(name)}](#{_anchor(name)})"
@@ -158,7 +158,7 @@ def _apart(description: str) -> tuple[str, str]:
 
 
 def _description(defined: Schema, value: Schema) -> str:
-    """What a key is; what its table is where the key itself has no description."""
+    """Return the description of a key, or of its table if the key itself has no description."""
     told = value.get("description", "")
     if not told and "$ref" in value:
         told = defined[value["$ref"].rpartition("/")[2]].get("description", "").rstrip(".")

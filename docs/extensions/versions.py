@@ -72,7 +72,7 @@ def pages(version: Path) -> list[str]:
 
 
 def _age(name: str) -> tuple[bool, Version]:
-    """What versions are ordered by: releases by their numbers, and before them what has no number, such as `main`."""
+    """Return the key by which versions are ordered: names without a number, such as `main`, and then releases by number."""
     try:
         return True, Version(name)
     except InvalidVersion:

@@ -1,4 +1,4 @@
-"""How much wobble a stable spin tolerates: the separatrix of torque-free motion, and the cone of a symmetric body.
+"""The wobble that a stable spin tolerates: the separatrix of torque-free motion, and the cone of a symmetric body.
 
 A wobble is an angular velocity about another axis than that of the spin. A spin about the axis of the smallest or of the
 largest moment remains a spin about that axis as long as the angular momentum, in the body frame, encircles that axis, that

@@ -107,7 +107,7 @@ def _alone(body: ContactBody) -> Scene:
 
 
 def _gaps(problem: Problem, body: ContactBody, times: Array) -> WideArray:
-    """How far (n,), m, a body in free flight is above the plane."""
+    """Return the heights (n,), m, of a body in free flight above the plane."""
     position, _, quaternion, *_ = _flight(problem, body, times)
     return np.asarray(position[:, 2] - reach(body.shape, quaternion, NORMAL))
 
@@ -167,7 +167,7 @@ def _half_lengths(body: ContactBody) -> Vector:
 
 
 def _impact(problem: Problem, body: ContactBody, instant: float) -> Event:
-    """The first impact. The states after it are not known."""
+    """Return the first impact as an event at an instant (s). The states after it are not known."""
     position, velocity, quaternion, _, turned, _ = _flight(problem, body, np.array([instant]))
     size = float(reach(body.shape, quaternion, NORMAL)[0])
     high = HEIGHT_ROUNDINGS * (size + float(np.abs(body.position).max())) + float(turned[0]) * size

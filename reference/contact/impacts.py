@@ -59,7 +59,7 @@ class Impact:
 
     @property
     def seen(self) -> bool:
-        """Whether an arc is seen after it."""
+        """True if an arc is seen after it."""
         return not math.isnan(self.after)
 
 
@@ -135,7 +135,7 @@ def _impact(body: Touching, motion: Trajectory, pulls: Array, first: int, last: 
 
 
 def _touch(body: Touching, motion: Trajectory, fall: float) -> float:
-    """How long after a sample (1, ...) a body touches the plane (s), where its lowest point stays the same until then.
+    """Return the time (s) from a sample (1, ...) to the touch of the plane, if the lowest point of the body stays the same.
 
     fall: acceleration of its centre of mass along the normal (m/s^2).
     """

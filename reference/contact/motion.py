@@ -1,4 +1,4 @@
-"""What every way of bodies that touch makes: their states, the bounds of these, and events."""
+"""The data that every way for touching bodies returns: states, their error bounds, and events."""
 
 import math
 from collections.abc import Mapping

@@ -108,7 +108,7 @@ def rests(motion: Trajectory, error: Array) -> NDArray[np.bool_]:
 
 
 def crept(motion: Trajectory, body: Touching, start: float) -> float | None:
-    """Mean speed (m/s) along the plane of the centre of mass from an instant (s) to the end; None if nothing is left."""
+    """Return the mean speed (m/s) of the centre of mass along the plane from an instant (s) on; None without two samples."""
     later = np.flatnonzero(motion.t >= start)
     if len(later) < 2:
         return None

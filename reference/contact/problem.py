@@ -171,5 +171,5 @@ def _wide(values: Vector3 | tuple[Real, Real, Real, Real]) -> WideArray:
 
 
 def holds(friction: float, tangential: Real, normal: Real) -> bool:
-    """Whether friction holds a force along the plane (N) under a force on it (N), both exact."""
+    """Return whether friction holds a force along the plane (N) under a normal force (N), both exact."""
     return math.isinf(friction) or bool(abs(tangential) <= MP.mpf(friction) * normal)

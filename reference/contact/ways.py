@@ -1,4 +1,4 @@
-"""Which way has the motion of which scene of bodies that touch. The first that knows a scene has it."""
+"""The ways that compute motions of bodies that touch. The first way that knows a scene computes its motion."""
 
 import functools
 from collections.abc import Callable

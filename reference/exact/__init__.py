@@ -1,4 +1,4 @@
-"""What follows from the numbers of a file or a scene, in arithmetic of a hundred digits.
+"""Exact consequences of the numbers of a file or a scene, computed with a hundred digits.
 
 - `numbers`: the arithmetic, and rounding to the types that NumPy has.
 - `rotations`: products of quaternions, rotated vectors, quaternions and body rates of Euler angles.

@@ -1,4 +1,4 @@
-"""How much the motion of a free body can amplify an error, known before anything is integrated."""
+"""The largest possible amplification of an error by the motion of a free body, known before any integration."""
 
 import numpy as np
 

@@ -115,7 +115,7 @@ def first_kind(sn: Wides, cn: Wides, dn: Wides) -> Wides:
 def _each_until(
     converged: Callable[..., Any], advance: Callable[..., tuple[Wides, ...]], state: tuple[Wides, ...]
 ) -> tuple[Wides, ...]:
-    """The state of an iteration when it has converged, in which each member is advanced until it has done so itself."""
+    """Return the converged state of an iteration, in which each member is advanced only until it has converged."""
     done = converged(*state)
     if not np.ndim(done):
         while not done:

@@ -155,12 +155,12 @@ def _cut(places: Places, times: Array) -> list[Places]:
 
 
 def _moderate(values: Array) -> NDArray[np.bool_]:
-    """Whether all numbers of each row (m, 3) have a moderate size."""
+    """Return whether all numbers of each row (m, 3) have a moderate size."""
     return np.asarray(((np.abs(values) <= MODERATE) & (np.abs(values) >= 1 / MODERATE)).all(axis=1))
 
 
 def _equal_moments(scenes: Scenes) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which of the pairs of moments are equal (m, 3), and whether this is certain (m,) for all.
+    """Return which of the pairs of moments are equal (m, 3), and whether this is certain for all three (m,).
 
     Moments that follow from the sizes of a shape may differ by less than a pair of numbers can tell.
     """

@@ -1,4 +1,4 @@
-"""What every closed form of a rotation without torque gives."""
+"""The result of every closed form of a rotation without torque."""
 
 from dataclasses import dataclass, replace
 from typing import Any

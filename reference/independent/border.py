@@ -1,4 +1,4 @@
-"""What the motion of a scene starts from, with a hundred digits: inertia tensor, direction cosines, angular velocity."""
+"""The start of a motion with a hundred digits: inertia tensor, direction cosines, angular velocity."""
 
 import functools
 from dataclasses import dataclass
@@ -57,7 +57,7 @@ class Border:
 
 
 def border(scene: Scene) -> Border:
-    """What the motion of a scene starts from.
+    """Return the start of the motion of a scene.
 
     What the definition of the scene says is used as far as it is valid (see `definition.valid`), and otherwise the doubles of
     the scene.

@@ -201,7 +201,7 @@ def _polhode(moments: Vector, rates: Vector) -> Polhode:
 
 
 def _tumbling(motion: Polhode, times: Array) -> Turned:
-    """The rotation of a body on a polhode."""
+    """Return the rotation of a body whose angular momentum moves along a polhode."""
     i, size, length = motion.moments, motion.size, norm(motion.momentum)
     f = 2 if i[2] * (i[1] - i[0]) <= i[0] * (i[2] - i[1]) else 0
     g = 2 - f

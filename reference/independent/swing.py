@@ -58,7 +58,7 @@ def swing(of: Modulus, nu: np.longdouble) -> Swing:
 
 
 def integrated(course: Swing, u: WideArray) -> WideArray:
-    """J(u) for arguments u (n,) in [-K, K]."""
+    """Return J(u) for arguments u (n,) in [-K, K]."""
     place = np.minimum(np.abs(u) / course.width, Wide(course.series.shape[1]))
     panel = np.minimum(place.astype(int), course.series.shape[1] - 1)
     twice = 4 * (place - panel) - 2

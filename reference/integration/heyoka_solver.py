@@ -61,7 +61,7 @@ def prepare_heyoka() -> None:
 
 
 def is_private(path: Path) -> bool:
-    """Whether a file or folder belongs to this user and no other user may write to it."""
+    """Return whether a file or folder belongs to this user and no other user may write to it."""
     status = path.stat()
     return status.st_uid == os.getuid() and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
 

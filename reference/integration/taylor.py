@@ -172,7 +172,7 @@ class Tumbling:
     from_frame: WideArray
 
     def follow(self, instants: WideArray) -> Rotation:
-        """Attitudes and angular velocities at times (n,) >= 0 (s) in any order. Raises `OutOfReach`."""
+        """Return attitudes and angular velocities at times (n,) >= 0 (s) in any order. Raise `OutOfReach`."""
         dtype: Any = self.state.dtype.type
         a, b, c = relabel(self.moments, self.chart)
         solution = solve(

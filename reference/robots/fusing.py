@@ -74,7 +74,7 @@ def _own(place: int) -> _Place:
 
 
 def _carried(parent: _Place, joint: RobotJoint) -> _Place:
-    """Where the frame of a joint is in the carrier of its parent."""
+    """Return the frame of a joint in the carrier of its parent."""
     carrier, origin, rotation = parent
     return carrier, origin + rotation @ joint.position, rotation @ joint.rotation
 

@@ -109,7 +109,7 @@ def rows(states: Sequence[RobotState], joint: RobotJoint, part: Callable[[RobotS
 
 
 def displaced(joint: RobotJoint, position: Wide) -> tuple[Wide, Wide]:
-    """Shift (n, 3) of a joint's child along the axes of the joint's frame (m), and unit quaternions (n, 4) from child to joint.
+    """Return the shift (n, 3), m, of a joint's child in the joint's frame, and quaternions (n, 4) from child to joint.
 
     position: (n, c) coordinates of the joint; a quaternion may have any length.
     """

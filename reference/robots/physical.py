@@ -1,4 +1,4 @@
-"""What of a robot model no bodies can have: masses, moments of inertia and joints that contradict mechanics."""
+"""Values of a robot model that no body can have: masses, moments of inertia and joints that contradict mechanics."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ MARGIN = 1e-12
 
 @dataclass(frozen=True)
 class Unphysical:
-    """What cannot be.
+    """A value that is physically impossible.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Unphysical:
 
 
 def unphysical(model: RobotModel) -> tuple[Unphysical, ...]:
-    """What of a model cannot be: first of links, then of joints, in the order of the file.
+    """Return the impossible values of a model: first those of links, then those of joints, in the order of the file.
 
     - A mass, a component of inertia or a coefficient that is negative or not a number.
     - Principal moments A <= B <= C with A < 0 or A + B < C, beyond `MARGIN`: no distribution of mass has them. Moments of zero,

@@ -13,7 +13,7 @@ Array = NDArray[np.floating[Any]]
 
 @dataclass(frozen=True, eq=False)
 class Terms:
-    """What is computed at one state. What an engine does not offer is None or empty.
+    """The terms at one state. A term that an engine does not offer is None or empty.
 
     The n velocities are in the order of the one who computes them. M is the mass matrix, armature included.
 

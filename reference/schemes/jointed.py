@@ -163,7 +163,7 @@ JOINTED: Mapping[str, Entry] = {
 
 
 def has_schemes(mechanism: Mechanism) -> bool:
-    """Whether the schemes of this module are defined: without loops, dry friction, and bodies that fly."""
+    """Return whether this module defines schemes for a mechanism: it has no loops, no dry friction and no flying bodies."""
     trees = () if mechanism.loops else forest(mechanism).trees
     links = [link for tree in trees for link in tree.links]
     return bool(links) and not any(link.kind == "free" or link.friction for link in links)

@@ -157,7 +157,7 @@ def implicit_midpoint(formulation: Formulation, pose: Pose, v: Pair, h: float) -
         gains = linear < least[0] or angular < least[1]
         least = min(linear, least[0]), min(angular, least[1])
     if not all(change <= SOLVED * size for change, size in zip(least, _sizes(middle), strict=True)):
-        raise ArithmeticError("the equations of the implicit midpoint rule are not solved")
+        raise ArithmeticError("the iteration of the implicit midpoint rule does not converge")
     return formulation.displace(pose, scale_pair(h, middle)), add_scaled_pair(v, h, a)
 
 

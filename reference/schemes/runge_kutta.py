@@ -114,8 +114,8 @@ def explicit(tableau: Tableau) -> Scheme:
 def implicit(tableau: Tableau) -> Scheme:
     """The implicit scheme of a tableau, solved to rounding by fixed-point iteration.
 
-    The scheme raises `ArithmeticError` where the iteration does not converge, which can happen where the body turns by a radian
-    or more in a step.
+    The scheme raises `ArithmeticError` if the iteration does not converge, which can happen if the body turns by a radian or
+    more in a step.
     """
 
     def step(formulation: Formulation, pose: Pose, v: Pair, h: float) -> tuple[Pose, Pair]:
@@ -130,7 +130,7 @@ def implicit(tableau: Tableau) -> Scheme:
             least = change
         size = max(abs(a) for own in slopes for a in own)
         if not least <= SOLVED * max(size, 1.0):
-            raise ArithmeticError("the equations of an implicit Runge-Kutta scheme are not solved")
+            raise ArithmeticError("the fixed-point iteration of an implicit Runge-Kutta scheme does not converge")
         u, end = _after(formulation, v, h, tableau.weights, slopes)
         return formulation.displace(pose, u), end
 

@@ -25,7 +25,7 @@ DERIVATIVE_STEP = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Deviation:
-    """How far a motion is from what the file determines, in n panels: x, y and psi (m, rad) and their rates.
+    """The deviation of a motion from the motion that the file determines, in n panels: x, y and psi (m, rad) and their rates.
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ def direction_of_first_axis(quaternion: Array) -> Array:
 
 
 def deviation(scene: Scene, panels: Panels) -> Deviation:
-    """How far a motion of a scene's body on its plane is from what the scene determines.
+    """Return the deviation of a motion of a scene's body on its plane from the motion that the scene determines.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the integration of a slide costs, before it is spent.
+"""The estimated cost of the integration of a slide.
 
 Ordinary slides take some hundred steps. Two kinds take many:
 

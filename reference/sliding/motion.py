@@ -98,7 +98,7 @@ def slide(scene: Scene, times: Array) -> Slide:
 
 
 def is_coupled(scene: Scene, plane: Plane, start: Array) -> bool:
-    """Whether friction couples translation and spin, so that the motion from a planar state (6,) has no closed form."""
+    """Return whether friction couples translation and spin, so that the motion from a planar state (6,) has no closed form."""
     return bool(plane.law != "decoupled" and start[3:5].any() and start[5] and plane.friction * scene.gravity > 0)
 
 

@@ -41,7 +41,7 @@ class Steps:
 
 
 class Stage(Enum):
-    """How far a motion has come after a step."""
+    """The progress of a motion after a step."""
 
     MOVING = auto()
     NEAR_REST = auto()

@@ -85,7 +85,7 @@ class Motion:
 
     @cached_property
     def tells(self) -> bool:
-        """Whether the scene tells methods apart.
+        """True if the scene distinguishes methods.
 
         A flight does if the gyroscopic torque matters. Of motions on a plane, those do in which a body slides and spins.
         """
@@ -123,7 +123,7 @@ class MethodClass:
 
 @dataclass(frozen=True)
 class _Difference:
-    """How far apart the motions of two methods are.
+    """The difference between the motions of two methods.
 
     Attributes
     ----------

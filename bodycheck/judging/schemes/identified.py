@@ -1,4 +1,4 @@
-"""What is found of the textbook scheme that a run agrees with, and what distinguishes a scheme from others."""
+"""The textbook scheme that a run agrees with, and the features that distinguish schemes."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -78,7 +78,7 @@ class Identification:
 
     @property
     def cannot_tell(self) -> bool:
-        """Whether the scene cannot distinguish schemes: some fit, but none is named."""
+        """True if the scene cannot distinguish schemes: some fit, but none is named."""
         return not self.scheme and any(candidate.fits for candidate in self.candidates)
 
 

@@ -83,7 +83,7 @@ class Flown:
 
 @dataclass(frozen=True)
 class NormError:
-    """What a simulation that normalises its quaternions tells of one member; see `contract.Normalising`."""
+    """The norm errors of one member from a simulation that normalises its quaternions; see `contract.Normalising`."""
 
     quaternion_norm_error: float
 
@@ -152,7 +152,7 @@ def norm_deviations(trajectory: Trajectory) -> Array:
 
 
 def _begins(scenes: Scenes, trajectory: Trajectory) -> NDArray[np.bool_]:
-    """Return which trajectories (m,) certainly begin at the states of their scenes, if they begin at t = 0."""
+    """Return flags (m,): true if a trajectory certainly begins at the state of its scene, or begins after t = 0."""
     if trajectory.t[0] != 0:
         return np.ones(len(scenes), dtype=bool)
     pairs = (

@@ -24,7 +24,7 @@ Call = Callable[[Any], Any]
 
 @dataclass(frozen=True)
 class Role:
-    """What worker processes do.
+    """The task of worker processes.
 
     Attributes
     ----------

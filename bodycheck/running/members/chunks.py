@@ -30,11 +30,11 @@ MOST_BLOCKS = 100
 
 
 class Source(Protocol):
-    """Where the numbers come from in which members differ. It can be pickled, and is the same wherever it is read."""
+    """The source of the numbers in which members differ. It can be pickled, and is the same on every machine."""
 
     @property
     def origin(self) -> object:
-        """What they are drawn with, or a table, whose attribute `digest` tells its content."""
+        """The distributions that they are drawn from, or a table whose attribute `digest` identifies its content."""
         ...
 
     @property
@@ -54,7 +54,7 @@ class Source(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Work:
-    """What all chunks of an ensemble have in common.
+    """The data that all chunks of an ensemble have in common.
 
     Attributes
     ----------
@@ -147,7 +147,7 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Receipt:
-    """What became of a chunk. It is small, whatever the chunk.
+    """The outcome of a chunk. It is small, whatever the size of the chunk.
 
     Attributes
     ----------

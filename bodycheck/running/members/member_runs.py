@@ -21,7 +21,7 @@ from bodycheck.running.members.chunk_workers import Role
 
 @dataclass(frozen=True, eq=False)
 class Flight:
-    """What a worker process of an engine is asked to fly.
+    """The runs that a worker process of an engine makes in one call.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class Flight:
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """What became of members whose states are in a file, which is much faster than sending them from process to process.
+    """The outcomes of members whose states are in a file, which is much faster than sending them between processes.
 
     Attributes
     ----------

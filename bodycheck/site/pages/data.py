@@ -99,7 +99,7 @@ def index(catalogue: Catalogue) -> dict[str, Any]:
 
 
 def submission(catalogue: Catalogue, source: Submission) -> dict[str, Any]:
-    """Return a submission as JSON has it."""
+    """Return a submission in its JSON form."""
     return {
         "format": FORMAT,
         "key": source.key,

@@ -108,7 +108,7 @@ def ensemble(
 
 @dataclass(frozen=True)
 class _Shown:
-    """What is written and printed of an ensemble: the options of the command with these names."""
+    """The options of the command for output, under their names."""
 
     out: Path | None
     figures: "tuple[Format, ...]"
@@ -125,7 +125,7 @@ def _check(member: int | None, write: Path | None, out: Path | None, dask: str |
         raise BadInput("--member and --write: give both, the number of a member and the file to write it to")
     check_writable("--write", write)
     if dask is not None and shard is not None:
-        raise BadInput("--dask and --shard: give one of them")
+        raise BadInput("--dask and --shard: give only one of them")
     for option, value in (("--dask", dask), ("--shard", shard)):
         if value is not None and out is None:
             raise BadInput(f"{option} {value}: needs --out, the folder for the results")

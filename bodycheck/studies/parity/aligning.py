@@ -1,4 +1,4 @@
-"""What an engine computes in the order and conventions of the file, and the truth for the same velocities."""
+"""The terms of an engine in the order and conventions of the file, and the truth for the same velocities."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -25,7 +25,7 @@ LEAST_CHANGE = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """What engines were asked about a model.
+    """The questions to engines about a model.
 
     Attributes
     ----------

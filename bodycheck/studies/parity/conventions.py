@@ -1,4 +1,4 @@
-"""How an engine writes the velocities of joints that have several, and its Jacobians, found by trying.
+"""The conventions in which an engine writes velocities of joints and Jacobians, determined by trying.
 
 An engine may write the velocity of a floating joint with the angular part first, along the axes of the joint's frame, of the
 child or of the parent, which is often the world, and of one of three points. None of this is a difference in mechanics. The
@@ -37,7 +37,7 @@ Given = Literal["as in the state", "converted", "converted without its derivativ
 
 @dataclass(frozen=True)
 class Written:
-    """How the velocity of a joint is written: the default is how `RobotState` has it.
+    """The convention in which the velocity of a joint is written. The default is that of `RobotState`.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ CANDIDATES: Mapping[str, tuple[Written, ...]] = {
 
 @dataclass(frozen=True)
 class JacobianFrame:
-    """How the Jacobian of a body is written: the default is how `Terms` has it.
+    """The convention in which the Jacobian of a body is written. The default is that of `Terms`.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ JACOBIAN_FRAMES = tuple(
 
 @dataclass(frozen=True)
 class Convention:
-    """How an engine writes velocities, by the name of the joint, Jacobians, and what efforts and accelerations it takes."""
+    """The conventions of an engine for velocities (by the name of the joint), Jacobians, efforts and accelerations."""
 
     joints: Mapping[str, Written] = field(default_factory=dict)
     jacobians: JacobianFrame = field(default_factory=JacobianFrame)
@@ -105,7 +105,7 @@ class Convention:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What it is, in sentences; empty where it is the form that bodycheck uses."""
+        """Sentences that describe the convention; empty if it is the one that bodycheck uses."""
         told = [f"it writes the velocity of {name} as {_words(own)}" for name, own in self.joints.items() if own != Written()]
         if self.jacobians != JacobianFrame():
             own = self.jacobians

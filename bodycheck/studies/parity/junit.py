@@ -1,4 +1,4 @@
-"""What was found as JUnit XML: a test for each model and engine, and one for each file with faults."""
+"""The results as JUnit XML: a test for each model and engine, and one for each file with faults."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Which joints and bodies of an engine are which of the file, and which velocities of both belong together."""
+"""The pairing of an engine's joints, bodies and velocities with those of the file."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -18,7 +18,7 @@ from bodycheck.studies.parity.stacks import Label
 
 @dataclass(frozen=True, eq=False)
 class Match:
-    """How an engine's reading and the model of the file belong together.
+    """The pairing of an engine's reading with the model of the file.
 
     Attributes
     ----------
@@ -55,17 +55,17 @@ class Match:
 
     @property
     def reduced(self) -> bool:
-        """Whether joints that follow others have no velocities of their own in the engine."""
+        """True if joints that follow others have no velocities of their own in the engine."""
         return bool(self.expansion.shape[0] != self.expansion.shape[1])
 
     def numbers(self, quantity: Quantity) -> Array:
-        """Return what the file has of a quantity, such as damping, for the joint of each velocity that is compared (n,)."""
+        """Return the file's values of a quantity, such as damping, for the joints of the compared velocities (n,)."""
         joints = {joint.name: joint for joint in self.model.joints}
         return np.array([float(getattr(joints[name], quantity)) for name, _ in self.labels])
 
 
 def match(model: RobotModel, reading: RobotReading) -> Match:
-    """Return how an engine's reading and the model of a file belong together."""
+    """Return the pairing of an engine's reading with the model of a file."""
     named = {joint.name: joint for joint in reading.joints}
     by_child = {joint.child: joint for joint in reading.joints}
     moving = [joint for joint in model.joints if VELOCITIES[joint.type]]

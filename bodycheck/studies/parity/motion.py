@@ -1,4 +1,4 @@
-"""What differences of an engine do to a motion: the free motion of the model that it has, beside that of the file.
+"""The effect of an engine's differences on a motion: the free motions of its model and of the file's model.
 
 Both motions are of exact mechanics, so that nothing but the differences between the models tells them apart: the model of the
 engine is that of the file with the faults that were found. Joints that follow others move by themselves in both.
@@ -29,7 +29,7 @@ QUATERNIONS = {"spherical": 0, "floating": 3}
 
 @dataclass(frozen=True)
 class Drift:
-    """How far apart two motions are at their end.
+    """The distance of two motions at their end.
 
     Attributes
     ----------

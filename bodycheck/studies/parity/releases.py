@@ -1,4 +1,4 @@
-"""What releases of an engine make of the file of a robot: which of them changed what the file means."""
+"""The changes between releases of an engine in their reading of a robot's file."""
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager

@@ -10,7 +10,7 @@ from bodycheck.studies.parity.quantities import Cause, Quantity, Status
 
 @dataclass(frozen=True)
 class Compared:
-    """What one engine has of one quantity, and what the file has.
+    """A quantity as an engine has it and as the file has it.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How far terms are apart, relative to sizes by which rounding leaves differences of 1e-12 and less.
+"""The differences of terms, relative to sizes by which rounding leaves 1e-12 and less.
 
 Lengths are relative to the reach of the robot. The mass matrix is relative to the roots D_i of its diagonal,
 |dM_ij| / (D_i D_j). Forces are divided by D_i, which makes them comparable between joints of all kinds, and are relative to the

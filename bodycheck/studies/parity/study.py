@@ -45,7 +45,7 @@ LARGEST = 24_000_000
 
 @dataclass(frozen=True)
 class Asking:
-    """What is asked of each model.
+    """The options of a comparison of models.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ class Asking:
 
 @dataclass(frozen=True)
 class Parity:
-    """What was found of one model.
+    """The results for one model.
 
     Attributes
     ----------

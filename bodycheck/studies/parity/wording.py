@@ -1,4 +1,4 @@
-"""What was found of a model, in sentences that the terminal and the report share."""
+"""The results for a model in sentences that the terminal and the report share."""
 
 from collections import defaultdict
 from collections.abc import Sequence

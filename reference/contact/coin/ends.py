@@ -40,18 +40,18 @@ _Slack = Callable[[WideArray], WideArray]
 
 @dataclass(frozen=True, eq=False)
 class End:
-    """Where a coin ends to roll.
+    """The end of a coin's rolling.
 
     Attributes
     ----------
     kind
-        It slips or leaves the plane, or its face or its side meets the plane.
+        The coin slips or leaves the plane, or its face or its side meets the plane.
     time
         The instant, in units of the coin.
     state
         (8,) the state there.
     rate
-        How fast what must be positive falls there.
+        The rate at which the slack, see `slacks`, decreases there.
     before, state_before
         An instant a little before, and the state (8,) there, where other equations are not yet singular.
     """
@@ -66,7 +66,7 @@ class End:
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """States (n, 8) of a coin, where it ends to roll within the instants, and the largest friction until then.
+    """States (n, 8) of a coin, the end of its rolling if it is within the instants, and the largest friction until then.
 
     After the end, the states are NaN.
     """
@@ -77,7 +77,7 @@ class Followed:
 
 
 def slacks(coin: Coin, friction: float) -> tuple[tuple[Literal["slip", "impact"], _Slack], ...]:
-    """What must be positive as long as a coin rolls, with what happens where it is not."""
+    """Return functions that are positive as long as a coin rolls, each with the event that happens when it is not."""
 
     def held(states: WideArray) -> WideArray:
         tangential, normal = angles.forces(coin, states)

@@ -1,4 +1,4 @@
-"""Whether a scene is a coin that rolls on its rim, and its start in units in which it is of the size one."""
+"""The start of a coin that rolls on its rim, in units in which its size is one, and the test whether a scene is one."""
 
 import math
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ class Coin:
     flipped: bool
 
     def as_given(self, quaternion: WideArray, spin: WideArray) -> tuple[WideArray, WideArray]:
-        """Attitudes (n, 4) and angular velocities (n, 3) of this coin as those of the body of the scene, in its units."""
+        """Convert attitudes (n, 4) and angular velocities (n, 3) of the coin to those of the scene's body, in its units."""
         if self.flipped:
             quaternion, spin = multiply(quaternion, _TURNED * Wide(-1)), spin * _SIGNS
         return quaternion, spin / self.time

@@ -10,7 +10,7 @@ from bodycheck.reference.witness import WideArray
 
 
 def is_steady(coin: Coin) -> bool:
-    """Whether the tilt of a coin rests at its start, and is not accelerated, as far as the decimals of a file can say so."""
+    """Return whether the tilt of a coin neither moves nor accelerates at its start, as far as the file's decimals can tell."""
     start = angles.initial(coin)[None]
     return bool(abs(start[0, angles.P]) <= NONE and abs(angles.accelerated(coin, start).p[0]) <= NONE)
 

@@ -62,7 +62,7 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
 
 
 def _spins_about_normal(body: ContactBody) -> bool:
-    """Whether a body that lies flat turns about the normal alone. Otherwise it leaves the plane, or presses into it."""
+    """Return whether a body that lies flat turns only about the normal. If not, it leaves the plane or presses into it."""
     spin = rotate(body.quaternion, body.spin)
     return bool(np.hypot(spin[0], spin[1]) <= NONE * abs(spin[2]))
 
@@ -121,7 +121,7 @@ def _accelerations(problem: Problem, leg: Leg) -> float:
 
 
 def _doubt(problem: Problem, leg: Leg) -> float:
-    """How well the drive along a leg is known (m/s^2): pushes are rounded along an incline, and a decision may be at its edge.
+    """Return the uncertainty of the drive along a leg (m/s^2), from rounded pushes and from decisions at their limits.
 
     Where half an ulp of the numbers of the scene decides whether a block rests or slips, the difference is within the bound.
     """

@@ -33,7 +33,7 @@ class Face:
     radius: Real = MP.inf
 
     def bears(self, x: Real, y: Real) -> bool:
-        """Whether a point of the plane (m) is within the face, its border included."""
+        """Return whether a point of the plane (m) is within the face or on its border."""
         more = 1 + _ROUNDING
         held = all(abs(x * a + y * b) <= half * more for (a, b), half in self.edges)
         return held and bool(MP.hypot(x, y) <= self.radius * more)

@@ -25,7 +25,7 @@ from bodycheck.reference.exact.numbers import MP, Real, Vector2, real
 
 @dataclass(frozen=True)
 class Load:
-    """What acts on a block from one instant to another.
+    """The forces on a block from one instant to another.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Turn:
 
 
 def loads(problem: Problem) -> Iterator[Load]:
-    """What acts on the only body of a problem, piece by piece, from 0 to infinity. Raises `NotModelled`."""
+    """Yield the forces on the only body of a problem, piece by piece, from 0 to infinity. Raise `NotModelled`."""
     body, quaternion = problem.bodies[0], exact_quaternion(problem.bodies[0].quaternion)
     instants = {MP.mpf(0), MP.inf}
     for push in problem.pushes:
@@ -157,7 +157,7 @@ def at(leg: Leg, time: Real) -> tuple[Vector2, Vector2]:
 
 
 def _begins(made: Sequence[Leg], leg: Leg) -> Literal["rest", "slip"] | None:
-    """What the beginning of a leg is."""
+    """Return the kind of event with which a leg begins, or None for none."""
     if leg.rests:
         return "rest" if made and not made[-1].rests else None
     return None if any(leg.velocity) else "slip"

@@ -1,4 +1,4 @@
-"""How a brick leans on an edge, or a standing cylinder on its rim, and how it falls while that stays where it is.
+"""The fall of a brick that leans on an edge, or a standing cylinder on its rim, while the contact does not move.
 
 With theta the angle of the centre of mass from the vertical above the contact, at the distance l, k the radius of gyration
 about the axis of the fall, and beta = l^2 / (k^2 + l^2), a body that is released at theta0 > 0 falls as a pendulum:
@@ -76,7 +76,7 @@ class Lean:
 
 
 def lean(problem: Problem) -> Lean | None:
-    """How the only body of a problem leans on a level plane; None for one that does not, or that is balanced."""
+    """Return the lean of the only body of a problem on a level plane; None if it does not lean, or is balanced."""
     body = problem.bodies[0]
     columns = tuple(zip(*matrix(exact_quaternion(body.quaternion)), strict=True))
     found = _axes(body, columns)
@@ -124,7 +124,7 @@ def _axes(body: ContactBody, columns: tuple[tuple[Real, ...], ...]) -> tuple[int
 
 
 def onset(falling: Lean, friction: float) -> tuple[Literal["slip", "lift", "impact"], Real]:
-    """How a fall ends, and cos theta there: friction is not enough, the normal force is gone, or the next face lands."""
+    """Return the end of a fall and cos theta there: friction gives way, the normal force vanishes, or the next face lands."""
     first, last = MP.cos(falling.angle), MP.cos(falling.landing)
 
     def slack(cosine: Real) -> Real:
@@ -164,7 +164,7 @@ def smallest_friction(falling: Lean, cosine: float) -> float:
 
 
 def jams(falling: Lean, friction: float, sliding: float) -> bool:
-    """Whether no force of the plane fits, which is Painleve's paradox, where the contact slides along `towards` (m/s).
+    """Return whether no force of the plane is possible while the contact slides along `towards` (m/s): Painleve's paradox.
 
     A normal force N with its friction accelerates the contact along the normal by N / m times
     1 + (l / k)^2 sin theta (sin theta - mu cos theta) where it slides against the direction of the lean. Where that is

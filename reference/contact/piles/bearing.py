@@ -1,4 +1,4 @@
-"""What bodies at rest bear where one may rest on several: the balance of parallel forces."""
+"""Loads on bodies at rest of which one may rest on several, from the balance of parallel forces."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -73,7 +73,7 @@ def centre_of(bodies: Sequence[ContactBody]) -> WideArray:
 
 
 def _mirrors(problem: Problem, faces: Sequence[Upright]) -> list[dict[int, int]]:
-    """Which body is the image of which, by place, in each mirror along the normal and an axis that changes nothing."""
+    """Return the image of each body, by index, in each mirror along the normal and an axis that changes nothing."""
     centre = centre_of(problem.bodies)
     axes = (1,) if problem.plane.incline else (0, 1)
     found = (_images(problem, faces, axis, centre[axis]) for axis in axes)
@@ -108,7 +108,7 @@ def _marks(face: Upright) -> WideArray:
 
 
 def _alike(face: Upright, mirrored: WideArray, other: Upright) -> bool:
-    """Whether the image of a body, with four points (4, 2) of its outline, is another body."""
+    """Return whether the image of a body, with four points (4, 2) of its outline, is another body."""
     near = 4 * NONE * (face.size + other.size + float(np.abs(mirrored).max()))
     if (face.disk, face.ball) != (other.disk, other.ball):
         return False
@@ -119,7 +119,7 @@ def _alike(face: Upright, mirrored: WideArray, other: Upright) -> bool:
 
 
 def balanced(problem: Problem, faces: Sequence[Upright], bearings: Sequence[Bearing], slope: float) -> bool:
-    """Whether forces along gravity between the faces balance all weights.
+    """Return whether forces along gravity between the faces can balance all weights.
 
     They act at the corners of what two faces have in common, which is as good as anywhere in it. slope: of the plane.
     """

@@ -52,7 +52,7 @@ class Pushed:
     force: Real
 
     def across(self, ball: int) -> Wide:
-        """How far (m) a sphere is beside the line of the push."""
+        """The distance (m) of a sphere from the line of the push."""
         x, y = self.faces[ball].centre - self.faces[self.box].centre
         return Wide(self.direction[0] * y - self.direction[1] * x)
 
@@ -114,7 +114,7 @@ def _isotropic(body: ContactBody) -> bool:
 
 
 def _on_top(faces: tuple[Upright, ...], box: int, balls: tuple[int, ...]) -> bool:
-    """Whether the box stands on the plane, and spheres on its top that touch nothing else."""
+    """Return whether the box stands on the plane, and all spheres on its top, where they touch nothing else."""
     under = faces[box]
     near = NONE * max(face.size for face in faces)
     if abs(under.bottom) > near:

@@ -52,7 +52,7 @@ def motion(problem: Problem, times: Array) -> ContactMotion | None:
 
 
 def bearings_of(faces: Sequence[Upright]) -> tuple[tuple[Bearing, ...], bool]:
-    """Which bodies bear which, and whether any touch each other beside. Raises `NotModelled` where bodies overlap."""
+    """Return which bodies bear which, and whether any touch sideways. Raise `NotModelled` if bodies overlap."""
     near = NONE * max(face.size for face in faces)
     found, beside = [], False
     for upper, above in enumerate(faces):
@@ -107,7 +107,7 @@ def _slope(problem: Problem, bearings: Sequence[Bearing]) -> Wide:
 
 
 def _is_tree(bearings: Sequence[Bearing]) -> bool:
-    """Whether every body is borne by one alone."""
+    """Return whether every body rests on exactly one other."""
     return len({bearing.upper for bearing in bearings}) == len(bearings)
 
 
@@ -124,7 +124,7 @@ def _check_tree(problem: Problem, faces: Sequence[Upright], bearings: Sequence[B
 
 
 def _rests_on(place: int, lowest: int, below: dict[int, int]) -> bool:
-    """Whether a body is another one, or rests on it over others."""
+    """Return whether a body is another one, or rests on it directly or through others."""
     while place not in (lowest, WORLD):
         place = below[place]
     return place == lowest

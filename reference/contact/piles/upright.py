@@ -55,7 +55,7 @@ class Upright:
 
 
 def upright(body: ContactBody) -> Upright | None:
-    """How a body stands; None for one that does not stand on a face, and for an ellipsoid."""
+    """Return how a body stands; None for an ellipsoid, and for a body that does not stand on a face."""
     match body.shape:
         case Sphere(radius):
             return _standing(body, np.eye(3), (radius, radius, radius), ball=True)
@@ -70,7 +70,10 @@ def upright(body: ContactBody) -> Upright | None:
 
 
 def _standing(body: ContactBody, rows: WideArray, half: tuple[float, float, float], *, ball: bool = False) -> Upright | None:
-    """How a body stands. rows: (3, 3) its axes along those of the plane, one a row; half: its half-lengths along them."""
+    """Return how a body stands.
+
+    rows: (3, 3) its axes along those of the plane, one per row; half: its half-lengths along them.
+    """
     vertical = int(np.argmax(np.abs(rows[:, 2])))
     tilt = float(np.hypot(*np.delete(rows[:, 2], vertical)))
     disk = not isinstance(body.shape, Brick)
@@ -91,7 +94,7 @@ def _standing(body: ContactBody, rows: WideArray, half: tuple[float, float, floa
 
 
 def margin(face: Upright, point: WideArray) -> Wide:
-    """How far (m) a point (2,) is within the outline of a face; negative outside."""
+    """Return the distance (m) of a point (2,) from the border of a face's outline; negative for a point outside."""
     away = face.sides @ (point - face.centre)
     return Wide(face.half[0] - np.hypot(*away) if face.disk else np.min(face.half - np.abs(away)))
 
@@ -132,7 +135,7 @@ def common(one: WideArray, other: WideArray) -> WideArray:
 
 
 def meet(one: Upright, other: Upright, *, larger: float) -> bool:
-    """Whether the outlines of two bodies, larger or smaller by a part of themselves, have points in common."""
+    """Return whether the outlines of two bodies, both enlarged by a part of themselves, have points in common."""
     apart = np.hypot(*(one.centre - other.centre))
     if one.disk and other.disk:
         return bool(apart < (1 + larger) * (one.half[0] + other.half[0]))

@@ -129,7 +129,7 @@ def after_impact(of: Ball, before: Moment) -> Moment:
 
 
 def stops(of: Ball, sliding: WideArray, normal: Wide) -> bool:
-    """Whether an impulse along the normal, over the mass (m/s), ends a slip (3,)."""
+    """Return whether an impulse along the normal, divided by the mass (m/s), ends a slip (3,)."""
     if np.isinf(of.friction):
         return True
     size = np.hypot(sliding[0], sliding[1])

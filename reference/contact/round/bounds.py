@@ -87,7 +87,7 @@ def _edge(of: Ball) -> Wide:
 
 
 def _jumps(of: Ball, found: Course, times: WideArray) -> tuple[WideArray, WideArray]:
-    """What velocities (n,), m/s, and angular velocities (n,), rad/s, may miss: an instant is before an impact or after it."""
+    """Return possible errors of velocities (n,), m/s, and angular velocities (n,), rad/s, at instants close to an impact."""
     changes = found.changes
     if not changes:
         return np.zeros_like(times), np.zeros_like(times)

@@ -111,7 +111,7 @@ def grown(rate: Wide, q: WideArray) -> WideArray:
 
 
 def _reached(rate: Wide, integral: WideArray) -> WideArray:
-    """Where the integral of `grown` is reached (n,); infinite where it never is."""
+    """Return the q (n,) at which the integral of `grown` reaches a value (n,); infinite if it never does."""
     if rate == 0:
         return integral
     left = -rate * integral

@@ -21,7 +21,7 @@ from bodycheck.reference.witness import WideArray
 
 @dataclass(frozen=True, eq=False)
 class Begin:
-    """How a round body begins.
+    """The start of a round body.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Begin:
 
 
 def begin(of: Ball, position: WideArray, velocity: WideArray, spin: WideArray) -> Begin:
-    """How a body begins, from its position, velocity and angular velocity (3,) along the axes of the plane.
+    """Return the start of a body from its position, velocity and angular velocity (3,) along the axes of the plane.
 
     Raises `NotModelled` for a body that begins within the plane, or that slips where nothing slips.
     """

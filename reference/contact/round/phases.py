@@ -159,7 +159,7 @@ def _impact(of: Ball, before: Moment, after: Moment) -> Change:
 
 
 def _fall(of: Ball, body: Moment) -> tuple[Wide, Wide]:
-    """How long a body flies (s), and its speed towards the plane at the end (m/s); infinite and 0 where it flies on."""
+    """Return how long a body flies (s), and its final speed towards the plane (m/s); infinity and 0 if it never lands."""
     height, rise = body.position[2] - of.radius, body.velocity[2]
     speed = np.sqrt(rise * rise + 2 * of.onto * height)
     if rise < 0:

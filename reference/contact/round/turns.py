@@ -1,4 +1,4 @@
-"""How a round body turns in its phases."""
+"""The rotation of a round body in its phases."""
 
 import numpy as np
 
@@ -61,7 +61,7 @@ def _grid(of: Ball, phase: Phase, slipping: Hodograph, end: Wide) -> WideArray:
 
 
 def _orders(exponent: Wide) -> int:
-    """How many coefficients of an exponential function count, with the largest exponent."""
+    """Return the number of coefficients of an exponential function that matter for the largest exponent."""
     term, orders = Wide(1), 1
     while term > LEAST_TERM and orders < TERMS:
         term, orders = term * exponent / orders, orders + 1

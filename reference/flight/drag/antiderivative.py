@@ -118,7 +118,7 @@ def integrals(found: Panels, panel: Indices, r: WideArray) -> WideArray:
 
 
 def invert(found: Panels, targets: WideArray) -> tuple[Indices, WideArray]:
-    """Where the integral of the first function, which is positive, has given values.
+    """Return the arguments at which the integral of the first function, which is positive, has given values.
 
     Parameters
     ----------

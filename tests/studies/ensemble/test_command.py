@@ -113,7 +113,7 @@ def test_one_member_alone(case: Path, tmp_path: Path) -> None:
         (("--member", "1"), "--member and --write: give both"),
         (("--member", "48", "--write", "x.case.toml"), "read member 48; allowed: 0 to 47"),
         (("--shard", "1/2"), "--shard 1/2: needs --out"),
-        (("--dask", "local", "--shard", "1/2", "--out", "x"), "--dask and --shard: give one of them"),
+        (("--dask", "local", "--shard", "1/2", "--out", "x"), "--dask and --shard: give only one of them"),
         (("--shard", "3/2", "--out", "x"), "--shard 3/2: read '3/2'; allowed: I/N"),
         (("--members", "0"), "read 0 members"),
         (("--columns", "speed"), "there is no column 'speed'"),

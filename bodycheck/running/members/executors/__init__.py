@@ -21,12 +21,12 @@ class Executor(Protocol):
 
     @property
     def whole(self) -> bool:
-        """Whether it carries out all chunks, and not only a share of them."""
+        """True if it carries out all chunks, and not only a share of them."""
         ...
 
     @property
     def chunks(self) -> int:
-        """The number of chunks, if there are enough members, from which on it is evenly busy."""
+        """The smallest number of chunks that keeps it evenly busy, if there are enough members."""
         ...
 
     def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:

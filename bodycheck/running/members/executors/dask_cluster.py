@@ -69,7 +69,7 @@ class Cluster:
 
     @property
     def chunks(self) -> int:
-        """The number of chunks from which on it is evenly busy; how many workers another cluster will have is not known."""
+        """The smallest number of chunks that keeps it evenly busy. The size of a cluster that is not local is not known."""
         return CHUNKS_EACH * (self.jobs if self.address == LOCAL else MANY_WORKERS)
 
     def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:
@@ -152,7 +152,7 @@ class _Submitted:
 
 @dataclass
 class _Window:
-    """How many chunks are to be submitted at a time. The scheduler is asked now and then, as workers come and go."""
+    """The number of chunks to submit at a time. The scheduler is asked now and then, because workers come and go."""
 
     client: "Client"
     size: int = LEAST_WINDOW
@@ -201,9 +201,9 @@ def _receipts(client: "Client", address: str, perform: Perform, chunks: Sequence
             raise error
         elif one.attempts == ATTEMPTS:
             raise Failed(
-                f"{one.chunk.name}: given up, because every worker that had them was lost, {ATTEMPTS} times over; the last was "
-                f"{error.last_worker.address}. Its log, or that of the queue, says why: often it is the memory limit of the "
-                "job. What is done is kept: run the same command again to go on"
+                f"{one.chunk.name}: given up after {ATTEMPTS} attempts, because the workers were lost each time; the last "
+                f"was {error.last_worker.address}. Its log, or the log of the queue, shows the reason, often the memory limit "
+                "of the job. Finished chunks are kept: run the same command again to resume"
             )
         else:
             with _losing(address):
@@ -230,6 +230,6 @@ def _losing(address: str) -> Iterator[None]:
 
 def _lost(address: str) -> ClusterLost:
     return ClusterLost(
-        f"--dask {address}: the scheduler was lost. What is done is kept: start a new scheduler and new workers, since those "
-        "of a lost scheduler end, and run the same command again to go on"
+        f"--dask {address}: the scheduler was lost. Finished chunks are kept: start a new scheduler and new workers, since the "
+        "workers of a lost scheduler end, and run the same command again to resume"
     )

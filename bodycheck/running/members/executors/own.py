@@ -31,7 +31,7 @@ class Own:
 
     @property
     def chunks(self) -> int:
-        """The number of chunks from which on it is evenly busy."""
+        """The smallest number of chunks that keeps it evenly busy."""
         return CHUNKS_EACH * self.jobs
 
     def __call__(self, perform: Perform, chunks: Sequence[Chunk]) -> Generator[Receipt, None, None]:

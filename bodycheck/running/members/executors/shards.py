@@ -30,7 +30,7 @@ class Shard:
 
     @property
     def chunks(self) -> int:
-        """The number of chunks from which on it is evenly busy."""
+        """The smallest number of chunks that keeps all jobs evenly busy."""
         return CHUNKS_EACH * self.of
 
     @classmethod

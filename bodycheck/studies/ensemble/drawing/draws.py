@@ -84,7 +84,7 @@ def _log_between(low: Array, high: Array, u: Array) -> Array:
 
 
 def _turns(u: Array) -> tuple[Array, Array]:
-    """Return cosine and sine (m,) of u (m,) turns."""
+    """Return the cosine and sine (m,) of the angles u (m,), in turns."""
     angle = 8 * np.arctan(Wide(1)) * u
     return np.cos(angle).astype(float), np.sin(angle).astype(float)
 

@@ -44,7 +44,7 @@ CHECKED = 1_000_000
 
 @dataclass(frozen=True)
 class Source:
-    """Where the numbers of the members come from: they are drawn, or rows of a table.
+    """The source of the numbers of the members: they are drawn, or are rows of a table.
 
     Attributes
     ----------

@@ -1,6 +1,6 @@
-"""How the chunks of an ensemble are carried out.
+"""The execution of an ensemble's chunks.
 
-- `carrying` has the members of a chunk flown and judged, and writes its files. `calls` is what worker processes are asked.
-- `truths` is what is stored of the truths of members, and `remarkable` says which runs are kept whole.
-- `result_tables` joins the files of chunks to tables, and `gathering` those of several jobs.
+- `carrying` runs and judges the members of a chunk, and writes its files. `calls` has the calls made in worker processes.
+- `truths` stores the truths of members, and `remarkable` selects the runs that are kept whole.
+- `result_tables` joins the files of chunks to tables, and `gathering` the files of several jobs.
 """

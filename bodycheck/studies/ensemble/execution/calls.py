@@ -1,4 +1,4 @@
-"""What a worker process of the reference is asked about a block of members: to draw it, for its truths, and to judge runs.
+"""The calls in a worker process of the reference about a block of members: draw it, compute its truths, and judge runs.
 
 Each answer follows from the question alone. What was drawn and the truths of the last block are kept, because several questions
 are about the same block.

@@ -50,7 +50,7 @@ from bodycheck.studies.ensemble.execution.calls import (
 
 @dataclass
 class _Made:
-    """What is written of a chunk, and what its receipt says.
+    """The files written for a chunk, and the contents of its receipt.
 
     Attributes
     ----------

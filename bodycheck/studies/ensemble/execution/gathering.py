@@ -54,7 +54,7 @@ def _refuse_other(first: Path, head: EnsembleHeader, folder: Path, other: Ensemb
         raise BadFolder(str(error).replace("this command", str(first))) from error
     named = {"case": "case", "text": "text of the case", "members": "number of members", "shares": "methods or engines"}
     different = next((words for key, words in named.items() if other.get(key) != head.get(key)), "drawn numbers or limits")
-    raise BadFolder(f"{folder}: of another ensemble than {first}: the {different} are not the same")
+    raise BadFolder(f"{folder}: is not of the same ensemble as {first}: the {different} differ")
 
 
 def _versions(head: EnsembleHeader) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""Which runs of many members are remarkable: those that failed, and the worst."""
+"""The remarkable runs of many members: those that failed, and the worst."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""What the runs of an ensemble say, read from its folder; nothing is run.
+"""Findings about the runs of an ensemble, read from its folder; nothing is run.
 
 - `stored` reads columns, and `queries` answers questions in SQL.
 - `intervals` has quantiles and shares with their confidence, and `aggregates` what tables and reports are made of.

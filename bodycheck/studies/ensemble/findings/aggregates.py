@@ -1,4 +1,4 @@
-"""What the tables and the report of an ensemble are made of: counts, quantiles, histograms and tails of each method.
+"""Aggregates for the tables and the report of an ensemble: counts, quantiles, histograms and tails of each method.
 
 Their size does not depend on the number of members. One column of all runs is in memory at a time.
 """
@@ -53,7 +53,7 @@ class Way:
 
 @dataclass(frozen=True)
 class Method:
-    """How the runs of a method ended.
+    """The outcomes of the runs of a method.
 
     Attributes
     ----------
@@ -146,7 +146,7 @@ class Figure:
 
 @dataclass(frozen=True, eq=False)
 class Aggregates:
-    """What is known of an ensemble of one case.
+    """Counts, distributions and the ranking of methods for an ensemble of one case.
 
     Attributes
     ----------
@@ -273,7 +273,7 @@ def _bound(ensemble: Ensemble, name: str) -> tuple[float, float] | None:
 
 
 def _distribution(ensemble: Ensemble, place: int, name: str, column: Array, edges: Array) -> Distribution:
-    """Return the distribution of a figure of a method, whose values (n,) are NaN where it has none."""
+    """Return the distribution of a method's figure, whose values (n,) are NaN for members that do not have it."""
     there = ~np.isnan(column)
     values, members = column[there], ensemble.members[there]
     found = dict(zip(QUANTILES, quantiles(values, [*QUANTILES.values()]).tolist(), strict=True))
@@ -318,7 +318,7 @@ def _edges(values: Array) -> Array:
 
 
 def _best(values: Array, places: Sequence[int]) -> dict[int, float]:
-    """Return the share of the members in which each method has the smallest value (m, n) of all methods.
+    """Return, for each method, the share of members for which its value (m, n) is the smallest of all methods.
 
     Members without a value of any method are not counted.
     """

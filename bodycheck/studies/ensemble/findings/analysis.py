@@ -1,4 +1,4 @@
-"""What the runs of an ensemble say: counts and distributions, what figures depend on, and maps over the strongest numbers."""
+"""The analysis of an ensemble's runs: counts, distributions, dependences, and maps over the strongest numbers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ MOST_MAPS = 6
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """What the runs of an ensemble say.
+    """The analysis of an ensemble's runs.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Which of the drawn numbers a figure depends on, by two measures of each.
+"""The dependence of a figure on the drawn numbers, by two measures for each number.
 
 Spearman's rank correlation says whether a figure rises or falls with a number. The first-order share of the variance says how
 much of the variance of the logarithm of a figure the number explains by itself, in whatever way the figure depends on it.
@@ -39,7 +39,7 @@ CONSTANT = 1e-9
 
 @dataclass(frozen=True)
 class Dependence:
-    """How a figure of a method depends on a drawn number.
+    """The dependence of a method's figure on a drawn number.
 
     Attributes
     ----------

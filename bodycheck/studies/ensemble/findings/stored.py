@@ -95,12 +95,12 @@ class Ensemble:
 
     @cached_property
     def supported(self) -> Flags:
-        """Whether each run (m, n) was made: there is one, and the engine supports it."""
+        """Flags (m, n) of the runs that were made: each has a row, and the engine supports it."""
         return (self.status >= 0) & ~self._has(UNSUPPORTED)
 
     @cached_property
     def failed(self) -> Flags:
-        """Whether each run (m, n) that was made failed: its status is not ok, or it has not passed."""
+        """Flags (m, n) of the runs that were made and failed: the status is not ok, or an expectation is broken."""
         return self.supported & (~self._has(OK) | self.broken)
 
     @property

@@ -1,4 +1,4 @@
-"""How members of an ensemble fail: by a status, by breaking an expectation, or by having the largest value of a figure."""
+"""The failures of members: a status, a broken expectation, or the largest value of a figure."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -71,7 +71,7 @@ class Way:
 
     @property
     def is_largest(self) -> bool:
-        """Whether it is the largest value of a figure, and not what the case expects, that sets the limit."""
+        """True if the largest value of a figure sets the limit, and not an expectation of the case."""
         return self.severity[0] == 2
 
     def shown(self, status: str, figures: dict[str, float]) -> bool:

@@ -1,4 +1,4 @@
-"""What the report of an ensemble shows that was run for it, kept in a file so that the report can be made again."""
+"""The runs that the report of an ensemble shows, kept in a file so that the report can be made again."""
 
 import json
 from collections.abc import Sequence

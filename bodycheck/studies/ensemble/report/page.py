@@ -66,7 +66,7 @@ class File(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """What the report of an ensemble is made of.
+    """The material of an ensemble's report.
 
     Attributes
     ----------

@@ -21,7 +21,7 @@ from bodycheck.studies.ensemble.report import page
 
 @dataclass(frozen=True, eq=False)
 class Made:
-    """What is known of an ensemble.
+    """The analysis of an ensemble and its findings.
 
     Attributes
     ----------

@@ -26,7 +26,7 @@ from bodycheck.running.simulation import run
 
 @dataclass(frozen=True)
 class Tried:
-    """What came of a case.
+    """The outcome of a trial of a case.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class Tried:
 
 @dataclass(frozen=True)
 class _Runs:
-    """What the process of an engine is asked: runs of some cases."""
+    """The runs of some cases that the process of an engine makes in one call."""
 
     engine: str
     method: Method
@@ -58,7 +58,7 @@ class _Runs:
 
 @dataclass(frozen=True)
 class _Comparisons:
-    """What the process of the truths is asked: figures of runs."""
+    """The runs whose figures the process of the truths computes in one call."""
 
     runs: tuple[tuple[Case, Run], ...]
 

@@ -45,7 +45,7 @@ class _Case:
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """What was found of the differences of an engine from a file.
+    """The causes of an engine's differences from a file.
 
     Attributes
     ----------
@@ -146,7 +146,7 @@ def _largest(case: _Case, quantity: Quantity, alone: Mapping[Cause, Stack]) -> C
 
 
 def _passive(case: _Case, quantity: Quantity) -> tuple[_Case, Cause]:
-    """Return a case with the passive forces that an engine has otherwise than the file, and the cause of a quantity."""
+    """Return a case with those passive forces in which an engine differs from the file, and the cause for a quantity."""
     step = passive.implicit_step(case.own) if quantity == "forward_dynamics" else None
     if step is not None:
         return replace(case, faults=(*case.faults, *passive.implicit(case.own, step))), "representation"

@@ -92,7 +92,7 @@ def faults(own: Comparison, terms: Stack, model: RobotModel) -> Iterator[Fault]:
 
 @dataclass(frozen=True)
 class _Set:
-    """What may differ: bodies, whether armatures do, and how many numbers the bodies' changes may have together."""
+    """The numbers that may differ: those of bodies, with a limit of how many in all, and armatures."""
 
     bodies: tuple[str, ...]
     armatures: bool
@@ -120,7 +120,7 @@ def _solve(
     known: dict[str, tuple[_Kind, ...]],
     chosen: _Set,
 ) -> tuple[dict[str, Inertial], Array] | None:
-    """Return the changed bodies and the armatures that explain everything; None if there are none of a known kind."""
+    """Return the changed bodies and armatures that explain all differences; None if no changes of a known kind do."""
     least = LEFT * float(np.max(np.abs(found.left)))
     armatures = found.armatures[:, free]
     everything = np.concatenate([armatures, *(found.bodies[name] for name in bodies)], axis=1)

@@ -105,7 +105,7 @@ class Part:
 
 
 def frame(welds: tuple[tuple[Array, Array], ...]) -> tuple[Array, Array]:
-    """Return the rotation (3, 3) and the place (3,) of a frame at the end of welds."""
+    """Return the rotation (3, 3) and the position (3,) of a frame at the end of a chain of welds."""
     turn, place = np.eye(3), np.zeros(3)
     for rotation, position in welds:
         turn, place = turn @ rotation, place + turn @ position

@@ -21,7 +21,7 @@ from bodycheck.studies.parity.stacks import Stack, times, transposed
 
 @dataclass(frozen=True, eq=False)
 class Regression:
-    """What is to be explained, and what parameters make of it, both relative to the sizes of their rows.
+    """The differences to explain, and the effects of parameters on them, both relative to the sizes of their rows.
 
     Attributes
     ----------

@@ -69,7 +69,7 @@ def test_a_gathered_ensemble_must_be_one(calls_here: None, tmp_path: Path) -> No
     case = brick(members=10)
     one = run(case, tmp_path / "one", Shard(1, 2, 1))
     other = run(case, tmp_path / "other", Shard(2, 2, 1), timesteps=(0.02,))
-    with pytest.raises(BadFolder, match=r"of another ensemble than .*: the methods or engines are not the same"):
+    with pytest.raises(BadFolder, match=r"not of the same ensemble as .*: the methods or engines differ"):
         gathering.gather([one, other], tmp_path / "out")
     stored = json.loads((other / header.FILE).read_text())
     stored["packages"]["numpy"] = "1.0"
