@@ -6,14 +6,12 @@ no joint is free. The numbers are those of the file and are meant exactly, as th
 """
 
 from dataclasses import dataclass
-from typing import Literal
 
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointForm, JointType
 from bodycheck.reference.scene import Attitude, EulerRates, Given, Plane, Push, Scene, Shape, Vector
 
 #: The place of the world where the place of a body is meant.
 WORLD = -1
-
-JointType = Literal["revolute", "prismatic", "spherical", "free", "fixed", "planar", "universal"]
 
 
 @dataclass(frozen=True)
@@ -106,6 +104,11 @@ class Joint:
     effort: float = 0.0
     start: tuple[float, ...] = ()
     start_velocity: tuple[float, ...] = ()
+
+    @property
+    def form(self) -> JointForm:
+        """The entry of its type in the table of joint types."""
+        return JOINT_TYPES[self.type]
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from bodycheck.reference.independent.directions import quaternion_of
 from bodycheck.reference.kinematics import cross
 from bodycheck.reference.mechanisms import exact, start
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES, places
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, MotionKind
 from bodycheck.reference.mechanisms.kinematics import from_the_root
 from bodycheck.reference.mechanisms.loops.minimum_norm import solved
 from bodycheck.reference.mechanisms.loops.vectors import about, apply, dot, matrices, rounded, turning
@@ -28,8 +29,10 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 
 _EYE = np.eye(3, dtype=Wide)
 _HERE = np.zeros(3, dtype=Wide)
+_AXES = dict(zip("xyz", _EYE, strict=True))
 
-Kind = Literal["turn", "slide", "ball", "fixed"]
+#: What an element does: an elementary motion, or nothing.
+Kind = MotionKind | Literal["fixed"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,13 +136,12 @@ def tree(mechanism: Mechanism) -> Tree:
     ends: dict[int, int] = {WORLD: WORLD}
     for body, joint in enumerate(mechanism.joint_of):
         if joint is None:
-            ends[body] = _grown(elements, WORLD, _EYE, _HERE, _steps("free", None), held, moving, None)
+            ends[body] = _grown(elements, WORLD, _EYE, _HERE, _steps(None), held, moving, None)
             held, moving = held + 7, moving + 6
     for joint in from_the_root(mechanism):
         own = slices[id(joint)]
         turned, arm = rounded(list(map(list, matrix(exact.turn(joint.attitude))))), np.array(joint.position, dtype=Wide)
-        steps = _steps(joint.type, joint)
-        ends[joint.child] = _grown(elements, ends[joint.parent], turned, arm, steps, own[0].start, own[1].start, joint)
+        ends[joint.child] = _grown(elements, ends[joint.parent], turned, arm, _steps(joint), own[0].start, own[1].start, joint)
     inertias = [exact.inertia(body) for body in mechanism.bodies]
     points = tuple(
         tuple((ends[body], np.array(point, dtype=Wide)) for body, point in zip(loop.bodies, loop.points, strict=True))
@@ -171,23 +173,20 @@ def of_joints(mechanism: Mechanism) -> tuple[int, int]:
     return held, moving
 
 
-def _steps(kind: str, joint: Joint | None) -> list[tuple[Kind, WideArray]]:
-    """The elements of a type of joint and their axes."""
-    x, y, z = _EYE
-    match kind:
-        case "revolute" | "prismatic":
-            assert joint is not None
-            return [("turn" if kind == "revolute" else "slide", rounded(list(exact.unit_axis(joint))))]
-        case "universal":
-            return [("turn", x), ("turn", y)]
-        case "planar":
-            return [("slide", x), ("slide", y), ("turn", z)]
-        case "spherical":
-            return [("ball", z)]
-        case "free":
-            return [("slide", x), ("slide", y), ("slide", z), ("ball", z)]
-        case _:
-            return [("fixed", z)]
+def _steps(joint: Joint | None) -> list[tuple[Kind, WideArray]]:
+    """The elements of a joint, or of a free body, and their axes."""
+    form = JOINT_TYPES["free"] if joint is None else joint.form
+    steps: list[tuple[Kind, WideArray]] = []
+    for motion in form.motions:
+        if motion.kind == "ball":
+            axis = _AXES["z"]
+        elif motion.axis == "given":
+            assert joint is not None  # a free body has no axis
+            axis = rounded(list(exact.unit_axis(joint)))
+        else:
+            axis = _AXES[motion.axis]
+        steps.append((motion.kind, axis))
+    return steps or [("fixed", _AXES["z"])]
 
 
 def _grown(
@@ -225,7 +224,7 @@ def initial(mechanism: Mechanism) -> WideArray:
     moving: list[Any] = []
     for joint in mechanism.joints:
         values = [Wide(value) for value in joint.start]
-        if joint.type in ("spherical", "free"):
+        if joint.form.has_quaternion:
             w, x, y, z = joint.start[-4:]
             values[-4:] = list(rounded(list(exact.turn((w, x, y, z)))))
         held, moving = [*held, *values], [*moving, *(Wide(value) for value in joint.start_velocity)]
