@@ -1,15 +1,13 @@
 """The grammar of case files, format 2, as pydantic models: bodies, the joints between them, and loops."""
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, cast
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, create_model
 
 from bodycheck.casefile import grammar
-from bodycheck.casefile.ensemble_grammar import EnsembleTable
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_PUSHES, PART_NAME, Name, NonNegative, Number, Table, Text, Vector
-from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointForm, JointType, StartKeys
+from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_PUSHES, PART_NAME, NonNegative, Number, Table, Text, Vector
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointForm, StartKeys
 
 #: Version of the format of case files of mechanisms.
 FORMAT = 2
@@ -104,7 +102,7 @@ def _start_table(keys: StartKeys) -> type[Table]:
 
 
 #: The table `initial` of each type of joint that has one.
-STARTS: dict[JointType, type[Table]] = {}
+STARTS: dict[str, type[Table]] = {}
 _start_tables: dict[StartKeys, type[Table]] = {}
 for _form in JOINT_TYPES.values():
     if _form.start is not None:
@@ -205,14 +203,10 @@ class SurroundingsTable(Table):
     )
 
 
-class MechanismTable(Table):
-    """A whole case file of a mechanism."""
+class MechanismKeys(grammar.Heading):
+    """What a case file of a mechanism has besides what is done with it."""
 
     format: Literal[2] = Field(description="of the file")
-    name: Name = Field(description="unique among the cases of a run")
-    title: Text = Field(description="what it is, in a few words")
-    source: Text = Field(default="", description="where it comes from")
-    tags: grammar.Tags = Field(default=(), description="to group cases by")
     model: ModelTable | None = None
     initial: ModelStartTable | None = None
     bodies: Annotated[tuple[AnyBody, ...], Field(max_length=MAX_BODIES)] = Field(
@@ -225,18 +219,14 @@ class MechanismTable(Table):
         default=(), description="what closes chains, a table a point"
     )
     scene: SurroundingsTable = Field(default_factory=SurroundingsTable)
-    run: grammar.RunTable
-    extremes: grammar.ExtremesTable = Field(default_factory=grammar.ExtremesTable)
-    ensemble: EnsembleTable | None = None
-    expect: grammar.Expectations = Field(default=(), description="what must hold, a table a method")
+
+
+class MechanismTable(grammar.Conduct, MechanismKeys):
+    """A whole case file of a mechanism."""
 
 
 TABLES: dict[Path, type[Table]] = {
-    **{
-        path: table
-        for path, table in grammar.TABLES.items()
-        if path[:1] in (("run",), ("extremes",), ("ensemble",), ("expect",))
-    },
+    **grammar.CONDUCT,
     (): MechanismTable,
     ("bodies", "particles"): grammar.ParticleTable,
     ("bodies", "parts"): grammar.PartTable,
@@ -252,49 +242,7 @@ TABLES: dict[Path, type[Table]] = {
 }
 
 
-def is_mechanism(document: Mapping[str, Any]) -> bool:
-    """Return whether a raw document is of this format. Where it says none that there is, its tables tell."""
-    said = document.get("format")
-    if said == FORMAT and not isinstance(said, float):
-        return True
-    return said != grammar.FORMAT and "bodies" in document and "body" not in document
-
-
 def type_of(joint: Any) -> str:
     """Return the type of a joint, or an empty text if it is invalid; the grammar reports invalid types."""
     kind = joint.get("type") if isinstance(joint, dict) else None
     return kind if isinstance(kind, str) else ""
-
-
-def table_at(path: Path, document: dict[str, Any]) -> type[Table] | None:
-    """Return the grammar of the table at a path of a document; None if there is no table."""
-    match path:
-        case ("bodies", int(index)):  # pydantic has found an array with a table at this place
-            return BODY_TABLES.get(grammar.shape_of(with_shape(document["bodies"][index])))
-        case ("joints", int(index)):
-            return JOINT_TABLES.get(type_of(document["joints"][index]))
-        case ("joints", int(index), "initial"):
-            return next((table for name, table in STARTS.items() if name == type_of(document["joints"][index])), None)
-    if path[:2] == ("ensemble", "vary"):
-        return grammar.table_at(path, document)
-    return TABLES.get(tuple(key for key in path if isinstance(key, str)))
-
-
-def untagged(path: Path) -> Path:
-    """Return the path in the document for one of pydantic's, which adds the names of the members of unions to it."""
-    match path:
-        case ("bodies", index, _, *rest):
-            return ("bodies", index, *(key for key in rest if key not in ("moments", "tensor")))
-        case ("joints", index, _, *rest):
-            return ("joints", index, *rest)
-    return grammar.untagged(path)
-
-
-def known_types(path: Path) -> tuple[str, dict[str, type[Table]]]:
-    """Return the key that says of which type the table at a path is, and the tables by its values."""
-    match path[:1]:
-        case ("joints",):
-            return "type", JOINT_TABLES
-        case ("bodies",):
-            return "shape", BODY_TABLES
-    return grammar.known_types(path)
