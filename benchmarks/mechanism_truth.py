@@ -17,7 +17,8 @@ from bodycheck.reference.mechanisms import recursion
 from bodycheck.reference.mechanisms.certificate import rounded_to_wide
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES
 from bodycheck.reference.mechanisms.followed import followed
-from bodycheck.reference.mechanisms.mechanism import Joint, JointedBody, JointType, Mechanism
+from bodycheck.reference.mechanisms.joint_types import JointType
+from bodycheck.reference.mechanisms.mechanism import Joint, JointedBody, Mechanism
 from bodycheck.reference.mechanisms.truth import known_until, mechanism_truth
 from bodycheck.reference.mechanisms.ways import Motion, apart
 from bodycheck.reference.scene import Tensor

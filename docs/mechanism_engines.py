@@ -22,9 +22,9 @@ import bodycheck
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Engine
 from bodycheck.judging.judgement import Verdict
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES
 from bodycheck.reference.mechanisms.kinematics import joints
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.mechanisms.requirements import JOINTS
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
 from bodycheck.results.outcome import Completed, Unsupported
@@ -99,9 +99,9 @@ def models(records: Mapping[str, Engine]) -> Iterator[str]:
     yield "| engine | version | precision | joints | not modelled |"
     yield "| --- | --- | --- | --- | --- |"
     for name, record in records.items():
-        own = [kind for kind, effect in JOINTS.items() if effect in record.models]
+        own = [name for name, form in JOINT_TYPES.items() if form.effect in record.models]
         lacking = [text for effect, text in PARAMETERS.items() if effect not in record.models]
-        types = "all types" if len(own) == len(JOINTS) else ", ".join(own)
+        types = "all types" if len(own) == len(JOINT_TYPES) else ", ".join(own)
         bits = {"float64": "double", "float32": "single"}[record.precision]
         yield f"| {name} | {record.version} | {bits} | {types} | {', '.join(lacking) or '–'} |"
 

@@ -21,7 +21,8 @@ from bodycheck.adapters.links import tensor
 from bodycheck.adapters.mechanisms import from_z, link_of, starts
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.mechanisms import exact, kinematics
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, JointType, Mechanism
+from bodycheck.reference.mechanisms.joint_types import JointType
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
 from bodycheck.reference.trajectory import Array
 
 #: The types of joints of a tree.

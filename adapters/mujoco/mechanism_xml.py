@@ -30,8 +30,7 @@ from bodycheck.adapters.contract import Kind, Option, SceneUnsupported, choice
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco.contact import numbers_written
 from bodycheck.reference.mechanisms import exact
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
-from bodycheck.reference.mechanisms.order import depth_first
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism, depth_first
 
 #: Kinds of scene with loops and friction of joints, and those that have contacts besides.
 JOINTED: frozenset[Kind] = frozenset({"mechanism"})

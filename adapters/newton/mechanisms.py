@@ -20,8 +20,7 @@ from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, keeps_damp
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.mechanisms import exact
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
-from bodycheck.reference.mechanisms.order import depth_first
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism, depth_first
 from bodycheck.reference.mechanisms.requirements import of_mechanism
 from bodycheck.reference.trajectory import Array
 

@@ -28,8 +28,7 @@ from bodycheck.adapters.mechanisms import frames, starts
 from bodycheck.adapters.pinocchio.joints import UNIVERSE, to_pinocchio, world
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms import exact
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
-from bodycheck.reference.mechanisms.order import depth_first
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism, depth_first
 from bodycheck.reference.scene import Quaternion, State, Vector
 from bodycheck.reference.trajectory import Array
 

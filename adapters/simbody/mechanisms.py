@@ -19,7 +19,8 @@ from bodycheck.adapters.simbody.attitude import angles, use_quaternions
 from bodycheck.adapters.simbody.models import added
 from bodycheck.reference.kinematics import conjugate, multiply, rotate
 from bodycheck.reference.mechanisms import exact
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointType, Mechanism
+from bodycheck.reference.mechanisms.joint_types import JointType
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 
 #: What OpenSim models of mechanisms; see `Engine.models`.

@@ -15,18 +15,20 @@ from typing import Any
 from pydantic import ValidationError
 
 from bodycheck.adapters.method import Method, current
-from bodycheck.casefile import grammar
+from bodycheck.casefile import contradictions, grammar
 from bodycheck.casefile.axes import AXES
-from bodycheck.casefile.checkable import uncheckable
 from bodycheck.casefile.content import Case as Case
 from bodycheck.casefile.content import check_case as check_case
 from bodycheck.casefile.ensemble import build_ensemble
 from bodycheck.casefile.expectation import OK, ORDER, Expectation, Limit
 from bodycheck.casefile.finding import SUFFIX
-from bodycheck.casefile.formats import AnyCaseTable, format_of
+from bodycheck.casefile.formats import AnyCaseTable, whole_table
+from bodycheck.casefile.mechanisms import faults
+from bodycheck.casefile.mechanisms.building import build_mechanism
+from bodycheck.casefile.mechanisms.grammar import MechanismTable
 from bodycheck.casefile.mechanisms.model import expanded, split, with_model
 from bodycheck.casefile.raw_values import quote
-from bodycheck.casefile.scenes import Inconsistent
+from bodycheck.casefile.scenes import Inconsistent, build_scene
 from bodycheck.casefile.toml_positions import Path, Position, positions
 from bodycheck.casefile.wording import explain, is_misleading, key_text
 from bodycheck.errors import BadInput
@@ -113,7 +115,7 @@ def _loaded(text: str, file: str) -> Case:
     whole, refused = with_model(text, document, FilePath(file).parent)
     if whole != text:
         document = _document(whole, file)
-    return _parsed(document, whole, file, uncheckable(document), refused)
+    return _parsed(document, whole, file, contradictions.uncheckable(document), refused)
 
 
 def parse(text: str, file: str) -> Case:
@@ -122,7 +124,7 @@ def parse(text: str, file: str) -> Case:
     A model beside the file is not read: the text of a case that was loaded has that of its model.
     """
     document = _document(text, file)
-    return _parsed(document, text, file, uncheckable(document))
+    return _parsed(document, text, file, contradictions.uncheckable(document))
 
 
 def parse_stored(text: str, file: str) -> Case:
@@ -146,25 +148,27 @@ def _parsed(
     refused: why the model of the case is not read.
     """
     made = expanded(document, refused)
-    form = format_of(made.document)
-    errors, unreported = [*form.contradictions(made.document), *made.faults, *further], 0
+    whole = whole_table(made.document)
+    between_keys = faults.contradictions if whole is MechanismTable else contradictions.contradictions
+    errors, unreported = [*between_keys(made.document), *made.faults, *further], 0
     try:
-        table = form.table.model_validate(made.document)
+        table = whole.model_validate(made.document)
     except ValidationError as error:
         records = [record for record in error.errors(include_url=False) if not is_misleading(record)]
-        errors += [explain(record, made.document, form) for record in records[:MAX_FAULTS]]
+        errors += [explain(record, made.document) for record in records[:MAX_FAULTS]]
         unreported += len(records[MAX_FAULTS:])
     if not errors:
         try:
-            return _case(table, form.build(table), made.document, text)
+            scene = build_mechanism(table) if isinstance(table, MechanismTable) else build_scene(table)
+            return _case(table, scene, made.document, text)
         except Inconsistent as error:
             errors += error.faults
     unreported += len(errors[MAX_FAULTS:])
     errors = [made.in_the_file(path, message) for path, message in errors[:MAX_FAULTS]]
     places = positions(split(text)[0], [path for path, _ in errors])
-    faults = [_locate(file, places, document, path, message) for path, message in errors]
-    faults.sort(key=lambda fault: fault.position or Position(0, 0))
-    raise CaseFaults((*faults, *([Fault(file, f"{unreported} more faults")] if unreported else [])))
+    located = [_locate(file, places, document, path, message) for path, message in errors]
+    located.sort(key=lambda fault: fault.position or Position(0, 0))
+    raise CaseFaults((*located, *([Fault(file, f"{unreported} more faults")] if unreported else [])))
 
 
 #: A pattern for a part of a dotted key with the dot after it.

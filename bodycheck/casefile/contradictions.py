@@ -1,20 +1,30 @@
 """Check rules that connect several keys of a case file, which the grammar of single keys cannot express."""
 
 import math
-from collections.abc import Iterator, Mapping
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from typing import Any, get_args
 
+import numpy as np
+from numpy.typing import NDArray
+
+from bodycheck.adapters.engine_name import EngineName
 from bodycheck.casefile.axes import AXES
-from bodycheck.casefile.body_faults import body_faults
 from bodycheck.casefile.content import MAX_STEPS
 from bodycheck.casefile.ensemble_faults import ensemble_faults
-from bodycheck.casefile.expectation import ORDER, REFINEMENTS
-from bodycheck.casefile.grammar import Status, with_shape
+from bodycheck.casefile.expectation import ORDER, REFINEMENTS, unit
+from bodycheck.casefile.grammar import Status, shape_of, with_shape
 from bodycheck.casefile.raw_values import mapping, number, numbers
 from bodycheck.casefile.surroundings import BODY, surroundings_faults
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import MAX_INSTANTS, MAX_POINTS, MAX_SAMPLES
-from bodycheck.figures.columns import LIMITED
+from bodycheck.casefile.values import MAX_EXPECTATIONS, MAX_INSTANTS, MAX_POINTS, MAX_SAMPLES
+from bodycheck.errors import BadInput
+from bodycheck.figures.columns import LIMITED, most_possible
+from bodycheck.reference.exact.start import defined_inertia
+from bodycheck.reference.inertia import satisfies_triangle_inequality
+from bodycheck.reference.scene import Tensor
+from bodycheck.suggestion import did_you_mean
 
 
 def contradictions(document: dict[str, Any]) -> Iterator[tuple[Path, str]]:
@@ -101,3 +111,141 @@ def _extremes_contradictions(extremes: dict[str, Any], duration: float) -> Itera
             size = number(value)
             if size > 0 and duration > 0 and (rule := axis.refused(size, duration)) is not None:
                 yield ("extremes", name, index), rule
+
+
+#: The keys for the size of a part, by its shape.
+PART_SIZES = {
+    "brick": ("semi_axes",),
+    "ellipsoid": ("semi_axes",),
+    "cylinder": ("radius", "half_length"),
+    "sphere": ("radius",),
+}
+
+#: How far below zero a moment may be that rounding has made of zero, relative to the largest moment.
+ROUNDING = 1e-12
+
+
+def body_faults(body: Mapping[str, Any], zero_allowed: bool = False) -> Iterator[tuple[Path, str]]:
+    """Yield the faults between keys of a raw table of a body, as pairs of path in the table and message.
+
+    zero_allowed: whether moments of inertia may be 0. The table may have any other faults too.
+    """
+    if (fault := _inertia_fault(body.get("inertia"), number(body.get("mass")), zero_allowed)) is not None:
+        yield ("inertia",), fault
+    if shape_of(body) == "none":
+        made = [key for key in ("inertia", "particles", "parts") if key in body]
+        if len(made) != 1:
+            yield (), f"a body without a shape needs {'only ' if made else ''}one of inertia, particles, parts"
+        if "inertia" in body and "mass" not in body:
+            yield ("mass",), "is missing"
+        if made and "inertia" not in body and "mass" in body:
+            yield ("mass",), f"{made[0]} are given too; give only one"
+    parts = body.get("parts")
+    for index, part in enumerate(parts if isinstance(parts, list) else []):
+        needs = PART_SIZES.get(shape_of(part), ())
+        for key in ("semi_axes", "radius", "half_length"):
+            if needs and (key in needs) != (key in part):
+                what = "is missing" if key in needs else f"does not apply to a {part['shape']}; allowed: {', '.join(needs)}"
+                yield ("parts", index, key), what
+        if "euler_zxz" in mapping(part) and "quaternion" in part:
+            yield ("parts", index, "quaternion"), "euler_zxz is given too; give only one"
+        quaternion = numbers(mapping(part).get("quaternion"), 4)
+        if quaternion and not any(quaternion):
+            yield ("parts", index, "quaternion"), "its length is 0; any other length is allowed"
+
+
+#: What is told of a tensor that no body has, while one has that with the other signs.
+OTHER_SIGNS = (
+    "; with the opposite signs of Ixy, Ixz and Iyz it would be possible: the products of inertia stand in the tensor as "
+    "Ixy = -(sum of m x y)"
+)
+
+
+def _inertia_fault(inertia: Any, mass: float, zero_allowed: bool) -> str | None:
+    """Return why no body has the inertia in a document; None if one may have it, and for what the grammar reports.
+
+    mass: of the body (kg).
+    """
+    if (moments := numbers(inertia, 3)) is not None:
+        return _impossible(moments, zero_allowed) if min(moments) > 0 or (zero_allowed and min(moments) == 0) else None
+    rows = [numbers(row, 3) for row in inertia] if isinstance(inertia, list) else []
+    if len(rows) != 3 or not all(rows):
+        return None
+    tensor = np.array(rows)
+    if not np.allclose(tensor, tensor.T, rtol=1e-12, atol=0):
+        return "the tensor must be symmetric"
+    fault = _impossible(_principal_moments(tensor, mass), zero_allowed)
+    other_signs = 2 * np.diag(np.diag(tensor)) - tensor
+    if fault is not None and _impossible(_principal_moments(other_signs, mass), zero_allowed) is None:
+        return fault + OTHER_SIGNS
+    return fault
+
+
+def _impossible(moments: Sequence[float], zero_allowed: bool) -> str | None:
+    """Return why no body has three principal moments (kg m^2); None if one has them."""
+    if zero_allowed:
+        if min(moments) < -ROUNDING * max(moments):
+            return f"its smallest principal moment is {min(moments):.6g}; none may be negative"
+    elif min(moments) <= 0:
+        return f"its smallest principal moment is {min(moments):.6g}; all must be positive"
+    if not satisfies_triangle_inequality((moments[0], moments[1], moments[2])):
+        return "no body has these moments: no moment may exceed the sum of the other two"
+    return None
+
+
+def _principal_moments(tensor: NDArray[np.float64], mass: float) -> list[float]:
+    """Return the principal moments of a tensor (3, 3) by the function that makes the body of the case, which keeps them."""
+    a, b, c = ((float(row[0]), float(row[1]), float(row[2])) for row in tensor)
+    return [float(moment) for moment in defined_inertia(Tensor(mass, (a, b, c))).moments]
+
+
+def uncheckable(document: Mapping[str, Any]) -> Iterator[tuple[Path, str]]:
+    """Yield the faults of expectations that cannot be checked, as pairs of path and message.
+
+    Their engine does not exist, or a limit cannot fail, so that they would pass for ever without saying anything.
+
+    Texts that are stored in results are exempt, because they may be of earlier versions of bodycheck and of other machines, on
+    which other engines are known. The raw document may have any other faults too.
+    """
+    duration = number(mapping(document.get("run")).get("duration"))
+    expect = document.get("expect")
+    for index, table in enumerate(expect[:MAX_EXPECTATIONS] if isinstance(expect, list) else []):
+        expectation = mapping(table)
+        if (fault := _unknown_engine(expectation.get("engine"))) is not None:
+            yield ("expect", index, "engine"), fault
+        last = duration + number(expectation.get("timestep")) / 2  # the instants of a run are the nearest ends of steps
+        for name in [name for name in expectation if name in LIMITED]:
+            for path, message in _idle(name, expectation[name], last):
+                yield ("expect", index, name, *path), message
+
+
+def _unknown_engine(engine: Any) -> str | None:
+    """Return what is allowed for an engine that has no adapter; None if it has one, and for what the grammar reports."""
+    try:
+        adapter = EngineName.parse(engine).adapter if isinstance(engine, str) else None
+    except BadInput:
+        return None
+    known = _known_engines(tuple(sys.path))
+    if adapter is None or adapter in known:
+        return None
+    return f"there is no such engine; allowed: {', '.join(known)}{did_you_mean(engine, known)}"
+
+
+@cache
+def _known_engines(path: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of all engines that have an adapter on a path of modules, which is searched once by each process."""
+    from bodycheck.adapters import registry  # stored cases are read without it: their engines need not be known
+
+    return registry.names()
+
+
+def _idle(name: str, allowed: Any, last: float) -> Iterator[tuple[Path, str]]:
+    """Yield the ends of an allowed range that no run can break. last: the last instant of the run (s)."""
+    ends = allowed if isinstance(allowed, dict) else {"at_most": allowed}
+    path = ("at_most",) if isinstance(allowed, dict) else ()
+    most = most_possible(name, last)
+    if last > 0 and number(ends.get("at_most")) >= most:
+        least = f"{most:.6g}{unit(name)}"
+        yield path, f"this limit cannot fail, because no run has more than {least}; allowed: less than {least}"
+    if list(ends) == ["at_least"] and ends["at_least"] == 0 and name != ORDER:
+        yield ("at_least",), "this limit cannot fail, because no run has less than 0; allowed: more than 0, or at_most too"

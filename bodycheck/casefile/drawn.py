@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.casefile.checkable import uncheckable
+from bodycheck.casefile.contradictions import uncheckable
 from bodycheck.casefile.distributions import rivals
 from bodycheck.casefile.key_paths import ARRAYS, ATTITUDE, base, find, keys, present, value_at
 from bodycheck.casefile.mechanisms.model import standalone

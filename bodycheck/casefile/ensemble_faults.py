@@ -9,8 +9,8 @@ from typing import Any
 
 from bodycheck.casefile.distributions import Key
 from bodycheck.casefile.ensemble_grammar import distribution_of
+from bodycheck.casefile.formats import is_mechanism
 from bodycheck.casefile.key_paths import ATTITUDE, Unknown, find, is_complete, keys
-from bodycheck.casefile.mechanisms.grammar import is_mechanism
 from bodycheck.casefile.raw_values import mapping, numbers
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import MAX_CHOICES, MAX_VARIATIONS

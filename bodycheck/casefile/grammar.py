@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, create_model
 
 from bodycheck.casefile.axes import AXES
-from bodycheck.casefile.ensemble_grammar import DISTRIBUTIONS, FORMS, EnsembleTable, distribution_of
+from bodycheck.casefile.ensemble_grammar import EnsembleTable
 from bodycheck.casefile.toml_positions import Path
 from bodycheck.casefile.values import (
     MAX_CONTACTS,
@@ -320,22 +320,46 @@ Tags = Annotated[tuple[Label, ...], Field(max_length=MAX_TAGS)]
 Expectations = Annotated[tuple[ExpectTable, ...], Field(max_length=MAX_EXPECTATIONS)]
 
 
-class CaseTable(Table):
-    """A whole case file."""
+class Heading(Table):
+    """What a case file begins with, in any format."""
 
-    format: Literal[1] = Field(description="of the file")
+    format: int = Field(description="of the file")
     name: Name = Field(description="unique among the cases of a run")
     title: Text = Field(description="what it is, in a few words")
     source: Text = Field(default="", description="where it comes from")
     tags: Tags = Field(default=(), description="to group cases by")
-    body: AnyBody = Field(description="what moves")
-    initial: InitialTable = Field(default_factory=InitialTable)
-    scene: SceneTable = Field(default_factory=SceneTable)
+
+
+class Conduct(Table):
+    """What is done with the scene of a case file, in any format."""
+
     run: RunTable
     extremes: ExtremesTable = Field(default_factory=ExtremesTable)
     ensemble: EnsembleTable | None = None
     expect: Expectations = Field(default=(), description="what must hold, a table a method")
 
+
+class BodyKeys(Heading):
+    """What a case file of one body has besides what is done with its scene."""
+
+    format: Literal[1] = Field(description="of the file")
+    body: AnyBody = Field(description="what moves")
+    initial: InitialTable = Field(default_factory=InitialTable)
+    scene: SceneTable = Field(default_factory=SceneTable)
+
+
+class CaseTable(Conduct, BodyKeys):
+    """A whole case file."""
+
+
+#: The tables of what is done with a scene, in any format.
+CONDUCT: dict[Path, type[Table]] = {
+    ("run",): RunTable,
+    ("extremes",): ExtremesTable,
+    ("ensemble",): EnsembleTable,
+    ("expect",): ExpectTable,
+    **{("expect", name): RangeTable for name in LIMITED},
+}
 
 TABLES: dict[Path, type[Table]] = {
     (): CaseTable,
@@ -347,11 +371,7 @@ TABLES: dict[Path, type[Table]] = {
     ("scene", "drag"): DragTable,
     ("scene", "contacts"): ContactTable,
     ("scene", "push"): PushTable,
-    ("run",): RunTable,
-    ("extremes",): ExtremesTable,
-    ("ensemble",): EnsembleTable,
-    ("expect",): ExpectTable,
-    **{("expect", name): RangeTable for name in LIMITED},
+    **CONDUCT,
 }
 
 
@@ -359,32 +379,3 @@ def shape_of(body: Any) -> str:
     """Return the shape of a body or part, or an empty text if it is invalid; the grammar reports invalid types."""
     shape = body.get("shape") if isinstance(body, dict) else None
     return shape if isinstance(shape, str) else ""
-
-
-def table_at(path: Path, document: dict[str, Any]) -> type[Table] | None:
-    """Return the grammar of the table at a path of a document; None if there is no table."""
-    if path == ("body",):
-        return SHAPE_TABLES.get(shape_of(with_shape(document.get("body"))))
-    match path:
-        case ("ensemble", "vary", int(index)):  # pydantic has found a list with a table at this place
-            return DISTRIBUTIONS.get(distribution_of(document["ensemble"]["vary"][index]))
-    return TABLES.get(tuple(key for key in path if isinstance(key, str)))
-
-
-def untagged(path: Path) -> Path:
-    """Return the path in the document for one of pydantic's, which adds the names of the members of unions to it."""
-    match path:
-        case ("body", *rest):
-            return ("body", *(key for key in rest if key not in (*SHAPE_TABLES, "moments", "tensor")))
-        case ("scene", *rest):
-            return ("scene", *(key for key in rest if key not in ("coefficient", "word")))
-        case ("expect", *rest):
-            return ("expect", *(key for key in rest if key not in ("limit", "range")))
-        case ("ensemble", "vary", index, _, *rest):
-            return ("ensemble", "vary", index, *rest[:1], *(key for key in rest[1:] if key not in FORMS))
-    return path
-
-
-def known_types(path: Path) -> tuple[str, dict[str, type[Table]]]:
-    """Return the key that says of which type the table at a path is, and the tables by its values."""
-    return ("distribution", DISTRIBUTIONS) if path[:1] == ("ensemble",) else ("shape", SHAPE_TABLES)

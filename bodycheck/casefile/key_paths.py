@@ -18,7 +18,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from bodycheck.casefile import grammar
 from bodycheck.casefile.distributions import Key, Sign, rivals
-from bodycheck.casefile.mechanisms import grammar as mechanism_grammar
+from bodycheck.casefile.formats import is_mechanism, table_at
 from bodycheck.casefile.mechanisms.model import standalone
 from bodycheck.casefile.raw_values import mapping
 from bodycheck.casefile.toml_positions import Path
@@ -76,13 +76,13 @@ def keys(document: Mapping[str, Any]) -> dict[str, Key]:
 
 def _moving(document: Mapping[str, Any]) -> list[tuple[Path, type[Table] | None]]:
     """Return the paths of the tables whose numbers make the motion, each with its grammar; None if that is not known."""
-    if not mechanism_grammar.is_mechanism(document):
-        return [((name,), grammar.table_at((name,), dict(document))) for name in MOVING]
+    if not is_mechanism(document):
+        return [((name,), table_at((name,), document)) for name in MOVING]
     paths: list[Path] = []
     for name in OF_MECHANISMS:
         tables = document.get(name)
         paths += [(name, index) for index in range(len(tables))] if isinstance(tables, list) else [(name,)]
-    return [(path, mechanism_grammar.table_at(path, dict(document))) for path in paths]
+    return [(path, table_at(path, document)) for path in paths]
 
 
 def is_complete(document: Mapping[str, Any]) -> bool:

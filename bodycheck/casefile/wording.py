@@ -5,7 +5,6 @@ from collections.abc import Collection
 from typing import Any
 
 from bodycheck.casefile import formats
-from bodycheck.casefile.formats import Format
 from bodycheck.casefile.grammar import WORD
 from bodycheck.casefile.raw_values import MAX_QUOTE_LENGTH, quote
 from bodycheck.casefile.toml_positions import Path
@@ -31,20 +30,20 @@ def is_misleading(record: Any) -> bool:
     return len(record["input"]) >= least
 
 
-def explain(record: Any, document: dict[str, Any], form: Format) -> tuple[Path, str]:
+def explain(record: Any, document: dict[str, Any]) -> tuple[Path, str]:
     """Return the path in the document and the message for one of pydantic's error records."""
-    path = form.untagged(tuple(record["loc"]))
+    path = formats.untagged(tuple(record["loc"]))
     kind = record["type"]
     if kind == "missing":
         return path, "is missing"
     if path == ("format",):
         return path, formats.ALLOWED
     if kind in ("union_tag_not_found", "union_tag_invalid"):
-        word, known = form.known_types(path)
+        word, known = formats.known_types(path)
         if kind == "union_tag_not_found":
             return (*path, word), f"is missing; allowed: {', '.join(known)}"
         return (*path, word), _allowed(record["input"].get(word), known)
-    if kind == "extra_forbidden" and (table := form.table_at(path[:-1], document)) is not None:
+    if kind == "extra_forbidden" and (table := formats.table_at(path[:-1], document)) is not None:
         return path, f"unknown key; {_allowed(path[-1], table.model_fields)}"
     message = TOML_WORDING.get(kind) or str(record["msg"]).removeprefix("Input ").removeprefix("Value error, ")
     if kind in ("too_long", "too_short"):

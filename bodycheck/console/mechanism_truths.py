@@ -10,20 +10,10 @@ from bodycheck.console.output import tell
 from bodycheck.console.tables import Column, attribute, show
 from bodycheck.figures.bounds import rounded_up
 from bodycheck.reference.mechanisms.coordinates import by_name
-from bodycheck.reference.mechanisms.mechanism import JointType, Mechanism
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.truth import KNOWN, known_until
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
-
-#: The units of the coordinates and of the velocities of each type of joint that has any, for the heads of columns.
-UNITS: dict[JointType, tuple[str, str]] = {
-    "revolute": ("rad", "rad/s"),
-    "prismatic": ("m", "m/s"),
-    "universal": ("rad", "rad/s"),
-    "planar": ("m m rad", "m/s m/s rad/s"),
-    "spherical": ("w x y z", "rad/s"),
-    "free": ("m, w x y z", "m/s, rad/s"),
-}
 
 #: Most joints and free bodies that have columns; all of them are in the JSON.
 MOST_TOLD = 12
@@ -52,8 +42,8 @@ def columns(mechanism: Mechanism) -> tuple[Column[Instant], ...]:
     """
     told: list[tuple[str, str, int]] = []
     for joint in mechanism.joints:
-        if joint.type in UNITS:
-            own, rate = UNITS[joint.type]
+        if joint.form.motions:
+            own, rate = joint.form.heads
             told += [(joint.name, f"{joint.name} {own}", 0), (_rate(joint.name), f"{joint.name} {rate}", 1)]
     for body in _free(mechanism):
         told += [(body, f"{body} m", 0), (f"{body}.quaternion", f"{body} w x y z", 0), (_rate(body), f"{body} m/s", 1)]

@@ -8,15 +8,10 @@ from bodycheck.figures.definition import AnyObservables, Comparison, Figure
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.coordinates import places
-from bodycheck.reference.mechanisms.mechanism import JointType, Mechanism
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.observables import MechanismObservables, floats, masses
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import distance
-
-#: The coordinates of each type of joint that are angles, that are lengths, and that are a quaternion.
-ANGLES: dict[JointType, slice] = {"revolute": slice(0, 1), "universal": slice(0, 2), "planar": slice(2, 3)}
-LENGTHS: dict[JointType, slice] = {"prismatic": slice(0, 1), "planar": slice(0, 2), "free": slice(0, 3)}
-QUATERNIONS: dict[JointType, slice] = {"spherical": slice(0, 4), "free": slice(3, 7)}
 
 #: An angular momentum that is no larger than this part of the largest that is possible is what rounding has left of zero.
 ROUNDED = 1e-12
@@ -27,14 +22,14 @@ def joint_position_error(mechanism: Mechanism, compared: Comparison) -> Array | 
 
     That of a ball, or of a free joint, is the angle of one rotation.
     """
-    angles = [np.abs(one - other) for one, other in _pairs(mechanism, compared, ANGLES)]
-    turns = [geodesic_angle(one, other)[:, None] for one, other in _pairs(mechanism, compared, QUATERNIONS)]
+    angles = [np.abs(one - other) for one, other in _pairs(mechanism, compared, "a")]
+    turns = [geodesic_angle(one, other)[:, None] for one, other in _pairs(mechanism, compared, "q")]
     return _largest([*angles, *turns])
 
 
 def joint_slide_error(mechanism: Mechanism, compared: Comparison) -> Array | None:
     """Return the largest distance (n,), m, of the displacements of joints from those of the truth; None if there are none."""
-    return _largest([distance(one, other)[:, None] for one, other in _pairs(mechanism, compared, LENGTHS)])
+    return _largest([distance(one, other)[:, None] for one, other in _pairs(mechanism, compared, "l")])
 
 
 def constraint_error(mechanism: Mechanism, compared: Comparison) -> Array | None:
@@ -77,14 +72,15 @@ def angular_momentum_size(mechanism: Mechanism, exact: Trajectory, expected: Any
     return (initial if initial > ROUNDED * most else most) or 1.0
 
 
-def _pairs(mechanism: Mechanism, compared: Comparison, wanted: dict[JointType, slice]) -> Iterator[tuple[Array, Array]]:
-    """Yield the coordinates (n, k) of a run and of the truth, as far as they are wanted, joint by joint."""
-    if not any(joint.type in wanted for joint in mechanism.joints):
+def _pairs(mechanism: Mechanism, compared: Comparison, letter: str) -> Iterator[tuple[Array, Array]]:
+    """Yield the coordinates (n, k) of a run and of the truth that have a letter of `joint_types.LETTERS`, joint by joint."""
+    if not any(letter in joint.form.coordinates for joint in mechanism.joints):
         return
     one, other = compared.joints
     for joint, (held, _) in zip(mechanism.joints, places(mechanism), strict=True):
-        if (part := wanted.get(joint.type)) is not None:
-            yield one[:, held][:, part], other[:, held][:, part]
+        if letter in joint.form.coordinates:
+            columns = joint.form.columns(letter)
+            yield one[:, held][:, columns], other[:, held][:, columns]
 
 
 def _largest(columns: list[Array]) -> Array | None:

@@ -1,8 +1,9 @@
 """A mechanism of a case file as a robot model.
 
-The root of the model is a link without mass, which is the world. A body that is the child of no joint floats on it. A universal
-joint is two revolute joints with a link without mass between them, about x of the joint's frame and the turned y; they have the
-name of the joint and a number, as in `cross:1`. Initial states and constant forces of joints are no part of a robot model.
+The root of the model is a link without mass, which is the world. A body that is the child of no joint floats on it. A joint of
+a type that robot models do not have, such as a universal joint, is written as its elementary motions with links without mass
+between them; they have the name of the joint and a number, as in `cross:1`. Initial states and constant forces of joints are no
+part of a robot model.
 """
 
 from collections.abc import Collection, Iterator
@@ -14,11 +15,15 @@ from bodycheck.errors import BadInput
 from bodycheck.reference.exact.numbers import Real, wide
 from bodycheck.reference.exact.rotations import matrix
 from bodycheck.reference.mechanisms import exact
+from bodycheck.reference.mechanisms.joint_types import ElementaryMotion, MotionKind
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
-from bodycheck.reference.robots.model import RobotJoint, RobotLink, RobotModel, Wide
+from bodycheck.reference.robots.model import RobotJoint, RobotJointType, RobotLink, RobotModel, Wide
 
-#: The axes of the frame of a joint.
-_X, _Y, _Z = np.eye(3, dtype=np.longdouble)
+#: The axes of the frame of a joint, by their names.
+_AXES = dict(zip("xyz", np.eye(3, dtype=np.longdouble), strict=True))
+
+#: The joints of a robot model that move as an elementary motion does.
+ELEMENTARY: dict[MotionKind, RobotJointType] = {"turn": "revolute", "slide": "prismatic", "ball": "spherical"}
 
 
 def robot_model(mechanism: Mechanism, name: str) -> RobotModel:
@@ -35,7 +40,10 @@ def robot_model(mechanism: Mechanism, name: str) -> RobotModel:
         if held is None:
             own = _unlike(mechanism.bodies[place].name, names)
             joints.append(
-                RobotJoint(own, "floating", 0, place + 1, np.zeros(3, np.longdouble), np.eye(3, dtype=np.longdouble), 0 * _Z)
+                RobotJoint(
+                    *(own, "floating", 0, place + 1),
+                    *(np.zeros(3, np.longdouble), np.eye(3, dtype=np.longdouble), np.zeros(3, np.longdouble)),
+                )
             )
     return RobotModel(name, tuple(links), tuple(joints), (0.0, 0.0, -mechanism.gravity))
 
@@ -59,7 +67,7 @@ def _link(body: JointedBody) -> RobotLink:
 
 
 def _joints(joint: Joint, links: list[RobotLink]) -> Iterator[RobotJoint]:
-    """The joints of a robot model that a joint is. The link between those of a universal joint is added to the links."""
+    """The joints of a robot model that a joint is. Links between several of them, without mass, are added to the links."""
     rotation = np.stack([_array(row) for row in matrix(exact.turn(joint.attitude))])
     position = np.array(joint.position, np.longdouble)
     whole = RobotJoint(
@@ -71,21 +79,25 @@ def _joints(joint: Joint, links: list[RobotLink]) -> Iterator[RobotJoint]:
         stiffness=joint.stiffness,
         rest=joint.rest,
     )
-    match joint.type:
-        case "universal":
-            links.append(_still(_unlike(f"{joint.name}:1", {link.name for link in links})))
-            between = len(links) - 1
-            yield replace(whole, name=f"{joint.name}:1", type="revolute", child=between, axis=_X)
-            second = replace(whole, name=f"{joint.name}:2", type="revolute", parent=between, axis=_Y)
-            yield replace(second, position=0 * position, rotation=np.eye(3, dtype=np.longdouble))
-        case "free":
-            yield replace(whole, type="floating")
-        case "planar":
-            yield replace(whole, type="planar", axis=_Z)
-        case "revolute" | "prismatic":
-            yield replace(whole, type=joint.type, axis=_array(exact.unit_axis(joint)))
-        case _:
-            yield replace(whole, type=joint.type)
+    if joint.form.robot is not None:
+        last = joint.form.motions[-1] if joint.form.motions else None
+        yield replace(whole, type=joint.form.robot, axis=_axis(joint, last))
+        return
+    for count, motion in enumerate(joint.form.motions, start=1):
+        part = replace(whole, name=f"{joint.name}:{count}", type=ELEMENTARY[motion.kind], axis=_axis(joint, motion))
+        if count > 1:
+            part = replace(part, parent=len(links) - 1, position=0 * position, rotation=np.eye(3, dtype=np.longdouble))
+        if count < len(joint.form.motions):
+            links.append(_still(_unlike(part.name, {link.name for link in links})))
+            part = replace(part, child=len(links) - 1)
+        yield part
+
+
+def _axis(joint: Joint, motion: ElementaryMotion | None) -> Wide:
+    """The axis (3,) of an elementary motion in the frame of its joint; zero where there is none, as of a ball."""
+    if motion is None or motion.kind == "ball":
+        return np.zeros(3, np.longdouble)
+    return _array(exact.unit_axis(joint)) if motion.axis == "given" else _AXES[motion.axis]
 
 
 def _array(values: Collection[Real]) -> Wide:

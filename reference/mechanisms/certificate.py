@@ -16,7 +16,7 @@ import numpy as np
 from bodycheck.reference.certified import BITS, SPARE_BITS, TRUTH_WAY, Certificate, contradiction
 from bodycheck.reference.errors import NotModelled, OutOfReach, within_range
 from bodycheck.reference.integration.rotation import WideArray
-from bodycheck.reference.mechanisms import lagrange, recursion
+from bodycheck.reference.mechanisms import recursion
 from bodycheck.reference.mechanisms.followed import (
     FEWEST_ROUNDINGS,
     RECURSION,
@@ -33,6 +33,7 @@ from bodycheck.reference.mechanisms.followed import (
     witness_of,
 )
 from bodycheck.reference.mechanisms.growth import Growth
+from bodycheck.reference.mechanisms.lagrangian import solution
 from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.truth import joined, printed
@@ -99,7 +100,7 @@ def _other_ways(mechanism: Mechanism, times: Array, found: Followed, witness: Wa
 def _ways_with_loops(mechanism: Mechanism, times: Array, found: Followed, witness: Way) -> Iterator[Way]:
     """The witness of a mechanism with loops and, besides the Lagrangian, the equations of every body, if they can follow it."""
     grown = growth_with_loops(mechanism, growth_instants(times))
-    if grown is None or found.growth is None or not witness.name.startswith(lagrange.NAME):
+    if grown is None or found.growth is None or not witness.name.startswith(solution.NAME):
         yield replace(witness, errors=_errors_with_loops(mechanism, found, witness))
         return
     made = _roundings_of_lagrangian(mechanism, times, grown)

@@ -19,20 +19,13 @@ A free body, which no joint has as its child, has no coordinates here.
 from dataclasses import dataclass
 from typing import Any
 
-from bodycheck.reference.mechanisms.mechanism import JointType, Mechanism
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointType
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
 
 #: The numbers of coordinates and of velocities of each type of joint.
-COORDINATES: dict[JointType, int] = {
-    "revolute": 1,
-    "prismatic": 1,
-    "universal": 2,
-    "planar": 3,
-    "spherical": 4,
-    "free": 7,
-    "fixed": 0,
-}
-VELOCITIES: dict[JointType, int] = {**COORDINATES, "spherical": 3, "free": 6}
+COORDINATES: dict[JointType, int] = {name: len(form.coordinates) for name, form in JOINT_TYPES.items()}
+VELOCITIES: dict[JointType, int] = {name: len(form.velocities) for name, form in JOINT_TYPES.items()}
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,18 +15,19 @@ import numpy as np
 from bodycheck.reference.bounds import EPS, STATES
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.exact.numbers import Wide
-from bodycheck.reference.mechanisms import lagrange, recursion
+from bodycheck.reference.mechanisms import recursion
 from bodycheck.reference.mechanisms.coordinates import places
 from bodycheck.reference.mechanisms.forms.choice import form_of
 from bodycheck.reference.mechanisms.forms.ground import carried
 from bodycheck.reference.mechanisms.forms.motion import Form
 from bodycheck.reference.mechanisms.growth import Growth, growth
 from bodycheck.reference.mechanisms.kinematics import gaps
+from bodycheck.reference.mechanisms.lagrangian import solution
 from bodycheck.reference.mechanisms.lagrangian.friction import Phase, Stray
 from bodycheck.reference.mechanisms.lagrangian.poses import WideMotion
 from bodycheck.reference.mechanisms.loops import ways as loops
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.mechanisms.placed import bodies_of
+from bodycheck.reference.mechanisms.poses import bodies_of
 from bodycheck.reference.mechanisms.ways import Motion, Way, apart, reach, sizes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import CLOSED_FORM_BACKEND
@@ -108,14 +109,14 @@ def lagrangian(mechanism: Mechanism, times: Array, dtype: Any = None) -> Way | N
     strays: list[Stray] = []
     try:
         if widest is np.float64:
-            found = lagrange.follow_in_doubles(mechanism, times)
+            found = solution.follow_in_doubles(mechanism, times)
         elif any(joint.friction for joint in mechanism.joints):
-            found, strays = lagrange.follow_slipping(mechanism, times, phases(mechanism, times), dtype or widest)
+            found, strays = solution.follow_slipping(mechanism, times, phases(mechanism, times), dtype or widest)
         else:
-            found = lagrange.follow(mechanism, times, dtype or widest)
+            found = solution.follow(mechanism, times, dtype or widest)
     except (NotModelled, OutOfReach):
         return None
-    return Way(f"{lagrange.NAME}, {name}", _motion_of(found, times), {}, digits, _as_errors(mechanism, times, strays))
+    return Way(f"{solution.NAME}, {name}", _motion_of(found, times), {}, digits, _as_errors(mechanism, times, strays))
 
 
 def phases(mechanism: Mechanism, times: Array) -> list[Phase]:
@@ -190,7 +191,7 @@ def growth_with_loops(mechanism: Mechanism, times: Array) -> Growth | None:
     measured = growth_instants(times)
 
     def follow(nudged: Mechanism, instants: Array) -> Motion:
-        return _motion_of(lagrange.follow(loops.closed_start(nudged), instants, np.float64), instants)
+        return _motion_of(solution.follow(loops.closed_start(nudged), instants, np.float64), instants)
 
     try:
         return growth(mechanism, follow, follow(mechanism, measured), measured).until(times)
@@ -216,7 +217,7 @@ def _closed_lagrangian(mechanism: Mechanism, times: Array) -> Way | None:
     found = None if arithmetic()[0] is np.float64 else lagrangian(mechanism, times)
     if found is None or float(np.max(gaps(mechanism, found.motion.bodies), initial=0.0)) > OPEN * reach(mechanism):
         return None
-    return replace(found, name=found.name.replace(lagrange.NAME, f"{lagrange.NAME} with multipliers"))
+    return replace(found, name=found.name.replace(solution.NAME, f"{solution.NAME} with multipliers"))
 
 
 def roundings(mechanism: Mechanism, base: Motion, wide: Motion, grown: Growth) -> float:
@@ -298,7 +299,7 @@ def _recursion(mechanism: Mechanism, times: Array, dtype: Any) -> Motion:
 
 def _lagrangian_in_doubles(mechanism: Mechanism, times: Array) -> Motion:
     """The motion by the Lagrangian and DOP853, whose equations take a small part of the time of the recursion's there."""
-    return _motion_of(lagrange.follow_in_doubles(mechanism, times), times)
+    return _motion_of(solution.follow_in_doubles(mechanism, times), times)
 
 
 def _motion_of(found: WideMotion, times: Array) -> Motion:

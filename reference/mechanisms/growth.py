@@ -187,7 +187,7 @@ def _between(mechanism: Mechanism, base: Motion, other: Motion, part: float) -> 
     )
     target = other.position[0].copy()
     for joint, (held, _) in zip(mechanism.joints, places(mechanism), strict=True):
-        if joint.type in ("spherical", "free"):
+        if joint.form.has_quaternion:
             own = slice(held.stop - 4, held.stop)
             if base.position[0, own] @ target[own] < 0:
                 target[own] = -target[own]

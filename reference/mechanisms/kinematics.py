@@ -12,12 +12,12 @@ import numpy as np
 from bodycheck.reference.kinematics import about, conjugate, dot, multiply, normalise, rotate
 from bodycheck.reference.mechanisms import exact
 from bodycheck.reference.mechanisms.coordinates import JointMotion, places
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, JointType, Mechanism
-from bodycheck.reference.scene import Vector
+from bodycheck.reference.mechanisms.joint_types import ElementaryMotion
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
 from bodycheck.reference.trajectory import Array, Trajectory
 
-#: Types of joints whose coordinates include a quaternion, which has two signs.
-_WITH_QUATERNION: frozenset[JointType] = frozenset({"spherical", "free"})
+#: The axes of a frame, by their names.
+_AXES = dict(zip("xyz", np.eye(3), strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,72 +210,69 @@ def _each(values: tuple[float, ...], n: int) -> Array:
 def _moved(joint: Joint, q: Array, v: Array) -> _Frame:
     """The motion of a joint's child relative to the joint's frame, from its coordinates (n, c) and velocities (n, u)."""
     still = _at_rest(len(q))
-    axis = np.array(exact.nearest_axis(joint))
-    match joint.type:
-        case "revolute":
-            return _Frame(still.origin, about(axis, q[:, 0]), still.velocity, axis * v)
-        case "prismatic":
-            return _Frame(axis * q, still.turn, axis * v, still.rate)
-        case "universal":
-            first, second = about(_X, q[:, 0]), about(_Y, q[:, 1])
-            rate = _first_axis_of_universal(q[:, 1]) * v[:, :1] + _Y * v[:, 1:]
-            return _Frame(still.origin, multiply(first, second), still.velocity, rate)
-        case "planar":
-            flat = np.array([1.0, 1.0, 0.0])
-            return _Frame(q * flat, about(_Z, q[:, 2]), v * flat, _Z * v[:, 2:])
-        case "spherical":
-            return _Frame(still.origin, normalise(q), still.velocity, v)
-        case "free":
-            return _Frame(q[:, :3], normalise(q[:, 3:]), v[:, :3], v[:, 3:])
-        case "fixed":
-            return still
+    origin, velocity = still.origin, still.velocity
+    for column, slide in enumerate(joint.form.slides):
+        axis = _axis(joint, slide)
+        origin, velocity = origin + axis * q[:, column, None], velocity + axis * v[:, column, None]
+    turn, rate = still.turn, still.rate
+    first = len(joint.form.slides)
+    match joint.form.turns:
+        case (ElementaryMotion("ball"),):
+            turn, rate = normalise(q[:, first:]), v[:, first:]
+        case (alone,):
+            axis = _axis(joint, alone)
+            turn, rate = about(axis, q[:, first]), axis * v[:, first:]
+        case (about_x, about_y):
+            x, y = _axis(joint, about_x), _axis(joint, about_y)
+            turn = multiply(about(x, q[:, first]), about(y, q[:, first + 1]))
+            rate = _x_seen_behind_y(q[:, first + 1]) * v[:, first, None] + y * v[:, first + 1 :]
+    return _Frame(origin, turn, velocity, rate)
 
 
-_X, _Y, _Z = np.eye(3)
+def _axis(joint: Joint, motion: ElementaryMotion) -> Array:
+    """The axis (3,) of an elementary motion in the frame of its joint."""
+    return np.array(exact.nearest_axis(joint)) if motion.axis == "given" else _AXES[motion.axis]
 
 
-def _first_axis_of_universal(second: Array) -> Array:
-    """The first axis (n, 3) of a universal joint along the axes of the child, from the second angle (n,)."""
-    return np.stack([np.cos(second), np.zeros(len(second)), np.sin(second)], axis=-1)
+def _along(joint: Joint, motion: ElementaryMotion, vectors: Array) -> Array:
+    """The components (n,) of vectors (n, 3) along the axis of an elementary motion of a joint."""
+    return dot(vectors, _axis(joint, motion)) if motion.axis == "given" else vectors[:, "xyz".index(motion.axis)]
+
+
+def _x_seen_behind_y(angle: Array) -> Array:
+    """The axis x (n, 3) along the axes of a frame that is turned about y by angles (n,)."""
+    return np.stack([np.cos(angle), np.zeros(len(angle)), np.sin(angle)], axis=-1)
 
 
 def _coordinates(joint: Joint, seen: _Frame, t: Array) -> tuple[Array, Array]:
     """The coordinates (n, c) and velocities (n, u) of a joint from the motion of its child relative to the joint's frame."""
-    axis = np.array(exact.nearest_axis(joint))
-    start, rate = joint.start, joint.start_velocity
-    match joint.type:
-        case "revolute":
-            turning = dot(seen.rate, axis)
-            angle = _turned_on(_angle_about(seen.turn, axis), turning, t, start[0], rate[0])
-            return angle[:, None], turning[:, None]
-        case "prismatic":
-            return dot(seen.origin, axis)[:, None], dot(seen.velocity, axis)[:, None]
-        case "universal":
-            return _of_universal(joint, seen, t)
-        case "planar":
-            angle = _turned_on(_angle_about(seen.turn, _Z), seen.rate[:, 2], t, start[2], rate[2])
-            return np.column_stack([seen.origin[:, :2], angle]), np.column_stack([seen.velocity[:, :2], seen.rate[:, 2]])
-        case "spherical":
-            return _same_sign(seen.turn, np.array(start)), seen.rate
-        case "free":
-            turn = _same_sign(seen.turn, np.array(start[3:]))
-            return np.hstack([seen.origin, turn]), np.hstack([seen.velocity, seen.rate])
-        case "fixed":
+    slides = joint.form.slides
+    held, moving = ([_along(joint, slide, vectors)[:, None] for slide in slides] for vectors in (seen.origin, seen.velocity))
+    turned, rates = _turning(joint, seen, t, len(slides))
+    nothing = np.empty((len(t), 0))
+    return np.hstack([nothing, *held, turned]), np.hstack([nothing, *moving, rates])
+
+
+def _turning(joint: Joint, seen: _Frame, t: Array, first: int) -> tuple[Array, Array]:
+    """The coordinates (n, c) and velocities (n, u) of the turns or the ball of a joint. first: the column of the first one."""
+    start, start_rate = joint.start[first:], joint.start_velocity[first:]
+    match joint.form.turns:
+        case ():
             return np.empty((len(t), 0)), np.empty((len(t), 0))
-
-
-def _of_universal(joint: Joint, seen: _Frame, t: Array) -> tuple[Array, Array]:
-    """As `_coordinates`, of a universal joint.
-
-    The turned y axis is in the plane of y and z of the joint's frame, at the first angle. The first axis is in the plane of x
-    and z of the child, at the second.
-    """
-    turned_y = rotate(seen.turn, _each(tuple(_Y), len(t)))
-    own_x = rotate(conjugate(seen.turn), _each(tuple(_X), len(t)))
-    first, second = np.arctan2(turned_y[:, 2], turned_y[:, 1]), np.arctan2(own_x[:, 2], own_x[:, 0])
-    rates = np.column_stack([dot(seen.rate, _first_axis_of_universal(second)), seen.rate[:, 1]])
-    given = zip((first, second), rates.T, joint.start, joint.start_velocity, strict=True)
-    return np.column_stack([_turned_on(raw, rate, t, *own) for raw, rate, *own in given]), rates
+        case (ElementaryMotion("ball"),):
+            return _same_sign(seen.turn, np.array(start)), seen.rate
+        case (alone,):
+            rate = _along(joint, alone, seen.rate)
+            angle = _turned_on(_angle_about(seen.turn, _axis(joint, alone)), rate, t, start[0], start_rate[0])
+            return angle[:, None], rate[:, None]
+    # Turns about x and y: the turned y is in the plane of y and z of the joint's frame, at the first angle; the x of that frame
+    # is in the plane of x and z of the child, at the second angle.
+    turned_y = rotate(seen.turn, _each(tuple(_AXES["y"]), len(t)))
+    own_x = rotate(conjugate(seen.turn), _each(tuple(_AXES["x"]), len(t)))
+    first_angle, second_angle = np.arctan2(turned_y[:, 2], turned_y[:, 1]), np.arctan2(own_x[:, 2], own_x[:, 0])
+    rates = np.column_stack([dot(seen.rate, _x_seen_behind_y(second_angle)), seen.rate[:, 1]])
+    given = zip((first_angle, second_angle), rates.T, start, start_rate, strict=True)
+    return np.column_stack([_turned_on(raw, rate, t, *begun) for raw, rate, *begun in given]), rates
 
 
 def _angle_about(turn: Array, axis: Array) -> Array:
@@ -301,7 +298,7 @@ def _same_sign(turn: Array, start: Array) -> Array:
 
 def _start(joint: Joint) -> tuple[float, ...]:
     """The initial coordinates of a joint, with the quaternion scaled to unit length."""
-    if joint.type not in _WITH_QUATERNION:
+    if not joint.form.has_quaternion:
         return joint.start
     w, x, y, z = joint.start[-4:]
     return (*joint.start[:-4], *exact.nearest_turn((w, x, y, z)))
@@ -309,13 +306,7 @@ def _start(joint: Joint) -> tuple[float, ...]:
 
 def _gap(joint: Joint, apart: Array) -> Array:
     """How far (n,) a joint is open, from the places (n, 3) of the child's origin in the joint's frame."""
-    match joint.type:
-        case "free":
-            return np.zeros(len(apart))
-        case "planar":
-            return np.abs(apart[:, 2])
-        case "prismatic":
-            axis: Vector = exact.nearest_axis(joint)
-            return np.asarray(np.linalg.norm(apart - dot(apart, np.array(axis))[:, None] * np.array(axis), axis=-1))
-        case _:
-            return np.asarray(np.linalg.norm(apart, axis=-1))
+    left = apart
+    for slide in joint.form.slides:
+        left = left - _along(joint, slide, apart)[:, None] * _axis(joint, slide)
+    return np.asarray(np.linalg.norm(left, axis=-1))

@@ -5,15 +5,14 @@ joint's coordinates are zero, as in URDF. The bodies and joints form trees that 
 no joint is free. The numbers are those of the file and are meant exactly, as those of `definition`; `exact` computes from them.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Literal
 
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointForm, JointType
 from bodycheck.reference.scene import Attitude, EulerRates, Given, Plane, Push, Scene, Shape, Vector
 
 #: The place of the world where the place of a body is meant.
 WORLD = -1
-
-JointType = Literal["revolute", "prismatic", "spherical", "free", "fixed", "planar", "universal"]
 
 
 @dataclass(frozen=True)
@@ -107,6 +106,11 @@ class Joint:
     start: tuple[float, ...] = ()
     start_velocity: tuple[float, ...] = ()
 
+    @property
+    def form(self) -> JointForm:
+        """The entry of its type in the table of joint types."""
+        return JOINT_TYPES[self.type]
+
 
 @dataclass(frozen=True)
 class Loop:
@@ -179,6 +183,17 @@ class Mechanism:
         """The joint whose child each body is; None for a free body."""
         found = {joint.child: joint for joint in self.joints}
         return tuple(found.get(place) for place in range(len(self.bodies)))
+
+
+def depth_first(mechanism: Mechanism) -> Iterator[int]:
+    """The places of all bodies, each followed by all that hang on it, children in the order of the file."""
+    children: dict[int, list[int]] = {}
+    for place, joint in enumerate(mechanism.joint_of):
+        children.setdefault(WORLD if joint is None else joint.parent, []).append(place)
+    waiting = children.get(WORLD, [])[::-1]
+    while waiting:
+        yield (place := waiting.pop())
+        waiting += children.get(place, [])[::-1]
 
 
 #: The physical content of any case.

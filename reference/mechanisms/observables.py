@@ -66,7 +66,7 @@ def floats(mechanism: Mechanism) -> bool:
     """
     if mechanism.plane is not None or mechanism.pushes:
         return False
-    held = any(joint.parent == WORLD and joint.type != "free" for joint in mechanism.joints)
+    held = any(joint.parent == WORLD and joint.form.transmits for joint in mechanism.joints)
     return not held and not any(WORLD in loop.bodies for loop in mechanism.loops)
 
 

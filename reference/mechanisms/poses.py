@@ -13,8 +13,8 @@ from bodycheck.reference.mechanisms.frames import Place
 from bodycheck.reference.mechanisms.link_states import LinkStates
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
-from bodycheck.reference.mechanisms.tree import STILL, Anchor, Forest, Link, Tree
-from bodycheck.reference.trajectory import Trajectory
+from bodycheck.reference.mechanisms.tree import STILL, Anchor, Forest, Link, Tree, forest
+from bodycheck.reference.trajectory import Array, Trajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +106,33 @@ def bodies(mechanism: Mechanism, frames: list[Frames], times: WideArray, kind: F
         np.stack([frame.velocity for frame in centred]),
         np.stack([frame.spin for frame in centred]),
     )
+
+
+def bodies_of(mechanism: Mechanism, times: Array, position: WideArray, velocity: WideArray) -> Trajectory:
+    """The states (b, n, ...) of the bodies of a mechanism without free bodies and free joints.
+
+    times: (n,), s. position, velocity: (n, c) and (n, u), in the layout of `coordinates`.
+    """
+    whole, kind, count = forest(mechanism), FloatType(np.longdouble), len(times)
+    links = [
+        link_frames(tree, [_state_of(mechanism, whole, link, position, velocity, kind) for link in tree.links], count, kind)
+        for tree in whole.trees
+    ]
+    return bodies(mechanism, body_frames(whole, links, count, kind), times, kind)
+
+
+def _state_of(
+    mechanism: Mechanism, whole: Forest, link: Link, position: WideArray, velocity: WideArray, kind: FloatType
+) -> LinkStates:
+    """The states of a link; of a ball along the axes of the link, which are not those of the joint and of its child."""
+    held, moving = places(mechanism)[link.joint]
+    if link.kind != "ball":
+        own, rate = held.start + link.coordinate, moving.start + link.coordinate
+        return LinkStates(position[:, own : own + 1], velocity[:, rate : rate + 1])
+    child = whole.anchors[mechanism.joints[link.joint].child].place
+    socket, axes = (np.tile(kind.array(turn), (len(position), 1)) for turn in (link.socket.turn, child.turn))
+    turned = multiply(multiply(socket, position[:, held]), conjugate(axes))
+    return LinkStates(turned, rotate(axes, velocity[:, moving]))
 
 
 def joints(

@@ -4,15 +4,17 @@ Where heyoka is installed it is integrated by Taylor's method in any type, other
 """
 
 import functools
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from bodycheck.reference.errors import NotModelled
+from bodycheck.reference.errors import NotModelled, OutOfReach
+from bodycheck.reference.integration import dop853
 from bodycheck.reference.mechanisms import poses
-from bodycheck.reference.mechanisms.link_states import Change, Course
+from bodycheck.reference.mechanisms.link_states import Change, Course, derivatives, in_doubles, split, start
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.rounding import FloatType, WideArray
 from bodycheck.reference.mechanisms.tree import Tree, forest
@@ -80,7 +82,27 @@ def solver() -> Solver:
     try:
         from bodycheck.reference.mechanisms import taylor_tree
     except ImportError:
-        from bodycheck.reference.mechanisms import dop853_tree
-
-        return dop853_tree.followed
+        return followed_by_dop853
     return taylor_tree.followed
+
+
+def followed_by_dop853(tree: Tree, times: WideArray, kind: FloatType) -> Course:
+    """The links of a tree at times (n,) >= 0, s, in any order, by SciPy's DOP853 to double precision.
+
+    Raises
+    ------
+    OutOfReach
+        If the integration fails or takes too many steps, or a joint has dry friction.
+    """
+    if any(link.friction for link in tree.links):
+        raise OutOfReach("joints with dry friction are followed by heyoka, which is not installed")
+    doubles = in_doubles(tree)
+
+    def rates(_: float, state: Array) -> Array:
+        return np.array(derivatives(doubles, state.tolist(), math).state, dtype=float)
+
+    begin = np.array([float(value) for value in start(tree)])
+    instants, rows = np.unique(times, return_inverse=True)
+    # States in SI units are of the order of one or larger; a smaller scale would make steps needlessly short.
+    states = dop853.solve(rates, begin, instants, np.maximum(np.abs(begin), 1.0))
+    return Course(split(tree, states[rows].astype(kind.dtype), times, kind), ())

@@ -7,18 +7,8 @@ from bodycheck.reference.exact.inertia import Components
 from bodycheck.reference.exact.numbers import NEGLIGIBLE
 from bodycheck.reference.mechanisms.coordinates import VELOCITIES
 from bodycheck.reference.mechanisms.exact import inertia
-from bodycheck.reference.mechanisms.mechanism import JointedBody, JointType, Mechanism
-
-#: The names of the effects that joints of each type require.
-JOINTS: dict[JointType, str] = {
-    "revolute": "revolute joints",
-    "prismatic": "prismatic joints",
-    "spherical": "ball joints",
-    "free": "free joints",
-    "fixed": "fixed joints",
-    "planar": "planar joints",
-    "universal": "universal joints",
-}
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES
+from bodycheck.reference.mechanisms.mechanism import JointedBody, Mechanism
 
 
 @dataclass(frozen=True)
@@ -28,7 +18,7 @@ class MechanismRequirements:
     Attributes
     ----------
     effects
-        The names of the effects: "mechanisms", "gravity", the types of its joints as in `JOINTS`, "armature", "joint damping",
+        The names of the effects: "mechanisms", "gravity", the `effect` of the type of each joint, "armature", "joint damping",
         "joint springs", "joint friction", "joint efforts", "loops", "point masses" where a body has a moment of zero,
         "contacts" where there is a plane, and "pushes".
     degrees_of_freedom
@@ -51,7 +41,7 @@ def of_mechanism(mechanism: Mechanism) -> MechanismRequirements:
     effects = {
         "mechanisms": True,
         "gravity": bool(mechanism.gravity),
-        **{name: kind in used for kind, name in JOINTS.items()},
+        **{form.effect: name in used for name, form in JOINT_TYPES.items()},
         "armature": any(joint.armature for joint in joints),
         "joint damping": any(joint.damping for joint in joints),
         "joint springs": any(joint.stiffness for joint in joints),
@@ -69,7 +59,7 @@ def of_mechanism(mechanism: Mechanism) -> MechanismRequirements:
 
 def turns(mechanism: Mechanism) -> bool:
     """Whether the joints of a mechanism let any body turn."""
-    return None in mechanism.joint_of or any(joint.type not in ("prismatic", "fixed") for joint in mechanism.joints)
+    return None in mechanism.joint_of or any(joint.form.turns for joint in mechanism.joints)
 
 
 def _has_zero_moment(body: JointedBody) -> bool:

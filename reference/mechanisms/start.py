@@ -19,7 +19,8 @@ from bodycheck.reference.scene import Attitude
 #: An array of the widest type.
 WideArray = NDArray[np.longdouble]
 
-X, Y, Z = np.eye(3, dtype=Wide)
+#: The axes of a frame, by their names.
+AXES = dict(zip("xyz", np.eye(3, dtype=Wide), strict=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,59 +148,38 @@ def _of_free(body: JointedBody, start: BodyStart) -> Frame:
 
 def _of_child(joint: Joint, parent: Frame) -> Frame:
     axes = parent.turn @ _matrix(joint.attitude)
-    turn, shift = _pose(joint)
-    twist = _wide(joint.start_velocity) @ _own_columns(joint) if joint.start_velocity else np.zeros(6, Wide)
+    turn, shift, columns = _pose_and_columns(joint)
+    twist = _wide(joint.start_velocity) @ columns if joint.start_velocity else np.zeros(6, Wide)
     arm = parent.turn @ _wide(joint.position) + axes @ shift
     velocity = parent.velocity + np.cross(parent.spin, arm) + axes @ twist[:3]
     return Frame(axes @ turn, parent.origin + arm, velocity, parent.spin + axes @ twist[3:])
 
 
-def _pose(joint: Joint) -> tuple[WideArray, WideArray]:
-    """Rotation matrix (3, 3) and origin (3,) of the child's frame in the joint's frame at the start."""
-    still, here, q = np.eye(3, dtype=Wide), np.zeros(3, Wide), _wide(joint.start)
-    match joint.type:
-        case "revolute":
-            return _about(_axis(joint), q[0]), here
-        case "prismatic":
-            return still, _axis(joint) * q[0]
-        case "universal":
-            return _about(X, q[0]) @ _about(Y, q[1]), here
-        case "planar":
-            return _about(Z, q[2]), np.array([q[0], q[1], Wide(0)])
-        case "spherical":
-            return _matrix(_quaternion(joint.start)), here
-        case "free":
-            return _matrix(_quaternion(joint.start[3:])), q[:3]
-        case "fixed":
-            return still, here
+def _pose_and_columns(joint: Joint) -> tuple[WideArray, WideArray, WideArray]:
+    """Rotation matrix (3, 3) and origin (3,) of the child's frame in the joint's frame at the start, and its twists (k, 6).
 
-
-def _own_columns(joint: Joint) -> WideArray:
-    """The twists (k, 6) of the child for each of the joint's velocities: velocity of its origin, and angular velocity.
-
-    Both are along the axes of the joint's frame.
+    A twist is what one of the joint's velocities gives the child: the velocity of its origin, and an angular velocity, both
+    along the axes of the joint's frame. Slides come before turns, which do not move the origin.
     """
-    zero, turn = np.zeros((3, 3), Wide), _pose(joint)[0]
-    match joint.type:
-        case "revolute":
-            return np.concatenate([zero[:1], _axis(joint)[None]], axis=1)
-        case "prismatic":
-            return np.concatenate([_axis(joint)[None], zero[:1]], axis=1)
-        case "universal":
-            return np.concatenate([zero[:2], [X, _about(X, _wide(joint.start)[0]) @ Y]], axis=1)
-        case "planar":
-            return np.concatenate([[X, Y, zero[0]], [zero[0], zero[0], Z]], axis=1)
-        case "spherical":
-            return np.concatenate([zero, turn.T], axis=1)
-        case "free":
-            return np.block([[np.eye(3, dtype=Wide), zero], [zero, turn.T]])
-        case "fixed":
-            return np.zeros((0, 6), Wide)
+    turn, shift, columns, q = np.eye(3, dtype=Wide), np.zeros(3, Wide), np.zeros((0, 6), Wide), _wide(joint.start)
+    for motion in joint.form.motions:
+        if motion.kind == "ball":
+            turn = turn @ _matrix(_quaternion(joint.start[-4:]))
+            columns = np.concatenate([columns, np.concatenate([np.zeros((3, 3), Wide), turn.T], axis=1)])
+            continue
+        axis, coordinate = _wide(exact.unit_axis(joint)) if motion.axis == "given" else AXES[motion.axis], q[len(columns)]
+        along, none = turn @ axis, np.zeros(3, Wide)
+        if motion.kind == "slide":
+            shift, column = shift + along * coordinate, (along, none)
+        else:
+            turn, column = turn @ _about(axis, coordinate), (none, along)
+        columns = np.concatenate([columns, np.concatenate(column)[None]])
+    return turn, shift, columns
 
 
 def _columns(joint: Joint, at: dict[int, Frame]) -> WideArray:
     """The same twists (k, 6) along the axes of the world."""
-    axes, own = at[joint.parent].turn @ _matrix(joint.attitude), _own_columns(joint)
+    axes, own = at[joint.parent].turn @ _matrix(joint.attitude), _pose_and_columns(joint)[2]
     return np.concatenate([own[:, :3] @ axes.T, own[:, 3:] @ axes.T], axis=1)
 
 
@@ -226,10 +206,6 @@ def _about(axis: WideArray, angle: Wide) -> WideArray:
     """The rotation matrix (3, 3) about an axis of length one (Rodrigues)."""
     cosine, sine = np.cos(angle), np.sin(angle)
     return np.asarray(cosine * np.eye(3, dtype=Wide) + sine * _cross(axis) + (1 - cosine) * np.outer(axis, axis))
-
-
-def _axis(joint: Joint) -> WideArray:
-    return _wide(exact.unit_axis(joint))
 
 
 def _matrix(attitude: Attitude) -> WideArray:

@@ -13,7 +13,6 @@ links do not depend on the choice of frames, and many of their numbers are zero,
 import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import cast
 
 from bodycheck.reference.exact.axes import principal_axes
 from bodycheck.reference.exact.inertia import MassProperties, joined
@@ -32,9 +31,13 @@ from bodycheck.reference.mechanisms.frames import (
     rotated,
     scaled,
 )
+from bodycheck.reference.mechanisms.joint_types import MotionKind
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointedBody, Mechanism
 
-_X, _Y, _Z = vector((1, 0, 0)), vector((0, 1, 0)), vector((0, 0, 1))
+_AXES = {"x": vector((1, 0, 0)), "y": vector((0, 1, 0)), "z": vector((0, 0, 1))}
+
+#: The kinds of links on the elementary motions of joints.
+_KINDS: dict[MotionKind, Kind] = {"turn": "revolute", "slide": "prismatic", "ball": "ball"}
 
 #: The place of a link's parent where that does not move.
 STILL = -1
@@ -259,14 +262,11 @@ def _add_jointed(draft: _Draft, body: int, place: int, joint: Joint) -> None:
 
 
 def _axes(joint: Joint) -> list[tuple[Kind, Vector3]]:
-    """The elementary joints of a joint, each with its axis in the frame of the joint."""
-    match joint.type:
-        case "universal":
-            return [("revolute", _X), ("revolute", _Y)]
-        case "planar":
-            return [("prismatic", _X), ("prismatic", _Y), ("revolute", _Z)]
-        case _:
-            return [(cast(Kind, joint.type), exact.unit_axis(joint))]
+    """The elementary joints of a joint of slides and turns, each with its axis in the frame of the joint."""
+    return [
+        (_KINDS[motion.kind], exact.unit_axis(joint) if motion.axis == "given" else _AXES[motion.axis])
+        for motion in joint.form.motions
+    ]
 
 
 def _base(joint: Joint, socket: Place) -> Place:
@@ -297,8 +297,8 @@ def _single(
     q, v = (MP.mpf(values[coordinate]) if values else MP.mpf(0) for values in (joint.start, joint.start_velocity))
     cosine, sine = MP.cos_sin(q / 2)
     turning = kind == "revolute"
-    inner = Place((cosine, MP.mpf(0), MP.mpf(0), sine)) if turning else Place(origin=scaled(q, _Z))
-    velocity, spin = (ORIGIN, scaled(v, _Z)) if turning else (scaled(v, _Z), ORIGIN)
+    inner = Place((cosine, MP.mpf(0), MP.mpf(0), sine)) if turning else Place(origin=scaled(q, _AXES["z"]))
+    velocity, spin = (ORIGIN, scaled(v, _AXES["z"])) if turning else (scaled(v, _AXES["z"]), ORIGIN)
     return Link(
         kind=kind,
         parent=parent,

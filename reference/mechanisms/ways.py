@@ -12,22 +12,9 @@ from bodycheck.reference.integration.rotation import WideArray
 from bodycheck.reference.kinematics import dot
 from bodycheck.reference.mechanisms import exact, observables
 from bodycheck.reference.mechanisms.coordinates import places
-from bodycheck.reference.mechanisms.mechanism import JointType, Mechanism
+from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.witness import DOUBLE_DIGITS, angle_between
-
-#: What the coordinates and the velocities of each type of joint are: lengths (l), angles (a), or the quaternion of an
-#: attitude (q).
-_COORDINATES: dict[JointType, str] = {
-    "revolute": "a",
-    "prismatic": "l",
-    "universal": "aa",
-    "planar": "lla",
-    "spherical": "qqqq",
-    "free": "lllqqqq",
-    "fixed": "",
-}
-_VELOCITIES: dict[JointType, str] = {**_COORDINATES, "spherical": "aaa", "free": "lllaaa"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +68,9 @@ Follow = Callable[[Mechanism, Array], Motion]
 
 
 def letters(mechanism: Mechanism) -> tuple[str, str]:
-    """What the coordinates and the velocities of a mechanism's joints are, one letter each: l, a or q."""
-    types = [joint.type for joint in mechanism.joints]
-    return "".join(_COORDINATES[kind] for kind in types), "".join(_VELOCITIES[kind] for kind in types)
+    """What the coordinates and the velocities of a mechanism's joints are, a letter of `joint_types.LETTERS` each."""
+    forms = [joint.form for joint in mechanism.joints]
+    return "".join(form.coordinates for form in forms), "".join(form.velocities for form in forms)
 
 
 def apart(mechanism: Mechanism, one: Motion, other: Motion) -> dict[str, Array]:
@@ -95,7 +82,7 @@ def apart(mechanism: Mechanism, one: Motion, other: Motion) -> dict[str, Array]:
     held, moving = letters(mechanism)
     turned = _angles(one.bodies.quaternion, other.bodies.quaternion)
     for joint, (slots, _) in zip(mechanism.joints, places(mechanism), strict=True):
-        if joint.type in ("spherical", "free"):
+        if joint.form.has_quaternion:
             turned = np.maximum(turned, angle_between(one.position[:, slots][:, -4:], other.position[:, slots][:, -4:]))
     return {
         "error": np.maximum(turned, _differences(one.position, other.position, held, "a")),

@@ -31,7 +31,7 @@ from bodycheck.adapters.contract import (
 from bodycheck.adapters.links import link_of
 from bodycheck.errors import BadInput
 from bodycheck.reference.kinematics import geodesic_angle
-from bodycheck.reference.mechanisms.requirements import JOINTS
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES
 from bodycheck.reference.requirements import Requirements
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.running.smoke import check
@@ -54,7 +54,7 @@ SCENES = {"flight": "osrf-boxes-complex", "drag": "football-drag", "plane": "cur
 MECHANISM_EFFECTS = {
     *("mechanisms", "loops", "point masses", "armature", "joint damping", "joint springs", "joint friction", "joint efforts"),
     *("contacts", "pushes"),
-    *JOINTS.values(),
+    *(form.effect for form in JOINT_TYPES.values()),
 }
 
 #: A turn by 74 degrees about an oblique axis, and a centre of mass in the frame of a link (m).

@@ -6,7 +6,8 @@ from typing import Any
 from hypothesis import strategies as st
 
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES
-from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, JointType, Mechanism
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointType
+from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism
 from bodycheck.reference.scene import (
     Attitude,
     Brick,
@@ -59,7 +60,7 @@ particles = st.tuples(size, size, size, size).map(
     lambda masses: tuple(Particle(mass, place) for mass, place in zip(masses, CORNERS, strict=True))
 )
 parts = st.lists(solids, min_size=1, max_size=3).map(tuple)
-TYPES: tuple[JointType, ...] = ("revolute", "prismatic", "spherical", "free", "fixed", "planar", "universal")
+TYPES: tuple[JointType, ...] = tuple(JOINT_TYPES)
 
 
 @st.composite

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from bodycheck.reference.mechanisms import exact
-from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, JointType, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Mechanism
 from bodycheck.reference.scene import (
     Brick,
     Cylinder,
@@ -22,9 +22,6 @@ from bodycheck.reference.scene import (
     Tensor,
     Vector,
 )
-
-#: How many of the first coordinates of a type of joint are lengths (m); all others are angles or the parts of a quaternion.
-LENGTHS: dict[JointType, int] = {"prismatic": 1, "planar": 2, "free": 3}
 
 
 @dataclass(frozen=True)
@@ -123,7 +120,7 @@ def _starts(mechanism: Mechanism) -> list[BodyStart]:
 
 def _parts(joint: Joint, values: tuple[float, ...]) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Coordinates or velocities of a joint as those that are lengths and the others, which follow them."""
-    count = LENGTHS.get(joint.type, 0)
+    count = len(joint.form.slides)
     return values[:count], values[count:]
 
 
@@ -163,7 +160,7 @@ def _grown_joint(joint: Joint, factor: float) -> Joint:
     return replace(
         joint,
         position=_times(joint.position, factor),
-        rest=joint.rest * factor if joint.type == "prismatic" else joint.rest,
+        rest=joint.rest * factor if joint.form.slides else joint.rest,
         start=(*(part * factor for part in here), *still),
         start_velocity=(*(part * factor for part in moving), *turning),
     )

@@ -8,8 +8,12 @@ from bodycheck.casefile.mechanisms.start_faults import check_start
 from bodycheck.casefile.scenes import attitude_of, inertia_of, rotation_of, solid_shape
 from bodycheck.casefile.surroundings import attitude_on, build_contacts, build_plane, build_push, position_on
 from bodycheck.reference.mechanisms.exact import nearest_turn
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointType
 from bodycheck.reference.mechanisms.mechanism import WORLD, BodyStart, Joint, JointedBody, Loop, Mechanism
 from bodycheck.reference.scene import Plane, Shape, Solid, Vector
+
+#: The keys of a joint's axis and of the forces along it.
+FORCES = ("axis", "armature", "damping", "stiffness", "rest", "friction", "effort")
 
 #: The centre of mass of a body whose file does not say it.
 ORIGIN: Vector = (0.0, 0.0, 0.0)
@@ -50,29 +54,18 @@ def _start(table: InitialTable, plane: Plane | None, shape: Shape | None) -> Bod
     return BodyStart(position, attitude, table.velocity, rotation_of(table))
 
 
-def _joint(table: grammar.AnyJoint, places: dict[str, int]) -> Joint:
-    own = {
-        name: getattr(table, name)
-        for name in ("axis", "armature", "damping", "stiffness", "rest", "friction", "effort")
-        if name in type(table).model_fields
-    }
-    start, velocity = _coordinates(table)
+def _joint(table: grammar.JointTable, places: dict[str, int]) -> Joint:
+    name: JointType = getattr(table, "type")  # noqa: B009  (a key of the tables that are made of the types)
+    forces = {key: getattr(table, key) for key in FORCES if key in type(table).model_fields}
+    keys = JOINT_TYPES[name].start
+    start, velocity = (_numbers(table, keys.position), _numbers(table, keys.velocity)) if keys is not None else ((), ())
     parent, child = places[table.parent], places[table.child]
     return Joint(
-        table.name, table.type, parent, child, table.position, attitude_of(table), **own, start=start, start_velocity=velocity
+        *(table.name, name, parent, child, table.position, attitude_of(table)), **forces, start=start, start_velocity=velocity
     )
 
 
-def _coordinates(table: grammar.AnyJoint) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return the initial coordinates and velocities of a joint, in the layout of `reference.mechanisms.coordinates`."""
-    match table:
-        case grammar.FixedTable():
-            return (), ()
-        case grammar.FreeTable(initial=start):
-            return (*start.position, *start.quaternion), (*start.linear, *start.velocity)
-        case grammar.SphericalTable(initial=start):
-            return start.quaternion, start.velocity
-        case grammar.AxisTable(initial=start):
-            return (start.position,), (start.velocity,)
-        case grammar.UniversalTable(initial=start) | grammar.PlanarTable(initial=start):
-            return start.position, start.velocity
+def _numbers(table: grammar.JointTable, names: tuple[str, ...]) -> tuple[float, ...]:
+    """Return the numbers of some keys of the table `initial` of a joint, one key after another."""
+    values = [getattr(getattr(table, "initial"), name) for name in names]  # noqa: B009
+    return tuple(number for value in values for number in (value if isinstance(value, tuple) else (value,)))

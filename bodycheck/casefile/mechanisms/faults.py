@@ -3,8 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from bodycheck.casefile.body_faults import body_faults
-from bodycheck.casefile.contradictions import run_faults, start_faults
+from bodycheck.casefile.contradictions import body_faults, run_faults, start_faults
 from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, MAX_LOOPS, WORLD, with_shape
 from bodycheck.casefile.raw_values import mapping, numbers, tables_of
 from bodycheck.casefile.surroundings import surroundings_faults

@@ -1,14 +1,13 @@
 """The grammar of case files, format 2, as pydantic models: bodies, the joints between them, and loops."""
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union, cast
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, create_model
 
 from bodycheck.casefile import grammar
-from bodycheck.casefile.ensemble_grammar import EnsembleTable
 from bodycheck.casefile.toml_positions import Path
-from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_PUSHES, PART_NAME, Name, NonNegative, Number, Table, Text, Vector
+from bodycheck.casefile.values import MAX_NAME_LENGTH, MAX_PUSHES, PART_NAME, NonNegative, Number, Table, Text, Vector
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, JointForm, StartKeys
 
 #: Version of the format of case files of mechanisms.
 FORMAT = 2
@@ -92,41 +91,22 @@ AnyBody = Annotated[
 ]
 
 
-class CoordinateStart(Table):
-    """The state at t = 0 of a revolute or prismatic joint."""
-
-    position: Number = Field(default=0.0, description="rad or m")
-    velocity: Number = Field(default=0.0, description="rad/s or m/s")
-
-
-class UniversalStart(Table):
-    """The state at t = 0 of a universal joint."""
-
-    position: Pair = Field(default=(0.0, 0.0), description="about x of the joint's frame, then about the turned y, rad")
-    velocity: Pair = Field(default=(0.0, 0.0), description="their rates, rad/s")
+def _start_table(keys: StartKeys) -> type[Table]:
+    """Return the grammar of the table `initial` of a type of joint."""
+    kinds: dict[int, Any] = {0: Number, 2: Pair, 3: Vector, 4: grammar.Quaternion}
+    fields: dict[str, Any] = {
+        key.name: (kinds[key.size], Field(default=key.default, description=key.description)) for key in keys.keys
+    }
+    about = f"The state at t = 0 of a {keys.joint} joint."
+    return create_model(keys.table, __base__=Table, __doc__=about, **fields)
 
 
-class PlanarStart(Table):
-    """The state at t = 0 of a planar joint."""
-
-    position: Vector = Field(default=(0.0, 0.0, 0.0), description="x and y, m, and the angle about z of the joint's frame, rad")
-    velocity: Vector = Field(default=(0.0, 0.0, 0.0), description="their rates, m/s, m/s and rad/s")
-
-
-class SphericalStart(Table):
-    """The state at t = 0 of a spherical joint."""
-
-    quaternion: grammar.Quaternion = Field(default=(1.0, 0.0, 0.0, 0.0), description="w, x, y, z, child to joint's frame")
-    velocity: Vector = Field(default=(0.0, 0.0, 0.0), description="angular velocity in the frame of the child, rad/s")
-
-
-class FreeStart(SphericalStart):
-    """The state at t = 0 of a free joint."""
-
-    position: Vector = Field(default=(0.0, 0.0, 0.0), description="of the child's origin in the joint's frame, m")
-    linear: Vector = Field(
-        default=(0.0, 0.0, 0.0), description="velocity of the child's origin along the axes of the joint's frame, m/s"
-    )
+#: The table `initial` of each type of joint that has one.
+STARTS: dict[str, type[Table]] = {}
+_start_tables: dict[StartKeys, type[Table]] = {}
+for _form in JOINT_TYPES.values():
+    if _form.start is not None:
+        STARTS[_form.name] = _start_tables.setdefault(_form.start, _start_table(_form.start))
 
 
 class JointTable(Table):
@@ -152,80 +132,26 @@ class AxisTable(JointTable):
     rest: Number = Field(default=0.0, description="the coordinate at which the spring is at rest, rad or m")
     friction: NonNegative = Field(default=0.0, description="dry friction, sticking included, N m or N")
     effort: Number = Field(default=0.0, description="constant torque or force along the coordinate, N m or N")
-    initial: CoordinateStart = Field(default_factory=CoordinateStart)
 
 
-class RevoluteTable(AxisTable):
-    """A hinge."""
-
-    type: Literal["revolute"]
-
-
-class PrismaticTable(AxisTable):
-    """A slider."""
-
-    type: Literal["prismatic"]
-
-
-class UniversalTable(JointTable):
-    """Two hinges at right angles."""
-
-    type: Literal["universal"]
-    initial: UniversalStart = Field(default_factory=UniversalStart)
+def _joint_table(form: JointForm) -> type[JointTable]:
+    """Return the grammar of the table of a type of joint."""
+    start = STARTS.get(form.name)
+    keys: dict[str, Any] = {"type": (cast(Any, Literal)[form.name], ...)}
+    initial: dict[str, Any] = {"initial": (start, Field(default_factory=start))} if start is not None else {}
+    against = Field(default=0.0, description="against the relative angular velocity, N m s/rad")
+    damping: dict[str, Any] = {"damping": (NonNegative, against)} if form.damped else {}
+    base, fields = (AxisTable, initial | keys) if form.has_axis else (JointTable, keys | damping | initial)
+    return create_model(f"{form.name.capitalize()}Table", __base__=base, __doc__=form.meaning, **fields)
 
 
-class PlanarTable(JointTable):
-    """A child that moves in the plane x, y of the joint's frame and turns about its z."""
+#: The grammar of each type of joint.
+JOINT_TABLES: dict[str, type[Table]] = {form.name: _joint_table(form) for form in JOINT_TYPES.values()}
 
-    type: Literal["planar"]
-    initial: PlanarStart = Field(default_factory=PlanarStart)
-
-
-class SphericalTable(JointTable):
-    """A ball joint."""
-
-    type: Literal["spherical"]
-    damping: NonNegative = Field(default=0.0, description="against the relative angular velocity, N m s/rad")
-    initial: SphericalStart = Field(default_factory=SphericalStart)
-
-
-class FreeTable(JointTable):
-    """A joint that holds nothing."""
-
-    type: Literal["free"]
-    initial: FreeStart = Field(default_factory=FreeStart)
-
-
-class FixedTable(JointTable):
-    """A joint that lets nothing move."""
-
-    type: Literal["fixed"]
-
-
-JOINT_TABLES: dict[str, type[Table]] = {
-    "revolute": RevoluteTable,
-    "prismatic": PrismaticTable,
-    "spherical": SphericalTable,
-    "free": FreeTable,
-    "fixed": FixedTable,
-    "planar": PlanarTable,
-    "universal": UniversalTable,
-}
-
-#: The table `initial` of each joint that has one.
-STARTS: dict[type[Table], type[Table]] = {
-    RevoluteTable: CoordinateStart,
-    PrismaticTable: CoordinateStart,
-    UniversalTable: UniversalStart,
-    PlanarTable: PlanarStart,
-    SphericalTable: SphericalStart,
-    FreeTable: FreeStart,
-}
-
-AnyJoint = Annotated[
-    RevoluteTable | PrismaticTable | SphericalTable | FreeTable | FixedTable | PlanarTable | UniversalTable,
-    Field(discriminator="type"),
-]
+if TYPE_CHECKING:  # type checkers cannot see the keys of tables that are made while the program runs
+    AnyJoint = JointTable
+else:
+    AnyJoint = Annotated[Union[tuple(JOINT_TABLES.values())], Field(discriminator="type")]  # noqa: UP007
 
 
 class LoopTable(Table):
@@ -277,14 +203,10 @@ class SurroundingsTable(Table):
     )
 
 
-class MechanismTable(Table):
-    """A whole case file of a mechanism."""
+class MechanismKeys(grammar.Heading):
+    """What a case file of a mechanism has besides what is done with it."""
 
     format: Literal[2] = Field(description="of the file")
-    name: Name = Field(description="unique among the cases of a run")
-    title: Text = Field(description="what it is, in a few words")
-    source: Text = Field(default="", description="where it comes from")
-    tags: grammar.Tags = Field(default=(), description="to group cases by")
     model: ModelTable | None = None
     initial: ModelStartTable | None = None
     bodies: Annotated[tuple[AnyBody, ...], Field(max_length=MAX_BODIES)] = Field(
@@ -297,18 +219,14 @@ class MechanismTable(Table):
         default=(), description="what closes chains, a table a point"
     )
     scene: SurroundingsTable = Field(default_factory=SurroundingsTable)
-    run: grammar.RunTable
-    extremes: grammar.ExtremesTable = Field(default_factory=grammar.ExtremesTable)
-    ensemble: EnsembleTable | None = None
-    expect: grammar.Expectations = Field(default=(), description="what must hold, a table a method")
+
+
+class MechanismTable(grammar.Conduct, MechanismKeys):
+    """A whole case file of a mechanism."""
 
 
 TABLES: dict[Path, type[Table]] = {
-    **{
-        path: table
-        for path, table in grammar.TABLES.items()
-        if path[:1] in (("run",), ("extremes",), ("ensemble",), ("expect",))
-    },
+    **grammar.CONDUCT,
     (): MechanismTable,
     ("bodies", "particles"): grammar.ParticleTable,
     ("bodies", "parts"): grammar.PartTable,
@@ -324,50 +242,7 @@ TABLES: dict[Path, type[Table]] = {
 }
 
 
-def is_mechanism(document: Mapping[str, Any]) -> bool:
-    """Return whether a raw document is of this format. Where it says none that there is, its tables tell."""
-    said = document.get("format")
-    if said == FORMAT and not isinstance(said, float):
-        return True
-    return said != grammar.FORMAT and "bodies" in document and "body" not in document
-
-
 def type_of(joint: Any) -> str:
     """Return the type of a joint, or an empty text if it is invalid; the grammar reports invalid types."""
     kind = joint.get("type") if isinstance(joint, dict) else None
     return kind if isinstance(kind, str) else ""
-
-
-def table_at(path: Path, document: dict[str, Any]) -> type[Table] | None:
-    """Return the grammar of the table at a path of a document; None if there is no table."""
-    match path:
-        case ("bodies", int(index)):  # pydantic has found an array with a table at this place
-            return BODY_TABLES.get(grammar.shape_of(with_shape(document["bodies"][index])))
-        case ("joints", int(index)):
-            return JOINT_TABLES.get(type_of(document["joints"][index]))
-        case ("joints", int(index), "initial"):
-            joint = JOINT_TABLES.get(type_of(document["joints"][index]))
-            return STARTS.get(joint) if joint is not None else None
-    if path[:2] == ("ensemble", "vary"):
-        return grammar.table_at(path, document)
-    return TABLES.get(tuple(key for key in path if isinstance(key, str)))
-
-
-def untagged(path: Path) -> Path:
-    """Return the path in the document for one of pydantic's, which adds the names of the members of unions to it."""
-    match path:
-        case ("bodies", index, _, *rest):
-            return ("bodies", index, *(key for key in rest if key not in ("moments", "tensor")))
-        case ("joints", index, _, *rest):
-            return ("joints", index, *rest)
-    return grammar.untagged(path)
-
-
-def known_types(path: Path) -> tuple[str, dict[str, type[Table]]]:
-    """Return the key that says of which type the table at a path is, and the tables by its values."""
-    match path[:1]:
-        case ("joints",):
-            return "type", JOINT_TABLES
-        case ("bodies",):
-            return "shape", BODY_TABLES
-    return grammar.known_types(path)

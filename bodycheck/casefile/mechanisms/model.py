@@ -15,7 +15,8 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from bodycheck.casefile.content import Case
-from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD, is_mechanism
+from bodycheck.casefile.formats import is_mechanism
+from bodycheck.casefile.mechanisms.grammar import MAX_BODIES, WORLD
 from bodycheck.casefile.raw_values import mapping
 from bodycheck.casefile.robots import mjcf_tree, urdf_tree
 from bodycheck.casefile.robots.tables import Tables

@@ -17,9 +17,6 @@ MIN_PIVOT = 1e-15
 #: formed with a hundred digits.
 MAX_RATIO = 1e60
 
-#: The types of joints of which only angles count.
-TURNING = ("revolute", "universal", "spherical")
-
 #: How far apart the points of a loop may be, relative to the lengths around it, and how fast they may part, relative to the
 #: speeds: what the decimals of a file leave.
 LOOP_TOLERANCE = 1e-12
@@ -94,7 +91,7 @@ def _out_of_scale(
     told: set[int] = set()
     for coordinate in coordinates:
         joint = coordinate.joint
-        if joint is None or joint in told or mechanism.joints[joint].type not in TURNING:
+        if joint is None or joint in told or mechanism.joints[joint].form.slides:
             continue
         if mass * reach**2 > MAX_RATIO * coordinate.locked:
             told.add(joint)

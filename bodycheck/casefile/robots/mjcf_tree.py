@@ -17,10 +17,11 @@ from bodycheck.casefile.robots.tables import HERE, Pose, Tables
 from bodycheck.reference.exact.inertia import MassProperties
 from bodycheck.reference.exact.numbers import MP, Vector3, vector
 from bodycheck.reference.exact.rotations import IDENTITY
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES
 from bodycheck.robots.elements import Element, quoted, refuse
 
 #: The types of joints by their names in MJCF.
-TYPES = {"hinge": "revolute", "slide": "prismatic", "ball": "spherical", "free": "free"}
+TYPES = {form.mjcf: form.name for form in JOINT_TYPES.values() if form.mjcf is not None}
 
 #: Parts of a file that hold or move bodies in ways that a case cannot say.
 MOVING = ("equality", "tendon", "actuator", "deformable", "extension")

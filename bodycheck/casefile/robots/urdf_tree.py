@@ -11,12 +11,13 @@ from bodycheck.casefile.robots.link import without_rounding
 from bodycheck.casefile.robots.tables import HERE, Pose, Tables
 from bodycheck.casefile.robots.urdf import refuse_faults, refuse_macros
 from bodycheck.reference.exact.inertia import MassProperties
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES
 from bodycheck.robots import urdf
 from bodycheck.robots.elements import Element, refuse
 from bodycheck.robots.urdf_parts import JointPart, LinkPart
 
 #: The types of joints of a case by those of a robot model.
-TYPES = {"floating": "free"}
+TYPES = {form.robot: form.name for form in JOINT_TYPES.values() if form.robot is not None}
 
 
 def tree(root: Element, world: str) -> Tables:
@@ -49,8 +50,7 @@ def tree(root: Element, world: str) -> Tables:
             continue
         frames[name] = name, HERE
         made["bodies"].append(tables.body(name, inertia))
-        kind = TYPES.get(held.type, held.type)
-        made["joints"].append(tables.joint(held.name, kind, parent, name, pose) | _properties(held))
+        made["joints"].append(tables.joint(held.name, TYPES[held.type], parent, name, pose) | _properties(held))
     return made
 
 

@@ -1,5 +1,6 @@
 """The Lagrangian of a mechanism in joint coordinates, and what its differentiation gives.
 
+- `solution`: the motion, which is the witness of the recursion.
 - `border`: the mechanism as a chain of elements, with a hundred digits.
 - `equations`: L, and the equations of Boltzmann and Hamel.
 - `differentiation`: expressions and their derivatives.

@@ -21,6 +21,7 @@ from bodycheck.reference.independent.directions import quaternion_of
 from bodycheck.reference.kinematics import cross
 from bodycheck.reference.mechanisms import exact, start
 from bodycheck.reference.mechanisms.coordinates import COORDINATES, VELOCITIES, places
+from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES, MotionKind
 from bodycheck.reference.mechanisms.kinematics import from_the_root
 from bodycheck.reference.mechanisms.loops.minimum_norm import solved
 from bodycheck.reference.mechanisms.loops.vectors import about, apply, dot, matrices, rounded, turning
@@ -28,8 +29,10 @@ from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 
 _EYE = np.eye(3, dtype=Wide)
 _HERE = np.zeros(3, dtype=Wide)
+_AXES = dict(zip("xyz", _EYE, strict=True))
 
-Kind = Literal["turn", "slide", "ball", "fixed"]
+#: What an element does: an elementary motion, or nothing.
+Kind = MotionKind | Literal["fixed"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,18 +131,18 @@ def tree(mechanism: Mechanism) -> Tree:
     if any(joint.friction for joint in mechanism.joints):
         raise NotModelled("dry friction in a mechanism with loops")
     slices = dict(zip((id(joint) for joint in mechanism.joints), places(mechanism), strict=True))
-    held, moving = of_joints(mechanism)
+    held, moving = joint_sizes(mechanism)
     elements: list[Element] = []
     ends: dict[int, int] = {WORLD: WORLD}
     for body, joint in enumerate(mechanism.joint_of):
         if joint is None:
-            ends[body] = _grown(elements, WORLD, _EYE, _HERE, _steps("free", None), held, moving, None)
+            ends[body] = _append_elements(elements, WORLD, _EYE, _HERE, _steps(None), held, moving, None)
             held, moving = held + 7, moving + 6
     for joint in from_the_root(mechanism):
-        own = slices[id(joint)]
+        first, second = (part.start for part in slices[id(joint)])
         turned, arm = rounded(list(map(list, matrix(exact.turn(joint.attitude))))), np.array(joint.position, dtype=Wide)
-        steps = _steps(joint.type, joint)
-        ends[joint.child] = _grown(elements, ends[joint.parent], turned, arm, steps, own[0].start, own[1].start, joint)
+        parent = ends[joint.parent]
+        ends[joint.child] = _append_elements(elements, parent, turned, arm, _steps(joint), first, second, joint)
     inertias = [exact.inertia(body) for body in mechanism.bodies]
     points = tuple(
         tuple((ends[body], np.array(point, dtype=Wide)) for body, point in zip(loop.bodies, loop.points, strict=True))
@@ -159,38 +162,27 @@ def tree(mechanism: Mechanism) -> Tree:
         np.array([rounded(list(own.centre)) for own in inertias]),
         np.array([start.tensor(body) for body in mechanism.bodies]),
         points,  # type: ignore[arg-type]
-        np.array([_moved_by(elements, place, moving) for place in carriers], dtype=Wide),
+        np.array([_moving_velocities(elements, place, moving) for place in carriers], dtype=Wide),
         Wide(mechanism.gravity),
         *(numbers[name] for name in ("armature", "damping", "stiffness", "rest", "effort")),
     )
 
 
-def of_joints(mechanism: Mechanism) -> tuple[int, int]:
+def joint_sizes(mechanism: Mechanism) -> tuple[int, int]:
     """The numbers of coordinates and of velocities of the joints, which come before those of free bodies."""
     held, moving = (sum(size[joint.type] for joint in mechanism.joints) for size in (COORDINATES, VELOCITIES))
     return held, moving
 
 
-def _steps(kind: str, joint: Joint | None) -> list[tuple[Kind, WideArray]]:
-    """The elements of a type of joint and their axes."""
-    x, y, z = _EYE
-    match kind:
-        case "revolute" | "prismatic":
-            assert joint is not None
-            return [("turn" if kind == "revolute" else "slide", rounded(list(exact.unit_axis(joint))))]
-        case "universal":
-            return [("turn", x), ("turn", y)]
-        case "planar":
-            return [("slide", x), ("slide", y), ("turn", z)]
-        case "spherical":
-            return [("ball", z)]
-        case "free":
-            return [("slide", x), ("slide", y), ("slide", z), ("ball", z)]
-        case _:
-            return [("fixed", z)]
+def _steps(joint: Joint | None) -> list[tuple[Kind, WideArray]]:
+    """The elements of a joint, or of a free body, and their axes; a ball needs none."""
+    form = JOINT_TYPES["free"] if joint is None else joint.form
+    given = rounded(list(exact.unit_axis(joint))) if joint is not None and form.has_axis else _EYE[2]
+    steps: list[tuple[Kind, WideArray]] = [(motion.kind, _AXES.get(motion.axis, given)) for motion in form.motions]
+    return steps or [("fixed", given)]
 
 
-def _grown(
+def _append_elements(
     elements: list[Element],
     parent: int,
     turned: WideArray,
@@ -210,7 +202,7 @@ def _grown(
     return parent
 
 
-def _moved_by(elements: list[Element], place: int, count: int) -> WideArray:
+def _moving_velocities(elements: list[Element], place: int, count: int) -> WideArray:
     """Which of the velocities (u,) move an element: one or zero."""
     found = np.zeros(count, dtype=Wide)
     while place != WORLD:
@@ -225,7 +217,7 @@ def initial(mechanism: Mechanism) -> WideArray:
     moving: list[Any] = []
     for joint in mechanism.joints:
         values = [Wide(value) for value in joint.start]
-        if joint.type in ("spherical", "free"):
+        if joint.form.has_quaternion:
             w, x, y, z = joint.start[-4:]
             values[-4:] = list(rounded(list(exact.turn((w, x, y, z)))))
         held, moving = [*held, *values], [*moving, *(Wide(value) for value in joint.start_velocity)]
@@ -238,15 +230,15 @@ def initial(mechanism: Mechanism) -> WideArray:
     return np.array([*held, *moving], dtype=Wide)
 
 
-def moved(of: Tree, states: WideArray) -> Motion:
+def frame_motion(linkage: Tree, states: WideArray) -> Motion:
     """The motion of all frames at states (s, c + u)."""
-    count, velocities = len(states), len(of.inertia)
-    q, v = states[:, : of.coordinates], states[:, of.coordinates :]
+    count, velocities = len(states), len(linkage.inertia)
+    q, v = states[:, : linkage.coordinates], states[:, linkage.coordinates :]
     still = np.zeros((count, 3), dtype=Wide)
     found = Motion([], [], [], [], [], [], *(np.zeros((count, velocities, 3), dtype=Wide) for _ in range(3)))
     world = (np.broadcast_to(_EYE, (count, 3, 3)), still, still, still, still, still)
     parts = (found.axes, found.origin, found.spin, found.velocity, found.turn_bias, found.bias)
-    for element in of.elements:
+    for element in linkage.elements:
         axes, origin, spin, velocity, turn_bias, bias = (
             world if element.parent == WORLD else tuple(part[element.parent] for part in parts)
         )
@@ -294,68 +286,70 @@ def _at(motion: Motion, element: int, point: WideArray) -> tuple[WideArray, Wide
     return motion.origin[element] + arm, motion.velocity[element] + around, bias
 
 
-def _rows(of: Tree, motion: Motion, row: int, place: WideArray) -> WideArray:
+def _rows(linkage: Tree, motion: Motion, row: int, place: WideArray) -> WideArray:
     """The velocities (s, u, 3) of a point at a place (s, 3) for each velocity; row: its row in `Tree.along`."""
-    found: WideArray = (motion.slides + cross(motion.turns, place[:, None] - motion.centres)) * of.along[row][:, None]
+    found: WideArray = (motion.slides + cross(motion.turns, place[:, None] - motion.centres)) * linkage.along[row][:, None]
     return found
 
 
-def _loops(of: Tree, motion: Motion) -> tuple[WideArray, WideArray, WideArray, WideArray]:
+def _loops(linkage: Tree, motion: Motion) -> tuple[WideArray, WideArray, WideArray, WideArray]:
     """Of the loops: gaps, their rates and their accelerations without those of coordinates (s, 3 l), and rows (s, 3 l, u)."""
-    count, bodies, loops = len(motion.turns), len(of.mass), len(of.points)
+    count, bodies, loops = len(motion.turns), len(linkage.mass), len(linkage.points)
     gaps, rates, biases, rows = ([np.zeros((count, 0), dtype=Wide)] for _ in range(4))
-    rows = [np.zeros((count, 0, len(of.inertia)), dtype=Wide)]
-    for place, (one, other) in enumerate(of.points):
+    rows = [np.zeros((count, 0, len(linkage.inertia)), dtype=Wide)]
+    for place, (one, other) in enumerate(linkage.points):
         first, second = _at(motion, *one), _at(motion, *other)
         for part, values in enumerate((gaps, rates, biases)):
             values.append(first[part] - second[part])
-        row = _rows(of, motion, bodies + place, first[0]) - _rows(of, motion, bodies + loops + place, second[0])
+        row = _rows(linkage, motion, bodies + place, first[0]) - _rows(linkage, motion, bodies + loops + place, second[0])
         rows.append(np.swapaxes(row, 1, 2))
     return np.hstack(gaps), np.hstack(rates), np.hstack(biases), np.concatenate(rows, axis=1)
 
 
-def _dynamics(of: Tree, motion: Motion, states: WideArray) -> tuple[WideArray, WideArray]:
+def _dynamics(linkage: Tree, motion: Motion, states: WideArray) -> tuple[WideArray, WideArray]:
     """The mass matrix (s, u, u), and the forces less those of inertia without accelerations of coordinates (s, u)."""
-    v = states[:, of.coordinates :]
+    v = states[:, linkage.coordinates :]
     slots = np.zeros_like(v)
-    for element in of.elements:
+    for element in linkage.elements:
         if element.kind in ("turn", "slide"):
             slots[:, element.moving] = states[:, element.held]
-    force = of.effort - of.damping * v - of.stiffness * (slots - of.rest)
+    force = linkage.effort - linkage.damping * v - linkage.stiffness * (slots - linkage.rest)
     mass = np.zeros((*v.shape, v.shape[1]), dtype=Wide)
-    mass[:, range(v.shape[1]), range(v.shape[1])] = of.inertia
-    down = np.array([0, 0, -1], dtype=Wide) * of.gravity
-    for body, end in enumerate(of.ends):
+    mass[:, range(v.shape[1]), range(v.shape[1])] = linkage.inertia
+    down = np.array([0, 0, -1], dtype=Wide) * linkage.gravity
+    for body, end in enumerate(linkage.ends):
         # Those velocities alone that move the body, which are few of many in a long linkage.
-        own = np.flatnonzero(of.along[body])
+        own = np.flatnonzero(linkage.along[body])
         if not len(own):
             continue
         axes, spin = motion.axes[end], motion.spin[end]
-        arm = apply(axes, of.centre[body])
-        tensor = axes @ of.tensor[body] @ np.swapaxes(axes, 1, 2)
+        arm = apply(axes, linkage.centre[body])
+        tensor = axes @ linkage.tensor[body] @ np.swapaxes(axes, 1, 2)
         turns = motion.turns[:, own]
         slides = motion.slides[:, own] + cross(turns, (motion.origin[end] + arm)[:, None] - motion.centres[:, own])
-        push = of.mass[body] * (motion.bias[end] + cross(motion.turn_bias[end], arm) + cross(spin, cross(spin, arm)) - down)
+        push = linkage.mass[body] * (
+            motion.bias[end] + cross(motion.turn_bias[end], arm) + cross(spin, cross(spin, arm)) - down
+        )
         twist = apply(tensor, motion.turn_bias[end]) + cross(spin, apply(tensor, spin))
-        inertia = of.mass[body] * (slides @ np.swapaxes(slides, 1, 2)) + turns @ tensor @ np.swapaxes(turns, 1, 2)
+        inertia = linkage.mass[body] * (slides @ np.swapaxes(slides, 1, 2)) + turns @ tensor @ np.swapaxes(turns, 1, 2)
         mass[:, own[:, None], own] += inertia
         force[:, own] -= dot(slides, push[:, None]) + dot(turns, twist[:, None])
     return mass, force
 
 
-def derivatives(of: Tree, states: WideArray) -> WideArray:
+def derivatives(linkage: Tree, states: WideArray) -> WideArray:
     """The derivatives (s, c + u) of states (s, c + u)."""
-    motion = moved(of, states)
-    mass, force = _dynamics(of, motion, states)
-    _, _, bias, rows = _loops(of, motion)
+    motion = frame_motion(linkage, states)
+    mass, force = _dynamics(linkage, motion, states)
+    _, _, bias, rows = _loops(linkage, motion)
     accelerations, _ = solved(mass, rows, force, -bias)
-    return np.hstack([_coordinate_rates(of, states, states[:, of.coordinates :]), accelerations])
+    return np.hstack([_coordinate_rates(linkage, states, states[:, linkage.coordinates :]), accelerations])
 
 
-def _coordinate_rates(of: Tree, states: WideArray, v: WideArray) -> WideArray:
+def _coordinate_rates(linkage: Tree, states: WideArray, v: WideArray) -> WideArray:
     """The derivatives (s, c) of the coordinates with the velocities (s, u)."""
-    found = np.zeros((len(states), of.coordinates), dtype=Wide)
-    for element in of.elements:
+    found = np.zeros((len(states), linkage.coordinates), dtype=Wide)
+    for element in linkage.elements:
         if element.kind == "ball":
             found[:, element.held] = turning(states[:, element.held], v[:, element.moving])
         elif element.kind != "fixed":
@@ -363,37 +357,37 @@ def _coordinate_rates(of: Tree, states: WideArray, v: WideArray) -> WideArray:
     return found
 
 
-def closed(of: Tree, state: WideArray) -> WideArray:
+def close_loops(linkage: Tree, state: WideArray) -> WideArray:
     """A state (c + u,) moved back to where the loops are closed and their rates are zero, by the smallest changes."""
     states = state[None].copy()
-    c = of.coordinates
-    for element in of.elements:
+    c = linkage.coordinates
+    for element in linkage.elements:
         if element.kind == "ball":
             states[:, element.held] /= np.sqrt((states[:, element.held] ** 2).sum())
-    motion = moved(of, states)
-    mass, force = _dynamics(of, motion, states)
-    gaps, _, _, rows = _loops(of, motion)
+    motion = frame_motion(linkage, states)
+    mass, force = _dynamics(linkage, motion, states)
+    gaps, _, _, rows = _loops(linkage, motion)
     shift, _ = solved(mass, rows, np.zeros_like(force), -gaps, refinements=2)
-    states[:, :c] += _coordinate_rates(of, states, shift)
-    _, rates, _, rows = _loops(of, moved(of, states))
+    states[:, :c] += _coordinate_rates(linkage, states, shift)
+    _, rates, _, rows = _loops(linkage, frame_motion(linkage, states))
     change, _ = solved(mass, rows, np.zeros_like(force), -rates, refinements=2)
     states[:, c:] += change
     found: WideArray = states[0]
     return found
 
 
-def gaps(of: Tree, states: WideArray) -> tuple[WideArray, WideArray]:
+def gaps(linkage: Tree, states: WideArray) -> tuple[WideArray, WideArray]:
     """How far (s,) the ends of the loops are apart at most (m), and how fast they move apart (m/s), at states (s, c + u)."""
-    found, rates, _, _ = _loops(of, moved(of, states))
+    found, rates, _, _ = _loops(linkage, frame_motion(linkage, states))
     return np.abs(found).max(axis=1, initial=0), np.abs(rates).max(axis=1, initial=0)
 
 
-def bodies(of: Tree, states: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
+def bodies(linkage: Tree, states: WideArray) -> tuple[WideArray, WideArray, WideArray, WideArray]:
     """Position, quaternion, velocity and angular velocity (b, s, k) of the bodies: the conventions of `trajectory`."""
-    motion = moved(of, states)
+    motion = frame_motion(linkage, states)
     found: list[tuple[WideArray, ...]] = []
-    for body, end in enumerate(of.ends):
-        place, velocity, _ = _at(motion, end, of.centre[body])
+    for body, end in enumerate(linkage.ends):
+        place, velocity, _ = _at(motion, end, linkage.centre[body])
         axes = np.broadcast_to(_EYE, (len(states), 3, 3)) if end == WORLD else motion.axes[end]
         spin = np.zeros((len(states), 3), dtype=Wide) if end == WORLD else motion.spin[end]
         found.append((place, quaternion_of(axes), velocity, apply(np.swapaxes(axes, 1, 2), spin)))

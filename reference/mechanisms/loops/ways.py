@@ -57,9 +57,9 @@ def way(mechanism: Mechanism, times: Array) -> Way:
         tolerance=TOLERANCE,
         most=int(MOST_SECONDS / (0.0006 * len(tree.elements))),
         first=_first(joint_space.derivatives(tree, start[None])[0, tree.coordinates :], start[tree.coordinates :]),
-        corrected=lambda state: joint_space.closed(tree, state),
+        corrected=lambda state: joint_space.close_loops(tree, state),
     )
-    held, moving = joint_space.of_joints(mechanism)
+    held, moving = joint_space.joint_sizes(mechanism)
     states: tuple[Any, ...] = joint_space.bodies(tree, found.states)
     bodies = Trajectory(times, *states)
     motion = Motion(found.states[:, :held], found.states[:, tree.coordinates : tree.coordinates + moving], bodies)
@@ -100,7 +100,7 @@ def witness(mechanism: Mechanism, times: Array) -> Way:
 def closed_start(mechanism: Mechanism) -> Mechanism:
     """A mechanism without free bodies, whose loops are almost closed at the start, with initial values that close them."""
     tree = joint_space.tree(mechanism)
-    state = joint_space.closed(tree, joint_space.initial(mechanism)).astype(float)
+    state = joint_space.close_loops(tree, joint_space.initial(mechanism)).astype(float)
     joints = tuple(
         replace(joint, start=tuple(state[held].tolist()), start_velocity=tuple(state[tree.coordinates :][moving].tolist()))
         for joint, (held, moving) in zip(mechanism.joints, places(mechanism), strict=True)

@@ -6,7 +6,8 @@ import pytest
 from bodycheck.adapters import registry
 from bodycheck.adapters.contract import Mechanisms, Method, SceneUnsupported
 from bodycheck.reference.kinematics import geodesic_angle
-from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, JointType, Mechanism
+from bodycheck.reference.mechanisms.joint_types import JointType
+from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
 from bodycheck.reference.scene import EulerAngles
 from bodycheck.reference.trajectory import Array

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from bodycheck.reference.errors import OutOfReach
-from bodycheck.reference.mechanisms import dop853_tree, kinematics, observables, recursion
+from bodycheck.reference.mechanisms import kinematics, observables, recursion
 from bodycheck.reference.mechanisms.recursion import JointStates, follow
 from bodycheck.reference.trajectory import Trajectory
 from tests.support.jointed import cart_pole, tree
@@ -18,7 +18,7 @@ TIMES = np.linspace(0.0, 0.25, 6)
 @pytest.fixture(scope="module")
 def without_heyoka() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(recursion, "solver", lambda: dop853_tree.followed)
+        patch.setattr(recursion, "solver", lambda: recursion.followed_by_dop853)
         yield
 
 

@@ -8,8 +8,9 @@ import pytest
 import sympy
 
 from bodycheck.reference.errors import NotModelled
-from bodycheck.reference.mechanisms import exact, kinematics, lagrange, observables
+from bodycheck.reference.mechanisms import exact, kinematics, observables
 from bodycheck.reference.mechanisms.coordinates import JointMotion
+from bodycheck.reference.mechanisms.lagrangian import solution
 from bodycheck.reference.mechanisms.lagrangian.border import border
 from bodycheck.reference.mechanisms.lagrangian.differentiation import Tape, along, made
 from bodycheck.reference.mechanisms.lagrangian.equations import derived, parts_of
@@ -27,7 +28,7 @@ RANDOM = np.random.default_rng(22)
 
 def accelerations(mechanism: Mechanism, q: Array, u: Array) -> Array:
     """The derivatives of the velocities of joints with one coordinate each, by the equations of the module."""
-    ready = lagrange.prepared(mechanism)
+    ready = solution.prepared(mechanism)
     found = derived(ready.structure)
     length, time = ready.units.length, ready.units.time
     sizes = np.array([length if element.kind == "slide" else 1.0 for element in ready.border.elements])
@@ -113,7 +114,7 @@ TIMES = np.linspace(0.0, 1.0, 11)
 @pytest.fixture(scope="module")
 def moved() -> WideMotion:
     """The tree with a joint of every type, in double precision, which every platform has."""
-    return lagrange.follow_in_doubles(tree(), TIMES)
+    return solution.follow_in_doubles(tree(), TIMES)
 
 
 def in_doubles(motion: WideMotion) -> Trajectory:
@@ -150,7 +151,7 @@ def test_bodies_and_joints_of_a_motion_belong_together(moved: WideMotion) -> Non
 
 def test_velocities_are_the_derivatives_of_positions() -> None:
     step = 1e-3
-    near = lagrange.follow_in_doubles(tree(), np.array([0.4 - 2 * step, 0.4 - step, 0.4, 0.4 + step, 0.4 + 2 * step]))
+    near = solution.follow_in_doubles(tree(), np.array([0.4 - 2 * step, 0.4 - step, 0.4, 0.4 + step, 0.4 + 2 * step]))
     first, second, _, fourth, fifth = np.moveaxis(near.position, 1, 0)
     slope = (8 * (fourth - second) - (fifth - first)) / (12 * step)
     # The formula of fourth order leaves step^4 times a fifth derivative of some thousands.
@@ -159,7 +160,7 @@ def test_velocities_are_the_derivatives_of_positions() -> None:
 
 def test_taylor_and_dop853_follow_the_same_motion(moved: WideMotion) -> None:
     pytest.importorskip("heyoka")
-    wide = lagrange.follow(tree(), TIMES)
+    wide = solution.follow(tree(), TIMES)
     # The errors of DOP853.
     np.testing.assert_allclose(moved.position, wide.position.astype(float), atol=1e-10)
     np.testing.assert_allclose(moved.joint_position, wide.joint_position.astype(float), atol=1e-10)
@@ -169,12 +170,12 @@ def test_dry_friction_without_its_phases_is_not_modelled() -> None:
     plain = cart_pole()
     rubbing = Mechanism(plain.bodies, (replace(plain.joints[0], friction=0.1), plain.joints[1]), gravity=9.81)
     with pytest.raises(NotModelled, match="dry friction without its phases"):
-        lagrange.follow_in_doubles(rubbing, TIMES)
+        solution.follow_in_doubles(rubbing, TIMES)
 
 
 def test_the_mass_matrix_is_the_derivative_of_the_momenta() -> None:
     """M is formed apart from the momenta; what is wrong in one of them makes du/dt depend on u in the wrong way."""
-    ready = lagrange.prepared(tree())
+    ready = solution.prepared(tree())
     tape, structure = Tape(), ready.structure
     parts = parts_of(tape, structure)
     entries = mass_matrix(tape, structure.parents, structure.places, parts.solids)
@@ -196,7 +197,7 @@ def test_the_mass_matrix_is_the_derivative_of_the_momenta() -> None:
 def test_the_witness_shares_no_code_with_the_recursion() -> None:
     room = ROOT / "reference" / "mechanisms"
     allowed = ("mechanism", "lagrangian.", "lagrangian")
-    for path in [room / "lagrange.py", *(room / "lagrangian").glob("*.py")]:
+    for path in (room / "lagrangian").glob("*.py"):
         for node in ast.walk(ast.parse(path.read_text("utf-8"))):
             module = (node.module or "") if isinstance(node, ast.ImportFrom) else ""
             own = module.removeprefix("bodycheck.reference.")

@@ -9,8 +9,8 @@ import pytest
 from bodycheck.reference.bounds import STATES
 from bodycheck.reference.certificate import certify
 from bodycheck.reference.errors import NotModelled
-from bodycheck.reference.mechanisms import lagrange
 from bodycheck.reference.mechanisms.followed import followed
+from bodycheck.reference.mechanisms.lagrangian import solution
 from bodycheck.reference.mechanisms.loops import joint_space, ways
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.mechanisms.truth import mechanism_truth
@@ -29,7 +29,7 @@ def held_to_the_world() -> Mechanism:
 
 
 def followed_by_lagrangian(mechanism: Mechanism, times: Array) -> Motion:
-    found = lagrange.follow(mechanism, times)
+    found = solution.follow(mechanism, times)
     bodies = Trajectory(times, found.position, found.quaternion, found.velocity, found.angular_velocity)
     return Motion(found.joint_position, found.joint_velocity, bodies)
 
@@ -48,7 +48,7 @@ def test_it_agrees_with_the_multipliers_in_joint_coordinates(mechanism: Mechanis
 
 def test_free_bodies_in_loops_are_left_to_the_equations_of_bodies() -> None:
     with pytest.raises(NotModelled, match="free bodies in loops"):
-        lagrange.follow(closed_spatially(), np.array([0.1]))
+        solution.follow(closed_spatially(), np.array([0.1]))
 
 
 def test_the_truth_names_it_and_tells_how_an_error_grows() -> None:
