@@ -5,8 +5,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from bodycheck.figures.touching import energy_from_plane, gained
+from bodycheck.reference.bodies import motions
 from bodycheck.reference.contact.observables import depth
-from bodycheck.reference.contact.touching import motions, touching
+from bodycheck.reference.contact.touching import touching
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.support import reach
