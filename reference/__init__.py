@@ -13,6 +13,7 @@ Start here:
 - `certificate`: every way of computing one truth, compared with every other.
 - `scene`: bodies, initial states, planes, and what a file says of the body and its start. `trajectory`: sampled states.
   `bounds`: bounds of the errors of these. All other modules use them.
+- `bodies`: the bodies of any scene in one view, in which a single body is a mechanism of one.
 - `scenes`: many scenes in free flight that differ in numbers only, as arrays.
 - `errors`: the exceptions for scenes and motions that the reference cannot compute.
 

@@ -10,11 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bodycheck.figures.column import Column, Kind
+from bodycheck.reference.bodies import motions
 from bodycheck.reference.bounds import Bounds
 from bodycheck.reference.contact.impacts import Impact, impacts
 from bodycheck.reference.contact.motion import Event, Interface
 from bodycheck.reference.contact.observables import stays
-from bodycheck.reference.contact.touching import Touching, motions, pushes_on, touching
+from bodycheck.reference.contact.touching import Touching, pushes_on, touching
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms import observables as mechanism_observables

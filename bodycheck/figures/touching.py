@@ -10,10 +10,11 @@ from collections.abc import Iterator
 import numpy as np
 
 from bodycheck.figures.definition import Comparison, Figure, observe
+from bodycheck.reference.bodies import motions
 from bodycheck.reference.contact.impacts import Impact
 from bodycheck.reference.contact.motion import Event, EventKind
 from bodycheck.reference.contact.observables import Rolling, crept, depth, lean, rest, rests, rolling, work
-from bodycheck.reference.contact.touching import Touching, motions, pushes_on, touching
+from bodycheck.reference.contact.touching import Touching, pushes_on, touching
 from bodycheck.reference.mechanisms.mechanism import AnyScene
 from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory

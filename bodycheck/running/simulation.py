@@ -26,6 +26,7 @@ from bodycheck.casefile.content import Case, check_case
 from bodycheck.figures.definition import InterfaceLoad, Load
 from bodycheck.processes.failures import Crashed, crash
 from bodycheck.processes.process_state import TO_NEAREST, rounding
+from bodycheck.reference.bodies import bodies
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import slides, touches
@@ -34,8 +35,8 @@ from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import missing_model
 from bodycheck.results.outcome import AdapterFault as AdapterFault
 from bodycheck.results.outcome import Completed, Diverged, Outcome, Run, Unsupported
-from bodycheck.running import body_checks, mechanism_checks
 from bodycheck.running.instants import check_timestep, sampling_steps
+from bodycheck.running.state_checks import check_start, divergence, standstill
 
 #: Largest number of steps for which the load of a contact is measured, which takes about ten times as long as stepping.
 MAX_LOAD_STEPS = 20_000
@@ -187,8 +188,7 @@ def _advance(simulation: Simulation, scene: AnyScene, method: Method, steps: Str
             signal: Literal["gave up", "reset"] = "reset" if isinstance(error, EngineReset) else "gave up"
             return Diverged(str(error), signal, trajectory_of(steps, method, _of_scene(error.states, scene)))
         wall_time = time.perf_counter() - start
-    bodies = len(scene.bodies) if isinstance(scene, Mechanism) else 1
-    rows = _of_scene(states_of(states, 1, len(steps), bodies), scene)
+    rows = _of_scene(states_of(states, 1, len(steps), len(bodies(scene))), scene)
     return outcome_of(rows, simulation, scene, method, steps, wall_time)
 
 
@@ -214,29 +214,15 @@ def outcome_of(rows: Array, simulation: object, scene: AnyScene, method: Method,
         If the rows cannot be the states of the engine.
     """
     trajectory = trajectory_of(steps, method, rows)
-    if (diverged := _divergence(scene, trajectory)) is not None:
+    if (diverged := divergence(scene, trajectory)) is not None:
         return diverged
     norm_error = _norm_error(trajectory)
-    if (diverged := _begun(scene, trajectory, method.timestep)) is not None:
+    check_start(scene, trajectory)
+    if (diverged := standstill(scene, trajectory, method.timestep)) is not None:
         return diverged
     if isinstance(simulation, Normalising):
         norm_error = max(norm_error, simulation.quaternion_norm_error)
     return Completed(trajectory, int(steps[-1]), wall_time, quaternion_norm_error=norm_error)
-
-
-def _divergence(scene: AnyScene, trajectory: Trajectory) -> Diverged | None:
-    if isinstance(scene, Mechanism):
-        return mechanism_checks.divergence(scene, trajectory)
-    return body_checks.divergence(scene, trajectory)
-
-
-def _begun(scene: AnyScene, trajectory: Trajectory, timestep: float) -> Diverged | None:
-    """Check that a run begins as its scene does, and return `Diverged` if it never changes although it must."""
-    if isinstance(scene, Mechanism):
-        mechanism_checks.check_start(scene, trajectory)
-        return mechanism_checks.standstill(trajectory, timestep)
-    body_checks.check_start(scene, trajectory)
-    return body_checks.standstill(scene, trajectory, timestep)
 
 
 def _of_scene(states: Array, scene: AnyScene) -> Array:

@@ -7,10 +7,10 @@ import numpy as np
 
 from bodycheck.reports.lines import hue
 from bodycheck.reports.quantities import milliseconds
-from bodycheck.reports.runs import tracks as reported
-from bodycheck.reports.runs.animation import described
-from bodycheck.reports.runs.cast import MOST_SHOWN
-from bodycheck.reports.runs.playback import Frame
+from bodycheck.reports.runs.motions import tracks as reported
+from bodycheck.reports.runs.motions.animation import described
+from bodycheck.reports.runs.motions.cast import MOST_SHOWN
+from bodycheck.reports.runs.motions.playback import Frame
 from bodycheck.site.catalogue import Catalogue, Entry, Scene
 from bodycheck.site.cells import cell
 from bodycheck.site.submissions.tracks import Course, Motion, Part, RunMotion, arrays

@@ -4,17 +4,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.bodies import bodies, initial
 from bodycheck.reference.mechanisms.exact import nearest_inertia
 from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Joint, Mechanism
 from bodycheck.reference.scene import Scene as OneBody
-from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truths import NoTruth
 from bodycheck.reports.quantities import QUANTITIES, bound, number, vector
-from bodycheck.reports.runs.mechanism_facts import ACTING
-from bodycheck.reports.runs.scenes import Fact, Told, describe
+from bodycheck.reports.runs.scenes import ACTING, Fact, Told, describe
 from bodycheck.results import truth_records
 from bodycheck.site.catalogue import Entry, Scene
 from bodycheck.site.submissions.submission import Submission
@@ -90,21 +86,11 @@ def _bodies(scene: AnyScene) -> Grid:
 
 
 def _start(scene: AnyScene) -> Grid:
-    names = [body.name for body in scene.bodies] if isinstance(scene, Mechanism) else ["body"]
-    state = _initial(scene)
+    state = initial(scene)
     states = (state.position, state.quaternion, state.velocity, state.angular_velocity)
-    rows = [(name, *(vector(values[place, 0].tolist()) for values in states)) for place, name in enumerate(names)]
+    rows = [(body.name, *(vector(values[i, 0].tolist()) for values in states)) for i, body in enumerate(bodies(scene))]
     heads = ("Position, m", "Attitude, w x y z", "Velocity, m/s", "Angular velocity in the body, rad/s")
     return Grid("State at t = 0, of the centre of mass", ("Name", *heads), tuple(rows))
-
-
-def _initial(scene: AnyScene) -> Trajectory:
-    """Return the states (b, 1, ...) at t = 0."""
-    if isinstance(scene, Mechanism):
-        return kinematics.initial(scene)
-    begin = scene.initial
-    states = (begin.position, begin.quaternion, begin.velocity, begin.angular_velocity)
-    return Trajectory(np.zeros(1), *(np.array(values)[None, None] for values in states))
 
 
 def _joints(mechanism: Mechanism) -> Grid:

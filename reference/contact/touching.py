@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.reference.bodies import bodies
 from bodycheck.reference.kinematics import conjugate, dot, rotate
-from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism, shape_of
-from bodycheck.reference.mechanisms.observables import masses, tensor
-from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Push, Scene, Shape, Sphere, Vector
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Push, Shape, Sphere, Vector
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: Cosine of the angle between the axis of a cylinder and the plane's normal up to which it lies on its side; its lowest
@@ -43,26 +43,14 @@ def touching(scene: AnyScene) -> tuple[Touching, ...]:
     plane = scene.plane
     if plane is None:
         return ()
-    if isinstance(scene, Scene):
-        if scene.body.shape is None:
+    given = {pair.bodies: pair.restitution for pair in scene.contacts} if isinstance(scene, Mechanism) else {}
+    touching_bodies = []
+    for index, body in enumerate(bodies(scene)):
+        if body.shape is None:
             return ()
-        own = Touching(scene.body.shape, scene.body.mass, np.diag(scene.body.moments), plane.normal, plane.restitution)
-        return (own,)
-    given = {pair.bodies: pair.restitution for pair in scene.contacts}
-    found = []
-    for place, (body, mass) in enumerate(zip(scene.bodies, masses(scene), strict=True)):
-        if (shape := shape_of(body)) is None:
-            return ()
-        restitution = given.get((WORLD, place), plane.restitution)
-        found.append(Touching(shape, float(mass), tensor(body), plane.normal, restitution))
-    return tuple(found)
-
-
-def motions(scene: AnyScene, trajectory: Trajectory) -> tuple[Trajectory, ...]:
-    """The states (n, ...) of each body of a scene."""
-    if not isinstance(scene, Mechanism):
-        return (trajectory,)
-    return tuple(trajectory.body(place) for place in range(len(scene.bodies)))
+        restitution = given.get((WORLD, index), plane.restitution)
+        touching_bodies.append(Touching(body.shape, body.mass, body.tensor, plane.normal, restitution))
+    return tuple(touching_bodies)
 
 
 def pushes_on(scene: AnyScene, place: int) -> tuple[Push, ...]:

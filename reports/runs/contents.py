@@ -15,19 +15,20 @@ from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reports.finding import Finding
 from bodycheck.reports.lines import Line, assign
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, Quantity
-from bodycheck.reports.runs import chapters, comparison, curves
-from bodycheck.reports.runs.animation import animated
+from bodycheck.reports.runs import chapters, comparison
 from bodycheck.reports.runs.brief import brief
+from bodycheck.reports.runs.charts import curves
+from bodycheck.reports.runs.charts.curves import Curves
+from bodycheck.reports.runs.charts.step_charts import over_steps
 from bodycheck.reports.runs.commands import Command, command
 from bodycheck.reports.runs.comparison import Shown
-from bodycheck.reports.runs.curves import Curves
 from bodycheck.reports.runs.demonstrations import demonstrated
 from bodycheck.reports.runs.matrix import Matrix, matrices
+from bodycheck.reports.runs.motions.animation import animated
+from bodycheck.reports.runs.motions.playback import MOST_CHARACTERS, Playback
 from bodycheck.reports.runs.origins import Origins, origins
-from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback
 from bodycheck.reports.runs.run_table import run_table
 from bodycheck.reports.runs.scenes import Fact, Told, describe
-from bodycheck.reports.runs.step_charts import over_steps
 from bodycheck.reports.runs.summary import failure_status
 from bodycheck.reports.runs.unsupported import with_place
 from bodycheck.reports.same_algorithm import NO_CLASSES

@@ -7,9 +7,9 @@ from bodycheck.reports.charts import Spec, without_legend
 from bodycheck.reports.html import json_text, page, verbatim
 from bodycheck.reports.index import MADE, Link
 from bodycheck.reports.lines import Line
-from bodycheck.reports.runs import joint_curves
+from bodycheck.reports.runs.charts import joint_curves
+from bodycheck.reports.runs.charts.time_charts import FRAMES, joints, momentum, over_time
 from bodycheck.reports.runs.contents import Contents, Section
-from bodycheck.reports.runs.time_charts import FRAMES, joints, momentum, over_time
 
 
 def render(contents: Contents) -> str:

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 from bodycheck.reports.charts import Spec
 from bodycheck.reports.plot_files import standing_alone
-from bodycheck.reports.runs import joint_curves
+from bodycheck.reports.runs.charts import joint_curves
+from bodycheck.reports.runs.charts.time_charts import joints, momentum, over_time
 from bodycheck.reports.runs.contents import Contents
-from bodycheck.reports.runs.time_charts import joints, momentum, over_time
 
 
 def of_runs(contents: Contents) -> Iterator[tuple[str, Spec]]:

@@ -1,21 +1,21 @@
-"""A case in words: its body, initial state and environment, and the truth that its runs are compared with."""
+"""A case in words: its bodies, joints, initial state and environment, and the truth that its runs are compared with."""
 
 import math
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from bodycheck.casefile.content import Case
+from bodycheck.reference.bodies import bodies
 from bodycheck.reference.contact.motion import Event, EventKind, Interface
-from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Joint, Mechanism, PairContact
 from bodycheck.reference.planar import Stop
-from bodycheck.reference.requirements import touches
-from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, Sphere
+from bodycheck.reference.requirements import slides
+from bodycheck.reference.scene import Brick, Cylinder, Ellipsoid, Plane, Push, Scene, Shape, Sphere
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.reports.quantities import bound, count, listing, number, vector
-from bodycheck.reports.runs.mechanism_facts import described
-from bodycheck.reports.runs.surroundings import on_plane, pushed
 
 #: What happens in the events of bodies that touch, in words.
 EVENTS: dict[EventKind, str] = {
@@ -24,6 +24,18 @@ EVENTS: dict[EventKind, str] = {
     "slip": "begins to slip",
     "rest": "comes to rest",
     "tip": "begins to tip",
+}
+
+#: Most bodies and joints that are told one by one.
+MOST_TOLD = 6
+
+#: What acts in a joint besides what it holds, by the names of `Joint`, in words.
+ACTING = {
+    "armature": "an armature",
+    "damping": "damping",
+    "stiffness": "a spring",
+    "friction": "dry friction",
+    "effort": "a constant effort",
 }
 
 #: Most events, and most loads, that are told one by one.
@@ -63,9 +75,8 @@ class Told:
 def describe(case: Case, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
     """Return the facts of a case. `truths` are those that its runs are compared with, one for each time step."""
     scene = case.scene
-    facts = described(scene) if isinstance(scene, Mechanism) else _of_body(scene)
     return (
-        *(Fact(term, text) for term, text in facts),
+        *_facts(scene),
         Fact("Duration", f"{number(case.duration)} s, sampled at {case.samples} instants"),
         *((Fact("Truth", _truth(truths)),) if truths else ()),
         *_stop(truths),
@@ -73,27 +84,104 @@ def describe(case: Case, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
     )
 
 
-def _of_body(scene: Scene) -> tuple[tuple[str, str], ...]:
-    """Return the terms and texts of the facts of a scene of one body."""
-    body, start = scene.body, scene.initial
+def _facts(scene: AnyScene) -> tuple[Fact, ...]:
+    """Return the facts of a scene itself."""
+    surroundings = Fact("Environment", ", ".join(_environment(scene)))
+    if isinstance(scene, Scene):
+        body = scene.body
+        made_of = f"{_shape(body.shape)}, {number(body.mass)} kg, principal moments {vector(body.moments)} kg m²"
+        return Fact("Body", made_of), Fact("Start", _start(scene)), surroundings
+    loops = f"{count(len(scene.loops), 'loop')}, each of which holds a point of one body on a point of another"
+    return (
+        Fact("Bodies", _bodies(scene)),
+        Fact("Joints", _joints(scene)),
+        *((Fact("Loops", loops),) if scene.loops else ()),
+        surroundings,
+    )
+
+
+def _start(scene: Scene) -> str:
+    """Return how a single body begins to move."""
+    start = scene.initial
     spin, speed = math.hypot(*start.angular_velocity), math.hypot(*start.velocity)
     motion = f"spinning at {number(spin)} rad/s, {vector(start.angular_velocity)} about I, J, K" if spin else "not spinning"
     travel = f"moving at {number(speed)} m/s, {vector(start.velocity)} along x, y, z" if speed else "centre of mass at rest"
-    environment = [f"gravity {number(scene.gravity)} m/s²" if scene.gravity else "no gravity"]
+    return f"{motion}; {travel}"
+
+
+def _environment(scene: AnyScene) -> Iterator[str]:
+    """Yield what acts on the bodies from outside and where they touch."""
+    yield f"gravity {number(scene.gravity)} m/s²" if scene.gravity else "no gravity"
     if scene.plane is not None:
-        environment.append(on_plane(scene.plane) if touches(scene) else _flat_plane(scene.plane))
-        environment += [pushed(push) for push in scene.pushes]
-    if scene.drag:
-        environment.append(f"drag {number(scene.drag)} kg/m times speed squared")
-    return (
-        ("Body", f"{_shape(body.shape)}, {number(body.mass)} kg, principal moments {vector(body.moments)} kg m²"),
-        ("Start", f"{motion}; {travel}"),
-        ("Environment", ", ".join(environment)),
-    )
+        yield _flat_plane(scene.plane) if slides(scene) else _on_plane(scene.plane)
+    if isinstance(scene, Mechanism):
+        yield from (_contact(scene, pair) for pair in scene.contacts[:MOST_TOLD])
+        yield from ["and other pairs"] if len(scene.contacts) > MOST_TOLD else []
+        yield from (_pushed(push, scene.bodies[push.body].name) for push in scene.pushes)
+    elif scene.plane is not None:
+        yield from map(_pushed, scene.pushes)
+    if isinstance(scene, Scene) and scene.drag:
+        yield f"drag {number(scene.drag)} kg/m times speed squared"
 
 
 def _flat_plane(plane: Plane) -> str:
     return f"on a plane with friction coefficient {number(plane.friction)} ({plane.law} law)"
+
+
+def _on_plane(plane: Plane) -> str:
+    """Return a plane on which bodies roll, bounce and rest, in words."""
+    tilted = f"inclined by {number(plane.incline)} rad " if plane.incline else ""
+    return f"on a plane {tilted}with {_touching(plane.friction, plane.restitution)}"
+
+
+def _contact(mechanism: Mechanism, pair: PairContact) -> str:
+    """Return how two bodies touch, in words."""
+    one, other = ("the plane" if place == WORLD else mechanism.bodies[place].name for place in pair.bodies)
+    return f"between {one} and {other} {_touching(pair.friction, pair.restitution)}"
+
+
+def _pushed(push: Push, name: str = "") -> str:
+    """Return a constant force in words. name: of the body, where there are several."""
+    during = f" from {number(push.start)} s" if push.start else ""
+    during += f" until {number(push.end)} s" if math.isfinite(push.end) else ""
+    where = f" at {vector(push.point)} m from the centre of mass" if any(push.point) else ""
+    return f"pushed {f'{name} ' if name else ''}with {vector(push.force)} N{where}{during}"
+
+
+def _touching(friction: float, restitution: float) -> str:
+    rough = "friction so large that nothing slips" if math.isinf(friction) else f"friction coefficient {number(friction)}"
+    return f"{rough} and coefficient of restitution {number(restitution)}"
+
+
+def _bodies(mechanism: Mechanism) -> str:
+    masses = {body.name: body.mass for body in bodies(mechanism)}
+    if len(masses) > MOST_TOLD:
+        least, most = number(min(masses.values())), number(max(masses.values()))
+        return f"{len(masses)} of {least if least == most else f'{least} to {most}'} kg"
+    return listing([f"{name} {number(mass)} kg" for name, mass in masses.items()])
+
+
+def _joints(mechanism: Mechanism) -> str:
+    """Return which joints there are: each, or how many of each type where they are many."""
+    free = sum(joint is None for joint in mechanism.joint_of)
+    rest = f"{count(free, 'body', 'bodies')} on no joint" if free else ""
+    if not mechanism.joints:
+        return rest
+    if len(mechanism.joints) <= MOST_TOLD:
+        told = "; ".join(_joint(mechanism, joint) for joint in mechanism.joints)
+    else:
+        types = Counter(joint.type for joint in mechanism.joints).items()
+        told = listing([f"{amount} {kind}" for kind, amount in types])
+        acting = [text for name, text in ACTING.items() if any(getattr(joint, name) for joint in mechanism.joints)]
+        told += f", with {listing(acting)}" if acting else ""
+    return "; ".join(filter(None, (told, rest)))
+
+
+def _joint(mechanism: Mechanism, joint: Joint) -> str:
+    parent = "the world" if joint.parent == WORLD else mechanism.bodies[joint.parent].name
+    acting = [text for name, text in ACTING.items() if getattr(joint, name)]
+    with_these = f", with {listing(acting)}" if acting else ""
+    return f"{joint.name}: {joint.type}, {mechanism.bodies[joint.child].name} on {parent}{with_these}"
 
 
 def _happens(scene: AnyScene, truths: Sequence[Told | NoTruth]) -> tuple[Fact, ...]:
@@ -101,7 +189,7 @@ def _happens(scene: AnyScene, truths: Sequence[Told | NoTruth]) -> tuple[Fact, .
     told = next((truth for truth in truths if isinstance(truth, Told) and (truth.events or truth.interfaces)), None)
     if told is None:
         return ()
-    names = [body.name for body in scene.bodies] if isinstance(scene, Mechanism) else ["the body"]
+    names = [body.name if isinstance(scene, Mechanism) else "the body" for body in bodies(scene)]
     events = [f"{names[event.body]} {EVENTS[event.kind]} after {number(event.time)} s" for event in told.events[:MOST_EVENTS]]
     if (more := len(told.events) - MOST_EVENTS) > 0:
         events.append(f"{count(more, 'further event')} until {number(told.events[-1].time)} s")

@@ -9,7 +9,7 @@ import pytest
 from bodycheck import reports, truth
 from bodycheck.casefile.case import parse
 from bodycheck.judging.result_set import judged
-from bodycheck.reports.runs.playback import PLACE_TOLERANCE
+from bodycheck.reports.runs.motions.playback import PLACE_TOLERANCE
 from bodycheck.running import plan
 from tests.support import campaigns
 from tests.support.browser import visiting

@@ -9,7 +9,7 @@ import pytest
 
 from bodycheck import load
 from bodycheck.reference.kinematics import geodesic_angle, normalise
-from bodycheck.reports.runs import tracks as reported
+from bodycheck.reports.runs.motions import tracks as reported
 from bodycheck.site import links
 from bodycheck.site.submissions import gathering
 from tests.site import motions

@@ -16,7 +16,7 @@ from bodycheck import load
 from bodycheck.errors import BadInput
 from bodycheck.reference.kinematics import geodesic_angle, normalise
 from bodycheck.reference.trajectory import Array
-from bodycheck.reports.runs import tracks as reported
+from bodycheck.reports.runs.motions import tracks as reported
 from bodycheck.results.store import Writer
 from bodycheck.results.trajectory_files import run_path
 from bodycheck.site import scene_motion

@@ -22,8 +22,8 @@ from bodycheck.reference.scenes import Scenes
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.results.outcome import Completed, Diverged, Outcome
 from bodycheck.running import simulation
-from bodycheck.running.body_checks import DIVERGED_ENERGY_RATIO, START_TOLERANCE
 from bodycheck.running.simulation import UNIT_TOLERANCE
+from bodycheck.running.state_checks import DIVERGED_ENERGY_RATIO, START_TOLERANCE
 
 #: Part of a limit below which a number that is computed for all members at once is certainly below the limit of a single run,
 #: whose sums are rounded in another order.

@@ -19,8 +19,8 @@ from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truths import Truth
 from bodycheck.reports.lines import assign
-from bodycheck.reports.runs.animation import animation
-from bodycheck.reports.runs.cast import ERRORS, Cast, Shown
+from bodycheck.reports.runs.motions.animation import animation
+from bodycheck.reports.runs.motions.cast import ERRORS, Cast, Shown
 from bodycheck.results import records, store
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed

@@ -18,8 +18,8 @@ from bodycheck.casefile.values import Finite, Name
 from bodycheck.errors import BadInput
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.requirements import touches
-from bodycheck.reports.runs.playback import Frame
-from bodycheck.reports.runs.tracks import MOST_INSTANTS
+from bodycheck.reports.runs.motions.playback import Frame
+from bodycheck.reports.runs.motions.tracks import MOST_INSTANTS
 from bodycheck.results import records
 from bodycheck.results.records import Timestep
 from bodycheck.site.submissions.texts import text
@@ -53,7 +53,7 @@ Place = Annotated[Finite, Field(ge=-LARGEST, le=LARGEST)]
 
 @dataclass(frozen=True)
 class Turning:
-    """How a body turns; see `bodycheck.reports.runs.tracks.Turning.encoded`."""
+    """How a body turns; see `bodycheck.reports.runs.motions.tracks.Turning.encoded`."""
 
     t: Text
     turn: Text
@@ -63,7 +63,7 @@ class Turning:
 
 @dataclass(frozen=True)
 class Course:
-    """Where a body goes; see `bodycheck.reports.runs.tracks.Course.encoded`."""
+    """Where a body goes; see `bodycheck.reports.runs.motions.tracks.Course.encoded`."""
 
     t: Text
     place: Text
@@ -99,7 +99,7 @@ class RunMotion:
 
 @dataclass(frozen=True)
 class FrameRecord:
-    """What pictures of several bodies show; see `bodycheck.reports.runs.playback.Frame`."""
+    """What pictures of several bodies show; see `bodycheck.reports.runs.motions.playback.Frame`."""
 
     middle: tuple[Place, Place, Place]
     extent: Size

@@ -5,20 +5,17 @@ and the motion begins again. If the scene has a truth, the motion is compared wi
 quantities that it should conserve.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.requirements import touches
 from bodycheck.reference.trajectory import Trajectory
 from bodycheck.reference.truths import NoTruth, Truth
 from bodycheck.results.outcome import Completed, Diverged, Outcome, Unsupported
-from bodycheck.studies.extremes import mechanism_symptoms, touching_symptoms
 from bodycheck.studies.extremes.rows import HEALTHY, NOTHING, STATUSES
-from bodycheck.studies.extremes.symptoms import Symptom, errors, of_itself, of_truth, restart
+from bodycheck.studies.extremes.symptoms import errors, of_itself, of_truth, restart
 
 
 @dataclass(frozen=True)
@@ -44,26 +41,11 @@ def diagnose(scene: AnyScene, outcome: Outcome, truth: Truth | NoTruth) -> Diagn
                 return Diagnosis(outcome.status, NOTHING, outcome.reason)
 
 
-def _of_itself(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
-    if touches(scene):
-        return touching_symptoms.of_itself(scene, trajectory)
-    if isinstance(scene, Mechanism):
-        return mechanism_symptoms.of_itself(scene, trajectory)
-    return of_itself(scene, trajectory)
-
-
 def _completed(scene: AnyScene, trajectory: Trajectory, truth: Truth | NoTruth) -> Diagnosis:
-    symptoms = list(_of_itself(scene, trajectory))
+    symptoms = list(of_itself(scene, trajectory))
     if isinstance(truth, Truth):
-        if touches(scene):
-            symptoms += touching_symptoms.of_truth(scene, trajectory, truth)
-            position, attitude = touching_symptoms.errors(scene, trajectory, truth)
-        elif isinstance(scene, Mechanism):
-            symptoms += mechanism_symptoms.of_truth(trajectory, truth)
-            position, attitude = mechanism_symptoms.errors(trajectory, truth)
-        else:
-            symptoms += of_truth(scene, trajectory, truth)
-            position, attitude = errors(scene, trajectory, truth)
+        symptoms += of_truth(scene, trajectory, truth)
+        position, attitude = errors(scene, trajectory, truth)
         turned, moved = np.fmax.reduce(attitude), np.fmax.reduce(position)
         nothing = f"attitude off by {turned:.3g} rad, centre of mass by {moved:.3g} m"
         if np.isnan(moved):
@@ -80,7 +62,7 @@ def _completed(scene: AnyScene, trajectory: Trajectory, truth: Truth | NoTruth) 
 def _diverged(scene: AnyScene, outcome: Diverged) -> Diagnosis:
     """Diagnose a run that its states or its engine ended, including the symptoms before the end."""
     before = states(outcome)
-    symptoms = list(_of_itself(scene, before)) if before is not None else []
+    symptoms = list(of_itself(scene, before)) if before is not None else []
     earlier = [f"before, {symptom.text}" for symptom in symptoms]
     if outcome.signal == "none":
         frozen = any(symptom.status == "frozen" for symptom in symptoms)

@@ -33,7 +33,6 @@ from bodycheck.results.outcome import Completed, Outcome, Run
 from bodycheck.running import plan
 from bodycheck.running.engines import home
 from bodycheck.running.simulation import run
-from bodycheck.studies.extremes import mechanism_symptoms
 from bodycheck.studies.extremes.diagnosis import Diagnosis, diagnose, states
 from bodycheck.studies.extremes.growth import growth
 from bodycheck.studies.extremes.points import Point, points
@@ -282,12 +281,13 @@ def _drifts(scene: AnyScene, outcome: Outcome) -> list[str]:
     if trajectory is None or not scene.conserves:
         return []
     with np.errstate(all="ignore"):
+        energy = growth(np.abs(energy_change(scene, trajectory)))
         if isinstance(scene, Mechanism):
-            return [f"drift of the energy {growth(np.abs(mechanism_symptoms.energy_change(scene, trajectory)))}"]
+            return [f"drift of the energy {energy}"]
         momentum = observe(scene, trajectory).angular_momentum
         size = float(np.linalg.norm(momentum[0])) or 1.0
         return [
-            f"drift of the energy of rotation {growth(np.abs(energy_change(scene, trajectory)))}",
+            f"drift of the energy of rotation {energy}",
             f"of the angular momentum {growth(distance(momentum, momentum[:1]) / size)}",
         ]
 

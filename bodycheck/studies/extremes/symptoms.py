@@ -1,4 +1,9 @@
-"""Find the symptoms of a wrong motion: in its states, in the quantities that mechanics conserves, and against the truth."""
+"""Find the symptoms of a wrong motion: in its states, in the quantities that mechanics conserves, and against the truth.
+
+What is compared with the truth is the same for every scene. Of itself, a motion is judged by what must hold in it: a body in
+flight turns on and conserves its energy of rotation, a body on the plane does not gain energy, joints hold together, and bodies
+that touch neither sink in nor gain energy.
+"""
 
 import math
 from collections.abc import Iterator
@@ -6,11 +11,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from bodycheck.figures.conservation import energy_size
+from bodycheck.figures.touching import energy_from_plane, gained
+from bodycheck.reference.bodies import motions, of_bodies
+from bodycheck.reference.contact.observables import depth
+from bodycheck.reference.contact.touching import touching
 from bodycheck.reference.contact_observables import penetration
 from bodycheck.reference.flight.closed_form import flip_period
 from bodycheck.reference.kinematics import conjugate, geodesic_angle, normalise, rotate
+from bodycheck.reference.mechanisms import kinematics
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.mechanisms.observables import observe as observe_mechanism
 from bodycheck.reference.observables import observe
+from bodycheck.reference.requirements import slides, touches
 from bodycheck.reference.scene import Body, Scene
+from bodycheck.reference.support import reach
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import Truth, distance
 
@@ -50,44 +65,76 @@ class Symptom:
     text: str
 
 
-def of_itself(scene: Scene, trajectory: Trajectory) -> Iterator[Symptom]:
+def of_itself(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
     """Yield the symptoms of a motion that are visible without comparison with a truth."""
-    if (text := restart(scene, trajectory)) is not None:
-        yield Symptom("diverged", f"{text}, of which the engine says nothing")
-    yield from _frozen(scene.body, trajectory)
-    if scene.plane is not None and (depth := penetration(scene, trajectory).max()) > POSITION_LOST_FRACTION * gyration(
-        scene.body
-    ):
-        yield Symptom("inaccurate", f"sinks {depth:.3g} m into the plane")
-    yield from _energy(scene, trajectory)
+    if touches(scene):
+        yield from _of_touching(scene, trajectory)
+    elif isinstance(scene, Mechanism):
+        gap = kinematics.gaps(scene, trajectory).max(initial=0.0)
+        if gap > POSITION_LOST_FRACTION * _reach(trajectory):
+            yield Symptom("inaccurate", f"joints or loops come apart by {gap:.3g} m")
+        if scene.conserves:
+            yield from _energy(scene, trajectory)
+    else:
+        if (text := restart(scene, trajectory)) is not None:
+            yield Symptom("diverged", f"{text}, of which the engine says nothing")
+        yield from _frozen(scene.body, trajectory)
+        if (deepest := penetration(scene, trajectory).max()) > POSITION_LOST_FRACTION * gyration(scene.body):
+            yield Symptom("inaccurate", f"sinks {deepest:.3g} m into the plane")
+        yield from _energy(scene, trajectory)
 
 
-def of_truth(scene: Scene, trajectory: Trajectory, truth: Truth) -> Iterator[Symptom]:
+def of_truth(scene: AnyScene, trajectory: Trajectory, truth: Truth) -> Iterator[Symptom]:
     """Yield the symptoms of a motion that differs too much from the truth, which must have the same instants."""
-    exact, body = truth.trajectory, scene.body
     position, attitude = errors(scene, trajectory, truth)
-    way = float(np.nansum(np.linalg.norm(np.diff(exact.position, axis=0), axis=1)))
-    if (position - truth.bounds.position_error > max(POSITION_LOST_FRACTION * way, VISIBLE_MOTION * gyration(body))).any():
-        yield Symptom("inaccurate", f"centre of mass {np.fmax.reduce(position):.3g} m off after a path of {way:.3g} m")
+    paths = np.linalg.norm(np.diff(of_bodies(truth.trajectory).position, axis=-2), axis=-1)
+    longest = float(np.nansum(paths, axis=-1).max())
+    several = touches(scene) or isinstance(scene, Mechanism)
+    if (position - truth.bounds.position_error > _far(scene, trajectory, truth, longest)).any():
+        subject = "a body is" if several else "centre of mass"
+        yield Symptom("inaccurate", f"{subject} {np.fmax.reduce(position):.3g} m off after a path of {longest:.3g} m")
     lost = attitude - truth.bounds.error > ATTITUDE_LOST_RAD
     if lost.any():
-        yield Symptom("inaccurate", f"attitude lost at t = {trajectory.t[np.argmax(lost)]:.3g} s")
+        subject = "an attitude is" if several else "attitude"
+        yield Symptom("inaccurate", f"{subject} lost at t = {trajectory.t[np.argmax(lost)]:.3g} s")
     spacing = float(np.diff(trajectory.t).max(initial=0.0))
-    if scene.plane is None and flip_period(scene) > MIN_SAMPLES_PER_FLIP * spacing:
-        seen, expected = flips(body, trajectory), flips(body, exact)
+    if isinstance(scene, Scene) and scene.plane is None and flip_period(scene) > MIN_SAMPLES_PER_FLIP * spacing:
+        seen, expected = flips(scene.body, trajectory), flips(scene.body, truth.trajectory)
         # The last flip may happen just before or after the end, so a difference of one alone is not a symptom.
         if abs(seen - expected) > 1 or (seen != expected and lost.any()):
             yield Symptom("inaccurate", f"{seen} flips instead of {expected}")
 
 
-def errors(scene: Scene, trajectory: Trajectory, truth: Truth) -> tuple[Array, Array]:
-    """Return the errors of the centre of mass (n,), in m, and of the attitude (n,), in rad, at the truth's instants.
+def errors(scene: AnyScene, trajectory: Trajectory, truth: Truth) -> tuple[Array, Array]:
+    """Return the largest errors over the bodies of the centre of mass (n,), in m, and of the attitude (n,), in rad.
 
-    On a plane, the centre of mass is compared only along the plane, because penetration is a symptom of its own.
+    The trajectory has the truth's instants; the errors are NaN where mechanics gives no motion. A body that slides on the plane
+    is compared only along it, because penetration is a symptom of its own.
     """
-    exact, along = truth.trajectory, slice(3 if scene.plane is None else 2)
-    attitude = geodesic_angle(exact.quaternion, normalise(trajectory.quaternion))
-    return distance(trajectory.position[:, along], exact.position[:, along]), attitude
+    run, exact = of_bodies(trajectory), of_bodies(truth.trajectory)
+    along = slice(2 if slides(scene) else 3)
+    position = distance(run.position[..., along], exact.position[..., along])
+    attitude = geodesic_angle(exact.quaternion, normalise(run.quaternion))
+    return np.asarray(position.max(axis=0)), np.asarray(attitude.max(axis=0))
+
+
+def _far(scene: AnyScene, trajectory: Trajectory, truth: Truth, longest: float) -> float:
+    """Return the position error (m) that is a symptom. longest: the longest path of a body in the truth (m)."""
+    if touches(scene):
+        return POSITION_LOST_FRACTION * max(longest, _size(scene, trajectory))
+    visible = _reach(truth.trajectory) if isinstance(scene, Mechanism) else gyration(scene.body)
+    return max(POSITION_LOST_FRACTION * longest, VISIBLE_MOTION * visible)
+
+
+def _of_touching(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
+    """Yield the symptoms of bodies that touch: depth, and energy that they gain."""
+    for body, motion in zip(touching(scene), motions(scene, trajectory), strict=True):
+        if (deepest := depth(body, motion).max()) > POSITION_LOST_FRACTION * _size(scene, trajectory):
+            yield Symptom("inaccurate", f"sinks {deepest:.3g} m into the plane")
+            break
+    gain = gained(scene, trajectory).max() / (float(energy_from_plane(scene, trajectory)[0]) or 1.0)
+    if gain > ENERGY_CHANGE_LIMIT:
+        yield Symptom("energy-gain", f"energy up by {gain:.3g} of the initial one, which is counted from the plane")
 
 
 def restart(scene: Scene, trajectory: Trajectory) -> str | None:
@@ -115,13 +162,18 @@ def restart(scene: Scene, trajectory: Trajectory) -> str | None:
     return f"{what} by t = {t[first + 1]:.6g} s"
 
 
-def energy_change(scene: Scene, trajectory: Trajectory) -> Array:
+def energy_change(scene: AnyScene, trajectory: Trajectory) -> Array:
     """Return the relative change (n,) of the energy since the start, at most `MAX_RELATIVE_ENERGY`.
 
-    In flight, it is the energy of rotation, because the energy of a fall would hide its changes; it is relative to its initial
-    value, or to the kinetic energy if the body does not rotate. On a plane, it is the total energy, relative to the sum of the
-    kinetic energy and the energy of a fall by the radius of gyration.
+    Of a mechanism, it is the total energy, relative to the kinetic energy. Of a body in flight, it is the energy of rotation,
+    because the energy of a fall would hide its changes; it is relative to its initial value, or to the kinetic energy if the
+    body does not rotate. On a plane, it is the total energy, relative to the sum of the kinetic energy and the energy of a fall
+    by the radius of gyration.
     """
+    if isinstance(scene, Mechanism):
+        total = observe_mechanism(scene, trajectory)
+        change = (total.total_energy - total.total_energy[0]) / energy_size(total)
+        return np.asarray(np.minimum(change, MAX_RELATIVE_ENERGY))
     seen, body = observe(scene, trajectory), scene.body
     kinetic = float(seen.kinetic_energy[0])
     if scene.plane is None:
@@ -158,21 +210,34 @@ def _frozen(body: Body, trajectory: Trajectory) -> Iterator[Symptom]:
         yield Symptom("frozen", f"the attitude stands still where it should turn by {turn:.3g} rad")
 
 
-def _energy(scene: Scene, trajectory: Trajectory) -> Iterator[Symptom]:
+def _energy(scene: AnyScene, trajectory: Trajectory) -> Iterator[Symptom]:
+    """Yield a change of the energy: a gain on the plane, and any where it is conserved."""
     change = energy_change(scene, trajectory)
     if scene.plane is not None:
         if change.max() > ENERGY_CHANGE_LIMIT:
             yield Symptom("energy-gain", f"energy up by {change.max():.3g} of what a slide may lose")
         return
+    single = isinstance(scene, Scene)
     late = float(change[-max(1, len(change) // 10) :].mean())
     if abs(late) > ENERGY_CHANGE_LIMIT and abs(rank_correlation(change)) >= SECULAR_CORRELATION:
-        yield Symptom(
-            "energy-gain" if late > 0 else "energy-loss", f"energy of rotation {1 + change[-1]:.3g} times the initial one"
-        )
+        of_rotation = f"energy of rotation {1 + change[-1]:.3g} times the initial one"
+        text = of_rotation if single else f"energy changed by {change[-1]:.3g} of the kinetic energy"
+        yield Symptom("energy-gain" if late > 0 else "energy-loss", text)
     elif np.abs(change).max() > ENERGY_CHANGE_LIMIT:
-        yield Symptom(
-            "inaccurate", f"energy of rotation from {1 + change.min():.3g} to {1 + change.max():.3g} times the initial one"
-        )
+        of_rotation = f"energy of rotation from {1 + change.min():.3g} to {1 + change.max():.3g} times the initial one"
+        text = of_rotation if single else f"energy off by {change.min():.3g} to {change.max():.3g} of the kinetic energy"
+        yield Symptom("inaccurate", text)
+
+
+def _reach(trajectory: Trajectory) -> float:
+    """Return the largest distance (m) of a body of a mechanism from the place where the first body begins."""
+    return float(np.fmax.reduce(np.linalg.norm(trajectory.position - trajectory.position[0, 0], axis=-1), axis=None))
+
+
+def _size(scene: AnyScene, trajectory: Trajectory) -> float:
+    """Return how far (m) the largest body that touches reaches towards the plane at the start."""
+    first = [motion.quaternion[:1] for motion in motions(scene, trajectory)]
+    return max(float(reach(body.shape, turn, body.normal)[0]) for body, turn in zip(touching(scene), first, strict=True))
 
 
 def rank_correlation(values: Array) -> float:

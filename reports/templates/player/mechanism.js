@@ -1,5 +1,5 @@
 // A player of a mechanism: the pictures of all its bodies in motion, beside each other those of the truth and of the runs. It is
-// made in a `figure` from the data that reports/runs/mechanism_playback.py stores. Lengths are in units of the mechanism's extent.
+// made in a `figure` from the data that reports/runs/motions/several_bodies.py stores. Lengths are in units of the mechanism's extent.
 // Uses all other files of this folder but player.js.
 
 // The part of the extent by which places differ visibly.

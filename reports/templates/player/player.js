@@ -1,5 +1,5 @@
 // A player: the pictures of one case in motion, with their controls. It is made in a `figure` from the data that
-// reports/runs/playback.py stores.
+// reports/runs/motions/single_body.py stores.
 // Uses all other files of this folder.
 
 // The trail of the tip of K: how far (rad) the body turns along it at its fastest, and in how many pieces it is drawn.

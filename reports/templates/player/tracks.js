@@ -1,4 +1,4 @@
-// Reads the motions that reports/runs/tracks.py stores, and interpolates between their instants by the same formulas.
+// Reads the motions that reports/runs/motions/tracks.py stores, and interpolates between their instants by the same formulas.
 // Uses vectors.js.
 
 // Angle (rad) below which a series replaces a quotient of two small numbers.

@@ -13,9 +13,10 @@ from bodycheck.judging.judgement import Verdict
 from bodycheck.judging.result_set import ResultSet
 from bodycheck.reports.charts import without_legend
 from bodycheck.reports.runs import contents as contents_module
-from bodycheck.reports.runs import html_report, time_charts
+from bodycheck.reports.runs import html_report
+from bodycheck.reports.runs.charts import time_charts
+from bodycheck.reports.runs.charts.curves import FAR
 from bodycheck.reports.runs.contents import Contents, gather
-from bodycheck.reports.runs.curves import FAR
 from bodycheck.results.outcome import Completed
 from bodycheck.results.store import Results
 from tests.support.report_cases import FLIGHT, FLIP

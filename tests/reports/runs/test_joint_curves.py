@@ -11,7 +11,7 @@ from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
 from bodycheck.reference.trajectory import Trajectory
-from bodycheck.reports.runs import joint_curves, time_charts
+from bodycheck.reports.runs.charts import joint_curves, time_charts
 from tests.support import jointed
 
 T = np.linspace(0, 2, 201)

@@ -16,8 +16,8 @@ from bodycheck.reference.mechanisms.mechanism import BodyStart, Mechanism
 from bodycheck.reference.truth import truth
 from bodycheck.reference.truths import Truth
 from bodycheck.reports.lines import Line, assign
-from bodycheck.reports.runs.animation import animated
-from bodycheck.reports.runs.playback import MOST_CHARACTERS, PLACE_TOLERANCE
+from bodycheck.reports.runs.motions.animation import animated
+from bodycheck.reports.runs.motions.playback import MOST_CHARACTERS, PLACE_TOLERANCE
 from bodycheck.results.outcome import Completed, Run
 from tests.support.jointed import cart_pole
 

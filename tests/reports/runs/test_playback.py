@@ -21,11 +21,11 @@ from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
 from bodycheck.reports import player
 from bodycheck.reports.lines import Line, assign
-from bodycheck.reports.runs import playback as playing
-from bodycheck.reports.runs import tracks
-from bodycheck.reports.runs.animation import animated
-from bodycheck.reports.runs.cast import MOST_SHOWN
-from bodycheck.reports.runs.playback import MOST_CHARACTERS, Playback
+from bodycheck.reports.runs.motions import playback as playing
+from bodycheck.reports.runs.motions import tracks
+from bodycheck.reports.runs.motions.animation import animated
+from bodycheck.reports.runs.motions.cast import MOST_SHOWN
+from bodycheck.reports.runs.motions.playback import MOST_CHARACTERS, Playback
 from bodycheck.results.outcome import Completed
 from tests.support.cases import shortened
 from tests.support.truths import truth_for_runs

@@ -8,7 +8,7 @@ import vl_convert
 from bodycheck.adapters.contract import Method
 from bodycheck.judging.discrepancy import Discrepancy
 from bodycheck.judging.judgement import Verdict
-from bodycheck.reports.runs.step_charts import over_steps
+from bodycheck.reports.runs.charts.step_charts import over_steps
 from bodycheck.results.outcome import Completed, Diverged, Run
 
 CASE = "intermediate-axis-flip"

@@ -15,8 +15,8 @@ from bodycheck.judging.judgement import Verdict, verdict
 from bodycheck.reference.truth import truth
 from bodycheck.reference.truths import Truth
 from bodycheck.reports.lines import Line, assign
-from bodycheck.reports.runs.animation import animated
-from bodycheck.reports.runs.playback import MOST_CHARACTERS, PLACE_TOLERANCE
+from bodycheck.reports.runs.motions.animation import animated
+from bodycheck.reports.runs.motions.playback import MOST_CHARACTERS, PLACE_TOLERANCE
 from bodycheck.reports.runs.scenes import Told, describe
 from bodycheck.results.key import RunKey
 from bodycheck.results.outcome import Completed, Run

@@ -7,7 +7,7 @@ from bodycheck.casefile.case import parse
 from bodycheck.judging import judgement
 from bodycheck.reference.truths import Truth
 from bodycheck.reports.quantities import QUANTITIES
-from bodycheck.reports.runs.animation import animated
+from bodycheck.reports.runs.motions.animation import animated
 from bodycheck.reports.study import Animation
 from bodycheck.results.header import Header
 from bodycheck.running import campaign

@@ -19,7 +19,7 @@ from typing import Any
 from bodycheck.reports.charts import COMPONENT_COLOURS, Spec, log_axis, method_scale, zoomable
 from bodycheck.reports.lines import Line
 from bodycheck.reports.quantities import Quantity
-from bodycheck.reports.runs import joint_curves
+from bodycheck.reports.runs.charts import joint_curves
 
 #: Axes of each frame.
 FRAMES = {"body": ("I", "J", "K"), "inertial": ("x", "y", "z")}

@@ -14,8 +14,8 @@ from bodycheck.reference.observables import Observables, observe
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.truths import Truth
 from bodycheck.reports.quantities import PLOTTED, QUANTITIES, bound, count, listing, number
-from bodycheck.reports.runs import joint_curves
-from bodycheck.reports.runs.time_charts import FRAMES
+from bodycheck.reports.runs.charts import joint_curves
+from bodycheck.reports.runs.charts.time_charts import FRAMES
 from bodycheck.reports.series import corners, ends, envelope, rounded
 from bodycheck.results.outcome import Completed
 

@@ -1,0 +1,260 @@
+"""The animation of bodies on joints, and of bodies that touch, as `templates/player/mechanism.js` shows them.
+
+A body is drawn in its shape, and without one as sticks: from its own joint to its centre of mass, and from there to the joints
+and loops that it carries; as a point if it has neither. Where mechanics gives inequalities alone, the bodies of the truth are
+not drawn.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from bodycheck.reference.bodies import AnyBody, bodies, initial, of_bodies
+from bodycheck.reference.mechanisms.exact import nearest_inertia, nearest_turn
+from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, JointedBody, Mechanism
+from bodycheck.reference.mechanisms.observables import floats
+from bodycheck.reference.scene import Plane, Solid, Vector
+from bodycheck.reference.trajectory import Array, Trajectory
+from bodycheck.reports.quantities import number
+from bodycheck.reports.runs.motions import tracks
+from bodycheck.reports.runs.motions.cast import Cast, Shown, name_of
+from bodycheck.reports.runs.motions.playback import (
+    PLACE_TOLERANCE,
+    TOO_FAST,
+    Frame,
+    Stage,
+    course_of,
+    solid_of,
+    turning_of,
+)
+
+#: Points between two samples of a path, which is a cubic curve with the velocities of both.
+FINER = 4
+
+#: Half the size (m) of bodies that have none, such as one point at rest.
+SMALLEST = 1e-3
+
+#: Lines of the grid of the plane to either side of the middle, and half of its width in extents.
+GRID, WIDE = 6, 1.5
+
+
+@dataclass(frozen=True, eq=False)
+class _View:
+    """What all pictures of a motion follow: the path (n, 3), m, of their middle at instants (n,), s, and what they show."""
+
+    scene: AnyScene
+    t: Array
+    path: Array
+    frame: Frame
+
+    def parts(self, trajectory: Trajectory) -> list[dict[str, Any]] | None:
+        """Return the motions of all bodies as the player reads them; None if one cannot be stored.
+
+        Those of a truth are at rest after it is known.
+        """
+        whole, parts = _filled(of_bodies(trajectory), self.scene), []
+        for index in range(len(whole.position)):
+            motion = whole.body(index)
+            if (turning := turning_of(motion, math.inf)) is None:
+                return None
+            t, path = finer_path(motion.t, motion.position, motion.velocity)
+            shift = np.column_stack([np.interp(t, self.t, axis) for axis in self.path.T]) + np.array(self.frame.middle)
+            parts.append(turning | course_of(t, (path - shift) / self.frame.extent, PLACE_TOLERANCE))
+        return parts
+
+    def run(self, run: Shown) -> dict[str, Any] | None:
+        """Return the motion of a run as the player reads it, or None if it cannot be drawn.
+
+        It has no parts of its own if it moves as the truth does.
+        """
+        attitude, position = (run.maxima.get(f"{name}_error", math.nan) for name in ("attitude", "position"))
+        near = attitude <= tracks.TOLERANCE and position <= PLACE_TOLERANCE * self.frame.extent
+        if near and np.isfinite(run.truth.position).all():
+            return {}
+        parts = self.parts(run.trajectory)
+        return None if parts is None else {"parts": parts}
+
+
+def stage_of(scene: AnyScene, shown: Cast) -> Stage | str:
+    """Return the pictures of bodies on joints or of bodies that touch, or why there are none."""
+    view = _on_plane(scene, shown) if scene.plane is not None else _in_space(scene, shown)
+    if (parts := view.parts(shown.exact)) is None:
+        return f"a body turns by {TOO_FAST}"
+    return Stage(
+        described(scene, view.frame),
+        {"parts": parts},
+        view.run,
+        view.frame.extent,
+        _alt(shown.runs),
+        f"methods of which a body turns by {TOO_FAST}",
+        frame=view.frame,
+    )
+
+
+def described(scene: AnyScene, frame: Frame) -> dict[str, Any]:
+    """Return what the player reads of the bodies, of what stands still, and of the side that they are seen from."""
+    on_plane = {} if scene.plane is None else {"ground": _ground(scene.plane, frame), "known": frame.known}
+    return {
+        "bodies": [_drawn(body, _points(scene, index), frame.extent) for index, body in enumerate(bodies(scene))],
+        "fixed": _fixed(scene, frame),
+        "follows": _follows(scene),
+        "azimuth": frame.azimuth,
+        **on_plane,
+        "extent": frame.extent,
+        "within": tracks.TOLERANCE,
+    }
+
+
+def _in_space(scene: AnyScene, shown: Cast) -> _View:
+    """Return what the pictures of bodies on joints follow.
+
+    Where nothing holds them, it is the centre of mass of the truth. They are seen across their widest horizontal extent.
+    """
+    exact = of_bodies(shown.exact)
+    centre = _centre(scene, exact) if _follows(scene) else np.zeros((len(exact), 3))
+    seen = exact.position - centre
+    flat = seen[..., :2].reshape(-1, 2)
+    _, axes = np.linalg.eigh(np.cov(flat.T) if len(flat) > 1 else np.eye(2))
+    x, y = axes[:, 1]
+    return _View(scene, exact.t, centre, _frame(scene, [seen], math.atan2(y, x) - math.pi / 2))
+
+
+def _on_plane(scene: AnyScene, shown: Cast) -> _View:
+    """Return what the pictures of bodies on a plane follow: the middle of the truth, as far as it is known, or of the runs."""
+    exact = of_bodies(shown.exact)
+    count = _known(exact)
+    seen = [exact.position[:, :count], initial(scene).position]
+    if count < len(exact):
+        seen += [of_bodies(run.trajectory).position for run in shown.runs]
+    end = float(exact.t[count - 1]) if count else -1.0
+    frame = _frame(scene, [positions for positions in seen if positions.size], -math.pi / 2, end)
+    return _View(scene, exact.t, np.zeros((len(exact), 3)), frame)
+
+
+def _frame(scene: AnyScene, seen: Sequence[Array], azimuth: float, known: float | None = None) -> Frame:
+    """Return what pictures show that contain the bodies at all positions (b, n, 3), m."""
+    radii = np.array([_radius(body, _points(scene, index)) for index, body in enumerate(bodies(scene))])[:, None, None]
+    low = np.min([(positions - radii).min(axis=(0, 1)) for positions in seen], axis=0)
+    high = np.max([(positions + radii).max(axis=(0, 1)) for positions in seen], axis=0)
+    x, y, z = ((low + high) / 2).tolist()
+    return Frame((x, y, z), max(float((high - low).max()) / 2, SMALLEST), azimuth, known)
+
+
+def _follows(scene: AnyScene) -> bool:
+    return isinstance(scene, Mechanism) and floats(scene)
+
+
+def _centre(scene: AnyScene, exact: Trajectory) -> Array:
+    """Return the path (n, 3), m, of the centre of mass of all bodies."""
+    mass = np.array([body.mass for body in bodies(scene)])[:, None, None]
+    return np.asarray((mass * exact.position).sum(axis=0) / mass.sum())
+
+
+def _known(trajectory: Trajectory) -> int:
+    """Return at how many instants, from the first one on, mechanics gives a motion."""
+    known = np.asarray(np.isfinite(trajectory.position).all(axis=(0, 2)))
+    return len(known) if known.all() else int(np.argmin(known))
+
+
+def _drawn(body: AnyBody, joints: Sequence[Vector], extent: float) -> dict[str, Any]:
+    """Return a body as the player reads it, with lengths in units of the extent. joints: see `_points`."""
+    points = [[component / extent for component in point] for point in joints]
+    parts: dict[str, Any] = {"joints": points, "sticks": []}
+    if body.shape is not None:
+        kind, semi_axes = solid_of(body.shape)
+        return parts | {"solid": {"kind": kind, "semi_axes": [axis / extent for axis in semi_axes], "turned": _turned(body)}}
+    middle = [0.0, 0.0, 0.0]
+    sticks = [[point, middle] for point in points if any(point)]
+    return parts | ({"sticks": sticks} if sticks else {"joints": [middle]})
+
+
+def _turned(body: AnyBody) -> tuple[float, ...]:
+    """Return the quaternion w, x, y, z from the axes of a body's shape to those of the body."""
+    inertia = body.given.inertia if isinstance(body.given, JointedBody) else None
+    return nearest_turn(inertia.attitude) if isinstance(inertia, Solid) else (1.0, 0.0, 0.0, 0.0)
+
+
+def _fixed(scene: AnyScene, frame: Frame) -> list[list[float]]:
+    """Return the points of the world where joints and loops are, in units of the extent."""
+    if not isinstance(scene, Mechanism) or floats(scene):
+        return []
+    joints = [joint.position for joint in scene.joints if joint.parent == WORLD]
+    loops = [point for loop in scene.loops for body, point in zip(loop.bodies, loop.points, strict=True) if body == WORLD]
+    return [((np.array(point) - frame.middle) / frame.extent).tolist() for point in (*joints, *loops)]
+
+
+def _radius(body: AnyBody, joints: Sequence[Vector]) -> float:
+    """Return the distance (m) of the farthest point of a body from its centre of mass. joints: see `_points`."""
+    reaches = [math.hypot(*point) for point in joints]
+    if body.shape is not None:
+        reaches.append(math.hypot(*solid_of(body.shape)[1]))
+    return max(reaches, default=0.0)
+
+
+def _points(scene: AnyScene, index: int) -> list[Vector]:
+    """Return the points (m) of a body's own joint, and of the joints and loops that it carries, from its centre of mass.
+
+    They are along the axes of the body.
+    """
+    if not isinstance(scene, Mechanism):
+        return []
+    points = [(0.0, 0.0, 0.0)] if scene.joint_of[index] is not None else []
+    points += [joint.position for joint in scene.joints if joint.parent == index]
+    for loop in scene.loops:
+        points += [point for body, point in zip(loop.bodies, loop.points, strict=True) if body == index]
+    a, b, c = nearest_inertia(scene.bodies[index]).centre
+    return [(x - a, y - b, z - c) for x, y, z in points]
+
+
+def _ground(plane: Plane, frame: Frame) -> list[list[list[float]]]:
+    """Return the ends of the lines of a grid on the plane, in units of the extent."""
+    normal, middle = np.array(plane.normal), np.array(frame.middle)
+    along, across = np.array([normal[2], 0.0, -normal[0]]), np.array([0.0, 1.0, 0.0])
+    under = middle - (middle @ normal) * normal
+    centre, lines = (under - middle) / frame.extent, []
+    for k in range(-GRID, GRID + 1):
+        for apart, lengthwise in ((along, across), (across, along)):
+            beside = centre + WIDE * k / GRID * apart
+            lines.append([(beside + side * WIDE * lengthwise).tolist() for side in (-1, 1)])
+    return lines
+
+
+def _filled(trajectory: Trajectory, scene: AnyScene) -> Trajectory:
+    """Return states (b, n, ...) of which those that are not known are the last known ones, at rest."""
+    known = np.asarray(np.isfinite(trajectory.position).all(axis=(0, 2)))
+    if known.all():
+        return trajectory
+    count, start = int(np.argmin(known)), initial(scene)
+
+    def held(values: Array, first: Array, moves: bool) -> Array:
+        last = values[:, count - 1 : count] if count else first
+        return np.where(known[:, None], values, last * (0.0 if moves else 1.0))
+
+    return replace(
+        trajectory,
+        position=held(trajectory.position, start.position, moves=False),
+        quaternion=held(trajectory.quaternion, start.quaternion, moves=False),
+        velocity=held(trajectory.velocity, start.velocity, moves=True),
+        angular_velocity=held(trajectory.angular_velocity, start.angular_velocity, moves=True),
+    )
+
+
+def finer_path(t: Array, position: Array, velocity: Array) -> tuple[Array, Array]:
+    """Return a path at more instants, between which straight lines follow it better: a cubic curve through the samples."""
+    from scipy.interpolate import CubicHermiteSpline  # takes as long to import as most reports without mechanisms take
+
+    shares = np.arange(len(t) * FINER - FINER + 1) / FINER
+    instants = np.interp(shares, np.arange(len(t)), t)
+    return instants, np.asarray(CubicHermiteSpline(t, position, velocity)(instants))
+
+
+def _alt(runs: Sequence[Shown]) -> str:
+    known = [run for run in runs if "position_error" in run.maxima]
+    told = "Animation of all bodies of the truth and of some runs, side by side."
+    if not known:
+        return told
+    worst = max(known, key=lambda run: run.maxima["position_error"])
+    return f"{told} The largest position error is {number(worst.maxima['position_error'], 3)} m, with {name_of(worst.line)}."
