@@ -8,8 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from bodycheck.reference.exact.inertia import moments
-from bodycheck.reference.exact.numbers import doubles
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.scene import Body, Shape, Vector
@@ -40,6 +38,9 @@ class MassProperties:
 
 def principal_moments(shape: Shape, mass: float) -> Vector:
     """Moments A, B, C (kg m^2) about I, J, K of a homogeneous solid of the given mass (kg), as the nearest doubles."""
+    from bodycheck.reference.exact.inertia import moments  # runs need the rest of this module, but not mpmath
+    from bodycheck.reference.exact.numbers import doubles
+
     a, b, c = doubles(moments(shape, mass))
     return a, b, c
 

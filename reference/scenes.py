@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from bodycheck.reference.exact import pairs
 from bodycheck.reference.exact.pairs import Pair
-from bodycheck.reference.exact.start import start
 from bodycheck.reference.principal_frame import IDENTITY
 from bodycheck.reference.scene import (
     Body,
@@ -182,6 +181,8 @@ def vary(base: Scene, values: Mapping[str, Array]) -> Scenes:
         known = np.tile(sizes_of(body.shape), (m, 1)) if sizes is None else sizes
         exact = _homogeneous(type(body.shape), mass, known)
     elif homogeneous:
+        from bodycheck.reference.exact.start import start  # processes of engines know this type, but need no mpmath
+
         one = pairs.of_reals(list(start(base).moments))
         exact = Pair(np.tile(one.high, (m, 1)), np.tile(one.low, (m, 1)))
     else:

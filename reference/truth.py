@@ -6,63 +6,22 @@ Drag on the translation leads to quadratures, whose witness is an integration in
 plane has three coordinates; see `sliding`.
 """
 
-import functools
 from dataclasses import replace
 
-import numpy as np
-
 from bodycheck.reference.bounds import Bounds
-from bodycheck.reference.errors import NotFlat, NotModelled, OutOfReach, WouldTip, within_range
+from bodycheck.reference.errors import NotModelled, WouldTip, within_range
 from bodycheck.reference.flight import closed_form
 from bodycheck.reference.flight.drag.translation import translation
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
-from bodycheck.reference.planar import planar_state
-from bodycheck.reference.principal_frame import IDENTITY
+from bodycheck.reference.modelled import missing_model
 from bodycheck.reference.requirements import requirements, touches
 from bodycheck.reference.scene import Scene
-from bodycheck.reference.sliding.friction import footprint_of
 from bodycheck.reference.sliding.motion import Slide, slide
 from bodycheck.reference.sliding.ways import BALANCE_WITNESS
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import CLOSED_FORM_BACKEND, INTEGRATION_BACKEND, Computed, Truth
 from bodycheck.reference.witness import conserved_errors, excess
 from bodycheck.reference.witnesses import Backend, backend, witnesses
-
-
-def missing_model(scene: AnyScene) -> str | None:
-    """The feature of a scene that the reference has no model of, in words, or None where it can model the scene."""
-    if touches(scene):
-        return _missing_contact(scene)
-    if scene.pushes:
-        return "pushes on what touches nothing"
-    if isinstance(scene, Mechanism) or scene.plane is None:
-        return None
-    if scene.drag:
-        return "drag on a body that slides"
-    if scene.body.axes != IDENTITY:
-        return "a sliding body whose frame is not that of its principal axes"
-    try:
-        planar_state(scene)
-        footprint_of(scene.body.shape, scene.plane.law)
-    except NotFlat as error:
-        return str(error)
-    return None
-
-
-@functools.lru_cache(maxsize=64)
-def _missing_contact(scene: AnyScene) -> str | None:
-    """Return, in words, the part of a scene of bodies that touch for which the reference has no model, or None."""
-    from bodycheck.reference.contact.problem import problem  # the ways of contact are imported where they are needed
-    from bodycheck.reference.contact.ways import contact_motion
-
-    try:
-        with within_range("the motion"):
-            contact_motion(problem(scene), np.zeros(1))
-    except NotModelled as error:
-        return str(error)
-    except OutOfReach:  # which its motion raises too, at any instants
-        return None
-    return None
 
 
 def truth(scene: AnyScene, times: Array, solver: Backend | None = None, *, vouched: bool = True) -> Truth:

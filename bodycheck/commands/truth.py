@@ -16,7 +16,7 @@ from bodycheck.errors import FAILED, OK, BadInput, Failed
 if TYPE_CHECKING:
     from bodycheck.reference.certified import Certificate
     from bodycheck.reference.truths import Truth
-    from bodycheck.running.truths import Question
+    from bodycheck.running.tasks import Question
 
 #: Time limit of the command, that of a truth in a run.
 TIME_LIMIT_S = 300.0
@@ -50,7 +50,7 @@ def truth(
     from bodycheck.console import tables, terminal
     from bodycheck.console import truths as printing
     from bodycheck.reference.certified import Certificate
-    from bodycheck.running import truths
+    from bodycheck.running.tasks import Question
 
     loaded = arguments.load_case(case)
     tables.check(view, printing.columns_of(loaded.scene))
@@ -58,10 +58,12 @@ def truth(
         raise BadInput("--at: instants must be finite and at least 0 s")
     if not limit > 0:
         raise BadInput(f"--limit {limit:g}: must be greater than 0 s")
-    answered = _answered(truths.Question(loaded, tuple(sorted(at)) or None, certify), limit)
+    answered = _answered(Question(loaded, tuple(sorted(at)) or None, certify), limit)
     certificate = answered if isinstance(answered, Certificate) else None
     found = answered.truth if isinstance(answered, Certificate) else answered
     if json:
+        from bodycheck.running import truths  # which imports all ways to a truth
+
         terminal.print_json(truths.as_json(loaded, found) | (truths.certificate_as_json(certificate) if certificate else {}))
     else:
         printing.print_truth(found, len(at) or 11, view)
@@ -80,9 +82,10 @@ def _answered(question: "Question", limit: float) -> "Truth | Certificate":
     from bodycheck.processes import pool
     from bodycheck.processes.failures import Crashed, TimedOut
     from bodycheck.reference.truths import NoTruth
-    from bodycheck.running import truths
+    from bodycheck.running import tasks
 
-    with closing(pool.call_all(truths.answer, [question], jobs=1, limit=limit)) as answers:
+    home = pool.Home(prepare=tasks.leave_out_sympy)
+    with closing(pool.call_all(tasks.answer, [question], jobs=1, limit=limit, home=lambda group: home)) as answers:
         ((_, found),) = answers
     name = question.case.name
     match found:

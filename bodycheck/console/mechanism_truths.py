@@ -11,7 +11,6 @@ from bodycheck.console.tables import Column, attribute, show
 from bodycheck.figures.bounds import rounded_up
 from bodycheck.reference.mechanisms.coordinates import by_name
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.mechanisms.truth import KNOWN, known_until
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
 
@@ -82,6 +81,7 @@ def print_states(mechanism: Mechanism, truth: Truth, chosen: Sequence[int], view
 
 def print_growth(truth: Truth) -> None:
     """Print by how much an error grows, when one of a rounding is no small one any more, and until when the motion is known."""
+
     t = truth.trajectory.t
     if truth.growth is not None:
         tell(f"an error of the initial angles has grown up to {truth.growth.max():.2g}-fold by t = {t[-1]:g} s")

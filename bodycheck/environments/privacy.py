@@ -32,6 +32,12 @@ def make(folder: Path) -> None:
             place.mkdir(mode=0o700, exist_ok=True)
 
 
+def is_closed(folder: Path) -> bool:
+    """Return whether nobody else can read, change or replace a folder and what is in it. Raises `OSError` if there is none."""
+    others = 0 if sys.platform == "win32" else folder.stat().st_mode & 0o077
+    return not others and open_to_others(folder) is None
+
+
 def _is_ours(place: Path) -> bool:
     status = place.lstat()
     if status.st_uid not in (0, os.getuid()):

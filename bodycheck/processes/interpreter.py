@@ -8,13 +8,16 @@ import socket
 import subprocess
 import sys
 from dataclasses import dataclass
+from importlib.util import cache_from_source
 from pathlib import Path
 
-#: What a worker process does first: it reads what it is told, and imports from where it is told.
+#: What a worker process does first: it reads what it is told, imports from where it is told, and keeps bytecode there.
 BOOT = """
 import json, sys
 told = json.loads(sys.stdin.buffer.readline())
 sys.path[:] = told.pop("path") or sys.path
+if bytecode := told.pop("bytecode"):
+    sys.pycache_prefix, sys.dont_write_bytecode = bytecode, False
 from bodycheck.processes.guard import guarded
 guarded(told.pop("parent"), told["descriptor"])
 from bodycheck.processes.worker import main
@@ -71,6 +74,7 @@ class Interpreter:
         )
         told = {
             "path": None if self.apart else sys.path,
+            "bytecode": bytecode_folder(),
             "parent": os.getpid(),
             "descriptor": _shared(theirs, process.pid),
             "mark": mark.hex(),
@@ -81,6 +85,24 @@ class Interpreter:
         with contextlib.suppress(OSError), process.stdin as stdin:  # a process that has ended already is seen by its channel
             stdin.write(json.dumps(told).encode("utf-8") + b"\n")
         return process
+
+
+def bytecode_folder() -> str | None:
+    """Return the folder in the cache in which worker processes keep bytecode; None if they use what lies beside the modules.
+
+    Where Python is told to write no bytecode, and modules were not compiled when they were installed, every worker would parse
+    them again. The folder is not used if anybody else can read or change it.
+    """
+    if not sys.dont_write_bytecode or os.path.exists(cache_from_source(__file__)):
+        return None
+    from bodycheck.environments import privacy, user_cache  # workers import this module too, and need neither
+
+    folder = user_cache.folder() / "bytecode"
+    try:
+        privacy.make(folder)
+        return str(folder) if privacy.is_closed(folder) else None
+    except OSError:
+        return None
 
 
 def _shared(theirs: socket.socket, process: int) -> int | str:

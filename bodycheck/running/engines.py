@@ -31,6 +31,7 @@ from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.processes.interpreter import HERE, Interpreter
 from bodycheck.running.import_engine import import_engine
+from bodycheck.running.tasks import leave_out_sympy
 
 #: Time limit for the import and the record of one engine. Some compile code when they are imported.
 TIME_LIMIT_S = 120.0
@@ -109,7 +110,7 @@ def home(name: str | None) -> pool.Home:
     The calls of an engine that is nowhere installed, because its environment was removed meanwhile, fail in a process here.
     """
     if name is None:
-        return pool.Home(watched=False)
+        return pool.Home(prepare=leave_out_sympy, watched=False)
     try:
         environment = _place(name)
     except (registry.EngineMissing, Unobtainable):

@@ -29,10 +29,10 @@ from bodycheck.processes.process_state import TO_NEAREST, rounding
 from bodycheck.reference.bodies import bodies
 from bodycheck.reference.contact_observables import measured_stop
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
+from bodycheck.reference.modelled import missing_model
 from bodycheck.reference.requirements import slides, touches
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
-from bodycheck.reference.truth import missing_model
 from bodycheck.results.outcome import AdapterFault as AdapterFault
 from bodycheck.results.outcome import Completed, Diverged, Outcome, Run, Unsupported
 from bodycheck.running.instants import check_timestep, sampling_steps

@@ -1,12 +1,14 @@
-"""What worker processes are asked: to make a run, to compute truths, and to compute where a body stops.
+"""What worker processes are asked: to make a run, to compute truths, to certify one, and to compute where a body stops.
 
 A process of an engine needs nothing of the reference, and one of the reference no engine. Each imports what it needs.
 """
 
+import sys
 from dataclasses import dataclass
 
 from bodycheck.adapters.contract import Method
 from bodycheck.casefile.content import Case
+from bodycheck.reference.certified import Certificate
 from bodycheck.reference.errors import NotModelled, OutOfReach
 from bodycheck.reference.planar import Stop
 from bodycheck.reference.scene import Plane
@@ -49,6 +51,15 @@ class StopTask:
     law: Plane
 
 
+@dataclass(frozen=True)
+class Question:
+    """The truth of a case, or its certificate, at some times (s) or at the case's instants."""
+
+    case: Case
+    times: tuple[float, ...] | None
+    certified: bool
+
+
 def group(argument: TruthTask | Task) -> str | None:
     """Return what a task shares its processes with: the tasks of its engine, or the truths (None)."""
     return argument.engine if isinstance(argument, Task) else None
@@ -78,3 +89,21 @@ def perform(argument: TruthTask | Task) -> Run | Truths:
         return truths.of_runs(argument.case, argument.timesteps)
     except (NotModelled, OutOfReach) as error:
         return NoTruth(str(error))
+
+
+def answer(question: Question) -> Truth | Certificate | NoTruth:
+    """Compute the truth or the certificate that is asked for; `NoTruth` if the reference has none."""
+    from bodycheck.running import truths
+
+    compute = truths.certify if question.certified else truths.truth
+    try:
+        return compute(question.case, question.times)
+    except NotModelled as error:
+        return NoTruth(f"unsupported: the reference does not model {error}")
+    except OutOfReach as error:
+        return NoTruth(f"the reference cannot follow this motion: {error}")
+
+
+def leave_out_sympy(group: None) -> None:
+    """Keep heyoka from importing SymPy into a process of truths, which needs none, and would be ready much later."""
+    sys.modules.setdefault("sympy", None)  # type: ignore[arg-type]

@@ -1,7 +1,7 @@
 """Compute the truth of a case, certify it, and convert both to JSON."""
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truth import truth as truth_of_scene
-from bodycheck.reference.truths import NoTruth, Truth
+from bodycheck.reference.truths import Truth
 
 #: Most instants at which a truth is computed at once, which takes some 5 s in flight, 30 s in a slide, and 0.5 GiB.
 MAX_INSTANTS = 300_000
@@ -72,26 +72,6 @@ def of_runs(case: Case, timesteps: Iterable[float]) -> dict[float, Truth]:
 def certify(case: Case, times: ArrayLike | None = None) -> Certificate:
     """Compare all methods of computing the truth of a case. Times and exceptions are those of `truth`."""
     return certificate.certify(case.scene, _instants(case, times))
-
-
-@dataclass(frozen=True)
-class Question:
-    """What `answer` is asked: the truth of a case, or its certificate, at some times (s) or at the case's instants."""
-
-    case: Case
-    times: tuple[float, ...] | None
-    certified: bool
-
-
-def answer(question: Question) -> Truth | Certificate | NoTruth:
-    """Return the truth or the certificate that is asked for, or why there is none. A worker process can call it."""
-    compute = certify if question.certified else truth
-    try:
-        return compute(question.case, question.times)
-    except NotModelled as error:
-        return NoTruth(f"unsupported: the reference does not model {error}")
-    except OutOfReach as error:
-        return NoTruth(f"the reference cannot follow this motion: {error}")
 
 
 def stop_under(case: Case, law: Plane) -> Stop | None:

@@ -8,7 +8,6 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference.exact.numbers import Wide
 from bodycheck.reference.scene import Vector
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.witness import WideArray
@@ -98,6 +97,6 @@ class ContactMotion:
 def known_at(found: ContactMotion, known: NDArray[np.bool_]) -> ContactMotion:
     """A motion whose states and bounds are NaN at those of its instants (n,) at which it is not known."""
     states = found.position, found.velocity, found.quaternion, found.spin
-    position, velocity, quaternion, spin = (np.where(known[:, None], rows, Wide(math.nan)) for rows in states)
+    position, velocity, quaternion, spin = (np.where(known[:, None], rows, np.longdouble(math.nan)) for rows in states)
     errors = {name: np.where(known, bound, math.nan) for name, bound in found.errors.items()}
     return replace(found, position=position, velocity=velocity, quaternion=quaternion, spin=spin, errors=errors)

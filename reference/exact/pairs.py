@@ -8,25 +8,27 @@ Dekker (Numer. Math. 18, 224, 1971); the bounds of their errors are those of Jol
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.reference.exact.numbers import MP, Real, Wide, wide
 from bodycheck.reference.trajectory import Array
+
+if TYPE_CHECKING:
+    from bodycheck.reference.exact.numbers import Real
 
 #: An array of the wide type.
 WideArray = NDArray[np.longdouble]
 
 #: The relative error of one rounding to the wide type.
-ROUNDING = float(np.finfo(Wide).eps) / 2
+ROUNDING = float(np.finfo(np.longdouble).eps) / 2
 
 #: The relative error of one operation on pairs is at most this; that of a sum of three and of a product is smaller than half.
 PAIR_ROUNDING = 16 * ROUNDING**2
 
 #: The factor that splits a number of the wide type into two halves, whose products are exact.
-_SPLITTER = Wide(2) ** ((np.finfo(Wide).nmant + 2) // 2) + 1
+_SPLITTER = np.longdouble(2) ** ((np.finfo(np.longdouble).nmant + 2) // 2) + 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,20 +76,22 @@ class Pair:
 
 def of_wide(values: Any) -> Pair:
     """Numbers (...) of the wide type, or of a narrower one, as pairs."""
-    high = np.asarray(values, dtype=Wide)
+    high = np.asarray(values, dtype=np.longdouble)
     return Pair(high, np.zeros_like(high))
 
 
-def of_reals(values: list[Real]) -> Pair:
+def of_reals(values: "list[Real]") -> Pair:
     """Numbers of a hundred digits, as pairs (k,)."""
+    from bodycheck.reference.exact.numbers import MP, wide  # single scenes need this module for its types, but not mpmath
+
     high = [wide(value) for value in values]
     low = [wide(value - MP.convert(part)) for value, part in zip(values, high, strict=True)]
-    return Pair(np.array(high, dtype=Wide), np.array(low, dtype=Wide))
+    return Pair(np.array(high, dtype=np.longdouble), np.array(low, dtype=np.longdouble))
 
 
 def squares(values: Array) -> Pair:
     """The squares (...) of doubles, exactly."""
-    one = np.asarray(values, dtype=Wide)
+    one = np.asarray(values, dtype=np.longdouble)
     return Pair(*_product(one, one))
 
 
@@ -116,10 +120,10 @@ def doubles(value: Pair) -> Array:
     """The doubles (...) that are nearest to pairs."""
     near = value.high.astype(float)
     # A number of the wide type that is half-way between two doubles is rounded to the even one, whatever the low part says.
-    off = (value.high - near.astype(Wide)) + value.low
+    off = (value.high - near.astype(np.longdouble)) + value.low
     with np.errstate(over="ignore"):
         beside = np.nextafter(near, np.where(off > 0, np.inf, -np.inf))
-    closer = np.abs((value.high - beside.astype(Wide)) + value.low) < np.abs(off)
+    closer = np.abs((value.high - beside.astype(np.longdouble)) + value.low) < np.abs(off)
     return np.where(closer, beside, near)
 
 

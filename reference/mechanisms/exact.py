@@ -1,30 +1,36 @@
 """The numbers of a mechanism in exact arithmetic: inertia, frames of joints, and the initial states of free bodies.
 
-The way of the truth begins here. Its witness has code of its own from the file on.
+The way of the truth begins here. Its witness has code of its own from the file on. The functions import the arithmetic,
+because processes of engines and commands import this module and have a mechanism only now and then.
 """
 
 import functools
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from bodycheck.reference.exact.inertia import Components, mass_properties
-from bodycheck.reference.exact.numbers import MP, Quaternion4, Real, Vector3, doubles, vector
-from bodycheck.reference.exact.rotations import attitude, body_rates
 from bodycheck.reference.mechanisms.mechanism import Joint, JointedBody
 from bodycheck.reference.scene import Attitude, EulerRates, Quaternion, Tensor, Vector
+
+if TYPE_CHECKING:
+    from bodycheck.reference.exact.inertia import Components
+    from bodycheck.reference.exact.numbers import Quaternion4, Real, Vector3
 
 
 @dataclass(frozen=True, eq=False)
 class Inertia:
     """Mass (kg), centre of mass in the body's frame (m), and the inertia tensor about it along the body's axes (kg m^2)."""
 
-    mass: Real
-    centre: Vector3
-    tensor: Components
+    mass: "Real"
+    centre: "Vector3"
+    tensor: "Components"
 
 
 @functools.lru_cache(maxsize=1024)
 def inertia(body: JointedBody) -> Inertia:
     """The inertia of a body."""
+    from bodycheck.reference.exact.inertia import mass_properties
+    from bodycheck.reference.exact.numbers import vector
+
     made = mass_properties(body.inertia)
     centre = vector(body.center_of_mass) if isinstance(body.inertia, Tensor) else made.centre
     return Inertia(made.mass, centre, made.tensor)
@@ -42,14 +48,18 @@ class NearestInertia:
 @functools.lru_cache(maxsize=1024)
 def nearest_inertia(body: JointedBody) -> NearestInertia:
     """The doubles that are nearest to the inertia of a body, which engines get."""
+    from bodycheck.reference.exact.numbers import doubles
+
     found = inertia(body)
     (x, y, z), (xx, yy, zz, xy, xz, yz) = doubles(found.centre), doubles(found.tensor)
     return NearestInertia(float(found.mass), (x, y, z), (xx, yy, zz, xy, xz, yz))
 
 
 @functools.lru_cache(maxsize=1024)
-def unit_axis(joint: Joint) -> Vector3:
+def unit_axis(joint: Joint) -> "Vector3":
     """The axis of a joint, of length one, in the joint's frame."""
+    from bodycheck.reference.exact.numbers import MP, vector
+
     x, y, z = vector(joint.axis)
     square = x * x + y * y + z * z
     if square == 1:
@@ -60,22 +70,31 @@ def unit_axis(joint: Joint) -> Vector3:
 
 def nearest_axis(joint: Joint) -> Vector:
     """The doubles that are nearest to the axis of a joint, of length one."""
+    from bodycheck.reference.exact.numbers import doubles
+
     x, y, z = doubles(unit_axis(joint))
     return x, y, z
 
 
 @functools.lru_cache(maxsize=1024)
-def turn(given: Attitude) -> Quaternion4:
+def turn(given: Attitude) -> "Quaternion4":
     """The unit quaternion (w, x, y, z) of an attitude."""
+    from bodycheck.reference.exact.rotations import attitude
+
     return attitude(given)
 
 
 def nearest_turn(given: Attitude) -> Quaternion:
     """The doubles that are nearest to the unit quaternion (w, x, y, z) of an attitude."""
+    from bodycheck.reference.exact.numbers import doubles
+
     w, x, y, z = doubles(turn(given))
     return w, x, y, z
 
 
-def rates(given: Attitude, rotation: Vector | EulerRates) -> Vector3:
+def rates(given: Attitude, rotation: Vector | EulerRates) -> "Vector3":
     """The angular velocity (rad/s) in the body's frame of a free body."""
+    from bodycheck.reference.exact.numbers import vector
+    from bodycheck.reference.exact.rotations import body_rates
+
     return body_rates(given, rotation) if isinstance(rotation, EulerRates) else vector(rotation)

@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from bodycheck.reference.exact.inertia import Components
-from bodycheck.reference.exact.numbers import NEGLIGIBLE
 from bodycheck.reference.mechanisms.coordinates import VELOCITIES
 from bodycheck.reference.mechanisms.exact import inertia
 from bodycheck.reference.mechanisms.joint_types import JOINT_TYPES
@@ -64,7 +62,8 @@ def turns(mechanism: Mechanism) -> bool:
 
 def _has_zero_moment(body: JointedBody) -> bool:
     """Whether a principal moment of a body is zero, so that the determinant of its inertia tensor is."""
-    tensor: Components = inertia(body).tensor
-    xx, yy, zz, xy, xz, yz = tensor
+    from bodycheck.reference.exact.numbers import NEGLIGIBLE  # mpmath is imported for mechanisms alone
+
+    xx, yy, zz, xy, xz, yz = inertia(body).tensor
     determinant = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
     return bool(abs(determinant) <= NEGLIGIBLE * (xx + yy + zz) ** 3)

@@ -16,9 +16,9 @@ from tests.support.commands import as_process, bodycheck
 WITHOUT_END = """
 import signal
 signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts in the background ignores it
-from bodycheck.running import truths
+from bodycheck.running import tasks
 from tests.support import calls
-truths.answer = calls.truth_without_end
+tasks.answer = calls.truth_without_end
 """
 
 #: Seconds that a busy machine may take to end two processes.

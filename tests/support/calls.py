@@ -193,7 +193,7 @@ def holding_the_interpreter(pids: str) -> None:
 
 
 def truth_without_end(question: object) -> None:
-    """Stands in for `bodycheck.running.truths.answer`, and hangs in C; the variable PIDS names the file for its process."""
+    """Stands in for `bodycheck.running.tasks.answer`, and hangs in C; the variable PIDS names the file for its process."""
     holding_the_interpreter(os.environ["PIDS"])
 
 
@@ -217,3 +217,11 @@ def is_running(pid: int) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except (FileNotFoundError, ProcessLookupError):
         return False
+
+
+def performed(argument: Any) -> set[str]:
+    """The modules that this process has imported when it has carried out a task of `bodycheck.running.tasks`."""
+    from bodycheck.running.tasks import perform
+
+    perform(argument)
+    return {name for name, module in sys.modules.items() if module is not None}
