@@ -40,11 +40,8 @@ from tests.support.asked import adapter_asked_for
 ONLY = adapter_asked_for()
 NAMES = [ONLY] if ONLY else [name for name in registry.names() if registry.installed(name)]
 
-#: The modules by which engines are imported.
-ENGINE_MODULES = {
-    *("brax", "dartpy", "exudyn", "jax", "mujoco", "mujoco_warp", "newton", "opensim", "pinocchio", "pybullet", "pydrake"),
-    *("rapier3d", "sapien", "warp"),
-}
+#: The modules by which the engines of folders are imported.
+ENGINE_MODULES = {module for name in registry.names() for module in getattr(registry.known_installation(name), "imported", ())}
 
 #: A scene of each kind that every engine with that kind of scene can model.
 SCENES = {"flight": "osrf-boxes-complex", "drag": "football-drag", "plane": "curling-brick"}
