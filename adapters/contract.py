@@ -1,11 +1,11 @@
 """The contract between bodycheck and the adapter of an engine: a module, or any object, with the attributes of `Adapter`.
 
-An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes. Ten protocols are optional:
-`Mechanisms` for an adapter that can build bodies on joints, `Touching` for one that can build bodies that touch in any way,
-`Models` and `MechanismModels` for one that can model a scene or a mechanism in several ways, `Contact` for one that knows the
-friction law and the load of its contacts, `Scripts` and `MechanismScripts` for one that can write a run as a script for the
-engine alone, `Calls` for one that names the functions of its engine which its steps call, `Links` for one that can give its
-engine a body as links welded together, and `RobotModels` for one whose engine reads files of robots.
+An adapter describes its engine in one record, `Engine`, and builds a `Simulation` from scenes by one function, `prepare`. The
+record says as data which scenes the engine can model, with which integrators, and how many of them together. Everything else is
+optional, and an adapter leaves out what its engine does not have: `Models` for several models of a scene, `ContactLaw`,
+`ContactLoad` and `InterfaceLoads` for what its contacts do, `Scripts` for a run as a script for the engine alone, and `Calls`
+for the functions of the engine which its steps call. `bodycheck.adapters.links.Links` is for engines that take a body as links
+welded together, and `bodycheck.adapters.robot_reading.RobotModels` for engines that read files of robots.
 `bodycheck.adapters.offers` handles for all adapters misspelled methods, scenes that an engine cannot model, and several scenes
 for an engine that steps one scene at a time.
 
@@ -26,11 +26,9 @@ from bodycheck.adapters.options import Kind as Kind
 from bodycheck.adapters.options import Option as Option
 from bodycheck.adapters.options import Range as Range
 from bodycheck.adapters.options import choice as choice
-from bodycheck.adapters.robot_reading import RobotFile, RobotReading
 from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
-from bodycheck.reference.robots.state import RobotState
-from bodycheck.reference.scene import Plane, Quaternion, Scene, Vector
+from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
 Strides = NDArray[np.int64]
@@ -177,48 +175,17 @@ class Adapter(Protocol):
         """The properties of the engine that do not depend on a scene."""
         ...
 
-    def prepare(self, scenes: Sequence[Scene], method: Method) -> Simulation:
+    def prepare(self, scenes: Sequence[AnyScene], method: Method) -> Simulation:
         """Return a simulation of the smallest models of the scenes, at t = 0, compiled and warmed up.
 
-        An engine whose `batch` is 1 receives one scene. Another one may receive several that differ in their initial states
-        and in what `Engine.varies` names, and require the same: all or none of them move, turn, or have gravity. The caller has
-        checked the method against `engine`, and the scenes against `engine.models`. Raises `SceneUnsupported`.
-        """
-        ...
+        The caller has checked the method against `engine`, and what the scenes require against `Engine.models`: an adapter
+        gets only the kinds of scene that its record names. It gets one scene, but for an engine whose `batch` is larger than 1.
+        That may get several free bodies which differ in their initial states and in what `Engine.varies` names, and require the
+        same: all or none of them move, turn, or have gravity.
 
-
-@runtime_checkable
-class Mechanisms(Protocol):
-    """An adapter that can build bodies on joints."""
-
-    def prepare_mechanism(self, mechanism: Mechanism, method: Method) -> Simulation:
-        """Return a simulation of a mechanism, at t = 0, compiled and warmed up.
-
-        The states of the simulation are those of its bodies, in their order: the position and velocity of the centre of mass,
-        the attitude of the body's frame, and the angular velocity along its axes. The caller has checked the method against
-        `Adapter.engine`, and what the mechanism requires against `Engine.models`. Raises `SceneUnsupported`.
-        """
-        ...
-
-
-@runtime_checkable
-class Touching(Protocol):
-    """An adapter that can build bodies that touch a plane and each other in any way."""
-
-    def prepare_touching(self, scene: AnyScene, method: Method) -> Simulation:
-        """Return a simulation of one body or of several free bodies that touch, at t = 0, compiled and warmed up.
-
-        The plane may be inclined, and bodies may roll, fall and be pushed. No coefficient of friction is infinite. The states
-        are those of `Adapter.prepare` or `Mechanisms.prepare_mechanism`. The caller has checked the method against
-        `Adapter.engine`, and what the scene requires against `Engine.models`. Raises `SceneUnsupported`.
-        """
-        ...
-
-    def interface_loads(self, scene: AnyScene, method: Method, steps: int) -> Mapping[tuple[int, int], Array] | None:
-        """Return the normal forces (n,), in N, between pairs that touch, in each of n steps; None if the engine tells none.
-
-        The keys are the places of two bodies, the lower first; that of the plane is `WORLD`. A pair that never touches may be
-        left out. Raises `SceneUnsupported` and `EngineDiverged`.
+        The states of a mechanism are those of its bodies, in their order: the position and velocity of the centre of mass, the
+        attitude of the body's frame, and the angular velocity along its axes. Where bodies touch, no coefficient of friction
+        is infinite. Raises `SceneUnsupported`.
         """
         ...
 
@@ -243,7 +210,7 @@ class Model:
 class Models(Protocol):
     """An adapter that can model a scene in several ways."""
 
-    def models(self, scene: Scene, integrator: str) -> Mapping[str, Model]:
+    def models(self, scene: AnyScene, integrator: str) -> Mapping[str, Model]:
         """Return the models of a scene on which an integrator can be run, by name, from the smallest to the largest.
 
         The smallest model is exact except for the error of the time steps. The mapping is empty if there is no choice.
@@ -252,17 +219,8 @@ class Models(Protocol):
 
 
 @runtime_checkable
-class MechanismModels(Protocol):
-    """An adapter that can model a mechanism in several ways."""
-
-    def mechanism_models(self, mechanism: Mechanism, integrator: str) -> Mapping[str, Model]:
-        """Return the models of a mechanism on which an integrator can be run, as `Models.models` does those of a scene."""
-        ...
-
-
-@runtime_checkable
-class Contact(Protocol):
-    """An adapter that knows the friction law and the load of its contacts."""
+class ContactLaw(Protocol):
+    """An adapter that knows the law of friction of its contacts, for a body that lies flat on a level plane."""
 
     def contact_law(self, scene: Scene, method: Method) -> Plane | None:
         """Return the friction that a method's contacts with the scene's plane would produce if they were rigid.
@@ -272,10 +230,28 @@ class Contact(Protocol):
         """
         ...
 
+
+@runtime_checkable
+class ContactLoad(Protocol):
+    """An adapter whose engine reports the load of a body that lies flat on a level plane."""
+
     def contact_load(self, scene: Scene, method: Method, steps: int) -> Array | None:
-        """Return the normal force (n,), in N, between body and plane in each of n steps; None if the engine cannot report it.
+        """Return the normal force (n,), in N, between body and plane in each of n steps; None if the method has none to report.
 
         Raises `SceneUnsupported` and `EngineDiverged`.
+        """
+        ...
+
+
+@runtime_checkable
+class InterfaceLoads(Protocol):
+    """An adapter whose engine reports the loads between bodies that touch a plane and each other in any way."""
+
+    def interface_loads(self, scene: AnyScene, method: Method, steps: int) -> Mapping[tuple[int, int], Array]:
+        """Return the normal forces (n,), in N, between pairs that touch, in each of n steps.
+
+        The keys are the places of two bodies, the lower first; that of the plane is `WORLD`. A pair that never touches may be
+        left out. Raises `SceneUnsupported` and `EngineDiverged`.
         """
         ...
 
@@ -284,12 +260,13 @@ class Contact(Protocol):
 class Scripts(Protocol):
     """An adapter that can write what a run does as a script for its engine alone."""
 
-    def script(self, scene: Scene, method: Method, duration: float, samples: int) -> str:
+    def script(self, scene: AnyScene, method: Method, duration: float, samples: int) -> str:
         """Return a Python script that takes the steps of a run and prints its states as CSV to standard output.
 
         The script imports the engine and NumPy, but nothing of bodycheck. The columns are `bodycheck.adapters.scripts.COLUMNS`,
         and the states those of `Simulation.advance` to the last bit, at the ends of the steps that are nearest to evenly
-        spaced instants.
+        spaced instants. The rows of a mechanism have the name of a body after the time, the bodies in their order at each
+        instant: the columns are `bodycheck.adapters.scripts.MECHANISM_COLUMNS`.
 
         Parameters
         ----------
@@ -307,19 +284,6 @@ class Scripts(Protocol):
 
 
 @runtime_checkable
-class MechanismScripts(Protocol):
-    """An adapter that can write what a run of a mechanism does as a script for its engine alone."""
-
-    def mechanism_script(self, mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
-        """Return a Python script of a run of a mechanism, as `Scripts.script` does for one of a scene.
-
-        Its rows have the name of a body after the time: the bodies in their order at each instant. The columns are
-        `bodycheck.adapters.scripts.MECHANISM_COLUMNS`.
-        """
-        ...
-
-
-@runtime_checkable
 class Calls(Protocol):
     """An adapter that names the functions of its engine which its steps call from Python.
 
@@ -332,91 +296,6 @@ class Calls(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class Link:
-    """A part of a rigid body in a frame of its own, as files of robots describe it.
-
-    Parameters
-    ----------
-    mass
-        The mass (kg).
-    inertia
-        The components xx, yy, zz, xy, xz, yz of the inertia tensor about the link's centre of mass, along the axes of the
-        link's frame (kg m^2).
-    center_of_mass
-        The centre of mass, in the link's frame (m).
-    position
-        The origin of the link's frame, in the frame of the first link of the body (m).
-    quaternion
-        The unit quaternion (w, x, y, z) that rotates components in the link's frame to components in that of the first link.
-    """
-
-    mass: float
-    inertia: tuple[float, float, float, float, float, float]
-    center_of_mass: Vector = (0.0, 0.0, 0.0)
-    position: Vector = (0.0, 0.0, 0.0)
-    quaternion: Quaternion = (1.0, 0.0, 0.0, 0.0)
-
-
-@runtime_checkable
-class Links(Protocol):
-    """An adapter that can give its engine a body as one or several links, which are welded together."""
-
-    def prepare_links(self, links: Sequence[Link], scene: Scene, method: Method) -> Simulation:
-        """Return a simulation of a free body that is made of links, at t = 0.
-
-        The engine receives each link as it is: its tensor, its centre of mass and its weld are not converted to those of the
-        whole body. The states of the simulation are those of the frame of the first link: the position and the velocity of its
-        origin, its attitude, and the angular velocity along its axes.
-
-        Parameters
-        ----------
-        links
-            The links. The frame of the first is that of the body.
-        scene
-            The initial state of the frame of the first link, and gravity. There is neither plane nor drag, and the scene's body
-            counts for nothing.
-        method
-            The method, which the caller has checked as for `Adapter.prepare`.
-
-        Raises
-        ------
-        SceneUnsupported
-            If the engine cannot take a body in this form.
-        """
-        ...
-
-
-@runtime_checkable
-class RobotModels(Protocol):
-    """An adapter whose engine reads robot models from files."""
-
-    def read_robot(self, file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
-        """Return what the engine's own reader makes of a file, and what the engine computes with it at some states.
-
-        The root of the robot is welded to the world where the engine leaves the choice to the user. Everything else is as the
-        engine's reader has it without options, unless without an option the reader ignores what the file says of inertia.
-
-        Parameters
-        ----------
-        file
-            The file.
-        states
-            The states. Joints that the engine does not have are left out, and joints of the engine that a state does not have
-            stay where they are without velocity.
-        gravity
-            The gravitational acceleration at these states, world frame (m/s^2).
-
-        Raises
-        ------
-        ModelRefused
-            If the engine refuses the file.
-        FormatUnknown
-            If the engine has no reader of the format.
-        """
-        ...
-
-
 def kind_of(scene: AnyScene) -> Kind:
     """Return the kind of a scene."""
     if touches(scene):
@@ -426,6 +305,13 @@ def kind_of(scene: AnyScene) -> Kind:
     if scene.plane is not None:
         return "plane"
     return "drag" if scene.drag else "flight"
+
+
+def single_bodies(scenes: Sequence[AnyScene]) -> list[Scene]:
+    """Return scenes that are single bodies, of which alone an engine gets several together."""
+    bodies = [scene for scene in scenes if isinstance(scene, Scene)]
+    assert len(bodies) == len(scenes)  # a mechanism is simulated by itself
+    return bodies
 
 
 def states(position: Any, quaternion: Any, velocity: Any, angular_velocity: Any) -> Array:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from bodycheck.adapters import norm_errors
+from bodycheck.adapters import stepping
 from bodycheck.adapters.contract import EngineDiverged, Signals, Simulation, Strides
 from bodycheck.reference.trajectory import Array
 
@@ -42,7 +42,7 @@ class InTurn:
         """The largest deviations of norms from 1 of the scenes (scenes,), as `NormalisingEach` has them."""
         found = np.zeros(self._scenes)
         for places, simulation in self.parts:
-            found[list(places)] = norm_errors.of_each(simulation, len(places))
+            found[list(places)] = stepping.norm_errors(simulation, len(places))
         return found
 
     @property

@@ -22,12 +22,21 @@ class Installation:
     variables
         Environment variables of the engine's processes. `ENVIRONMENT` in a value stands for the folder of the environment in
         which the engine is installed apart; such a variable is not set where the engine is installed beside bodycheck.
+    modules
+        The top-level modules by which the adapter imports the engine and what it shares with others, which nothing else in
+        bodycheck imports. If it is empty, that is the module with the name of the package, as `imported` says.
     """
 
     distribution: str
     extras: tuple[str, ...] = ()
     others: tuple[str, ...] = ()
     variables: Mapping[str, str] = field(default_factory=dict)
+    modules: tuple[str, ...] = ()
+
+    @property
+    def imported(self) -> tuple[str, ...]:
+        """The top-level modules of engines that the adapter imports."""
+        return self.modules or (self.distribution.replace("-", "_"),)
 
     def requirements(self, version: str) -> tuple[str, ...]:
         """Return the requirements, as pip spells them, of a version of the engine."""

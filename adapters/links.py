@@ -1,16 +1,73 @@
-"""Links of bodies in the forms in which engines take them."""
+"""Bodies that are made of links: the optional part of the contract for them, and the forms in which engines take them."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bodycheck.adapters.contract import Link
+from bodycheck.adapters.contract import Method, Simulation
 from bodycheck.reference.inertia import inertia_tensor
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.principal_frame import IDENTITY
-from bodycheck.reference.scene import Body, Scene, State, Vector
+from bodycheck.reference.scene import Body, Quaternion, Scene, State, Vector
 from bodycheck.reference.trajectory import Array
+
+
+@dataclass(frozen=True)
+class Link:
+    """A part of a rigid body in a frame of its own, as files of robots describe it.
+
+    Parameters
+    ----------
+    mass
+        The mass (kg).
+    inertia
+        The components xx, yy, zz, xy, xz, yz of the inertia tensor about the link's centre of mass, along the axes of the
+        link's frame (kg m^2).
+    center_of_mass
+        The centre of mass, in the link's frame (m).
+    position
+        The origin of the link's frame, in the frame of the first link of the body (m).
+    quaternion
+        The unit quaternion (w, x, y, z) that rotates components in the link's frame to components in that of the first link.
+    """
+
+    mass: float
+    inertia: tuple[float, float, float, float, float, float]
+    center_of_mass: Vector = (0.0, 0.0, 0.0)
+    position: Vector = (0.0, 0.0, 0.0)
+    quaternion: Quaternion = (1.0, 0.0, 0.0, 0.0)
+
+
+@runtime_checkable
+class Links(Protocol):
+    """An adapter that can give its engine a body as one or several links, which are welded together."""
+
+    def prepare_links(self, links: Sequence[Link], scene: Scene, method: Method) -> Simulation:
+        """Return a simulation of a free body that is made of links, at t = 0.
+
+        The engine receives each link as it is: its tensor, its centre of mass and its weld are not converted to those of the
+        whole body. The states of the simulation are those of the frame of the first link: the position and the velocity of its
+        origin, its attitude, and the angular velocity along its axes.
+
+        Parameters
+        ----------
+        links
+            The links. The frame of the first is that of the body.
+        scene
+            The initial state of the frame of the first link, and gravity. There is neither plane nor drag, and the scene's body
+            counts for nothing.
+        method
+            The method, which the caller has checked as for `Adapter.prepare`.
+
+        Raises
+        ------
+        SceneUnsupported
+            If the engine cannot take a body in this form.
+        """
+        ...
 
 
 def link_of(body: Body) -> Link:

@@ -33,7 +33,7 @@ _AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 
 def models(mechanism: Mechanism, integrator: str) -> dict[str, Model]:
-    """Return the models of a mechanism by name, as `MechanismModels.mechanism_models` does; none where there is no choice."""
+    """Return the models of a mechanism by name, as `Models.models` does; none where there is no choice."""
     there = [name for name in ADDS if lacking(mechanism, name) is None]
     mark = "," if ":" in integrator else ":"
     return {name: Model(f"{integrator}{mark}model={name}", ADDS[name]) for name in there} if len(there) > 1 else {}
@@ -42,8 +42,6 @@ def models(mechanism: Mechanism, integrator: str) -> dict[str, Model]:
 def lacking(mechanism: Mechanism, model: str) -> str | None:
     """Return why there is no such model of a mechanism; None if there is."""
     joints = mechanism.joints
-    if model != "joints" and mechanism.plane is not None:
-        return "its bodies touch"
     if model == "three-hinges":
         balls = [joint for joint in joints if joint.type == "spherical"]
         if not balls:

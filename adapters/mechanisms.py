@@ -3,8 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from bodycheck.adapters.contract import Link
-from bodycheck.adapters.links import carried
+from bodycheck.adapters.links import Link, carried
 from bodycheck.reference.kinematics import multiply
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.coordinates import places

@@ -11,13 +11,12 @@ from bodycheck.adapters.contract import (
     Adapter,
     Engine,
     Integrator,
-    Mechanisms,
     Method,
     Option,
     SceneUnsupported,
     Simulation,
-    Touching,
     kind_of,
+    single_bodies,
 )
 from bodycheck.adapters.in_turn import InTurn
 from bodycheck.errors import BadInput
@@ -129,43 +128,31 @@ def not_modelled(engine: Engine, scene: AnyScene) -> str | None:
 
 
 def prepare(adapter: Adapter, scenes: Sequence[AnyScene], method: Method) -> Simulation:
-    """Return one simulation of one or more scenes; a mechanism is alone.
+    """Return one simulation of one or more scenes.
 
-    An engine with batching steps together the scenes that differ only in their initial states and in what `Engine.varies`
-    names, and require the same of a model. All others are stepped one after another. Raises `SceneUnsupported`.
+    An engine with batching steps together the single bodies that differ only in their initial states and in what
+    `Engine.varies` names, and require the same of a model. All others are stepped one after another. Raises `SceneUnsupported`,
+    also for scenes that the engine's record does not have, and for several scenes with mechanisms or touching bodies.
     """
-    match scenes:
-        case [scene] if touches(scene):
-            if not isinstance(adapter, Touching):
-                raise SceneUnsupported(f"{adapter.engine.name} does not model bodies that touch in such a way")
-            return adapter.prepare_touching(scene, method)
-        case [Mechanism() as mechanism]:
-            return _prepare_mechanism(adapter, mechanism, method)
-        case _:
-            bodies = [scene for scene in scenes if isinstance(scene, Scene)]
-            assert len(bodies) == len(scenes)  # nobody simulates several mechanisms as one
-            return _prepare_bodies(adapter, bodies, method)
-
-
-def _prepare_mechanism(adapter: Adapter, mechanism: Mechanism, method: Method) -> Simulation:
-    if not isinstance(adapter, Mechanisms):
-        raise SceneUnsupported(f"{adapter.engine.name} does not model mechanisms")
-    return adapter.prepare_mechanism(mechanism, method)
-
-
-def _prepare_bodies(adapter: Adapter, scenes: Sequence[Scene], method: Method) -> Simulation:
-    """Return one simulation of one or more scenes of a single body."""
-    if adapter.engine.batch == 1:
-        groups = [[place] for place in range(len(scenes))]
-    else:
-        alike: dict[object, list[int]] = defaultdict(list)
-        for place, scene in enumerate(scenes):
-            alike[_shared(scene, adapter.engine.varies)].append(place)
-        groups = list(alike.values())
+    if len(scenes) > 1 and any(isinstance(scene, Mechanism) or touches(scene) for scene in scenes):
+        raise SceneUnsupported("mechanisms and bodies that touch are simulated one by one")
+    groups = _groups(adapter.engine, scenes)
+    for group in groups:
+        if (lacking := not_modelled(adapter.engine, scenes[group[0]])) is not None:
+            raise SceneUnsupported(f"{adapter.engine.name} {lacking}")
     if len(groups) == 1:
         return adapter.prepare(scenes, method)
-    parts = [(tuple(own), adapter.prepare([scenes[place] for place in own], method)) for own in groups]
-    return InTurn(tuple(parts))
+    return InTurn([(group, adapter.prepare([scenes[index] for index in group], method)) for group in groups])
+
+
+def _groups(engine: Engine, scenes: Sequence[AnyScene]) -> list[list[int]]:
+    """Return the indices of the scenes that are stepped together, for each of the simulations that an engine makes of them."""
+    if engine.batch == 1 or len(scenes) == 1:
+        return [[index] for index in range(len(scenes))]
+    alike: dict[object, list[int]] = defaultdict(list)
+    for index, scene in enumerate(single_bodies(scenes)):
+        alike[_shared(scene, engine.varies)].append(index)
+    return list(alike.values())
 
 
 def _shared(scene: Scene, varies: Collection[str]) -> object:

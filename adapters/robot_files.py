@@ -1,13 +1,15 @@
-"""What a robot file says that its engine does, but does not tell: names of joints that it makes itself, and mimic joints."""
+"""Facts of a robot file that its engine uses but does not tell: names and places of floating joints, and mimic joints."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import numpy as np
 
 from bodycheck.adapters.robot_reading import RobotFile
-from bodycheck.reference.kinematics import multiply
+from bodycheck.reference.kinematics import multiply, rotate
 from bodycheck.reference.robots.model import Mimic
+from bodycheck.reference.robots.state import RobotState, Values
 from bodycheck.reference.trajectory import Array
 
 #: The type of a joint with six degrees of freedom in each format.
@@ -60,6 +62,35 @@ def turned(angles: Sequence[float]) -> Array:
         own[0], own[1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
         made = multiply(own, made)
     return made
+
+
+def on_root(state: RobotState, places: Mapping[str, Place]) -> RobotState:
+    """Return a state in which floating joints have their coordinates in the frame of the root.
+
+    The angular velocities remain those along the axes of the child.
+
+    Parameters
+    ----------
+    state
+        The state.
+    places
+        The places of floating joints in the frame of the root, by the names of the joints.
+    """
+    positions = dict(state.positions)
+    for name, (origin, turn) in places.items():
+        if name in positions:
+            held = np.array(positions[name])
+            positions[name] = (*(origin + rotate(turn, held[:3])).tolist(), *multiply(turn, held[3:]).tolist())
+
+    def along_root(values: Values) -> Values:
+        turned_values = dict(values)
+        for name, (_, turn) in places.items():
+            if name in values:
+                turned_values[name] = (*rotate(turn, np.array(values[name][:3])).tolist(), *values[name][3:])
+        return turned_values
+
+    moved = (along_root(values) for values in (state.velocities, state.accelerations, state.efforts))
+    return replace(state, positions=positions, **dict(zip(("velocities", "accelerations", "efforts"), moved, strict=True)))
 
 
 def mimics(file: RobotFile) -> Mapping[str, Mimic]:

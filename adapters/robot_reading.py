@@ -4,11 +4,12 @@ Numbers are those of the engine, converted to the conventions of `bodycheck.refe
 but to nothing that the engine does not have: what it does not know is None.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, Protocol, runtime_checkable
 
 from bodycheck.reference.robots.model import Mimic
+from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.robots.terms import Terms
 from bodycheck.reference.scene import Vector
 
@@ -127,3 +128,33 @@ class RobotReading:
     terms: tuple[Terms, ...]
     rounding: float = 0.0
     notes: tuple[str, ...] = ()
+
+
+@runtime_checkable
+class RobotModels(Protocol):
+    """An adapter whose engine reads robot models from files."""
+
+    def read_robot(self, file: RobotFile, states: Sequence[RobotState], gravity: Vector) -> RobotReading:
+        """Return what the engine's own reader makes of a file, and what the engine computes with it at some states.
+
+        The root of the robot is welded to the world where the engine leaves the choice to the user. Everything else is as the
+        engine's reader has it without options, unless without an option the reader ignores what the file says of inertia.
+
+        Parameters
+        ----------
+        file
+            The file.
+        states
+            The states. Joints that the engine does not have are left out, and joints of the engine that a state does not have
+            stay where they are without velocity.
+        gravity
+            The gravitational acceleration at these states, world frame (m/s^2).
+
+        Raises
+        ------
+        ModelRefused
+            If the engine refuses the file.
+        FormatUnknown
+            If the engine has no reader of the format.
+        """
+        ...

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Generic, TypeVar
+from typing import Generic, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
-from bodycheck.adapters.contract import EngineDiverged, Simulation, Strides, single
+from bodycheck.adapters.contract import EngineDiverged, Normalising, Simulation, Strides, single
 from bodycheck.reference.trajectory import Array
 
 State = TypeVar("State")
@@ -89,3 +89,23 @@ class Normalised:
         self.quaternion_norm_errors = np.maximum(self.quaternion_norm_errors, each)
         states[..., 3:7] /= norms
         return states
+
+
+@runtime_checkable
+class NormalisingEach(Protocol):
+    """A simulation of several scenes that tells of each of them what `Normalising` tells of all."""
+
+    @property
+    def quaternion_norm_errors(self) -> Array:
+        """The largest deviation from 1 of the norm of a quaternion of each scene (scenes,), in all its states so far."""
+        ...
+
+
+def norm_errors(simulation: Simulation, scenes: int) -> Array:
+    """Return the largest deviation from 1 of the norm of a quaternion of each scene (scenes,), as the engine returned it.
+
+    It is zero where nothing is normalised. A simulation that tells only of all scenes together tells the same of each.
+    """
+    if isinstance(simulation, NormalisingEach):
+        return simulation.quaternion_norm_errors
+    return np.full(scenes, simulation.quaternion_norm_error if isinstance(simulation, Normalising) else 0.0)

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 
-from bodycheck.adapters.contract import Link
+from bodycheck.adapters.links import Link
 from bodycheck.reference.scene import Quaternion
 
 

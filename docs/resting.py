@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Method, Touching
+from bodycheck.adapters.contract import InterfaceLoads, Method
 from bodycheck.casefile.case import load
 from bodycheck.reference.inertia import principal_moments
 from bodycheck.reference.mechanisms.exact import nearest_inertia
@@ -46,10 +46,7 @@ def stack() -> Mechanism:
 def last(engine: str, spelling: str, scene: AnyScene) -> tuple[Array, Array]:
     """Return the first and the last states (bodies, 13) of a minute."""
     adapter = registry.load(engine)
-    assert isinstance(adapter, Touching)
-    rows = adapter.prepare_touching(scene, Method.parse(spelling, TIMESTEP_S)).advance(
-        np.array([0, round(MINUTE_S / TIMESTEP_S)])
-    )[0]
+    rows = adapter.prepare([scene], Method.parse(spelling, TIMESTEP_S)).advance(np.array([0, round(MINUTE_S / TIMESTEP_S)]))[0]
     return rows[0], rows[1]
 
 
@@ -57,10 +54,9 @@ def bounce(spelling: str, coefficient: float) -> float:
     """Return the ratio of the velocities after and before the first impact of a ball that falls by 1 m on MuJoCo's contact."""
     ball = resting(Sphere(0.1), 1.1, 0.0)
     adapter = registry.load("mujoco")
-    assert isinstance(adapter, Touching)
     scene = replace(ball, plane=Plane(FRICTION, restitution=coefficient))
     strides = np.ones(round(0.7 / TIMESTEP_S), dtype=np.int64)
-    velocity = adapter.prepare_touching(scene, Method.parse(spelling, TIMESTEP_S)).advance(strides)[0, :, 0, 9]
+    velocity = adapter.prepare([scene], Method.parse(spelling, TIMESTEP_S)).advance(strides)[0, :, 0, 9]
     return float(-velocity.max() / velocity.min())
 
 
@@ -93,8 +89,8 @@ def resting_bodies() -> None:
         start, end = last(engine, spelling, pile)
         cells.append(f"{np.linalg.norm(end[:, :3] - start[:, :3], axis=1).max():.1e}")
         adapter = registry.load(engine)
-        assert isinstance(adapter, Touching)
-        loads = adapter.interface_loads(pile, Method.parse(spelling, TIMESTEP_S), LOADED) or {}
+        assert isinstance(adapter, InterfaceLoads)
+        loads = adapter.interface_loads(pile, Method.parse(spelling, TIMESTEP_S), LOADED)
         held = {(WORLD, 0): 10, **{(place, place + 1): 9 - place for place in range(9)}}
         worst = max(abs(float(loads[pair][LOADED // 2 :].mean()) / (count * weight) - 1) for pair, count in held.items())
         cells.append(f"{worst:.1e}")

@@ -12,9 +12,9 @@ from bodycheck.adapters.engine_name import adapter_of
 from bodycheck.reports.quantities import milliseconds
 from bodycheck.results.key import RunKey
 
-#: The two shades of each engine's hue, by the name of its adapter. Among them are the colours of Okabe and Ito, with the palest
-#: deepened. The others were chosen as far in OKLab from all shades of other hues as possible, also as readers without green
-#: cones see them. All have a contrast of at least 3 to white and to the dark ground.
+#: The two shades of the hues that are kept for engines, by the names of their adapters. Among them are the colours of Okabe and
+#: Ito, with the palest deepened. The others were chosen as far in OKLab from all shades of other hues as possible, also as
+#: readers without green cones see them. All have a contrast of at least 3 to white and to the dark ground.
 HUES: Mapping[str, tuple[str, str]] = {
     "mujoco": ("#0072b2", "#3d8fc6"),
     "pinocchio": ("#d55e00", "#a84a00"),
@@ -32,7 +32,7 @@ HUES: Mapping[str, tuple[str, str]] = {
     "brax": ("#6f5bb5", "#8a78cc"),
 }
 
-#: The hues of engines of other packages. Which of them an engine has follows from its name.
+#: The hues of all other engines. Which of them an engine has follows from its name.
 FURTHER_HUES = (
     ("#f34881", "#c60d5d"),
     ("#f233b4", "#be048a"),

@@ -54,4 +54,5 @@ INSTALLATION = Installation(
         "JAX_ENABLE_X64": "true",
         "JAX_COMPILATION_CACHE_DIR": "{environment}/jax-cache",
     },
+    modules=("brax", "jax", "mujoco"),
 )

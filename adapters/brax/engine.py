@@ -14,11 +14,13 @@ import jax
 from jax import numpy as jnp
 
 from bodycheck.adapters.brax import INSTALLATION
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, SceneUnsupported
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, single_bodies
 from bodycheck.adapters.flat_contact import lying_shape
+from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco.contact import body_geoms, numbers_written
 from bodycheck.adapters.mujoco.links import inertial, welded
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Scene
 
 # MJX prints that the package of its other backend, Warp, is not installed, and packages that Brax imports warn of their age.
@@ -87,13 +89,13 @@ engine = Engine(
 read_robot = robots.read_robot
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Compiled:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Compiled:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
-    (xml,) = {description(scene, method.timestep) for scene in scenes}
-    return started(xml, scenes, method)
-
-
-prepare_mechanism = partial(mechanisms.prepare_mechanism, engine)
+    if isinstance(scenes[0], Mechanism):
+        return mechanisms.prepare(engine, scenes[0], method)
+    bodies = single_bodies(scenes)
+    (xml,) = {description(scene, method.timestep) for scene in bodies}
+    return started(xml, bodies, method)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Compiled:
@@ -191,7 +193,3 @@ def contact_law(scene: Scene, method: Method) -> Plane | None:
     if scene.plane is None or method.integrator != "generalized":
         return None
     return replace(scene.plane, law="corners", pressure="balanced")
-
-
-def contact_load(scene: Scene, method: Method, steps: int) -> None:
-    """Return None: no pipeline reports the forces of its contacts apart from all others."""

@@ -74,8 +74,8 @@ TAKE = strider(stepped, lambda state: jnp.concatenate([state.q, state.qd]))
 START = jax.jit(pipeline.init)
 
 
-def prepare_mechanism(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled:
-    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does. Raises `SceneUnsupported`."""
+def prepare(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled:
+    """Return the simulation of a mechanism, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
     check_precision(engine)
     if method.integrator != "generalized":
         raise SceneUnsupported(f"{method.integrator} holds joints by iterations, and only generalized has their coordinates")

@@ -6,8 +6,7 @@ from typing import Any
 import dartpy as dart
 import numpy as np
 
-from bodycheck.adapters.contract import Link
-from bodycheck.adapters.links import tensor
+from bodycheck.adapters.links import Link, tensor
 from bodycheck.adapters.quiet import no_stderr
 from bodycheck.reference.kinematics import normalise
 

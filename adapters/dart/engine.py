@@ -6,15 +6,15 @@ from dataclasses import dataclass
 import dartpy as dart
 import numpy as np
 
-from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Link, Method, Simulation, states
+from bodycheck.adapters.attitudes import quaternions, rotation_vector
+from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Method, Simulation, states
 from bodycheck.adapters.dart import INSTALLATION, contact, mechanisms
 from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, inertia, pose
 from bodycheck.adapters.dart.robots import read_robot as read_robot
-from bodycheck.adapters.links import links_of
-from bodycheck.adapters.rotation_vectors import quaternions, rotation_vector
+from bodycheck.adapters.links import Link, links_of
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.kinematics import conjugate, rotate
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -48,15 +48,12 @@ class Model:
     body: "dart.dynamics.BodyNode"
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Loop[None]:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
+    if isinstance(scene, Mechanism):
+        return mechanisms.prepare(scene, method)
     return loop(model(scene, method), scene.drag)
-
-
-def prepare_mechanism(mechanism: Mechanism, method: Method) -> Simulation:
-    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
-    return mechanisms.prepare(mechanism, method)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[None]:

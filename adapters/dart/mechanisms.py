@@ -9,10 +9,10 @@ from typing import Any
 import dartpy as dart
 import numpy as np
 
+from bodycheck.adapters.attitudes import rotation_vector
 from bodycheck.adapters.contract import EngineDiverged, Method, Simulation
 from bodycheck.adapters.dart.bodies import LARGEST_ENERGY_J, inertia, pose
 from bodycheck.adapters.mechanisms import frames, link_of, starts
-from bodycheck.adapters.rotation_vectors import rotation_vector
 from bodycheck.adapters.stepping import Loop as Stepped
 from bodycheck.reference.kinematics import conjugate, rotate
 from bodycheck.reference.mechanisms import exact, kinematics

@@ -23,12 +23,12 @@ from typing import Any
 import dartpy as dart
 import numpy as np
 
+from bodycheck.adapters.attitudes import rotation_vector
 from bodycheck.adapters.dart.bodies import pose as isometry
 from bodycheck.adapters.quiet import overheard, refusal
 from bodycheck.adapters.robot_files import mimics
 from bodycheck.adapters.robot_numbers import components, finite, pose, vector
 from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
-from bodycheck.adapters.rotation_vectors import rotation_vector
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.robots.model import Mimic
 from bodycheck.reference.robots.rotations import plane_axes

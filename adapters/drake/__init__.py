@@ -47,4 +47,4 @@ and the largest deviation of the norm as `quaternion_norm_error`.
 from bodycheck.adapters.installation import Installation
 
 #: What the engine is installed from.
-INSTALLATION = Installation("drake")
+INSTALLATION = Installation("drake", modules=("pydrake",))

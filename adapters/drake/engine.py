@@ -9,15 +9,16 @@ import numpy as np
 from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlantConfig
 from pydrake.systems.analysis import GetIntegrationSchemes, Simulator, SimulatorConfig
 
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, Simulation, states
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simulation, states
 from bodycheck.adapters.drake import INSTALLATION, mechanisms
 from bodycheck.adapters.drake.contact import ON_PLANE, OPTIONS, contact_of
 from bodycheck.adapters.drake.models import Model, build
 from bodycheck.adapters.drake.robots import read_robot as read_robot
 from bodycheck.adapters.drake.steps import stepper
+from bodycheck.adapters.links import Link
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -118,15 +119,12 @@ def contact_load(scene: Scene, method: Method, steps: int) -> Array | None:
     return load
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
+    if isinstance(scene, Mechanism):
+        return mechanisms.prepare(scene, method, APPROXIMATIONS)
     return Normalised(loop(build(scene, method, APPROXIMATIONS), method.timestep))
-
-
-def prepare_mechanism(mechanism: Mechanism, method: Method) -> Simulation:
-    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
-    return mechanisms.prepare(mechanism, method, APPROXIMATIONS)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:

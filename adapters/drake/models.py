@@ -13,9 +13,9 @@ from pydrake.multibody.tree import RotationalInertia, SpatialInertia
 from pydrake.systems.analysis import ResetIntegratorFromFlags, Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
-from bodycheck.adapters.contract import Link, Method, SceneUnsupported
+from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.adapters.drake.contact import add_contact, contact_of
-from bodycheck.adapters.links import links_of
+from bodycheck.adapters.links import Link, links_of
 from bodycheck.reference.kinematics import normalise, rotate
 from bodycheck.reference.scene import Scene
 

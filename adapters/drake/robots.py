@@ -36,10 +36,9 @@ from pydrake.multibody.tree import (
 )
 
 from bodycheck.adapters.quiet import refusal
-from bodycheck.adapters.robot_files import floating_joints, mimics, places_on_root
+from bodycheck.adapters.robot_files import floating_joints, mimics, on_root, places_on_root
 from bodycheck.adapters.robot_numbers import components, finite, pose, vector
 from bodycheck.adapters.robot_reading import ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
-from bodycheck.adapters.robot_states import on_root
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.robots.model import Mimic
 from bodycheck.reference.robots.state import RobotState, Values

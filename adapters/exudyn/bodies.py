@@ -5,10 +5,9 @@ from typing import Any
 import exudyn
 from exudyn import itemInterface, utilities
 
-from bodycheck.adapters.contract import Link
 from bodycheck.adapters.exudyn import formulations
 from bodycheck.adapters.exudyn.formulations import Formulation
-from bodycheck.adapters.links import tensor
+from bodycheck.adapters.links import Link, tensor
 from bodycheck.reference.scene import State
 
 

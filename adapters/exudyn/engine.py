@@ -8,12 +8,12 @@ import exudyn
 import numpy as np
 from exudyn import itemInterface, utilities
 
-from bodycheck.adapters.contract import Engine, Integrator, Link, Method, Simulation, choice
+from bodycheck.adapters.contract import Engine, Integrator, Method, Simulation, choice
 from bodycheck.adapters.exudyn import INSTALLATION, bodies, contact, formulations, mechanisms, stepping
 from bodycheck.adapters.exudyn.formulations import FORMULATIONS, Formulation
-from bodycheck.adapters.links import links_of, state_in
+from bodycheck.adapters.links import Link, links_of, state_in
 from bodycheck.adapters.stepping import Normalised
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -89,15 +89,12 @@ class Model:
     contacts: "exudyn.GeneralContact | None"
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Simulation:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
+    if isinstance(scene, Mechanism):
+        return mechanisms.prepare(scene, method)
     return normalised(model(scene, method))
-
-
-def prepare_mechanism(mechanism: Mechanism, method: Method) -> Simulation:
-    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
-    return mechanisms.prepare(mechanism, method)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simulation:

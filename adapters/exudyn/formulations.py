@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from exudyn import itemInterface
 
+from bodycheck.adapters.attitudes import quaternions, rotation_vector
 from bodycheck.adapters.contract import Method, SceneUnsupported, states
-from bodycheck.adapters.rotation_vectors import quaternions, rotation_vector
 from bodycheck.reference.kinematics import conjugate, multiply
 from bodycheck.reference.scene import State
 from bodycheck.reference.trajectory import Array

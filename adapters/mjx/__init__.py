@@ -50,4 +50,5 @@ INSTALLATION = Installation(
         "JAX_ENABLE_X64": "true",
         "JAX_COMPILATION_CACHE_DIR": "{environment}/jax-cache",
     },
+    modules=("jax", "mujoco"),
 )

@@ -2,10 +2,9 @@
 
 from functools import partial
 
-from bodycheck.adapters.mjx import INSTALLATION, mechanisms, robots, simulation
+from bodycheck.adapters.mjx import INSTALLATION, robots, simulation
 
 engine = simulation.record("mjx", INSTALLATION.distribution, "float64")
 prepare, prepare_links = partial(simulation.prepare, engine), partial(simulation.prepare_links, engine)
-prepare_mechanism = partial(mechanisms.prepare_mechanism, engine)
 read_robot = partial(robots.read_robot, engine)
 contact_law, contact_load = simulation.contact_law, partial(simulation.contact_load, engine)

@@ -1,4 +1,8 @@
-"""Step a model of MuJoCo in MJX, in the precision of the process."""
+"""Step a model of MuJoCo in MJX, in the precision of the process.
+
+The poses and velocities of the bodies of a mechanism are computed from MJX's coordinates by MuJoCo, because those in MJX's data
+are of the start of a step.
+"""
 
 import contextlib
 import io
@@ -7,17 +11,21 @@ from importlib import metadata
 from typing import Any, Literal
 
 import jax
+import mujoco
 import numpy as np
 from jax import numpy as jnp
 
-from bodycheck.adapters.contract import Engine, Integrator, Link, Method, SceneUnsupported, choice, kind_of
+from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported, choice, kind_of, single_bodies
 from bodycheck.adapters.in_turn import InTurn
+from bodycheck.adapters.links import Link
 from bodycheck.adapters.mjx.compiled import Compiled, check_precision, device, strider
 from bodycheck.adapters.mujoco import contact
-from bodycheck.adapters.mujoco import engine as mujoco
+from bodycheck.adapters.mujoco import engine as adapter
 from bodycheck.adapters.mujoco.compiling import compiled_model
-from bodycheck.adapters.mujoco.mechanisms import MODELS
+from bodycheck.adapters.mujoco.mechanism_xml import document
+from bodycheck.adapters.mujoco.mechanisms import MODELS, begin, states_of
 from bodycheck.adapters.mujoco.models import Joints
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -49,17 +57,36 @@ def record(name: str, distribution: str, precision: Literal["float64", "float32"
         precision=precision,
         device=device(),
         batch=2,
-        defaults=mujoco.defaults(),
+        defaults=adapter.defaults(),
     )
 
 
-def prepare(engine: Engine, scenes: Sequence[Scene], method: Method) -> Compiled | InTurn:
+def prepare(engine: Engine, scenes: Sequence[AnyScene], method: Method) -> Compiled | InTurn:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does.
 
     Raises `SceneUnsupported`, and `RuntimeError` in a process whose precision is not that of the engine.
     """
+    if isinstance(scenes[0], Mechanism):
+        return jointed(engine, scenes[0], method)
+    return unjointed(engine, single_bodies(scenes), method)
+
+
+def jointed(engine: Engine, mechanism: Mechanism, method: Method) -> Compiled:
+    """Return the simulation of a mechanism. Raises as `prepare` does."""
+    check_precision(engine)
+    compiled = compiled_model(document(mechanism, method.timestep, method.integrator, dict(method.options)))
+    model, data = handed_over(compiled)
+    start = mujoco.MjData(compiled)
+    begin(compiled, start, mechanism)
+    given = {name: jnp.array(getattr(start, name)) for name in ("qpos", "qvel", "qfrc_applied")}
+    states = states_of(compiled, [body.name for body in mechanism.bodies])
+    return Compiled(TAKE_COORDINATES.one, model, data.replace(**given), states, len(mechanism.bodies))
+
+
+def unjointed(engine: Engine, scenes: Sequence[Scene], method: Method) -> Compiled | InTurn:
+    """Return the simulation of one or more single bodies. Raises as `prepare` does."""
     scene = scenes[0]
-    described = [mujoco.description(one, method, "six-coordinates" if one.plane is None else "contact") for one in scenes]
+    described = [adapter.description(one, method, "six-coordinates" if one.plane is None else "contact") for one in scenes]
     (xml,) = {xml for xml, _ in described}  # a free joint has the initial state in its coordinates
     dragged = kind_of(scene) == "drag" and method.option("drag") != "fluid"
     drag, joints = scene.drag if dragged else None, [own for _, own in described]
@@ -74,7 +101,7 @@ def prepare_links(engine: Engine, links: Sequence[Link], scene: Scene, method: M
 
     Raises as `prepare` does.
     """
-    xml, joints = mujoco.description_of_links(links, scene, method)
+    xml, joints = adapter.description_of_links(links, scene, method)
     return started(engine, xml, [joints], None)
 
 
@@ -126,16 +153,17 @@ def seen(data: Any) -> Any:
 #: Takes strides of a model; compiled once for each structure of a model.
 TAKE = strider(step, seen)
 
+#: Takes strides of the coordinates of a mechanism; compiled once for each structure of a model.
+TAKE_COORDINATES = strider(stepped, lambda data: jnp.concatenate([data.qpos, data.qvel]))
+
 
 def contact_law(scene: Scene, method: Method) -> Plane | None:
     """Return the friction law of a method's contacts, which are those of MuJoCo; None if the reference has no such law."""
-    return mujoco.contact_law(scene, method)
+    return adapter.contact_law(scene, method)
 
 
-def contact_load(engine: Engine, scene: Scene, method: Method, steps: int) -> Array | None:
-    """Return the normal force (n,), in N, in each of n steps, for RK4 that of the last stage; None without a plane."""
-    if scene.plane is None:
-        return None
-    simulation = prepare(engine, [scene], method)
+def contact_load(engine: Engine, scene: Scene, method: Method, steps: int) -> Array:
+    """Return the normal force (n,), in N, in each of n steps, for RK4 that of the last stage."""
+    simulation = unjointed(engine, [scene], method)
     assert isinstance(simulation, Compiled)  # of one scene
     return simulation.seen(np.ones(steps, dtype=np.int64))[:, 13]

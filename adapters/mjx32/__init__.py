@@ -14,4 +14,5 @@ INSTALLATION = Installation(
         "JAX_ENABLE_X64": "false",
         "JAX_COMPILATION_CACHE_DIR": "{environment}/jax-cache",
     },
+    modules=("jax", "mujoco"),
 )

@@ -2,11 +2,10 @@
 
 from functools import partial
 
-from bodycheck.adapters.mjx import mechanisms, robots, simulation
+from bodycheck.adapters.mjx import robots, simulation
 from bodycheck.adapters.mjx32 import INSTALLATION
 
 engine = simulation.record("mjx32", INSTALLATION.distribution, "float32")
 prepare, prepare_links = partial(simulation.prepare, engine), partial(simulation.prepare_links, engine)
-prepare_mechanism = partial(mechanisms.prepare_mechanism, engine)
 read_robot = partial(robots.read_robot, engine)
 contact_law, contact_load = simulation.contact_law, partial(simulation.contact_load, engine)

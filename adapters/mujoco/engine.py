@@ -23,7 +23,19 @@ import numpy as np
 
 from bodycheck.adapters import flat_contact
 from bodycheck.adapters import mechanism_models as larger_mechanisms
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, Model, SceneUnsupported, Strides, choice
+from bodycheck.adapters.contract import (
+    KINDS,
+    Engine,
+    Integrator,
+    Method,
+    Model,
+    SceneUnsupported,
+    Simulation,
+    Strides,
+    choice,
+    single_bodies,
+)
+from bodycheck.adapters.links import Link
 from bodycheck.adapters.mujoco import (
     INSTALLATION,
     bodies,
@@ -39,7 +51,7 @@ from bodycheck.adapters.mujoco import models as scene_models
 from bodycheck.adapters.mujoco.compiling import compiled_model
 from bodycheck.adapters.mujoco.stepping import CALLS, Stepper, quiet, refuse_warnings
 from bodycheck.adapters.mujoco.worlds import BATCH, Worlds
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import requirements, touches
 from bodycheck.reference.scene import Brick, Plane, Scene
 from bodycheck.reference.trajectory import Array
@@ -130,23 +142,20 @@ engine = Engine(
 
 calls = CALLS
 
-prepare_mechanism, mechanism_script = mechanisms.prepare_mechanism, mechanisms.mechanism_script
-prepare_touching, interface_loads = touching.prepare_touching, touching.interface_loads
-read_robot, compiled = robots.read_robot, robots.compiled
+interface_loads, read_robot, compiled = touching.interface_loads, robots.read_robot, robots.compiled
 
 
-def mechanism_models(mechanism: Mechanism, integrator: str) -> dict[str, Model]:
-    """Return the models of a mechanism by name; a method with `model=` has no choice of models."""
-    return {} if Method.parse(integrator, 0.0).option("model") else larger_mechanisms.models(mechanism, integrator)
-
-
-def models(scene: Scene, integrator: str) -> dict[str, Model]:
+def models(scene: AnyScene, integrator: str) -> dict[str, Model]:
     """Return the models of a scene by name; a method with contact options or with `model=` has no choice of models.
 
-    Neither has a body that touches a plane otherwise than lying flat on a level one.
+    Neither have bodies that touch, except one that lies flat on a level plane.
     """
     method = Method.parse(integrator, 0.0)
-    if touches(scene) or method.option("model") or (scene.plane is not None and method.options):
+    if touches(scene) or method.option("model"):
+        return {}
+    if isinstance(scene, Mechanism):
+        return larger_mechanisms.models(scene, integrator)
+    if scene.plane is not None and method.options:
         return {}
     own = {
         name: replace(method, options=tuple(sorted((*method.options, ("model", name)))))
@@ -188,8 +197,17 @@ def contact_law(scene: Scene, method: Method) -> Plane | None:
     return replace(scene.plane, friction=coefficient, law="corners", pressure="balanced")
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Stepper | Worlds:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
+    if touches(scenes[0]):
+        return touching.prepare(scenes[0], method)
+    if isinstance(scenes[0], Mechanism):
+        return mechanisms.prepare(scenes[0], method)
+    return unjointed(single_bodies(scenes), method)
+
+
+def unjointed(scenes: Sequence[Scene], method: Method) -> Stepper | Worlds:
+    """Return the simulation of one or more single bodies in flight, or lying flat. Raises `SceneUnsupported`."""
     if len(scenes) == 1:
         return stepper(scenes[0], method)
     model = model_of(scenes[0], method)
@@ -243,10 +261,12 @@ def external_force(scene: Scene, method: Method, model: str, data: mujoco.MjData
     return None
 
 
-def script(scene: Scene, method: Method, duration: float, samples: int) -> str:
+def script(scene: AnyScene, method: Method, duration: float, samples: int) -> str:
     """Return a script for MuJoCo alone, as `Scripts.script` does."""
     if touches(scene):
         return exporting.touching_script(scene, method, duration, samples)
+    if isinstance(scene, Mechanism):
+        return mechanisms.script(scene, method, duration, samples)
     model = model_of(scene, method)
     xml, joints = description(scene, method, model)
     compiled_model(xml)  # what MuJoCo refuses is no script

@@ -85,7 +85,7 @@ def script(scene: Scene, method: Method, xml: str, joints: Joints, model: str, d
 
 
 def touching_script(scene: AnyScene, method: Method, duration: float, samples: int) -> str:
-    """Return a script of bodies that touch, as `Scripts.script` and `MechanismScripts.mechanism_script` do.
+    """Return a script of bodies that touch, as `Scripts.script` does.
 
     Raises `SceneUnsupported` for pushes that begin, end or turn a body: these are switched and turned by bodycheck.
     """
@@ -94,7 +94,7 @@ def touching_script(scene: AnyScene, method: Method, duration: float, samples: i
         raise SceneUnsupported("a script of pushes that begin later, end, or act beside the centre of mass")
     bodies = touching_bodies(scene)
     xml = touching.document(scene, bodies, method)
-    simulation = touching.prepare_touching(scene, method)
+    simulation = touching.prepare(scene, method)
     simulation.advance(np.zeros(1, dtype=np.int64))
     data = simulation.stepper.data
     applied = f"data.qfrc_applied[:] = {scripts.written(data.qfrc_applied)}\n" if scene.pushes else ""

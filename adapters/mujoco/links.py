@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from bodycheck.adapters.contract import Link
+from bodycheck.adapters.links import Link
 from bodycheck.adapters.mujoco.contact import numbers_written, written
 
 

@@ -18,7 +18,7 @@ from bodycheck.adapters import mechanism_models, scripts
 from bodycheck.adapters.contract import Method
 from bodycheck.adapters.mechanisms import frames, starts
 from bodycheck.adapters.mujoco.compiling import compiled_model
-from bodycheck.adapters.mujoco.exporting import ADVANCE, touching_script
+from bodycheck.adapters.mujoco.exporting import ADVANCE
 from bodycheck.adapters.mujoco.mechanism_xml import document
 from bodycheck.adapters.mujoco.stepping import Stepper
 from bodycheck.reference.kinematics import conjugate, rotate
@@ -58,8 +58,8 @@ states = states_of(model, BODIES)
 {loop}'''
 
 
-def prepare_mechanism(mechanism: Mechanism, method: Method) -> Stepper:
-    """Return the simulation of a mechanism at t = 0, as `Mechanisms.prepare_mechanism` does. Raises `SceneUnsupported`."""
+def prepare(mechanism: Mechanism, method: Method) -> Stepper:
+    """Return the simulation of a mechanism at t = 0, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
     mechanism, xml = described(mechanism, method)
     model = compiled_model(xml)
     data = mujoco.MjData(model)
@@ -76,10 +76,8 @@ def described(mechanism: Mechanism, method: Method) -> tuple[Mechanism, str]:
     return mechanism, document(mechanism, method.timestep, method.integrator, chosen)
 
 
-def mechanism_script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
-    """Return a script for MuJoCo alone, as `MechanismScripts.mechanism_script` does. Raises `SceneUnsupported`."""
-    if mechanism.plane is not None:
-        return touching_script(mechanism, method, duration, samples)
+def script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
+    """Return a script for MuJoCo alone, as `Scripts.script` does. Raises `SceneUnsupported`."""
     mechanism, xml = described(mechanism, method)
     model = compiled_model(xml)
     data = mujoco.MjData(model)

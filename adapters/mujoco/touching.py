@@ -113,8 +113,8 @@ class Touching:
         self.stepper.force = torques(data, beside) if beside else None
 
 
-def prepare_touching(scene: AnyScene, method: Method) -> Touching:
-    """Return the simulation of bodies that touch, as `contract.Touching` does. Raises `SceneUnsupported`."""
+def prepare(scene: AnyScene, method: Method) -> Touching:
+    """Return the simulation of bodies that touch, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
     bodies = touching_bodies(scene)
     model = compiled_model(document(scene, bodies, method))
     data = mujoco.MjData(model)
@@ -124,11 +124,11 @@ def prepare_touching(scene: AnyScene, method: Method) -> Touching:
 
 
 def interface_loads(scene: AnyScene, method: Method, steps: int) -> dict[tuple[int, int], Array]:
-    """Return the normal forces between pairs that touch in each of n steps, as `contract.Touching` does.
+    """Return the normal forces between pairs that touch in each of n steps, as `InterfaceLoads.interface_loads` does.
 
     MuJoCo reports them at the beginning of a step; for RK4 they are those of the last stage.
     """
-    return prepare_touching(scene, method).loads(steps)
+    return prepare(scene, method).loads(steps)
 
 
 def coordinates(bodies: Sequence[TouchingBody]) -> tuple[list[float], list[float]]:

@@ -8,15 +8,17 @@ import numpy as np
 import warp as wp
 from mujoco import MjModel
 
-from bodycheck.adapters.contract import Engine, Integrator, Link, Method, SceneUnsupported
+from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported, single_bodies
 from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.in_turn import InTurn
+from bodycheck.adapters.links import Link
 from bodycheck.adapters.mujoco import contact
 from bodycheck.adapters.mujoco import engine as mujoco
 from bodycheck.adapters.mujoco.mechanisms import MODELS
 from bodycheck.adapters.mujoco.models import Joints
 from bodycheck.adapters.mujoco_warp import INSTALLATION, graphs, mechanisms, robots
 from bodycheck.adapters.stepping import Loop
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -58,7 +60,7 @@ engine = Engine(
 
 calls = graphs.CALLS
 
-prepare_mechanism, read_robot = mechanisms.prepare_mechanism, robots.read_robot
+read_robot = robots.read_robot
 
 
 def add_drag(drag: float, velocities: wp.array2d[float], forces: wp.array2d[float]) -> None:
@@ -76,17 +78,20 @@ def add_drag(drag: float, velocities: wp.array2d[float], forces: wp.array2d[floa
 drag_kernel = wp.kernel(add_drag)
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Loop[Any] | InTurn:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Loop[Any] | InTurn:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does.
 
     Bodies that do not rotate have models of their own for each attitude, which are stepped one after another.
     """
-    described = [described_by_mujoco(scene, method) for scene in scenes]
+    if isinstance(scenes[0], Mechanism):
+        return mechanisms.prepare(scenes[0], method)
+    bodies = single_bodies(scenes)
+    described = [described_by_mujoco(scene, method) for scene in bodies]
     xml, _ = described[0]
     if any(other != xml for other, _ in described):
-        parts = zip(described, scenes, strict=True)
+        parts = zip(described, bodies, strict=True)
         return InTurn([((place,), stepped(*started(own, [one], scene))) for place, ((own, one), scene) in enumerate(parts)])
-    return stepped(*started(xml, [joints for _, joints in described], scenes[0]))
+    return stepped(*started(xml, [joints for _, joints in described], bodies[0]))
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[Any]:

@@ -18,8 +18,8 @@ from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 
 
-def prepare_mechanism(mechanism: Mechanism, method: Method) -> Loop[Any]:
-    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does. Raises `SceneUnsupported`."""
+def prepare(mechanism: Mechanism, method: Method) -> Loop[Any]:
+    """Return the simulation of a mechanism, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
     compiled = compiled_model(document(mechanism, method.timestep, method.integrator, dict(method.options)))
     start = mujoco.MjData(compiled)
     begin(compiled, start, mechanism)

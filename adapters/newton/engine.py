@@ -9,10 +9,10 @@ import newton
 import numpy as np
 import warp as wp
 
-from bodycheck.adapters.contract import Engine, Integrator, Link, Method, states
+from bodycheck.adapters.contract import Engine, Integrator, Method, single_bodies, states
 from bodycheck.adapters.flat_contact import lying_shape
 from bodycheck.adapters.in_turn import InTurn
-from bodycheck.adapters.links import links_of, state_in, tensor, velocity_to_origin
+from bodycheck.adapters.links import Link, links_of, state_in, tensor, velocity_to_origin
 from bodycheck.adapters.mujoco_warp import graphs
 from bodycheck.adapters.newton import INSTALLATION, mechanisms
 from bodycheck.adapters.newton.frames import transform, twist
@@ -20,7 +20,7 @@ from bodycheck.adapters.newton.robots import read_robot as read_robot
 from bodycheck.adapters.newton.solvers import SOLVERS, STEEL_DAMPING, VARIANTS, Solver, keeps_damping
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Array
 
@@ -63,17 +63,15 @@ def set_drag(drag: float, velocities: wp.array[wp.spatial_vector], forces: wp.ar
 drag_kernel = wp.kernel(set_drag)
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Normalised | InTurn:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Normalised | InTurn:
     """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
-    links = links_of(scenes[0])
-    if len(scenes) > 1 and method.option("dynamics_solver") in NOT_TOGETHER:
-        return InTurn([((place,), started(links, [scene], method)) for place, scene in enumerate(scenes)])
-    return started(links, scenes, method)
-
-
-def prepare_mechanism(mechanism: Mechanism, method: Method) -> Normalised:
-    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
-    return mechanisms.prepare(mechanism, method)
+    if isinstance(scenes[0], Mechanism):
+        return mechanisms.prepare(scenes[0], method)
+    bodies = single_bodies(scenes)
+    links = links_of(bodies[0])
+    if len(bodies) > 1 and method.option("dynamics_solver") in NOT_TOGETHER:
+        return InTurn([((place,), started(links, [scene], method)) for place, scene in enumerate(bodies)])
+    return started(links, bodies, method)
 
 
 def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Normalised:
@@ -221,7 +219,3 @@ def contact_law(scene: Scene, method: Method) -> Plane | None:
     if scene.plane is None or not isinstance(scene.body.shape, Brick):
         return None
     return replace(scene.plane, law="corners", pressure="balanced")
-
-
-def contact_load(scene: Scene, method: Method, steps: int) -> None:
-    """Return None, because most of Newton's solvers do not report the forces of contacts."""

@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from bodycheck.adapters.contract import Link
-from bodycheck.adapters.links import velocity_of
+from bodycheck.adapters.links import Link, velocity_of
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.scene import Quaternion, State, Vector
 

@@ -14,4 +14,4 @@ forces.
 from bodycheck.adapters.installation import Installation
 
 #: What the engine is installed from.
-INSTALLATION = Installation("pin")
+INSTALLATION = Installation("pin", modules=("pinocchio",))

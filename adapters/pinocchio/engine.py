@@ -19,16 +19,36 @@ import pinocchio as pin
 
 from bodycheck.adapters import flat_contact
 from bodycheck.adapters import mechanism_models as larger_mechanisms
-from bodycheck.adapters.contract import Engine, Integrator, Kind, Link, Method, Model, SceneUnsupported, Simulation, choice
+from bodycheck.adapters.contract import (
+    Engine,
+    Integrator,
+    Kind,
+    Method,
+    Model,
+    SceneUnsupported,
+    Simulation,
+    choice,
+    single_bodies,
+)
 from bodycheck.adapters.in_turn import InTurn
-from bodycheck.adapters.pinocchio import INSTALLATION, contact, contact_script, exporting, flights, mechanisms, robots, touching
-from bodycheck.adapters.pinocchio import mechanism_script as mechanism_scripts
+from bodycheck.adapters.links import Link
+from bodycheck.adapters.pinocchio import (
+    INSTALLATION,
+    contact,
+    contact_script,
+    exporting,
+    flights,
+    mechanism_script,
+    mechanisms,
+    robots,
+    touching,
+)
 from bodycheck.adapters.pinocchio import models as scene_models
 from bodycheck.adapters.pinocchio.joints import Joints, Step
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, Scheme
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.errors import NotFlat
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.sliding.friction import friction
@@ -109,14 +129,7 @@ calls = tuple(
     if hasattr(pin, name)
 )
 
-prepare_mechanism, mechanism_script = mechanisms.prepare_mechanism, mechanism_scripts.mechanism_script
-prepare_touching, interface_loads = touching.prepare_touching, touching.interface_loads
-read_robot = robots.read_robot
-
-
-def mechanism_models(mechanism: Mechanism, integrator: str) -> dict[str, Model]:
-    """Return the models of a mechanism by name; a method with `model=` has no choice of models."""
-    return {} if Method.parse(integrator, 0.0).option("model") else larger_mechanisms.models(mechanism, integrator)
+interface_loads, read_robot = touching.interface_loads, robots.read_robot
 
 
 def check_supported(scene: Scene, method: Method) -> None:
@@ -142,10 +155,12 @@ def unsupported_contact(scene: Scene, plane: Plane) -> str | None:
     return None
 
 
-def models(scene: Scene, integrator: str) -> dict[str, Model]:
+def models(scene: AnyScene, integrator: str) -> dict[str, Model]:
     """Return the models of a scene by name; on a plane, the models in which the body touches the plane belong to `admm`."""
     if touches(scene):
         return {}
+    if isinstance(scene, Mechanism):
+        return {} if Method.parse(integrator, 0.0).option("model") else larger_mechanisms.models(scene, integrator)
     if scene.plane is not None:
         own = {"contact": "admm", "everything": "admm:model=everything"}
         asked = {name: own.get(name, f"law-force:model={name}") for name in scene_models.ON_PLANE}
@@ -178,12 +193,20 @@ def contact_law(scene: Scene, method: Method) -> Plane | None:
     return replace(scene.plane, law="corners", pressure="balanced")
 
 
-def contact_load(scene: Scene, method: Method, steps: int) -> None:
-    """Return None: Pinocchio's contacts are rigid and bear the weight at all times."""
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
+    """Return the simulation of one or more scenes, as `Adapter.prepare` does."""
+    if touches(scenes[0]):
+        return touching.prepare(scenes[0], method)
+    if isinstance(scenes[0], Mechanism):
+        return mechanisms.prepare(scenes[0], method)
+    return unjointed(single_bodies(scenes), method)
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Simulation:
-    """Return the simulation of one or more scenes, as `Adapter.prepare` does; `admm` accepts only bodies with corners."""
+def unjointed(scenes: Sequence[Scene], method: Method) -> Simulation:
+    """Return the simulation of one or more single bodies in flight, or lying flat; `admm` accepts only bodies with corners.
+
+    Raises `SceneUnsupported`.
+    """
     first = scenes[0]
     if first.plane is None and (coordinates := scene_models.COORDINATES.get(model_of(first, method))) is not None:
         check_supported(first, method)
@@ -225,10 +248,12 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Loop[t
     return loop(flight_step(scene, scheme, joints, method.timestep), joints)
 
 
-def script(scene: Scene, method: Method, duration: float, samples: int) -> str:
+def script(scene: AnyScene, method: Method, duration: float, samples: int) -> str:
     """Return a script for Pinocchio alone, as `Scripts.script` does."""
     if touches(scene):
         raise SceneUnsupported(touching.NO_SCRIPT)
+    if isinstance(scene, Mechanism):
+        return mechanism_script.script(scene, method, duration, samples)
     check_supported(scene, method)
     model = model_of(scene, method)
     if scene.plane is None:

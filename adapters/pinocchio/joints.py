@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pinocchio as pin
 
-from bodycheck.adapters.contract import Link, states
-from bodycheck.adapters.links import links_of, tensor
+from bodycheck.adapters.contract import states
+from bodycheck.adapters.links import Link, links_of, tensor
 from bodycheck.adapters.pinocchio.coordinates import (
     FREE_FLYER,
     ROTATION,

@@ -3,11 +3,10 @@
 import pinocchio as pin
 
 from bodycheck.adapters import scripts
-from bodycheck.adapters.contract import Method, SceneUnsupported
+from bodycheck.adapters.contract import Method
 from bodycheck.adapters.pinocchio import mechanisms
 from bodycheck.adapters.pinocchio.mechanism_model import Built, built
 from bodycheck.adapters.pinocchio.schemes import SCHEMES, rk4, transport
-from bodycheck.adapters.pinocchio.touching import NO_SCRIPT
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.trajectory import Array
@@ -56,10 +55,8 @@ model.addJoint({parent}, pin.JointModel{kind}({numbers}), {frame}, {name!r})
 model.inertias[{place}] = pin.Inertia({mass!r}, np.array({lever}), np.array({tensor}).reshape(3, 3))"""
 
 
-def mechanism_script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
-    """Return a script for Pinocchio alone, as `MechanismScripts.mechanism_script` does. Raises `SceneUnsupported`."""
-    if mechanism.plane is not None:
-        raise SceneUnsupported(NO_SCRIPT)
+def script(mechanism: Mechanism, method: Method, duration: float, samples: int) -> str:
+    """Return a script for Pinocchio alone, as `Scripts.script` does. Raises `SceneUnsupported`."""
     mechanism = mechanisms.modelled(mechanism, method)
     scheme, body_twist = SCHEMES[method.integrator]
     made = built(mechanism, body_twist, method.option("model") == "three-hinges")

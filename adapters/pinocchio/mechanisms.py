@@ -61,8 +61,8 @@ Indices = NDArray[np.int64]
 Ends = tuple[int, Array, int, Array]
 
 
-def prepare_mechanism(mechanism: Mechanism, method: Method) -> Loop[tuple[Array, Array]]:
-    """Return the simulation of a mechanism at t = 0, as `Mechanisms.prepare_mechanism` does. Raises `SceneUnsupported`."""
+def prepare(mechanism: Mechanism, method: Method) -> Loop[tuple[Array, Array]]:
+    """Return the simulation of a mechanism at t = 0, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
     scheme, body_twist = SCHEMES[method.integrator]
     mechanism = modelled(mechanism, method)
     made = built(mechanism, body_twist, method.option("model") == "three-hinges")

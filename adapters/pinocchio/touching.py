@@ -233,15 +233,15 @@ def settings() -> "pin.ADMMSolverSettings":
     return made
 
 
-def prepare_touching(scene: AnyScene, method: Method) -> Loop[State]:
-    """Return the simulation of bodies that touch, as `contract.Touching` does. Raises `SceneUnsupported`."""
+def prepare(scene: AnyScene, method: Method) -> Loop[State]:
+    """Return the simulation of bodies that touch, as `Adapter.prepare` does. Raises `SceneUnsupported`."""
     contacts = built(scene, method)
     count = len(contacts.bodies)
     return Loop(begin(contacts.bodies), contacts.step, np.concatenate, lambda seen: states_of(seen, count))
 
 
 def interface_loads(scene: AnyScene, method: Method, steps: int) -> Mapping[tuple[int, int], Array]:
-    """Return the normal forces between pairs that touch in each of n steps, as `contract.Touching` does."""
+    """Return the normal forces between pairs that touch in each of n steps, as `InterfaceLoads.interface_loads` does."""
     contacts = built(scene, method)
     state = begin(contacts.bodies)
     found: dict[tuple[int, int], Array] = {}

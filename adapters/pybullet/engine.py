@@ -11,15 +11,15 @@ from importlib.metadata import version
 
 import numpy as np
 
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, SceneUnsupported, choice, states
+from bodycheck.adapters.attitudes import in_body_frame
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, SceneUnsupported, Simulation, choice, states
 from bodycheck.adapters.flat_contact import lying_shape
-from bodycheck.adapters.links import carried, state_in
-from bodycheck.adapters.principal_axes import in_body_frame
+from bodycheck.adapters.links import Link, carried, state_in
 from bodycheck.adapters.pybullet import INSTALLATION
 from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.stepping import Loop
 from bodycheck.reference.kinematics import conjugate, rotate
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.principal_frame import along_principal_axes
 from bodycheck.reference.scene import Brick, Plane, Scene, State
 from bodycheck.reference.trajectory import Array
@@ -83,9 +83,11 @@ class World:
     body: int
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Loop[World]:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
+    if isinstance(scene, Mechanism):
+        return jointed(scene, method)
     return Loop(
         built(scene, method),
         resisted_step(scene.drag) if scene.drag else step,
@@ -94,8 +96,8 @@ def prepare(scenes: Sequence[Scene], method: Method) -> Loop[World]:
     )
 
 
-def prepare_mechanism(mechanism: Mechanism, method: Method) -> Loop[None]:
-    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
+def jointed(mechanism: Mechanism, method: Method) -> Loop[None]:
+    """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
     client = connected(mechanism.gravity, method)
     parts, joints = mechanisms.built(client, mechanism, method), mechanisms.pushed(mechanism)
 
@@ -236,7 +238,7 @@ def contact_law(scene: Scene, method: Method) -> Plane | None:
 
 
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:
-    """Return the normal force (n,), in N, between body and plane in each of n steps, as `Contact.contact_load` does."""
+    """Return the normal force (n,), in N, between body and plane in each of n steps, as `ContactLoad.contact_load` does."""
     world, load = built(scene, method), np.zeros(steps)
     for number in range(steps):
         step(world)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import pybullet
 
-from bodycheck.adapters.contract import Link
+from bodycheck.adapters.links import Link
 from bodycheck.adapters.urdf import urdf
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.scene import Quaternion, Vector

@@ -12,25 +12,16 @@ import numpy as np
 import rapier3d
 from rapier3d.loaders import urdf as loader
 
-from bodycheck.adapters.contract import (
-    KINDS,
-    Engine,
-    EngineReset,
-    Integrator,
-    Link,
-    Method,
-    choice,
-    states,
-)
+from bodycheck.adapters.attitudes import in_body_frame
+from bodycheck.adapters.contract import KINDS, Engine, EngineReset, Integrator, Method, Simulation, choice, states
 from bodycheck.adapters.flat_contact import lying_shape
-from bodycheck.adapters.links import state_in, velocity_of, velocity_to_origin
-from bodycheck.adapters.principal_axes import in_body_frame
+from bodycheck.adapters.links import Link, state_in, velocity_of, velocity_to_origin
 from bodycheck.adapters.rapier import INSTALLATION, mechanisms
 from bodycheck.adapters.rapier.robots import read_robot as read_robot
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.adapters.urdf import urdf
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.principal_frame import along_principal_axes
 from bodycheck.reference.scene import Brick, Scene
 from bodycheck.reference.trajectory import Array
@@ -69,16 +60,17 @@ class World:
     body: "rapier3d.RigidBody"
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
-
+    if isinstance(scene, Mechanism):
+        return jointed(scene, method)
     stepped = resisted_step(scene.drag) if scene.drag else step
     return Normalised(Loop(built(scene, method), stepped, seen, lambda seen: in_body_frame(scene, rows(seen))))
 
 
-def prepare_mechanism(mechanism: Mechanism, method: Method) -> Normalised:
-    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
+def jointed(mechanism: Mechanism, method: Method) -> Normalised:
+    """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
     world = new_world(mechanism.gravity, method)
     bodies = mechanisms.built(world, mechanism, lambda builder: unlimited(builder, method))
 
@@ -205,12 +197,8 @@ def collider(scene: Scene) -> "rapier3d.ColliderBuilder":
     return made.rotation(axes.scaled_axis).density(0).friction(scene.plane.friction)
 
 
-def contact_law(scene: Scene, method: Method) -> None:
-    """Return None: the reference has neither of the laws of Rapier's contacts."""
-
-
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:
-    """Return the normal force (n,), in N, between body and plane in each of n steps, as `Contact.contact_load` does."""
+    """Return the normal force (n,), in N, between body and plane in each of n steps, as `ContactLoad.contact_load` does."""
     world, load = built(scene, method), np.zeros(steps)
     for number in range(steps):
         step(world)

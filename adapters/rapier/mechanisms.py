@@ -12,8 +12,8 @@ import numpy as np
 import rapier3d
 from scipy.spatial.transform import Rotation
 
-from bodycheck.adapters.contract import EngineReset, Link, SceneUnsupported
-from bodycheck.adapters.links import tensor
+from bodycheck.adapters.contract import EngineReset, SceneUnsupported
+from bodycheck.adapters.links import Link, tensor
 from bodycheck.adapters.mechanisms import frames, from_x, link_of
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
 from bodycheck.reference.mechanisms import exact, kinematics

@@ -12,14 +12,14 @@ from typing import Any
 
 import numpy as np
 
-from bodycheck.adapters.contract import KINDS, Engine, Integrator, Link, Method, choice, states
+from bodycheck.adapters.attitudes import in_body_frame
+from bodycheck.adapters.contract import KINDS, Engine, Integrator, Method, Simulation, choice, states
 from bodycheck.adapters.flat_contact import lying_shape
-from bodycheck.adapters.links import velocity_of, velocity_to_origin
-from bodycheck.adapters.principal_axes import in_body_frame
+from bodycheck.adapters.links import Link, velocity_of, velocity_to_origin
 from bodycheck.adapters.sapien import INSTALLATION
 from bodycheck.adapters.stepping import Loop, Normalised
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.principal_frame import along_principal_axes
 from bodycheck.reference.scene import Brick, Scene
 from bodycheck.reference.trajectory import Array
@@ -72,16 +72,17 @@ class World:
     body: "physx.PhysxRigidDynamicComponent"
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Normalised:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
-
+    if isinstance(scene, Mechanism):
+        return jointed(scene, method)
     stepped = resisted_step(scene.drag) if scene.drag else step
     return Normalised(Loop(built(scene, method), stepped, seen, lambda seen: in_body_frame(scene, rows(seen))))
 
 
-def prepare_mechanism(mechanism: Mechanism, method: Method) -> Normalised:
-    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
+def jointed(mechanism: Mechanism, method: Method) -> Normalised:
+    """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
     system = new_system(mechanism.gravity, method)
     whole = sapien.Scene([system])
     links = mechanisms.built(whole, mechanism, method)
@@ -206,12 +207,8 @@ def material(friction: float) -> Any:
     return physx.PhysxMaterial(friction, friction, 0.0)
 
 
-def contact_law(scene: Scene, method: Method) -> None:
-    """Return None: PhysX's friction acts at two anchors in a patch of contacts, for which the reference has no law."""
-
-
 def contact_load(scene: Scene, method: Method, steps: int) -> Array:
-    """Return the normal force (n,), in N, between body and plane in each of n steps, as `Contact.contact_load` does."""
+    """Return the normal force (n,), in N, between body and plane in each of n steps, as `ContactLoad.contact_load` does."""
     world, load = built(scene, method), np.zeros(steps)
     for number in range(steps):
         step(world)

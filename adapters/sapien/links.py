@@ -11,7 +11,7 @@ from typing import Any
 
 from sapien import Pose, Scene, physx
 
-from bodycheck.adapters.contract import Link
+from bodycheck.adapters.links import Link
 from bodycheck.adapters.urdf import urdf
 
 #: A speed that is no limit: PhysX's own for the velocity, whose square it forms in single precision.

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 from sapien import Pose
 
-from bodycheck.adapters.contract import Link, Method
-from bodycheck.adapters.links import tensor
+from bodycheck.adapters.contract import Method
+from bodycheck.adapters.links import Link, tensor
 from bodycheck.adapters.mechanisms import frames, from_x, link_of, starts, trees
 from bodycheck.adapters.sapien.links import NO_LIMIT, place, switch_off
 from bodycheck.reference.kinematics import conjugate, multiply, normalise, rotate

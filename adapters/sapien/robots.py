@@ -28,10 +28,9 @@ from sapien.wrapper.urdf_exporter import export_kinematic_chain_urdf
 from sapien.wrapper.urdf_loader import URDFLoader
 
 from bodycheck.adapters.quiet import overheard, refusal
-from bodycheck.adapters.robot_files import floating_joints, places_on_root
+from bodycheck.adapters.robot_files import floating_joints, on_root, places_on_root
 from bodycheck.adapters.robot_numbers import along, components, finite, matrix, pose, vector
 from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, ReadJoint, RobotFile, RobotReading
-from bodycheck.adapters.robot_states import on_root
 from bodycheck.reference.robots.model import Mimic
 from bodycheck.reference.robots.state import RobotState, Values
 from bodycheck.reference.robots.terms import Terms

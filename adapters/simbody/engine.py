@@ -16,7 +16,6 @@ from bodycheck.adapters.contract import (
     Engine,
     EngineDiverged,
     Integrator,
-    Link,
     Method,
     Simulation,
     Strides,
@@ -24,6 +23,7 @@ from bodycheck.adapters.contract import (
     single,
     states,
 )
+from bodycheck.adapters.links import Link
 from bodycheck.adapters.quiet import no_stderr
 from bodycheck.adapters.simbody import INSTALLATION, mechanisms
 from bodycheck.adapters.simbody.attitude import poses
@@ -31,7 +31,7 @@ from bodycheck.adapters.simbody.libraries import function
 from bodycheck.adapters.simbody.models import described, started
 from bodycheck.adapters.stepping import Normalised
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
-from bodycheck.reference.mechanisms.mechanism import Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.scene import Plane, Scene
 from bodycheck.reference.trajectory import Array
 
@@ -109,10 +109,6 @@ def contact_law(scene: Scene, method: Method) -> Plane | None:
     return None if scene.plane is None else replace(scene.plane, law="corners", pressure="balanced")
 
 
-def contact_load(scene: Scene, method: Method, steps: int) -> None:
-    """Return None: within a step the force of a contact has several values."""
-
-
 @dataclass
 class Simbody:
     """A model of one scene or mechanism, stepped by OpenSim's manager.
@@ -187,9 +183,11 @@ class Simbody:
         self.model.realizeAcceleration(now)  # the next step begins with these accelerations
 
 
-def prepare(scenes: Sequence[Scene], method: Method) -> Simulation:
+def prepare(scenes: Sequence[AnyScene], method: Method) -> Simulation:
     """Return the simulation of one scene, as `Adapter.prepare` does."""
     (scene,) = scenes
+    if isinstance(scene, Mechanism):
+        return jointed(scene, method)
     return simulation(scene, method)
 
 
@@ -198,8 +196,8 @@ def prepare_links(links: Sequence[Link], scene: Scene, method: Method) -> Simula
     return simulation(scene, method, links)
 
 
-def prepare_mechanism(mechanism: Mechanism, method: Method) -> Simulation:
-    """Return the simulation of a mechanism, as `Mechanisms.prepare_mechanism` does."""
+def jointed(mechanism: Mechanism, method: Method) -> Simulation:
+    """Return the simulation of a mechanism. Raises `SceneUnsupported`."""
     made = mechanisms.built(mechanism)
     state = mechanisms.started(mechanism, made, method.option("settings") != "engine")
     seen = mechanisms.seer(mechanism, made)

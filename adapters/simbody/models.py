@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import opensim
 
-from bodycheck.adapters.contract import Link, SceneUnsupported
-from bodycheck.adapters.links import links_of
+from bodycheck.adapters.contract import SceneUnsupported
+from bodycheck.adapters.links import Link, links_of
 from bodycheck.adapters.simbody.attitude import angles, coordinates, use_quaternions
 from bodycheck.adapters.simbody.contact import add_contact
 from bodycheck.reference.kinematics import rotate

@@ -82,6 +82,8 @@ def print_states(mechanism: Mechanism, truth: Truth, chosen: Sequence[int], view
 def print_growth(truth: Truth) -> None:
     """Print by how much an error grows, when one of a rounding is no small one any more, and until when the motion is known."""
 
+    from bodycheck.reference.mechanisms.truth import KNOWN, known_until  # which imports all ways to a truth
+
     t = truth.trajectory.t
     if truth.growth is not None:
         tell(f"an error of the initial angles has grown up to {truth.growth.max():.2g}-fold by t = {t[-1]:g} s")

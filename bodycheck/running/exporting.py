@@ -5,15 +5,13 @@ from dataclasses import dataclass
 from importlib.metadata import version
 
 from bodycheck.adapters import offers, registry
-from bodycheck.adapters.contract import MechanismScripts, Method, SceneUnsupported, Scripts
+from bodycheck.adapters.contract import Method, SceneUnsupported, Scripts
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.casefile.content import Case
 from bodycheck.errors import Failed
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
-from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.scene import Scene
 from bodycheck.running import engines
 from bodycheck.running.instants import check_timestep
 
@@ -97,15 +95,10 @@ def written(question: Question) -> str | NoScript:
     lacking = offers.not_offered(adapter.engine, case.scene, method) or offers.not_modelled(adapter.engine, case.scene)
     if lacking is not None:
         return NoScript(f"{named} {lacking}")
+    if not isinstance(adapter, Scripts):
+        return NoScript(f"{named}: its adapter cannot write scripts")
     try:
-        match case.scene:
-            case Mechanism() if isinstance(adapter, MechanismScripts):
-                program = adapter.mechanism_script(case.scene, method, case.duration, case.samples)
-            case Scene() if isinstance(adapter, Scripts):
-                program = adapter.script(case.scene, method, case.duration, case.samples)
-            case _:
-                what = "scripts of mechanisms" if isinstance(case.scene, Mechanism) else "scripts"
-                return NoScript(f"{named}: its adapter cannot write {what}")
+        program = adapter.script(case.scene, method, case.duration, case.samples)
     except SceneUnsupported as error:
         return NoScript(str(error))
     header = HEADER.format(

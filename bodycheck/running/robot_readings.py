@@ -7,8 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import RobotModels
-from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, RobotFile, RobotModels, RobotReading
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.robots.model import RobotModel

@@ -10,15 +10,16 @@ from bodycheck import conversion
 from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import (
     Adapter,
-    Contact,
+    ContactLaw,
+    ContactLoad,
     EngineDiverged,
     EngineReset,
+    InterfaceLoads,
     Method,
     Normalising,
     SceneUnsupported,
     Simulation,
     Strides,
-    Touching,
 )
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
@@ -88,7 +89,7 @@ def run(case: Case, engine: str, method: Method) -> Run:
     adapter = registry.load(engine)
     law: Plane | None = None
     try:
-        if slides(case.scene) and isinstance(adapter, Contact):
+        if slides(case.scene) and isinstance(adapter, ContactLaw):
             law = adapter.contact_law(case.scene, method)
         steps = sampling_steps(case.instants, method.timestep)
         outcome = outcome_in(adapter, engine, case.scene, method, steps)
@@ -128,11 +129,11 @@ def outcome_in(adapter: Adapter, engine: str, scene: AnyScene, method: Method, s
     outcome = _advance(offers.prepare(adapter, [given], method), scene, method, steps)
     if not isinstance(outcome, Completed):
         return outcome
-    if touches(scene) and isinstance(adapter, Touching):
+    if touches(scene) and isinstance(adapter, InterfaceLoads):
         return replace(outcome, interfaces=_interfaces(adapter, scene, given, method, outcome))
-    if not slides(scene) or not isinstance(adapter, Contact):
-        return outcome
-    return replace(outcome, load=_load(adapter, scene, method, outcome))
+    if slides(scene) and isinstance(adapter, ContactLoad):
+        return replace(outcome, load=_load(adapter, scene, method, outcome))
+    return outcome
 
 
 def _given(scene: AnyScene, duration: float) -> AnyScene:
@@ -145,7 +146,7 @@ def _given(scene: AnyScene, duration: float) -> AnyScene:
 
 
 def _interfaces(
-    adapter: Touching, scene: AnyScene, given: AnyScene, method: Method, outcome: Completed
+    adapter: InterfaceLoads, scene: AnyScene, given: AnyScene, method: Method, outcome: Completed
 ) -> tuple[InterfaceLoad, ...] | None:
     """Measure the loads between bodies that should rest, in a separate run, which is not timed; None where none should rest.
 
@@ -155,8 +156,9 @@ def _interfaces(
 
     resting = ends(scene, float(outcome.trajectory.t[-1])).interfaces
     steps = min(outcome.steps, MAX_LOAD_STEPS)
-    if not resting or not steps or (loads := adapter.interface_loads(given, method, steps)) is None:
+    if not resting or not steps:
         return None
+    loads = adapter.interface_loads(given, method, steps)
     first = min(round(SETTLED / method.timestep), steps // 2)
     none = np.zeros(steps)
     return tuple(_bearing(pair.bodies, np.asarray(loads.get(pair.bodies, none), dtype=float)[first:]) for pair in resting)
@@ -168,7 +170,7 @@ def _bearing(bodies: tuple[int, int], loads: Array) -> InterfaceLoad:
     return InterfaceLoad(bodies, float(loads.mean()), int((borne[:-1] & ~borne[1:]).sum()))
 
 
-def _load(adapter: Contact, scene: Scene, method: Method, outcome: Completed) -> Load | None:
+def _load(adapter: ContactLoad, scene: Scene, method: Method, outcome: Completed) -> Load | None:
     """Measure the load of the contact in a separate run, which is not timed, until the body stops, or until the end."""
     stop = round(measured_stop(scene, outcome.trajectory).time / method.timestep)
     load = adapter.contact_load(scene, method, min(stop or outcome.steps, MAX_LOAD_STEPS))

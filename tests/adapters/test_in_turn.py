@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from bodycheck import load
 from bodycheck.adapters import offers, registry
-from bodycheck.adapters.contract import EngineDiverged, Method, Signals, Varied
+from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported, Signals, Varied
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.scene import Plane, Scene, State
 
@@ -60,7 +61,9 @@ def test_scenes_that_differ_in_what_an_engine_allows_are_stepped_together(
 
 
 def test_scenes_are_grouped_by_what_they_require(batching: Any) -> None:
-    """By `requirements` itself, which is slower: of flights at rest, moving, turning, falling, and on a plane."""
+    """By `requirements` itself, which is slower: of flights at rest, moving, turning, falling, and against drag at a plane."""
+    modelled = batching.engine.models | {"contact", "friction", "rolling", "drag"}
+    adapter = SimpleNamespace(engine=replace(batching.engine, models=modelled), prepare=batching.prepare)
     states = [
         State((0.0, 0.0, height), velocity=velocity, angular_velocity=spin)
         for height in (0.1, 0.3)
@@ -73,8 +76,9 @@ def test_scenes_are_grouped_by_what_they_require(batching: Any) -> None:
         for gravity in (0.0, 9.81)
         for plane in (None, Plane(0.5))
         for drag in (0.0, 0.1)
+        if plane is None or drag  # without drag they touch, and are not stepped together
     ]
-    offers.prepare(batching, scenes, EULER)
+    offers.prepare(adapter, scenes, EULER)
     assert len(batching.asked) == len({(replace(one, initial=State()), requirements(one)) for one in scenes})
 
 
@@ -94,3 +98,15 @@ def test_a_scene_that_is_given_up_leaves_the_others_alone(batching: Any, apart: 
     assert np.isnan(found[1, 1:]).all()
     for place in (0, 2):
         np.testing.assert_array_equal(found[place], batching.prepare([scenes[place]], EULER).advance(STRIDES)[0])
+
+
+def test_touching_bodies_are_not_stepped_together_with_others(batching: Any) -> None:
+    on_edge = replace(FLYING, plane=Plane(0.5))
+    with pytest.raises(SceneUnsupported, match="simulated one by one"):
+        offers.prepare(batching, [FLYING, on_edge], EULER)
+
+
+def test_a_scene_that_the_record_does_not_have_never_gets_to_the_adapter(batching: Any) -> None:
+    with pytest.raises(SceneUnsupported, match="batching does not model drag"):
+        offers.prepare(batching, [replace(FLYING, drag=0.1)], EULER)
+    assert batching.asked == []

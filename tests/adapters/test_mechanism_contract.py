@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bodycheck.adapters import offers, registry
-from bodycheck.adapters.contract import Mechanisms, Method, SceneUnsupported, Simulation
+from bodycheck.adapters.contract import Method, SceneUnsupported, Simulation
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.mechanism import Mechanism
@@ -35,7 +35,7 @@ def runs() -> Iterator[tuple[str, str, str]]:
     for name in NAMES:
         adapter = registry.load(name)
         for which, mechanism in MECHANISMS.items():
-            if isinstance(adapter, Mechanisms) and missing(mechanism, adapter.engine.models) is None:
+            if missing(mechanism, adapter.engine.models) is None:
                 yield from ((name, which, method) for method in offers.offered(adapter.engine, mechanism))
 
 
@@ -45,9 +45,8 @@ RUNS = list(runs())
 def prepared(name: str, mechanism: Mechanism, spelling: str) -> Simulation:
     """The simulation of a mechanism; the test is skipped where the engine refuses it."""
     adapter = registry.load(name)
-    assert isinstance(adapter, Mechanisms)
     try:
-        return adapter.prepare_mechanism(mechanism, Method.parse(spelling, STEP))
+        return adapter.prepare([mechanism], Method.parse(spelling, STEP))
     except SceneUnsupported as refused:
         pytest.skip(str(refused))
 
@@ -57,12 +56,6 @@ def start_of(mechanism: Mechanism) -> Array:
     first = kinematics.initial(mechanism)
     parts = (first.position, first.quaternion, first.velocity, first.angular_velocity)
     return np.concatenate([part[:, 0] for part in parts], axis=1)
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_an_adapter_models_mechanisms_where_it_can_build_them(name: str) -> None:
-    adapter = registry.load(name)
-    assert ("mechanisms" in adapter.engine.models) == isinstance(adapter, Mechanisms)
 
 
 @pytest.mark.parametrize(("name", "which", "method"), RUNS)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bodycheck.adapters import mechanism_models, registry
-from bodycheck.adapters.contract import MechanismModels, Mechanisms, Method, SceneUnsupported
+from bodycheck.adapters.contract import Method, Models, SceneUnsupported
 from bodycheck.reference.mechanisms.mechanism import Joint, Mechanism
 from bodycheck.reference.trajectory import Array
 from tests.support.jointed import ball_and_hinge, body, cart_pole
@@ -26,8 +26,7 @@ def arm() -> Mechanism:
 def moved(engine: str, spelling: str) -> Array:
     """The states (bodies, 13) of the arm after 0.2 s."""
     adapter = registry.load(engine)
-    assert isinstance(adapter, Mechanisms)
-    return adapter.prepare_mechanism(arm(), Method.parse(spelling, STEP)).advance(np.array([STEPS]))[0, -1]
+    return adapter.prepare([arm()], Method.parse(spelling, STEP)).advance(np.array([STEPS]))[0, -1]
 
 
 @pytest.mark.parametrize(
@@ -51,12 +50,12 @@ def test_a_larger_model_moves_as_the_smallest(engine: str, integrator: str, mode
 @pytest.mark.parametrize("engine", ["mujoco", "pinocchio"])
 def test_there_are_the_models_that_a_mechanism_can_have(engine: str) -> None:
     adapter = registry.load(engine)
-    assert isinstance(adapter, MechanismModels)
+    assert isinstance(adapter, Models)
     integrator = adapter.engine.integrators[0].name
-    assert list(adapter.mechanism_models(arm(), integrator)) == ["joints", "three-hinges", "free-bodies"]
-    assert not adapter.mechanism_models(ball_and_hinge(), integrator)  # a damped ball
-    assert not adapter.mechanism_models(cart_pole(), integrator)
-    assert not adapter.mechanism_models(arm(), f"{integrator}:model=free-bodies")
+    assert list(adapter.models(arm(), integrator)) == ["joints", "three-hinges", "free-bodies"]
+    assert not adapter.models(ball_and_hinge(), integrator)  # a damped ball
+    assert not adapter.models(cart_pole(), integrator)
+    assert not adapter.models(arm(), f"{integrator}:model=free-bodies")
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Mechanisms, MechanismScripts, Method, SceneUnsupported
+from bodycheck.adapters.contract import Method, SceneUnsupported, Scripts
 from bodycheck.adapters.scripts import MECHANISM_COLUMNS
 from tests.support.jointed import ball_and_hinge, cart_pole, four_bar, tree
 
@@ -36,17 +36,16 @@ for script in sorted(pathlib.Path(sys.argv[1]).glob("*.py")):
 @pytest.mark.parametrize("engine", [name for name in RUNS if registry.installed(name)])
 def test_a_script_makes_the_steps_of_the_run_to_the_last_bit(tmp_path: Path, engine: str) -> None:
     adapter = registry.load(engine)
-    assert isinstance(adapter, Mechanisms)
-    assert isinstance(adapter, MechanismScripts)
+    assert isinstance(adapter, Scripts)
     for number, (which, spelling) in enumerate(RUNS[engine]):
-        program = adapter.mechanism_script(MECHANISMS[which], Method.parse(spelling, STEP), DURATION, SAMPLES)
+        program = adapter.script(MECHANISMS[which], Method.parse(spelling, STEP), DURATION, SAMPLES)
         (tmp_path / f"{number}.py").write_text(program)
     done = subprocess.run([sys.executable, "-I", "-c", RUNNER, tmp_path], capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     steps = np.unique(np.rint(np.linspace(0.0, DURATION, SAMPLES) / STEP).astype(np.int64))
     for number, (which, spelling) in enumerate(RUNS[engine]):
         mechanism = MECHANISMS[which]
-        expected = adapter.prepare_mechanism(mechanism, Method.parse(spelling, STEP)).advance(np.diff(steps, prepend=0))[0]
+        expected = adapter.prepare([mechanism], Method.parse(spelling, STEP)).advance(np.diff(steps, prepend=0))[0]
         first, *lines = (tmp_path / f"{number}.csv").read_text().splitlines()
         cells = [line.split(",") for line in lines]
         assert first == MECHANISM_COLUMNS
@@ -57,6 +56,6 @@ def test_a_script_makes_the_steps_of_the_run_to_the_last_bit(tmp_path: Path, eng
 
 def test_what_cannot_be_a_script_is_refused_with_the_reason() -> None:
     adapter = registry.load("mujoco")
-    assert isinstance(adapter, MechanismScripts)
+    assert isinstance(adapter, Scripts)
     with pytest.raises(SceneUnsupported, match="for a mechanism without loops"):
-        adapter.mechanism_script(cart_pole(), Method.parse("Euler:solref=0.01 1", STEP), DURATION, SAMPLES)
+        adapter.script(cart_pole(), Method.parse("Euler:solref=0.01 1", STEP), DURATION, SAMPLES)

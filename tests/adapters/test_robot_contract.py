@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import RobotModels
-from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, RobotFile, RobotReading
+from bodycheck.adapters.robot_reading import FormatUnknown, ModelRefused, ReadBody, RobotFile, RobotModels, RobotReading
 from bodycheck.reference.robots.model import RobotJointType
 from bodycheck.reference.robots.state import VELOCITIES, RobotState
 from bodycheck.reference.trajectory import Array

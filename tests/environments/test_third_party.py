@@ -34,6 +34,7 @@ def step(inertia, gravity, state, h):
 def test_the_package_of_the_guide_is_an_engine(wheel: Callable[..., Path], place: Path, tmp_path: Path) -> None:
     guide = ROOT / "docs" / "engines.md"
     ((module,), (project,), (commands,)) = (blocks(guide, language) for language in ("python", "toml", "sh"))
+    assert len(module.splitlines()) <= 60  # as the guides say
     (tmp_path / "bodycheck_toy.py").write_text(module, "utf-8")
     (tmp_path / "pyproject.toml").write_text(project, "utf-8")
     installed = tmp_path / "installed"

@@ -97,5 +97,19 @@ def test_every_import_of_the_checkout_is_found(missed: list[str]) -> None:
     assert [one for one in missed if one not in EXPECTED] == []
 
 
+def test_mypy_misses_modules_of_bodycheck_alone(tmp_path: Path) -> None:
+    """Without a list of engines: a package that is not installed may be one, but a module of bodycheck must be there."""
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    (tmp_path / "bodycheck").mkdir()
+    (tmp_path / "bodycheck" / "__init__.py").touch()
+    (tmp_path / "bodycheck" / "planted.py").write_text("import planted_engine\nfrom bodycheck.adapters.contrct import Engine\n")
+    command = [sys.executable, "-m", "mypy", "--cache-dir", str(tmp_path / "cache")]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    faults = [line for line in done.stdout.splitlines() if ": error:" in line]
+    assert len(faults) == 1, done.stdout + done.stderr
+    assert faults[0].startswith("bodycheck/planted.py:2:")
+    assert "bodycheck.adapters.contrct" in faults[0]
+
+
 def test_planted_imports_are_missed(missed: list[str]) -> None:
     assert [one for one in missed if one in EXPECTED] == EXPECTED

@@ -1,6 +1,7 @@
 """Rooms depend on one another in one direction, and nothing heavy is imported before it is needed."""
 
 import ast
+import runpy
 import shutil
 from collections.abc import Iterator
 from functools import cache
@@ -27,24 +28,6 @@ FLOORS = (
     {"commands", "pytest_plugin"},
     {"__main__", "__init__"},
 )
-
-#: The packages of engines, and the folders of the adapters that import them, which nothing else does.
-ENGINES = {
-    "brax": {"brax"},
-    "dartpy": {"dart"},
-    "exudyn": {"exudyn"},
-    "jax": {"brax", "mjx", "mjx32"},
-    "mujoco": {"brax", "mjx", "mjx32", "mujoco", "mujoco_warp"},
-    "mujoco_warp": {"mujoco_warp"},
-    "newton": {"newton"},
-    "opensim": {"simbody"},
-    "pinocchio": {"pinocchio"},
-    "pybullet": {"pybullet"},
-    "pydrake": {"drake"},
-    "rapier3d": {"rapier"},
-    "sapien": {"sapien"},
-    "warp": {"mujoco_warp", "newton"},
-}
 
 
 def rooms(root: Path) -> dict[str, Path]:
@@ -75,6 +58,15 @@ def nodes(source: str) -> list[ast.Import | ast.ImportFrom]:
     return [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Import | ast.ImportFrom)]
 
 
+def engine_modules(root: Path) -> dict[str, set[str]]:
+    """The modules of engines, and the folders of the adapters that import them, as each folder's `INSTALLATION` says."""
+    importers: dict[str, set[str]] = {}
+    for path in sorted((root / "adapters").glob("*/__init__.py")):
+        for module in runpy.run_path(str(path))["INSTALLATION"].imported:
+            importers.setdefault(module, set()).add(path.parent.name)
+    return importers
+
+
 def floor(room: str) -> int:
     return next(number for number, those in enumerate(FLOORS) if room in those)
 
@@ -82,7 +74,7 @@ def floor(room: str) -> int:
 def faults(root: Path) -> list[str]:
     """Every import of a checkout that goes up, or sideways into another room, and every room without a floor."""
     faults_seen = []
-    folders = rooms(root)
+    folders, engines = rooms(root), engine_modules(root)
     for room, folder in folders.items():
         if room in ("cases", "__pycache__"):  # data
             continue
@@ -95,7 +87,7 @@ def faults(root: Path) -> list[str]:
                 other = rest.partition(".")[0] or "__init__"  # the package itself is the highest floor
                 if package == "bodycheck" and other != room and other in folders and floor(other) >= floor(room):
                     faults_seen.append(f"{path}: imports {module}")
-                if package in ENGINES and path.parent.name not in ENGINES[package]:
+                if package in engines and path.parent.name not in engines[package]:
                     faults_seen.append(f"{path}: imports the engine {package}")
     return faults_seen
 
@@ -139,6 +131,38 @@ def reached(name: str, imported: dict[str, set[str]]) -> set[str]:
 
 def test_every_import_goes_down() -> None:
     assert faults(ROOT) == []
+
+
+def test_what_an_engine_is_imported_by_is_known() -> None:
+    """Two engines whose modules are named otherwise than their packages, and one that shares its own with others."""
+    importers = engine_modules(ROOT)
+    assert importers["pydrake"] == {"drake"}
+    assert importers["opensim"] == {"simbody"}
+    assert importers["mujoco"] == {"brax", "mjx", "mjx32", "mujoco", "mujoco_warp"}
+    imported = {
+        name.partition(".")[0]
+        for folder in (ROOT / "adapters").glob("*/")
+        for path in modules(folder)
+        for name in imports(path)
+    }
+    assert importers.keys() <= imported
+
+
+def test_a_new_engine_is_its_folder(checkout: Path) -> None:
+    """Nothing else is edited: what a planted folder says of its modules keeps all others from importing them."""
+    folder, elsewhere = checkout / "adapters" / "planted", checkout / "bodycheck" / "judging" / "planted.py"
+    folder.mkdir()
+    (folder / "__init__.py").write_text(
+        "from bodycheck.adapters.installation import Installation\n\nINSTALLATION = Installation('planted-engine')\n"
+    )
+    (folder / "engine.py").write_text("import planted_engine\n")
+    try:
+        assert faults(checkout) == []
+        elsewhere.write_text("import planted_engine\n")
+        assert faults(checkout) == [f"{elsewhere.resolve()}: imports the engine planted_engine"]
+    finally:
+        shutil.rmtree(folder)
+        elsewhere.unlink(missing_ok=True)
 
 
 def test_no_module_imports_itself_by_a_detour() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Mechanisms, Method
+from bodycheck.adapters.contract import Method
 from bodycheck.judging.schemes.identified import Identification
 from bodycheck.judging.schemes.jointed_identification import identify_jointed
 from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
@@ -47,10 +47,9 @@ def truth_of(name: str) -> Truth:
 
 def found(name: str, engine: str, spelling: str) -> Identification:
     truth, method, adapter = truth_of(name), Method.parse(spelling, STEP), registry.load(engine)
-    assert isinstance(adapter, Mechanisms)
     instants: Array = truth.trajectory.t
     strides = np.diff(np.rint(instants / STEP).astype(np.int64), prepend=0)
-    seen = trajectory(instants, adapter.prepare_mechanism(MECHANISMS[name], method).advance(strides))
+    seen = trajectory(instants, adapter.prepare([MECHANISMS[name]], method).advance(strides))
     run = Run(name, engine, "", method, Completed(seen, int(strides.sum()), 1.0))
     identification = identify_jointed(MECHANISMS[name], run, truth, ROUNDOFF["float64"])
     assert identification is not None

@@ -30,10 +30,7 @@ DONE = Completed(REST, 40, 1.0)
 class Bearing:
     """An engine that has loads: 11 N, but nothing before 1 s and in steps 20, 30 and 31."""
 
-    def prepare_touching(self, scene: object, method: Method) -> object:
-        raise AssertionError
-
-    def interface_loads(self, scene: object, method: Method, steps: int) -> Mapping[tuple[int, int], Array] | None:
+    def interface_loads(self, scene: object, method: Method, steps: int) -> Mapping[tuple[int, int], Array]:
         loads = np.full(steps, 11.0)
         loads[:10] = loads[[20, 30, 31]] = 0.0
         return {(WORLD, 0): loads, (0, 1): loads}
@@ -69,19 +66,19 @@ def test_a_motion_is_computed_once_for_all_methods(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(ways, "WAYS", (counted,))
     for method in ("step", "other"):
-        assert simulation._interfaces(Bearing(), BALL, BALL, Method(method, 0.1), DONE)  # type: ignore[arg-type]
+        assert simulation._interfaces(Bearing(), BALL, BALL, Method(method, 0.1), DONE)
     assert len(computed) == 1
 
 
 def test_the_mean_and_the_losses_of_contact_after_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ways, "WAYS", (resting,))
-    found = simulation._interfaces(Bearing(), BALL, BALL, Method("step", 0.1), DONE)  # type: ignore[arg-type]
+    found = simulation._interfaces(Bearing(), BALL, BALL, Method("step", 0.1), DONE)
     assert found == (InterfaceLoad((WORLD, 0), pytest.approx(11.0 * 27 / 30), 2),)
 
 
 def test_a_run_of_bodies_that_move_has_none(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ways, "WAYS", (moving,))
-    assert simulation._interfaces(Bearing(), BALL, BALL, Method("step", 0.1), DONE) is None  # type: ignore[arg-type]
+    assert simulation._interfaces(Bearing(), BALL, BALL, Method("step", 0.1), DONE) is None
 
 
 def test_they_are_stored_and_read_again(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from bodycheck import load
-from bodycheck.adapters import norm_errors, offers, registry
+from bodycheck.adapters import offers, registry, stepping
 from bodycheck.adapters.contract import Engine, EngineDiverged, Integrator, Method, SceneUnsupported
 from bodycheck.adapters.stepping import Normalised
 from bodycheck.processes.failures import Crashed
@@ -135,7 +135,7 @@ def test_norm_errors_of_scenes_that_are_advanced_in_turn(planted: Planted) -> No
     heavy = replace(heavier, initial=other.initial)
     simulated = offers.prepare(planted, [one, heavy, third], EULER)
     simulated.advance(np.diff(STEPS, prepend=0))
-    np.testing.assert_allclose(norm_errors.of_each(simulated, 3), [0.01, 0.03, 0.02], rtol=1e-12)
+    np.testing.assert_allclose(stepping.norm_errors(simulated, 3), [0.01, 0.03, 0.02], rtol=1e-12)
 
 
 @pytest.mark.parametrize("where", ["prepare", "advance"])

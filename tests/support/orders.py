@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from bodycheck.adapters.contract import Adapter, Mechanisms, Method
+from bodycheck.adapters.contract import Adapter, Method
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.mechanisms.mechanism import Mechanism
 from bodycheck.reference.scene import Scene
@@ -29,11 +29,11 @@ def observed_order(
 
 
 def observed_mechanism_order(
-    adapter: Mechanisms, mechanism: Mechanism, spelling: str, steps: tuple[float, float, float], duration: float
+    adapter: Adapter, mechanism: Mechanism, spelling: str, steps: tuple[float, float, float], duration: float
 ) -> dict[str, float]:
     """The orders of the positions and attitudes of all bodies at the end of a motion, as `observed_order` has those of one."""
     coarse, middle, fine = (
-        adapter.prepare_mechanism(mechanism, Method.parse(spelling, step)).advance(np.array([round(duration / step)]))[0, -1]
+        adapter.prepare([mechanism], Method.parse(spelling, step)).advance(np.array([round(duration / step)]))[0, -1]
         for step in steps
     )
     pairs = ((coarse, middle), (middle, fine))

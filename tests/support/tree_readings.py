@@ -5,7 +5,7 @@ from random import Random
 
 import pytest
 
-from bodycheck.adapters.contract import RobotModels
+from bodycheck.adapters.robot_reading import RobotModels
 from bodycheck.reference.robots.states import seeded_states
 from bodycheck.robots.urdf_text import urdf
 from tests.support.robot_texts import GRAVITY, written

@@ -10,7 +10,8 @@ from typing import Literal
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from bodycheck.adapters.contract import Engine, Integrator, Link, Method, Strides, single
+from bodycheck.adapters.contract import Engine, Integrator, Method, Strides, single
+from bodycheck.adapters.links import Link
 from bodycheck.reference.scene import Body, Scene, State
 from bodycheck.reference.schemes.catalogue import CATALOGUE, MUNTHE_KAAS
 from bodycheck.reference.schemes.formulations import world_velocity

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from bodycheck.adapters import norm_errors, offers, registry
+from bodycheck.adapters import offers, registry, stepping
 from bodycheck.adapters.contract import Adapter, Method, Signals, Strides
 from bodycheck.adapters.engine_name import in_words
 from bodycheck.casefile.content import Case
@@ -199,7 +199,7 @@ def _together(adapter: Adapter, scenes: Sequence[Scene], method: Method, steps: 
     ended: dict[int, Outcome] = {place: Diverged(text, "gave up") for place, text in signals.items()}
     if rounding() != TO_NEAREST:
         ended = dict.fromkeys(range(len(scenes)), simulation.OTHER_ROUNDING)
-    return _Rows(states, norm_errors.of_each(made, len(scenes)), wall_time, ended)
+    return _Rows(states, stepping.norm_errors(made, len(scenes)), wall_time, ended)
 
 
 def _one_by_one(

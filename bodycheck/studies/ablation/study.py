@@ -6,7 +6,7 @@ from contextlib import closing
 import numpy as np
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Engine, MechanismModels, Method, Model, Models
+from bodycheck.adapters.contract import Engine, Method, Model, Models
 from bodycheck.adapters.method import DEFAULT_TIMESTEP
 from bodycheck.adapters.offers import offered
 from bodycheck.casefile.content import Case
@@ -17,8 +17,6 @@ from bodycheck.judging.schemes.convergence import common
 from bodycheck.processes import pool
 from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.kinematics import geodesic_angle, normalise
-from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reference.truths import distance
 from bodycheck.results.key import RunKey
@@ -100,13 +98,9 @@ def with_models(asked: tuple[Case, str, tuple[str, ...]]) -> ModelsByMethod:
     adapter = registry.load(engine)
     names = offered(adapter.engine, case.scene)
     wanted = {Method.parse(spelling, 0.0).name for spelling in integrators}
-    match case.scene:
-        case Mechanism() as mechanism if isinstance(adapter, MechanismModels):
-            found = {name: dict(adapter.mechanism_models(mechanism, name)) for name in names}
-        case Scene() as scene if isinstance(adapter, Models):
-            found = {name: dict(adapter.models(scene, name)) for name in names}
-        case _:
-            return {}
+    if not isinstance(adapter, Models):
+        return {}
+    found = {name: dict(adapter.models(case.scene, name)) for name in names}
     growing = {name: models for name, models in found.items() if models and (not wanted or name in wanted)}
     return growing if wanted else dict(list(growing.items())[:1])
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from bodycheck.adapters import offers
-from bodycheck.adapters.contract import Adapter, EngineDiverged, Link, Links, Method, Normalising, SceneUnsupported, Simulation
+from bodycheck.adapters.contract import Adapter, EngineDiverged, Method, Normalising, SceneUnsupported, Simulation
+from bodycheck.adapters.links import Link, Links
 from bodycheck.judging.schemes.scheme_rounding import ROUNDOFF
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array

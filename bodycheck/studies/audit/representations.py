@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from bodycheck.adapters.contract import Link
-from bodycheck.adapters.links import carried, link_of, state_in
+from bodycheck.adapters.links import Link, carried, link_of, state_in
 from bodycheck.reference.inertia import inertia_tensor
 from bodycheck.reference.kinematics import conjugate, normalise, rotate
 from bodycheck.reference.principal_frame import IDENTITY

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Mechanisms, Method, SceneUnsupported
+from bodycheck.adapters.contract import Method, SceneUnsupported
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.mechanisms.joint_types import JointType
 from bodycheck.reference.mechanisms.mechanism import WORLD, Joint, Mechanism
@@ -57,8 +57,7 @@ MOVED = {
 
 def last(mechanism: Mechanism, timestep: float) -> Array:
     """The states (bodies, 13) at the end."""
-    assert isinstance(BRAX, Mechanisms)
-    simulation = BRAX.prepare_mechanism(mechanism, Method.parse("generalized", timestep))
+    simulation = BRAX.prepare([mechanism], Method.parse("generalized", timestep))
     return np.array(simulation.advance(np.array([round(DURATION / timestep)]))[0, 0])
 
 

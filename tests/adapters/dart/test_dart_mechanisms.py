@@ -22,7 +22,7 @@ TYPES: tuple[Literal["revolute", "prismatic"], ...] = ("revolute", "prismatic")
 
 def moved(mechanism: Mechanism, timestep: float, *strides: int) -> tuple[Array, Array]:
     """Coordinates and velocities of one joint after so many steps."""
-    simulation = DART.prepare_mechanism(mechanism, Method.parse(SCHEME, timestep))
+    simulation = DART.prepare([mechanism], Method.parse(SCHEME, timestep))
     return coordinate(mechanism, simulation.advance(np.array(strides)))
 
 
@@ -61,7 +61,7 @@ def test_a_loop_comes_apart_and_less_with_smaller_steps() -> None:
     apart = []
     for timestep in (1e-3, 5e-4):
         strides = np.array([round(0.5 / timestep)])
-        states = DART.prepare_mechanism(four_bar(), Method.parse(SCHEME, timestep)).advance(strides)
+        states = DART.prepare([four_bar()], Method.parse(SCHEME, timestep)).advance(strides)
         apart.append(float(kinematics.gaps(four_bar(), trajectory(np.cumsum(strides) * timestep, states))[0]))
     assert 1e-4 < apart[0] < 1e-2
     assert 1.5 < apart[0] / apart[1] < 6  # an error of first or second order

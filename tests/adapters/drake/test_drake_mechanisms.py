@@ -27,7 +27,7 @@ def test_an_integrator_has_its_order_on_joints_of_every_type(spelling: str) -> N
 @pytest.mark.parametrize("spelling", ["lagged", "sap"])
 def test_a_loop_stays_closed(spelling: str) -> None:
     steps = np.full(10, 50)
-    states = DRAKE.prepare_mechanism(four_bar(), Method.parse(spelling, 1e-3)).advance(steps)
+    states = DRAKE.prepare([four_bar()], Method.parse(spelling, 1e-3)).advance(steps)
     apart = kinematics.gaps(four_bar(), trajectory(np.cumsum(steps) * 1e-3, states))
     # Drake's constraint is so stiff that it lasts two steps; a step of 1 ms bends the path of a point by h^2 v^2/L.
     assert apart.max() < 1e-5
@@ -38,4 +38,4 @@ def test_a_loop_stays_closed(spelling: str) -> None:
 
 def test_a_continuous_plant_has_no_loops() -> None:
     with pytest.raises(SceneUnsupported, match="solver SAP only"):
-        DRAKE.prepare_mechanism(four_bar(), Method.parse("runge_kutta3", 1e-3))
+        DRAKE.prepare([four_bar()], Method.parse("runge_kutta3", 1e-3))

@@ -19,7 +19,7 @@ CLAIMED = {"ExplicitEuler": 1, "ExplicitMidpoint": 2, "RK33": 3, "RK44": 4, "ODE
 
 def moved(mechanism: Mechanism, spelling: str, timestep: float, *strides: int) -> tuple[Array, Array]:
     """Coordinates and velocities of one joint after so many steps."""
-    simulation = EXUDYN.prepare_mechanism(mechanism, Method.parse(spelling, timestep))
+    simulation = EXUDYN.prepare([mechanism], Method.parse(spelling, timestep))
     return coordinate(mechanism, simulation.advance(np.array(strides)))
 
 
@@ -46,9 +46,9 @@ def test_constraints_on_balls_are_of_second_order(spelling: str) -> None:
 
 def test_velocities_of_constrained_bodies_alternate_without_numerical_damping() -> None:
     """The velocities of the last two steps differ by far more than their accelerations allow."""
-    simulation = EXUDYN.prepare_mechanism(ball_chain(), Method.parse("GeneralizedAlpha", 1e-3))
+    simulation = EXUDYN.prepare([ball_chain()], Method.parse("GeneralizedAlpha", 1e-3))
     last = simulation.advance(np.array([298, 1, 1]))[0, :, :, 7:10]
-    kept = EXUDYN.prepare_mechanism(ball_chain(), Method.parse("TrapezoidalIndex2", 1e-3))
+    kept = EXUDYN.prepare([ball_chain()], Method.parse("TrapezoidalIndex2", 1e-3))
     smooth = kept.advance(np.array([298, 1, 1]))[0, :, :, 7:10]
     second = [np.abs(rows[2] - 2 * rows[1] + rows[0]).max() for rows in (last, smooth)]
     assert second[0] > 10 * second[1]
@@ -78,7 +78,7 @@ def test_a_loop_is_closed_on_positions_or_on_velocities() -> None:
     apart = {}
     for spelling, timestep in (("GeneralizedAlpha", 2e-3), ("TrapezoidalIndex2", 2e-3), ("TrapezoidalIndex2", 1e-3)):
         strides = np.full(5, round(0.1 / timestep))
-        states = EXUDYN.prepare_mechanism(four_bar(), Method.parse(spelling, timestep)).advance(strides)
+        states = EXUDYN.prepare([four_bar()], Method.parse(spelling, timestep)).advance(strides)
         apart[spelling, timestep] = kinematics.gaps(four_bar(), trajectory(np.cumsum(strides) * timestep, states)).max()
     # Newton's method makes the gap as small as it can; on velocities it grows by the square of the step.
     assert apart["GeneralizedAlpha", 2e-3] < 1e-10
@@ -87,4 +87,4 @@ def test_a_loop_is_closed_on_positions_or_on_velocities() -> None:
 
 def test_explicit_solvers_refuse_constraints() -> None:
     with pytest.raises(SceneUnsupported, match="contains constraints"):
-        EXUDYN.prepare_mechanism(ball_chain(), Method.parse("RK44", 1e-3))
+        EXUDYN.prepare([ball_chain()], Method.parse("RK44", 1e-3))

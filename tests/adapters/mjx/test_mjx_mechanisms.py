@@ -33,7 +33,7 @@ def test_a_loop_is_as_soft_as_its_constraint() -> None:
     apart = []
     for timestep in (2e-3, 1e-3):
         strides = np.full(5, round(0.1 / timestep))
-        states = MJX.prepare_mechanism(four_bar(), Method.parse("Euler", timestep)).advance(strides)
+        states = MJX.prepare([four_bar()], Method.parse("Euler", timestep)).advance(strides)
         apart.append(float(kinematics.gaps(four_bar(), trajectory(np.cumsum(strides) * timestep, states)).max()))
     assert min(apart) > 1e-4
     assert apart[0] / apart[1] == pytest.approx(1, abs=0.3)

@@ -29,7 +29,7 @@ def slider(**forces: float) -> Mechanism:
 
 def after(mechanism: Mechanism, spelling: str, *strides: int, timestep: float = STEP) -> Array:
     """The states (n, bodies, 13) after strides."""
-    return adapter.prepare_mechanism(mechanism, Method.parse(spelling, timestep)).advance(np.array(strides))[0]
+    return adapter.prepare([mechanism], Method.parse(spelling, timestep)).advance(np.array(strides))[0]
 
 
 @pytest.mark.parametrize(

@@ -42,7 +42,7 @@ METHODS = offers.offered(adapter.engine, Scene(OF_BALL, State((0.0, 0.0, 1.0)), 
 def states(scene: Scene | Mechanism, spelling: str, duration: float, timestep: float = 0.002) -> Array:
     """States (n, bodies, 13) after every step."""
     strides = np.ones(round(duration / timestep), dtype=np.int64)
-    return np.asarray(adapter.prepare_touching(scene, Method.parse(spelling, timestep)).advance(strides)[0])
+    return np.asarray(adapter.prepare([scene], Method.parse(spelling, timestep)).advance(strides)[0])
 
 
 @pytest.mark.parametrize("spelling", METHODS)
@@ -102,7 +102,7 @@ def test_two_pushes_at_once_add_and_samples_do_not_depend_on_how_far_apart_they_
     pushes = (Push((1.0, 0.0, 0.0), end=0.301), Push((0.0, 2.0, 0.0), (0.1, 0.0, 0.0), 0.1, 0.2))
     scene = Scene(OF_BALL, State((0.0, 0.0, 5.0)), 0.0, Plane(0.5), pushes=pushes)
     dense = states(scene, "RK4", 0.4)
-    coarse = adapter.prepare_touching(scene, Method.parse("RK4", 0.002)).advance(np.array([0, 50, 50, 100, 0]))[0]
+    coarse = adapter.prepare([scene], Method.parse("RK4", 0.002)).advance(np.array([0, 50, 50, 100, 0]))[0]
     assert coarse[1:] == pytest.approx(dense[[49, 99, 199, 199]], abs=0)
     assert coarse[0, 0, 7:] == pytest.approx(0, abs=0)
     assert dense[-1, 0, 7:9] == pytest.approx([0.3 / MASS, 0.2 / MASS], rel=1e-12)  # 0.301 s is nearest to the step at 0.3 s
@@ -179,13 +179,13 @@ def test_scripts_make_the_steps_of_runs_to_the_last_bit(tmp_path: Path) -> None:
     stack = several([(CUBE, (0.0, 0.0, RADIUS)), (BALL, (0.0, 0.0, 3 * RADIUS))], Plane(0.5), pushes=(push,))
     programs = {
         "alone": (alone, adapter.script(alone, method, 0.3, 4)),
-        "stack": (stack, adapter.mechanism_script(stack, method, 0.3, 4)),
+        "stack": (stack, adapter.script(stack, method, 0.3, 4)),
     }
     for name, (scene, program) in programs.items():
         (tmp_path / f"{name}.py").write_text(program)
         with redirect_stdout(io.StringIO()) as printed:
             runpy.run_path(str(tmp_path / f"{name}.py"))
-        expected = adapter.prepare_touching(scene, method).advance(np.array(steps))[0]
+        expected = adapter.prepare([scene], method).advance(np.array(steps))[0]
         rows = [line.split(",")[-13:] for line in printed.getvalue().splitlines()[1:]]
         np.testing.assert_array_equal(np.array(rows, dtype=float).reshape(expected.shape), expected, err_msg=name)
     with pytest.raises(SceneUnsupported, match="begin later"):
@@ -195,7 +195,7 @@ def test_scripts_make_the_steps_of_runs_to_the_last_bit(tmp_path: Path) -> None:
 def test_there_is_no_choice_of_models() -> None:
     scene = several([(CUBE, (0.0, 0.0, RADIUS))], Plane(0.5))
     assert adapter.models(on(Plane(0.5), OF_BALL, 1.0), "Euler") == {}
-    assert adapter.mechanism_models(scene, "Euler") == {}
+    assert adapter.models(scene, "Euler") == {}
 
 
 def test_what_is_refused() -> None:
@@ -211,7 +211,7 @@ def test_what_is_refused() -> None:
     }
     for spelling, scene in refused.items():
         with pytest.raises(SceneUnsupported):
-            adapter.prepare_touching(scene, Method.parse(spelling, 0.002))
+            adapter.prepare([scene], Method.parse(spelling, 0.002))
 
 
 def test_options_change_contacts() -> None:
@@ -229,7 +229,7 @@ def test_options_change_contacts() -> None:
 def test_what_diverges_is_reported_with_the_states_before() -> None:
     """A force that overflows from a step in the middle of a stretch on."""
     scene = on(Plane(0.5), OF_BALL, 1.0, pushes=(Push((0.0, 0.0, 1e305), start=0.1),))
-    simulation = adapter.prepare_touching(scene, Method.parse("Euler", 0.002))
+    simulation = adapter.prepare([scene], Method.parse("Euler", 0.002))
     with pytest.raises(EngineDiverged) as caught:
         simulation.advance(np.array([0, 20, 20, 20, 20]))
     assert caught.value.states.shape == (1, 4, 1, 13)

@@ -23,7 +23,7 @@ def test_a_loop_is_as_soft_as_its_constraint() -> None:
     apart = []
     for timestep in (2e-3, 1e-3):
         strides = np.full(5, round(0.1 / timestep))
-        states = WARP.prepare_mechanism(four_bar(), Method.parse("RK4", timestep)).advance(strides)
+        states = WARP.prepare([four_bar()], Method.parse("RK4", timestep)).advance(strides)
         apart.append(float(kinematics.gaps(four_bar(), trajectory(np.cumsum(strides) * timestep, states)).max()))
     assert min(apart) > 1e-5
     assert apart[0] / apart[1] == pytest.approx(1, abs=0.3)

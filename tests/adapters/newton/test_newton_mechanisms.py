@@ -26,7 +26,7 @@ def test_featherstone_has_wrong_accelerations_of_a_ball_joint_on_a_moving_body()
 
     def after(spelling: str, timestep: float) -> Array:
         strides = np.array([round(0.2 / timestep)])
-        return NEWTON.prepare_mechanism(ball_chain(), Method.parse(spelling, timestep)).advance(strides)[0, 0]
+        return NEWTON.prepare([ball_chain()], Method.parse(spelling, timestep)).advance(strides)[0, 0]
 
     apart = [np.abs(after("Featherstone", step)[:, :3] - after("Steel", step)[:, :3]).max() for step in (2e-3, 1e-3)]
     assert min(apart) > 1e-3
@@ -38,4 +38,4 @@ def test_what_a_solver_ignores_is_refused(spelling: str, lacking: str) -> None:
     key = {"springs": "stiffness", "friction": "friction"}[lacking]
     joints = tuple(replace(joint, **{key: 1.0}) for joint in cart_pole().joints)
     with pytest.raises(SceneUnsupported, match=lacking):
-        NEWTON.prepare_mechanism(replace(cart_pole(), joints=joints), Method.parse(spelling, 1e-3))
+        NEWTON.prepare([replace(cart_pole(), joints=joints)], Method.parse(spelling, 1e-3))

@@ -11,7 +11,7 @@ from bodycheck.adapters import offers, registry
 from bodycheck.adapters.contract import EngineDiverged, Method, SceneUnsupported
 from bodycheck.adapters.pinocchio.contact import solver_settings
 from bodycheck.reference.inertia import principal_moments
-from bodycheck.reference.scene import Body, Brick, Cylinder, Ellipsoid, Plane, Scene, Shape, State
+from bodycheck.reference.scene import Body, Brick, Cylinder, Plane, Scene, Shape, State
 from bodycheck.reference.sliding.motion import slide
 from bodycheck.reference.trajectory import Array
 
@@ -195,17 +195,9 @@ def test_integrators_are_those_of_the_scene() -> None:
         assert offers.not_offered(PINOCCHIO.engine, scene, method) == f"has no integrator {integrator!r} for this scene"
 
 
-def lifted(height: float) -> Scene:
-    scene = flat()
-    return replace(scene, initial=replace(scene.initial, position=(0.0, 0.0, height)))
-
-
 UNSUPPORTED = {
     "drag together with contact": replace(flat(), drag=0.1),
     "contact without a weight": replace(flat(), gravity=0.0),
-    "no face to lie on": flat(shape=Ellipsoid((0.1, 0.2, 0.05))),
-    "does not lie flat": lifted(0.06),
-    "0.1 rad from the vertical": replace(flat(), initial=State((0, 0, 0.05), (math.cos(0.05), math.sin(0.05), 0, 0))),
     "no corners": flat(shape=DISK),
     "balanced load has no meaning": flat(plane=Plane(FRICTION, "decoupled", "balanced")),
 }

@@ -23,7 +23,7 @@ ROUNDING = 1e-14
 
 def after(mechanism: Mechanism, spelling: str, *strides: int, timestep: float = STEP) -> Array:
     """The states (1, n, bodies, 13) after strides."""
-    return adapter.prepare_mechanism(mechanism, Method.parse(spelling, timestep)).advance(np.array(strides))
+    return adapter.prepare([mechanism], Method.parse(spelling, timestep)).advance(np.array(strides))
 
 
 def test_a_step_has_armature_and_all_forces_of_a_joint() -> None:

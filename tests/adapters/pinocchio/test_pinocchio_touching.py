@@ -44,7 +44,7 @@ EXACT = 1e-11
 
 def states(scene: Scene | Mechanism, duration: float) -> Array:
     """States (n, bodies, 13) after every step."""
-    return np.asarray(adapter.prepare_touching(scene, ADMM).advance(np.ones(round(duration / STEP), dtype=np.int64))[0])
+    return np.asarray(adapter.prepare([scene], ADMM).advance(np.ones(round(duration / STEP), dtype=np.int64))[0])
 
 
 @pytest.mark.parametrize("part", [0.0, 0.5, 0.99, 1.01, 2.0])
@@ -185,8 +185,8 @@ def test_what_is_offered_and_refused() -> None:
     two = several([(Cylinder(0.1, 0.1), (0.0, 0.0, 0.1)), (CUBE, (1.0, 0.0, RADIUS))], Plane(0.5))
     for scene in (two, on(Plane(0.5), Body(1.0, (1.0, 1.0, 1.0)), 1.0)):
         with pytest.raises(SceneUnsupported):
-            adapter.prepare_touching(scene, ADMM)
+            adapter.prepare([scene], ADMM)
     with pytest.raises(SceneUnsupported, match="script"):
         adapter.script(bouncing, ADMM, 1.0, 2)
     with pytest.raises(SceneUnsupported, match="script"):
-        adapter.mechanism_script(two, ADMM, 1.0, 2)
+        adapter.script(two, ADMM, 1.0, 2)

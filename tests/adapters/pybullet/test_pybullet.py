@@ -12,8 +12,8 @@ import pytest
 
 from bodycheck import compare, load, simulate, truth
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Link, Method
-from bodycheck.adapters.links import link_of
+from bodycheck.adapters.contract import Method
+from bodycheck.adapters.links import Link, link_of
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.scene import Body, Brick, Plane, Scene, State
 from bodycheck.reference.sliding.motion import slide

@@ -20,7 +20,7 @@ TYPES: tuple[Literal["revolute", "prismatic"], ...] = ("revolute", "prismatic")
 
 def moved(mechanism: Mechanism, timestep: float, *strides: int) -> tuple[Array, Array]:
     """Coordinates and velocities of one joint after so many steps."""
-    simulation = PYBULLET.prepare_mechanism(mechanism, Method.parse("multibody", timestep))
+    simulation = PYBULLET.prepare([mechanism], Method.parse("multibody", timestep))
     return coordinate(mechanism, simulation.advance(np.array(strides)))
 
 
@@ -57,7 +57,7 @@ def test_a_loop_comes_apart_by_the_square_of_the_step() -> None:
     apart = []
     for timestep in (1e-3, 5e-4):
         strides = np.full(5, round(0.1 / timestep))
-        states = PYBULLET.prepare_mechanism(four_bar(), Method.parse("multibody", timestep)).advance(strides)
+        states = PYBULLET.prepare([four_bar()], Method.parse("multibody", timestep)).advance(strides)
         apart.append(float(kinematics.gaps(four_bar(), trajectory(np.cumsum(strides) * timestep, states)).max()))
     assert apart[0] < 1e-3
     assert apart[0] / apart[1] == pytest.approx(4, abs=0.8)  # a step has terms of higher order; four is far from two

@@ -31,7 +31,7 @@ def test_damping_and_springs_are_those_at_the_end_of_a_step(type: Literal["revol
         ({"stiffness": k, "rest": rest}, 1.0, 0.0, -h * k * (1 - rest) / (1 + h * h * k)),
     ):
         mechanism = on_one_joint(type, start, velocity, **acting)
-        simulation = RAPIER.prepare_mechanism(mechanism, Method.parse(SCHEME, h))
+        simulation = RAPIER.prepare([mechanism], Method.parse(SCHEME, h))
         _, found = coordinate(mechanism, simulation.advance(np.array([1])))
         assert found[0] == pytest.approx(expected, rel=1e-5)  # single precision
 
@@ -40,7 +40,7 @@ def test_a_loop_comes_apart_less_with_smaller_steps() -> None:
     apart = []
     for timestep in (2e-3, 1e-3):
         strides = np.full(5, round(0.1 / timestep))
-        states = RAPIER.prepare_mechanism(four_bar(), Method.parse(SCHEME, timestep)).advance(strides)
+        states = RAPIER.prepare([four_bar()], Method.parse(SCHEME, timestep)).advance(strides)
         apart.append(float(kinematics.gaps(four_bar(), trajectory(np.cumsum(strides) * timestep, states)).max()))
     assert apart[0] < 1e-3
     assert apart[0] / apart[1] > 1.5

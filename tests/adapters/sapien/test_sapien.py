@@ -8,7 +8,8 @@ import pytest
 
 from bodycheck import load
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import Link, Method
+from bodycheck.adapters.contract import Method
+from bodycheck.adapters.links import Link
 from bodycheck.reference.kinematics import rotate
 from bodycheck.reference.scene import Body, Brick, Scene, State
 from bodycheck.reference.trajectory import Array

@@ -25,7 +25,7 @@ def test_the_order_is_one_on_hinges(solver: str) -> None:
 def test_damping_is_that_at_the_end_of_each_part_of_a_step(solver: str, parts: int) -> None:
     h, d = 0.1, 3.0
     mechanism = on_one_joint("prismatic", 0.0, 1.0, damping=d)
-    simulation = SAPIEN.prepare_mechanism(mechanism, Method.parse(solver, h))
+    simulation = SAPIEN.prepare([mechanism], Method.parse(solver, h))
     _, velocity = coordinate(mechanism, simulation.advance(np.array([1])))
     assert velocity[0] == pytest.approx((1 + h * d / parts) ** -parts, rel=1e-6)  # single precision
 
@@ -34,6 +34,6 @@ def test_damping_is_that_at_the_end_of_each_part_of_a_step(solver: str, parts: i
 def test_armature_is_inertia(solver: str) -> None:
     """One newton on 1 kg and 3 kg of armature: the velocity is t / 4."""
     mechanism = on_one_joint("revolute", 0.0, 0.0, armature=3.0, effort=1.0)
-    simulation = SAPIEN.prepare_mechanism(mechanism, Method.parse(solver, 0.1))
+    simulation = SAPIEN.prepare([mechanism], Method.parse(solver, 0.1))
     _, velocity = coordinate(mechanism, simulation.advance(np.array([10])))
     assert velocity[0] == pytest.approx(0.25, rel=1e-5)  # single precision

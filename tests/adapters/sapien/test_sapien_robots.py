@@ -5,8 +5,7 @@ from pathlib import Path
 import pytest
 
 from bodycheck.adapters import registry
-from bodycheck.adapters.contract import RobotModels
-from bodycheck.adapters.robot_reading import ModelRefused
+from bodycheck.adapters.robot_reading import ModelRefused, RobotModels
 from bodycheck.reference.robots.model import Mimic
 from tests.support.robot_texts import GRAVITY, LIMIT, MIMIC, TIP, hinges, joint, link, robot, written
 from tests.support.tree_readings import assert_trees_agree

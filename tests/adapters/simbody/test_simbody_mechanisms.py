@@ -40,7 +40,7 @@ def test_a_loop_is_kept_within_the_tolerance_of_constraints() -> None:
     apart = []
     for timestep in (1e-3, 2.5e-4):
         strides = np.full(5, round(0.2 / timestep))
-        states = SIMBODY.prepare_mechanism(four_bar(), Method.parse("SemiExplicitEuler2", timestep)).advance(strides)
+        states = SIMBODY.prepare([four_bar()], Method.parse("SemiExplicitEuler2", timestep)).advance(strides)
         apart.append(float(kinematics.gaps(four_bar(), trajectory(np.cumsum(strides) * timestep, states)).max()))
     # A tenth of the default accuracy of 0.001 for each of three components.
     assert 1e-5 < min(apart) < max(apart) < 2e-4
@@ -48,4 +48,4 @@ def test_a_loop_is_kept_within_the_tolerance_of_constraints() -> None:
 
 def test_a_ball_joint_has_no_damping() -> None:
     with pytest.raises(SceneUnsupported, match="no damping of a ball joint"):
-        SIMBODY.prepare_mechanism(ball_chain(), Method.parse("RungeKutta3", 1e-3))
+        SIMBODY.prepare([ball_chain()], Method.parse("RungeKutta3", 1e-3))

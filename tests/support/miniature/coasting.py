@@ -6,11 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from bodycheck.adapters.contract import Engine, Integrator, Method, SceneUnsupported, Simulation
+from bodycheck.adapters.contract import Engine, Integrator, Method
 from bodycheck.reference.mechanisms import kinematics
 from bodycheck.reference.mechanisms.coordinates import JointMotion
 from bodycheck.reference.mechanisms.mechanism import Mechanism
-from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array, Trajectory
 
 #: What is done to the states (bodies, 13) at a time (s).
@@ -85,8 +84,6 @@ class Coasting:
         modelled = frozenset({"mechanisms", "revolute joints", "prismatic joints"})
         return Engine("coasting", "bodycheck-miniature", "1.0", (Integrator("coast"),), modelled)
 
-    def prepare(self, scenes: Sequence[Scene], method: Method) -> Simulation:
-        raise SceneUnsupported("it builds mechanisms alone")
-
-    def prepare_mechanism(self, mechanism: Mechanism, method: Method) -> Coast:
+    def prepare(self, scenes: Sequence[Mechanism], method: Method) -> Coast:
+        (mechanism,) = scenes
         return Coast(mechanism, 0.0 if self.frozen else method.timestep, self.spoil)

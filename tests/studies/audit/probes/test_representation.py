@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from bodycheck.adapters.contract import Adapter, Engine, Link, Method, SceneUnsupported, Simulation, Strides
+from bodycheck.adapters.contract import Adapter, Engine, Method, SceneUnsupported, Simulation, Strides
+from bodycheck.adapters.links import Link
 from bodycheck.reference.scene import Scene
 from bodycheck.reference.trajectory import Array
 from bodycheck.studies.audit.flights import Pilot

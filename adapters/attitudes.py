@@ -1,4 +1,4 @@
-"""Convert states along the principal axes of a body, in which many engines step, to the body frame of its scene.
+"""Convert attitudes of engines: states along the principal axes of a body, in which many engines step, and rotation vectors.
 
 `bodycheck.reference.principal_frame.along_principal_axes` converts the scene, and with it the initial state.
 """
@@ -21,3 +21,19 @@ def in_body_frame(scene: Scene, rows: Array) -> Array:
     axes = np.tile(scene.body.axes, (len(rows), 1))
     attitude = multiply(rows[:, 3:7], conjugate(axes))
     return np.concatenate([rows[:, :3], attitude, rows[:, 7:10], rotate(axes, rows[:, 10:])], axis=1)
+
+
+def rotation_vector(quaternion: Array) -> Array:
+    """Return the rotation vector (3,), rad, of at most a half turn, of a unit quaternion (4,)."""
+    w, vector = quaternion[0], quaternion[1:]
+    size = float(np.linalg.norm(vector))
+    if size == 0.0:
+        return np.zeros(3)
+    angle = 2 * np.arctan2(size, abs(w))
+    return np.asarray(np.copysign(angle / size, w) * vector)
+
+
+def quaternions(rotation_vectors: Array) -> Array:
+    """Return the unit quaternions (n, 4) of rotation vectors (n, 3), rad."""
+    half = np.linalg.norm(rotation_vectors, axis=1, keepdims=True) / 2
+    return np.hstack([np.cos(half), rotation_vectors / 2 * np.sinc(half / np.pi)])
