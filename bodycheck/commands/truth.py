@@ -47,13 +47,13 @@ def truth(
     limit
         The time limit in s.
     """
-    from bodycheck.console import tables, terminal
+    from bodycheck.console import tables, terminal, truth_states
     from bodycheck.console import truths as printing
     from bodycheck.reference.certified import Certificate
     from bodycheck.running.tasks import Question
 
     loaded = arguments.load_case(case)
-    tables.check(view, printing.columns_of(loaded.scene))
+    tables.check(view, truth_states.columns(loaded.scene))
     if not all(0 <= instant < float("inf") for instant in at):
         raise BadInput("--at: instants must be finite and at least 0 s")
     if not limit > 0:

@@ -1,62 +1,25 @@
 """Print a truth and its certificate to stdout."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
 from importlib.util import find_spec
 from operator import itemgetter
-from typing import Any
 
 import numpy as np
 
-from bodycheck.console import mechanism_truths
 from bodycheck.console.options import View
 from bodycheck.console.output import say, tell
-from bodycheck.console.tables import Column, attribute, show
+from bodycheck.console.tables import Column, show
+from bodycheck.console.truth_states import columns, instants
 from bodycheck.figures.bounds import rounded_up
 from bodycheck.figures.columns import bounds_of
 from bodycheck.figures.conservation import angular_momentum, rotational_energy, total_energy
 from bodycheck.figures.definition import Comparison
+from bodycheck.reference.bodies import bodies
 from bodycheck.reference.certified import Certificate
 from bodycheck.reference.contact.motion import EventKind
-from bodycheck.reference.mechanisms.mechanism import WORLD, AnyScene, Mechanism
+from bodycheck.reference.mechanisms.mechanism import WORLD, Mechanism
 from bodycheck.reference.requirements import touches
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
-
-
-@dataclass(frozen=True)
-class Instant:
-    """A state of a truth with the bounds of its errors: time (s), vectors as in `Trajectory`, bounds in rad and m."""
-
-    t: float
-    position: Array
-    quaternion: Array
-    velocity: Array
-    angular_velocity: Array
-    truth_error: float
-    truth_position_error: float
-
-
-def _vector(name: str, head: str, goes: int) -> Column[Instant]:
-    """Return the column of a vector; rows are sorted by its length."""
-
-    def values(instant: Instant) -> Array:
-        found: Array = getattr(instant, name)
-        return found
-
-    def text(instant: Instant) -> str:
-        return " ".join(f"{value:.9g}" for value in values(instant))
-
-    return Column(name, head, text, lambda instant: float(np.linalg.norm(values(instant))), goes)
-
-
-def _bound(name: str, head: str) -> Column[Instant]:
-    def value(instant: Instant) -> float:
-        found: float = getattr(instant, name)
-        return found
-
-    return Column(name, head, lambda instant: f"{rounded_up(value(instant), 2):.2g}", value)
-
 
 #: What happens in the events of bodies that touch, in words.
 EVENTS: dict[EventKind, str] = {
@@ -73,39 +36,21 @@ MOST_EVENTS = 8
 #: The bounds that the table of a truth lacks.
 OTHER_BOUNDS = ("velocity", "angular_velocity", "energy", "angular_momentum")
 
-#: The columns of the table of a truth.
-STATES = (
-    attribute("t", "t s", "g"),
-    _vector("position", "position m", 1),
-    _vector("quaternion", "quaternion w x y z", 2),
-    _vector("velocity", "velocity m/s", 4),
-    _vector("angular_velocity", "angular velocity (body) rad/s", 3),
-    _bound("truth_error", "error rad"),
-    _bound("truth_position_error", "error m"),
-)
-
-
-def columns_of(scene: AnyScene) -> Sequence[Column[Any]]:
-    """Return the columns of the table of the truth of a scene."""
-    return mechanism_truths.columns(scene) if isinstance(scene, Mechanism) else STATES
+#: An error (rad) as double precision makes it in an angle.
+ROUNDING = 1e-16
 
 
 def print_truth(truth: Truth, most_rows: int, view: View) -> None:
     """Print the states at no more than `most_rows` evenly chosen instants, the model and the methods that computed them."""
-    trajectory, bounds = truth.trajectory, truth.bounds
+    trajectory = truth.trajectory
     chosen = np.unique(np.linspace(0, len(trajectory) - 1, min(most_rows, len(trajectory))).astype(int))
-    if isinstance(truth.scene, Mechanism):
-        mechanism_truths.print_states(truth.scene, truth, chosen.tolist(), view)
-    else:
-        states = (trajectory.position, trajectory.quaternion, trajectory.velocity, trajectory.angular_velocity)
-        columns = (trajectory.t, *states, bounds.error, bounds.position_error)
-        show(STATES, [Instant(*(values[i] for values in columns)) for i in chosen], view)
+    show(columns(truth.scene), instants(truth, chosen.tolist()), view)
     left_out = f"; {len(chosen)} of {len(trajectory)} instants, --json prints all" if len(chosen) < len(trajectory) else ""
     say(_other_bounds(truth))
     tell(f"model {truth.model} ({truth.reason}), backend {truth.backend}{left_out}")
     _print_events(truth)
     if isinstance(truth.scene, Mechanism) and truth.scene.plane is None:
-        mechanism_truths.print_growth(truth)
+        _print_growth(truth)
     if truth.witnesses:
         tell(f"compared with {'; '.join(truth.witnesses)}")
     if any("dop853" in witness for witness in truth.witnesses) and find_spec("heyoka") is None:
@@ -122,10 +67,27 @@ def _other_bounds(truth: Truth) -> str:
     )
 
 
+def _print_growth(truth: Truth) -> None:
+    """Print by how much an error grows, when one of a rounding is no small one any more, and until when the motion is known."""
+    from bodycheck.reference.mechanisms.truth import KNOWN, known_until  # which imports all ways to a truth
+
+    t = truth.trajectory.t
+    if truth.growth is not None:
+        tell(f"an error of the initial angles has grown up to {truth.growth.max():.2g}-fold by t = {t[-1]:g} s")
+        lost = np.flatnonzero(truth.growth * ROUNDING >= KNOWN)
+        if len(lost):
+            tell(f"one of {ROUNDING:.0e} rad reaches {KNOWN:.0e} rad at t = {t[lost[0]]:g} s")
+    until, end = known_until(truth), float(t[-1])
+    if until == end:
+        tell(f"all angles and attitudes are known within {KNOWN:.0e} rad")
+    else:
+        tell(f"known within {KNOWN:.0e} rad {'at no instant' if until is None else f'until t = {until:g} s'}")
+
+
 def _print_events(truth: Truth) -> None:
     """Print what happens to bodies that touch, as far as a reader follows it, and what bodies at rest bear."""
     scene, end = truth.scene, float(truth.trajectory.t[-1])
-    names = [body.name for body in scene.bodies] if isinstance(scene, Mechanism) else ["the body"]
+    names = [body.name if isinstance(scene, Mechanism) else "the body" for body in bodies(scene)]
     for event in truth.events[:MOST_EVENTS]:
         speed = f" at {event.normal_speed:.9g} m/s" if event.kind == "impact" else ""
         tell(f"{EVENTS[event.kind].format(names[event.body])}{speed} at t = {event.time:.12g} s, within {event.error:.1e} s")
