@@ -9,19 +9,9 @@ from bodycheck.console.tables import Column, attribute
 from bodycheck.figures.bounds import rounded_up
 from bodycheck.reference.bodies import motions
 from bodycheck.reference.mechanisms.coordinates import by_name
-from bodycheck.reference.mechanisms.mechanism import AnyScene, JointType, Mechanism
+from bodycheck.reference.mechanisms.mechanism import AnyScene, Mechanism
 from bodycheck.reference.trajectory import Array
 from bodycheck.reference.truths import Truth
-
-#: The units of the coordinates and of the velocities of each type of joint that has any, for the heads of columns.
-UNITS: dict[JointType, tuple[str, str]] = {
-    "revolute": ("rad", "rad/s"),
-    "prismatic": ("m", "m/s"),
-    "universal": ("rad", "rad/s"),
-    "planar": ("m m rad", "m/s m/s rad/s"),
-    "spherical": ("w x y z", "rad/s"),
-    "free": ("m, w x y z", "m/s, rad/s"),
-}
 
 #: Most joints and free bodies that have columns; all of them are in the JSON.
 MOST_TOLD = 12
@@ -90,8 +80,8 @@ def _of_mechanism(mechanism: Mechanism) -> list[Column[Instant]]:
     """Return the columns of joints and free bodies; rows are sorted by the first number of a column."""
     heads: list[tuple[str, str, bool]] = []
     for joint in mechanism.joints:
-        if joint.type in UNITS:
-            unit, rate = UNITS[joint.type]
+        if joint.form.motions:
+            unit, rate = joint.form.heads
             heads += [(joint.name, f"{joint.name} {unit}", False), (_rate(joint.name), f"{joint.name} {rate}", True)]
     for body in (body.name for body in mechanism.bodies if body.start is not None):
         heads += [(body, f"{body} m", False), (f"{body}.quaternion", f"{body} w x y z", False)]
