@@ -5,12 +5,15 @@ Its imports are inside the function, so that `--help` answers at once.
 
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from bodycheck.console.options import AS_USUAL, Engines, Jobs, Json, Out, Quiet, Viewed
 from bodycheck.errors import FAILED, OK, BadInput
+
+if TYPE_CHECKING:
+    from bodycheck.studies.parity.study import Asking
 
 
 def parity(
@@ -61,17 +64,12 @@ def parity(
 
     if not models:
         raise BadInput("parity: give at least one file of a robot")
-    if states < 1:
-        raise BadInput(f"--states {states}: must be at least 1")
-    if not tolerance > 0:
-        raise BadInput(f"--tolerance {tolerance}: must be greater than 0")
-    if not 0 <= motion <= study.LONGEST_MOTION:
-        raise BadInput(f"--motion {motion}: must be from 0 to {study.LONGEST_MOTION:g} s")
+    asks = study.Asking(states, seed, tolerance, package_path, motion)
+    _check(asks)
     tables.check(view, printing.ROWS)
     check_writable("--junit", junit)
     make_folder("--out", out)
     loaded = load_engines(engine)
-    asks = study.Asking(states, seed, tolerance, package_path, motion)
     with terminal.progress("comparing", len(models), quiet) as progress:
         found = list(study.study(loaded.records, models, asks, processes(jobs), progress, only_readers=not engine))
     head = campaign.header(sys.argv, loaded.records, loaded.missing)
@@ -90,6 +88,18 @@ def parity(
             printing.print_rows(every, view)
     say_where(out, quiet)
     return FAILED if any(map(rows.failed, every)) or loaded.failed() else OK
+
+
+def _check(asks: "Asking") -> None:
+    """Raise `BadInput` for an option that has no meaning."""
+    from bodycheck.studies.parity.study import LONGEST_MOTION
+
+    if asks.states < 1:
+        raise BadInput(f"--states {asks.states}: must be at least 1")
+    if not asks.tolerance > 0:
+        raise BadInput(f"--tolerance {asks.tolerance}: must be greater than 0")
+    if not 0 <= asks.motion <= LONGEST_MOTION:
+        raise BadInput(f"--motion {asks.motion}: must be from 0 to {LONGEST_MOTION:g} s")
 
 
 #: The commands of the study.
