@@ -20,7 +20,7 @@ from bodycheck.reference.kinematics import geodesic_angle, rotate
 from bodycheck.reference.scene import Brick
 from bodycheck.reference.trajectory import Array, Trajectory
 from bodycheck.reports.runs.motions import tracks
-from bodycheck.reports.runs.motions.playback import RATE_TOLERANCE
+from bodycheck.reports.runs.motions.single_body import RATE_TOLERANCE
 from bodycheck.results.outcome import Completed
 from bodycheck.results.store import Results
 from bodycheck.running import plan
