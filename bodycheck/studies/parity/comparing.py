@@ -114,11 +114,17 @@ def compare(given: Asked, reading: RobotReading, tolerance: float) -> Comparison
     if found.extra:  # the base is free, so that it gives way
         terms_read = replace(terms_read, forward_dynamics=None)
     convention = convention_of(terms_read.at(probes), truth.at(probes), found, moved.at(probes))
-    moved, truth, terms_read = moved.at(judged), truth.at(judged), terms_read.at(judged)
-    engine = aligned(terms_read, truth, found, moved, convention)
     mass = float(np.sum([float(link.mass) for link in given.model.links]))
-    scale = sizes(truth, found.labels, moved.velocities, mass, float(np.linalg.norm(given.gravity)))
-    comparison = _with_followers(Comparison(given, reading, tolerance, found, moved, truth, engine, convention, scale, ()))
+
+    def at_states(chosen: Sequence[int]) -> Comparison:
+        exact, motion_chosen = truth.at(chosen), moved.at(chosen)
+        engine = aligned(terms_read.at(chosen), exact, found, motion_chosen, convention)
+        scale = sizes(exact, found.labels, motion_chosen.velocities, mass, float(np.linalg.norm(given.gravity)))
+        return Comparison(given, reading, tolerance, found, motion_chosen, exact, engine, convention, scale, ())
+
+    comparison = at_states(judged)
+    if _followers_have_no_efforts(at_states(probes)):
+        comparison = _without_efforts_of_followers(comparison)
     comparison = _with_constraints(comparison)
     return replace(comparison, rows=tuple(_rows(comparison)))
 
@@ -168,21 +174,29 @@ def _is_constraint(friction: Array, most: Array) -> Array:
     return np.asarray(full | (np.ptp(size, axis=0) > LEAST_CHANGE * most))
 
 
-def _with_followers(own: Comparison) -> Comparison:
-    """Return a comparison whose joints that follow others in the engine have no efforts, if its accelerations are such.
+def _followers_have_no_efforts(probes: Comparison) -> bool:
+    """Return whether joints that follow others have no efforts in an engine, which is decided at states that are not compared.
 
     A joint that is held to another one by a constraint may have no efforts of its own.
     """
-    follow = [own.found.joints[name].mimic is not None for name, _ in own.found.labels]
-    gap = apart("forward_dynamics", own.engine, own.truth, own.sizes)
-    if not any(follow) or gap is None or gap.relative <= own.tolerance:
-        return own
-    efforts = np.where(follow, 0.0, own.motion.efforts)
+    gap = apart("forward_dynamics", probes.engine, probes.truth, probes.sizes)
+    if not np.any(_followers(probes)) or gap is None or gap.relative <= probes.tolerance:
+        return False
+    without = _without_efforts_of_followers(probes)
+    better = apart("forward_dynamics", without.engine, without.truth, without.sizes)
+    return better is not None and better.relative < gap.relative / 2
+
+
+def _without_efforts_of_followers(own: Comparison) -> Comparison:
+    """Return a comparison whose joints that follow others in the engine have no efforts."""
+    efforts = np.where(_followers(own), 0.0, own.motion.efforts)
     truth = replace(own.truth, forward_dynamics=accelerations(own.truth, efforts))
-    better = apart("forward_dynamics", own.engine, truth, own.sizes)
-    if better is None or better.relative >= gap.relative / 2:
-        return own
     return replace(own, truth=truth, motion=replace(own.motion, efforts=efforts))
+
+
+def _followers(own: Comparison) -> Array:
+    """Return for each velocity (n,) whether its joint follows another one in the engine."""
+    return np.array([own.found.joints[name].mimic is not None for name, _ in own.found.labels], np.bool_)
 
 
 def _rows(own: Comparison) -> Iterator[Compared]:
