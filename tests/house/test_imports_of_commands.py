@@ -54,7 +54,6 @@ def test_help_imports_nothing_that_computes() -> None:
     assert "bodycheck.commands.command_line" in imported
     others = {"mpmath", "numpy", "packaging", "importlib.metadata"}
     assert imported & (NEVER | FILES | READING | TRUTH | ENGINES | others) == set()
-    )
 
 
 def test_truth_computes_in_its_worker_alone() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from bodycheck.reference.robots.changed import with_joint
 from bodycheck.reference.robots.dynamics import velocity_labels
-from bodycheck.reference.robots.model import RobotModel
+from bodycheck.reference.robots.model import Mimic, RobotModel
 from bodycheck.reference.robots.states import seeded_states
 from bodycheck.studies.parity.comparing import asked, compare
 from bodycheck.studies.parity.conventions import CANDIDATES, PROBES, Frame, Point, Written, written
@@ -159,6 +159,30 @@ def test_a_convention_is_that_of_the_probes(wrong: int, statuses: set[str]) -> N
     compared = compare(asked(model, states, GRAVITY, False), replace(converted, terms=tuple(terms)), TOLERANCE)
     assert {row.status for row in compared.rows if row.quantity == "forward_dynamics"} == statuses
     assert compared.convention.efforts == ("as in the state" if statuses == {"agrees"} else "converted")
+
+
+@pytest.mark.parametrize(("wrong", "statuses"), [(12 + PROBES, {"agrees"}), (12, {"differs"})], ids=["everywhere", "compared"])
+def test_whether_followers_have_efforts_is_decided_at_the_probes(wrong: int, statuses: set[str]) -> None:
+    """An engine may hold a joint that follows another one by a constraint, and give it no effort.
+
+    If it leaves the effort out only where it is compared, its accelerations are wrong there.
+    """
+    plain = random_tree(Random(11), 3, types=("revolute",))
+    leader, follower, *_ = plain.joints
+    followed = replace(follower, mimic=Mimic(leader.name, 1.0, 0.0))
+    model = replace(plain, joints=(leader, followed, *plain.joints[2:]))
+    states = seeded_states(model, 12 + PROBES, 0)
+    engine = reading(model, states)
+    index = [name for name, _ in velocity_labels(model)].index(follower.name)
+    terms = list(engine.terms)
+    for place, state in enumerate(states[:wrong]):
+        effort = np.zeros(len(velocity_labels(model)))
+        effort[index] = state.efforts[follower.name][0]
+        missing = np.linalg.solve(np.asarray(terms[place].mass_matrix), effort)
+        terms[place] = replace(terms[place], forward_dynamics=np.asarray(terms[place].forward_dynamics) - missing)
+    joints = tuple(replace(joint, mimic=followed.mimic) if joint.name == follower.name else joint for joint in engine.joints)
+    compared = compare(asked(model, states, GRAVITY, False), replace(engine, terms=tuple(terms), joints=joints), TOLERANCE)
+    assert {row.status for row in compared.rows if row.quantity == "forward_dynamics"} == statuses
 
 
 def test_joints_of_one_type_have_one_form() -> None:
