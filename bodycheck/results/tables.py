@@ -59,6 +59,8 @@ class Table(Generic[Row]):
         The columns that have an entry in every row.
     shown
         The columns that a notebook shows; all if it is empty.
+    later
+        The columns that tables of earlier versions lack.
     """
 
     name: str
@@ -68,6 +70,7 @@ class Table(Generic[Row]):
     key: tuple[str, ...] = ()
     filled: tuple[str, ...] = ()
     shown: tuple[str, ...] = ()
+    later: tuple[str, ...] = ()
 
     @property
     def file(self) -> str:
@@ -110,12 +113,13 @@ def table_of(
     key: Sequence[str] = (),
     filled: Sequence[str] = (),
     shown: Sequence[str] = (),
+    later: Sequence[str] = (),
 ) -> Table[Row]:
     """Return the description of a table whose rows are a dataclass; the other parameters are those of `Table`.
 
     Raises `KeyError` for a field that has no `Meaning` and is no column of results.
     """
-    return Table(name, title, row, tuple(_columns(row)), tuple(key), tuple(filled), tuple(shown))
+    return Table(name, title, row, tuple(_columns(row)), tuple(key), tuple(filled), tuple(shown), tuple(later))
 
 
 def _columns(row: type) -> Iterator[Column]:

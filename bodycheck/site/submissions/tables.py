@@ -132,7 +132,7 @@ def _check_columns(name: str, columns: list[str]) -> None:
         raise BadInput(f"{name}: is empty")
     if unknown := [column for column in columns if column not in table.by_name]:
         raise BadInput(f"{name}:1: has a column {unknown[0][:60]!r}; allowed: {', '.join(table.by_name)}"[:500])
-    required = RUN if table.row is None else tuple(table.by_name)
+    required = RUN if table.row is None else tuple(name for name in table.by_name if name not in table.later)
     if missing := [column for column in required if column not in columns]:
         raise BadInput(f"{name}:1: has no column {missing[0]}")
     if len(set(columns)) < len(columns):

@@ -124,7 +124,8 @@ def compare(given: Asked, reading: RobotReading, tolerance: float) -> Comparison
 
     comparison = at_states(judged)
     if _followers_have_no_efforts(at_states(probes)):
-        comparison = _without_efforts_of_followers(comparison)
+        convention = replace(convention, followers_have_efforts=False)
+        comparison = replace(_without_efforts_of_followers(comparison), convention=convention)
     comparison = _with_constraints(comparison)
     return replace(comparison, rows=tuple(_rows(comparison)))
 
@@ -216,7 +217,7 @@ def terms(own: Comparison) -> Iterator[Compared]:
     for quantity in TERMS:
         gap = apart(quantity, own.engine, own.truth, own.sizes)
         if gap is not None:
-            yield term(quantity, gap, own.tolerance)
+            yield replace(term(quantity, gap, own.tolerance), convention=own.convention.of(quantity))
         elif not _has(own.engine, quantity) and _has(own.truth, quantity):
             yield Compared("not-modelled", quantity, MODEL)
 

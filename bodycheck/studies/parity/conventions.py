@@ -16,6 +16,7 @@ from bodycheck.reference.robots.model import RobotModel
 from bodycheck.reference.robots.rotations import matrices
 from bodycheck.reference.robots.state import RobotState
 from bodycheck.reference.trajectory import Array
+from bodycheck.studies.parity.quantities import Quantity
 from bodycheck.studies.parity.rotations import crossing
 from bodycheck.studies.parity.stacks import Stack, transposed
 
@@ -102,20 +103,40 @@ class Convention:
     jacobians: JacobianFrame = field(default_factory=JacobianFrame)
     efforts: Given = "converted"
     accelerations: Given = "converted"
+    followers_have_efforts: bool = True
 
     @property
     def notes(self) -> tuple[str, ...]:
         """Sentences that describe the convention; empty if it is the one that bodycheck uses."""
-        told = [f"it writes the velocity of {name} as {_words(own)}" for name, own in self.joints.items() if own != Written()]
-        if self.jacobians != JacobianFrame():
-            own = self.jacobians
-            point = {"origin": "the frame's origin", "center of mass": "the centre of mass", "world": "the world's origin"}
-            rows = "angular rows first, " if own.angular_first else ""
-            told.append(f"its Jacobians are along the axes of the {own.axes}, {rows}for {point[own.point]}")
-        if told and any(form != Written() for form in self.joints.values()):
-            told.append(f"the efforts of its forward dynamics are {self.efforts}")
-            told.append(f"the accelerations of its inverse dynamics are {self.accelerations}")
-        return tuple(told)
+        return (*self._velocities, *self._jacobians, *self._efforts, *self._accelerations)
+
+    def of(self, quantity: Quantity) -> str:
+        """Return a description of the convention of a quantity; empty if it is the one that bodycheck uses."""
+        parts = {"jacobian": self._jacobians, "forward_dynamics": self._efforts, "inverse_dynamics": self._accelerations}
+        return "" if quantity == "pose" else "; ".join((*self._velocities, *parts.get(quantity, ())))
+
+    @property
+    def _velocities(self) -> tuple[str, ...]:
+        written_otherwise = [(name, form) for name, form in self.joints.items() if form != Written()]
+        return tuple(f"it writes the velocity of {name} as {_words(form)}" for name, form in written_otherwise)
+
+    @property
+    def _jacobians(self) -> tuple[str, ...]:
+        frame = self.jacobians
+        if frame == JacobianFrame():
+            return ()
+        point = {"origin": "the frame's origin", "center of mass": "the centre of mass", "world": "the world's origin"}
+        rows = "angular rows first, " if frame.angular_first else ""
+        return (f"its Jacobians are along the axes of the {frame.axes}, {rows}for {point[frame.point]}",)
+
+    @property
+    def _efforts(self) -> tuple[str, ...]:
+        converted = (f"the efforts of its forward dynamics are {self.efforts}",) if self._velocities else ()
+        return (*converted, *(() if self.followers_have_efforts else ("its joints that follow others have no efforts",)))
+
+    @property
+    def _accelerations(self) -> tuple[str, ...]:
+        return (f"the accelerations of its inverse dynamics are {self.accelerations}",) if self._velocities else ()
 
 
 def _words(own: Written) -> str:

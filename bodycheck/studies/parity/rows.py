@@ -28,6 +28,8 @@ class Compared:
         The difference relative to the size of the quantity, which the tolerance limits; None where there are no numbers.
     cause
         Why it differs.
+    convention
+        The convention in which the engine writes the quantity, if it is another one than bodycheck's.
     """
 
     status: Status
@@ -38,6 +40,7 @@ class Compared:
     difference: float | None = None
     relative: float | None = None
     cause: Cause = ""
+    convention: str = ""
 
 
 @dataclass(frozen=True)
@@ -61,9 +64,23 @@ class ParityRow:
     difference: Annotated[float | None, Meaning("Difference", "largest difference of a component, in the unit of the quantity")]
     relative: Annotated[float | None, Meaning("Relative difference", "difference relative to the size of the quantity")]
     cause: Annotated[Cause, Meaning("Cause", "why it differs; empty where it does not")]
+    convention: Annotated[
+        str,
+        Meaning(
+            "Convention",
+            "convention in which the engine writes the quantity, which is decided at states that are not compared; empty if it "
+            "is that of bodycheck",
+        ),
+    ] = ""
 
 
-READINGS = table_of(ParityRow, "parity", "readings of robot models", filled=("model", "engine", "status", "subject"))
+READINGS = table_of(
+    ParityRow,
+    "parity",
+    "readings of robot models",
+    filled=("model", "engine", "status", "subject"),
+    later=("convention",),
+)
 
 #: The tables of the study.
 TABLES = (READINGS,)

@@ -159,6 +159,9 @@ def test_a_convention_is_that_of_the_probes(wrong: int, statuses: set[str]) -> N
     compared = compare(asked(model, states, GRAVITY, False), replace(converted, terms=tuple(terms)), TOLERANCE)
     assert {row.status for row in compared.rows if row.quantity == "forward_dynamics"} == statuses
     assert compared.convention.efforts == ("as in the state" if statuses == {"agrees"} else "converted")
+    (row,) = (row for row in compared.rows if row.quantity == "forward_dynamics")
+    assert "it writes the velocity of joint_0 as" in row.convention
+    assert f"the efforts of its forward dynamics are {compared.convention.efforts}" in row.convention
 
 
 @pytest.mark.parametrize(("wrong", "statuses"), [(12 + PROBES, {"agrees"}), (12, {"differs"})], ids=["everywhere", "compared"])
@@ -182,7 +185,9 @@ def test_whether_followers_have_efforts_is_decided_at_the_probes(wrong: int, sta
         terms[place] = replace(terms[place], forward_dynamics=np.asarray(terms[place].forward_dynamics) - missing)
     joints = tuple(replace(joint, mimic=followed.mimic) if joint.name == follower.name else joint for joint in engine.joints)
     compared = compare(asked(model, states, GRAVITY, False), replace(engine, terms=tuple(terms), joints=joints), TOLERANCE)
-    assert {row.status for row in compared.rows if row.quantity == "forward_dynamics"} == statuses
+    (row,) = (row for row in compared.rows if row.quantity == "forward_dynamics")
+    assert {row.status} == statuses
+    assert row.convention == ("its joints that follow others have no efforts" if statuses == {"agrees"} else "")
 
 
 def test_joints_of_one_type_have_one_form() -> None:
