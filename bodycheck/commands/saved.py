@@ -14,7 +14,7 @@ from bodycheck.files.reading import refuse_links
 from bodycheck.reports.study import StudyReport
 from bodycheck.results import store
 from bodycheck.results.store import Results
-from bodycheck.studies import plain, registry
+from bodycheck.studies import plain_report, registry
 
 #: What reading and judging damaged files may raise, beside `BadInput`.
 DAMAGE = (
@@ -61,7 +61,7 @@ def _readers() -> dict[str, Callable[[Path], StudyReport]]:
         if (saved := registry.part(name, "saved")) is not None:
             readers[saved.FILE] = saved.read
         elif registry.is_plain(name):
-            readers[plain.journal(name)] = partial(plain.read, name)
+            readers[plain_report.journal(name)] = partial(plain_report.read, name)
     return readers
 
 

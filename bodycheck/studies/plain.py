@@ -21,21 +21,14 @@ from bodycheck.console import tables as terminal
 from bodycheck.console.arguments import Engines, load_engines
 from bodycheck.console.options import View
 from bodycheck.console.output import say
-from bodycheck.errors import BadFolder
 from bodycheck.interface import arguments
 from bodycheck.interface.arguments import Cases, Names
 from bodycheck.interface.results import StudyResults
 from bodycheck.interface.results import Table as FrameTable
-from bodycheck.reports.notices import missing_engines
-from bodycheck.reports.quantities import count, number
-from bodycheck.reports.study import Part, StudyReport
-from bodycheck.reports.tables import Entry
-from bodycheck.reports.tables import Table as PageTable
 from bodycheck.results import origin
-from bodycheck.results.header import Header
 from bodycheck.results.tables import Table
 from bodycheck.running import campaign
-from bodycheck.studies import reading, registry
+from bodycheck.studies import plain_report, registry
 from bodycheck.studies.output import Output
 
 
@@ -62,7 +55,7 @@ class PlainResults(StudyResults):
 
 def suited(name: str, cases: Iterable[Case], *, named: bool) -> list[Case]:
     """Return the cases that a study is made of: those that the user named, or the shipped ones that it is for."""
-    suits: Callable[[Case], bool] = getattr(_part(name, "study"), "suits", lambda case: True)
+    suits: Callable[[Case], bool] = getattr(registry.required(name, "study"), "suits", lambda case: True)
     return [case for case in cases if named or suits(case)]
 
 
@@ -95,54 +88,17 @@ def carry_out(
     BadInput, BadJournal
         As `prepare` and `results` of the study.
     """
-    study, described = _part(name, "study"), _part(name, "rows").TABLES
+    study, described = registry.required(name, "study"), registry.required(name, "rows").TABLES
     planned = study.prepare(cases, engines.records, integrators)
     header = campaign.header(command, engines.records, engines.missing)
     with (
         output.work(name, planned.size) as (folder, progress),
         study.results(planned, folder, header, jobs, progress) as rows,
     ):
-        report = present(name, header, rows)
+        report = plain_report.present(name, header, rows)
         origins = [origin.origin(header, {case.name: case.text for case in cases})]
         output.write(report, tuple(zip(described, rows, strict=True)), origins)
     return PlainResults(report, rows, described)
-
-
-def present(name: str, header: Header, rows: Sequence[Sequence[Any]]) -> StudyReport:
-    """Return the contents of the report of a study: those of its module `page`, or its tables as they are."""
-    if (page := registry.part(name, "page")) is not None:
-        report: StudyReport = page.present(header, *rows)
-        return report
-    tables: Sequence[Table[Any]] = _part(name, "rows").TABLES
-    return StudyReport(
-        title=tables[0].title.capitalize(),
-        headline=f"{count(len(rows[0]), 'row')} of {tables[0].title}",
-        header=header,
-        notices=tuple(missing_engines(header)),
-        findings=(),
-        parts=tuple(_page_part(table, table_rows) for table, table_rows in zip(tables, rows, strict=True)),
-    )
-
-
-def journal(name: str) -> str:
-    """Return the name of the journal in the folder of a study."""
-    return str(_part(name, "rows").RECORDS)
-
-
-def read(name: str, folder: Path) -> StudyReport:
-    """Return the report of a finished study in a folder.
-
-    Raises `BadFolder` if it was interrupted, or if its main table differs from what its journal records, and errors of damaged
-    files.
-    """
-    rows = _part(name, "rows")
-    contents, header = reading.finished(folder / rows.RECORDS)
-    tables: Sequence[Table[Any]] = rows.TABLES
-    rows_by_table = [reading.rows(folder, table) for table in tables]
-    recorded = {reading.row(tables[0], record["row"]) for record in contents.records if "row" in record}
-    if set(rows_by_table[0]) != recorded:
-        raise BadFolder(f"{folder}: damaged: {tables[0].file} does not list the same runs as {rows.RECORDS}")
-    return present(name, header, rows_by_table)
 
 
 def function(name: str) -> Callable[..., PlainResults]:
@@ -177,7 +133,9 @@ def called(name: str, cases: Cases, engine: Names, integrator: Names, out: str |
 def check_view(name: str, view: View) -> None:
     """Raise `BadInput` if a view names a column that the tables of a study on the terminal lack."""
     printing = registry.part(name, "printing")
-    terminal.check(view, *(printing.TABLES if printing is not None else map(_terminal_columns, _part(name, "rows").TABLES)))
+    terminal.check(
+        view, *(printing.TABLES if printing is not None else map(_terminal_columns, registry.required(name, "rows").TABLES))
+    )
 
 
 def print_tables(name: str, results: PlainResults, view: View) -> None:
@@ -195,31 +153,3 @@ def _terminal_columns(table: Table[Any]) -> list[terminal.Column[Any]]:
     """Return the columns of a table on the terminal, of which the last ones go first where it is narrow."""
     heads = [(column.name, f"{column.name} {column.unit}".rstrip()) for column in table.columns]
     return [terminal.entry(name, head, ".6g", goes=goes) for goes, (name, head) in enumerate(heads)]
-
-
-def _part(name: str, module: str) -> Any:
-    part = registry.part(name, module)
-    assert part is not None, f"the study {name} has no module {module}"
-    return part
-
-
-def _page_part(table: Table[Any], rows: Sequence[Any]) -> Part:
-    """Return the part of a page with all rows of a table."""
-    columns = [table.by_name[name] for name in table.names(rows)]
-    cells = PageTable(
-        columns=tuple(f"{column.title}, {column.unit}" if column.unit else column.title for column in columns),
-        numeric=tuple(column.kind in ("number", "integer") for column in columns),
-        rows=tuple(tuple(_cell(record[column.name]) for column in columns) for record in table.records(rows)),
-        failed=(False,) * len(rows),
-        notes=(),
-    )
-    return Part(
-        table.name, table.title.capitalize(), (f"The table is {table.file}.",), (), ((table.title.capitalize(), cells),)
-    )
-
-
-def _cell(value: Any) -> Entry:
-    """Return the cell of a value."""
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        return Entry(number(value), float(value))
-    return Entry("" if value is None else str(value))

@@ -25,6 +25,13 @@ def part(study: str, name: str) -> Any | None:
     return importlib.import_module(path) if importlib.util.find_spec(path) is not None else None
 
 
+def required(study: str, name: str) -> Any:
+    """Return a module of the folder of a study, which has it."""
+    module = part(study, name)
+    assert module is not None, f"the study {study} has no module {name}"
+    return module
+
+
 def about(study: str) -> str:
     """Return what a study is: the docstring of its folder up to the first list."""
     paragraphs = (inspect.getdoc(importlib.import_module(f"{__package__}.{study}")) or "").split("\n\n")

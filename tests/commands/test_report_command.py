@@ -99,7 +99,6 @@ def test_no_engine_is_needed_and_nothing_is_simulated(again: tuple[Path, dict[st
         "bodycheck.adapters.engine_name",
         "bodycheck.adapters.method",
         "bodycheck.adapters.options",
-        "bodycheck.adapters.robot_reading",
         *(name for name in BANNED if "adapters" in name),
     }
 

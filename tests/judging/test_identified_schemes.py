@@ -76,7 +76,9 @@ def found(rows: Array, timestep: float, roundoff: float) -> Identification:
 def test_a_scheme_that_is_written_out_is_named(name: str) -> None:
     identification = found(flown(ENGINES[name], 0.01, np.float64), 0.01, ROUNDOFF["float64"])
     assert identification.scheme == identification.nearest == name
-    assert identification.residual < 1e-13  # a hundred steps of rounding
+    # A rounding of the rates in one of the hundred steps turns the body in all later ones: at most 100^2 / 2 roundings.
+    # Processors round differently. The next scheme is more than 1e-8 rad away.
+    assert identification.residual < 100**2 / 2 * ROUNDOFF["float64"]
 
 
 @pytest.mark.parametrize("name", SINGLE)

@@ -19,12 +19,14 @@ from bodycheck.processes.failures import Crashed, TimedOut
 from bodycheck.reference.kinematics import geodesic_angle
 from bodycheck.reference.requirements import requirements
 from bodycheck.reference.truths import Truth
+from bodycheck.results import csv_tables
 from bodycheck.results.outcome import Completed, Diverged, Unsupported
 from bodycheck.studies import cost
 from bodycheck.studies.tradeoff import batch_page, batches
 from bodycheck.studies.tradeoff import study as tradeoff
 from bodycheck.studies.tradeoff.batches import Batch
 from bodycheck.studies.tradeoff.page import present
+from bodycheck.studies.tradeoff.rows import ORDERS, RUNS
 from bodycheck.studies.tradeoff.turned import NOT_TURNED, errors, turned
 from tests.support import campaigns
 from tests.support.cases import OF_ONE_BODY, TOUCHING, a_case, shortened
@@ -149,7 +151,8 @@ def measured(tmp_path: Path, miniatures: Path) -> Measured:
         assert {one.method.timestep for one in planned} == {0.002}
         rows = batches.rows_alike(single, batches.rows(planned, results, engines))
         assert len(batches.plan(results, verdicts, engines, (1, 7), (0.1, 0.01))) == 6
-    tradeoff.write(rows, [], tmp_path / "out", [])
+    csv_tables.write(tmp_path / "out", RUNS, rows)
+    csv_tables.write(tmp_path / "out", ORDERS, [])
     return Measured(tmp_path / "out", rows)
 
 

@@ -15,6 +15,7 @@ from bodycheck.adapters.contract import Method
 from bodycheck.casefile.case import shipped
 from bodycheck.errors import BadInput
 from bodycheck.judging import judgement
+from bodycheck.results import csv_tables
 from bodycheck.results.store import Results
 from bodycheck.running import campaign
 from bodycheck.studies import cost
@@ -24,7 +25,7 @@ from bodycheck.studies.spin import fastest_spin
 from bodycheck.studies.tradeoff import study as tradeoff
 from bodycheck.studies.tradeoff.front import measured, pareto
 from bodycheck.studies.tradeoff.ladder import fitted, ladder
-from bodycheck.studies.tradeoff.rows import BATCH_COLUMNS, COST_COLUMNS
+from bodycheck.studies.tradeoff.rows import BATCH_COLUMNS, COST_COLUMNS, ORDERS, RUNS
 from tests.support import campaigns
 from tests.support.campaigns import records
 from tests.support.cases import shortened
@@ -178,7 +179,8 @@ def test_a_method_timed_twice_costs_the_same_within_the_spread(monkeypatch: pyte
 
 def test_costs_are_told_with_the_error_they_came_with(priced: dict[str, list[dict[str, object]]], tmp_path: Path) -> None:
     rows = [row for own in priced.values() for row in own]
-    tradeoff.write(rows, [], tmp_path, [])
+    csv_tables.write(tmp_path, RUNS, rows)
+    csv_tables.write(tmp_path, ORDERS, [])
     table = pd.read_csv(tmp_path / "tradeoff.csv")
     assert tuple(table.columns[: len(judgement.COLUMNS)]) == judgement.COLUMNS
     assert tuple(table.columns[-len(COST_COLUMNS + BATCH_COLUMNS) :]) == COST_COLUMNS + BATCH_COLUMNS
