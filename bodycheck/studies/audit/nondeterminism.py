@@ -52,14 +52,14 @@ def judged(flights: Mapping[str, States]) -> Finding:
     """Return what flights, the first of which is called "first", tell of one another: their largest difference."""
     first, *others = flights.items()
     if any(isinstance(states, str) for states in flights.values()):
-        told = "; ".join(f"{when}: {states}" for when, states in flights.items() if isinstance(states, str))
-        return Finding("nondeterminism", f"{NAME}: a flight was refused {told}", "not-probed")
+        words = "; ".join(f"{when}: {states}" for when, states in flights.items() if isinstance(states, str))
+        return Finding("nondeterminism", f"{NAME}: a flight was refused {words}", "not-probed")
     differing = {when: _difference(first[1], states) for when, states in others}
-    when, (size, unit) = max(differing.items(), key=lambda one: one[1][0])
+    when, (size, unit) = max(differing.items(), key=lambda item: item[1][0])
     if not size:
         return Finding("nondeterminism", NAME, "none", 0.0, "", "0")
-    told = f"{NAME}: the same flight, made again {when}"
-    return Finding("nondeterminism", told, "found", size if math.isfinite(size) else None, unit, "0")
+    words = f"{NAME}: the same flight, made again {when}"
+    return Finding("nondeterminism", words, "found", size if math.isfinite(size) else None, unit, "0")
 
 
 def _states(result: Result) -> States:
@@ -75,5 +75,5 @@ def _difference(one: States, other: States) -> tuple[float, str]:
     same = (first == second) | (np.isnan(first) & np.isnan(second))
     with np.errstate(invalid="ignore"):
         apart: Array = np.where(same, 0.0, np.nan_to_num(np.abs(first - second), nan=np.inf))
-    place = int(np.argmax(apart.max(axis=0)))
-    return float(apart[:, place].max()), UNITS[place]
+    column = int(np.argmax(apart.max(axis=0)))
+    return float(apart[:, column].max()), UNITS[column]

@@ -1,4 +1,4 @@
-"""What a probe is: a function that makes flights and says which property of a method they show."""
+"""The type of probes: functions that make flights and say which properties of a method they show."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -63,3 +63,8 @@ class Finding:
 
 #: A probe: it makes flights by a pilot, and returns a finding for each property that it looks for.
 Probe = Callable[["Pilot"], tuple[Finding, ...]]
+
+
+def not_probed(name: str, reason: str, *properties: Property) -> tuple[Finding, ...]:
+    """Return that a probe cannot tell of some properties, and why."""
+    return tuple(Finding(which, f"{name}: {reason}", "not-probed") for which in properties)

@@ -103,22 +103,22 @@ def rounded_down(step: float) -> float:
 
 def rounded_up(step: float) -> float:
     """Return the smallest number with two significant digits that is no smaller than a positive one."""
-    place = _place(step)
-    return _number(place) if _number(place) == step else _number(place + 1)
+    rank = _place(step)
+    return _number(rank) if _number(rank) == step else _number(rank + 1)
 
 
-def _number(place: int) -> float:
+def _number(rank: int) -> float:
     """Return the number with two significant digits at a place in their order; that at 0 is 1."""
-    decade, mantissa = divmod(place, 90)
+    decade, mantissa = divmod(rank, 90)
     return float(f"{mantissa + 10}e{decade - 1}")
 
 
 def _place(step: float) -> int:
     """Return the place of the largest number with two significant digits that is no larger than a step."""
     decade = math.floor(math.log10(step))
-    place = 90 * decade + int(step / 10.0 ** (decade - 1)) - 10
+    rank = 90 * decade + int(step / 10.0 ** (decade - 1)) - 10
     # The logarithm and the quotient may be wrong in their last digit.
-    return next(near for near in (place + 1, place, place - 1) if _number(near) <= step)
+    return next(near for near in (rank + 1, rank, rank - 1) if _number(near) <= step)
 
 
 def _downwards(errors: Errors, within: Range) -> float | None:
@@ -173,12 +173,12 @@ def _below(errors: Errors, kept: float, within: Range) -> float | None:
     lowest = max(within.smallest, rounded_down(kept / DEPTH))
     if min(errors) > lowest:
         return lowest
-    own = [step for step in sorted(errors) if lowest <= step <= kept]
-    steepest = max(LEAST_STEEPNESS, *(abs(_power(errors, *pair)) for pair in pairwise(own)), 0.0)
+    steps = [step for step in sorted(errors) if lowest <= step <= kept]
+    steepest = max(LEAST_STEEPNESS, *(abs(_power(errors, *pair)) for pair in pairwise(steps)), 0.0)
     assumed = STEEPER * min(steepest, LARGEST_ORDER)
-    for step, larger in reversed(list(pairwise(own))):
-        places, width = _place(larger) - _place(step), math.log(larger / step)
-        if errors[larger] == 0 or places <= 1 or larger <= step * (NEIGHBOURS + ROUNDING):
+    for step, larger in reversed(list(pairwise(steps))):
+        between, width = _place(larger) - _place(step), math.log(larger / step)
+        if errors[larger] == 0 or between <= 1 or larger <= step * (NEIGHBOURS + ROUNDING):
             continue
         # The error can rise from the smaller step and fall to the larger one; `room` is what it may rise above the latter.
         room, power = math.log(within.limit / errors[larger]), min(_power(errors, step, larger), assumed)
