@@ -72,4 +72,5 @@ def row(table: Table[Row], record: Mapping[str, Any]) -> Row:
 
 
 def runs(results: Results) -> Iterator[dict[str, Any]]:
+    """Return the records of the runs among those of some results."""
     return (record for record in results.records if record["record"] == "run")

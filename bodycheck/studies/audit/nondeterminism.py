@@ -1,4 +1,7 @@
-"""Whether a flight that is made again has the same states to the last bit: at once, after other flights, in another process."""
+"""The probe of nondeterminism: a flight is made again, at once, after other flights and in another process.
+
+Its states should be the same to the last bit.
+"""
 
 import math
 from collections.abc import Mapping
@@ -49,7 +52,7 @@ def elsewhere(pilot: Pilot) -> dict[str, States]:
 
 
 def judged(flights: Mapping[str, States]) -> Finding:
-    """Return what flights, the first of which is called "first", tell of one another: their largest difference."""
+    """Return the finding of nondeterminism: the largest difference of flights from the first, which is called "first"."""
     first, *others = flights.items()
     if any(isinstance(states, str) for states in flights.values()):
         words = "; ".join(f"{when}: {states}" for when, states in flights.items() if isinstance(states, str))

@@ -25,7 +25,7 @@ FINDINGS: tuple[Status, ...] = ("default", "deviates")
 
 @dataclass(frozen=True)
 class Row:
-    """What the audit says of one property of a method."""
+    """The finding of the audit about one property of a method."""
 
     engine: str
     version: str
@@ -112,7 +112,7 @@ def is_finding(row: Row) -> bool:
 
 @dataclass(frozen=True)
 class Facts:
-    """What an engine says of itself, which is read and not probed.
+    """The statements of an engine about itself, which are read and not probed.
 
     Parameters
     ----------
@@ -127,7 +127,7 @@ class Facts:
 
     @property
     def text(self) -> str:
-        """What the engine chooses where a user makes no choice, for a sentence; empty if it has no such choices."""
+        """The choices of the engine where a user makes none, for a sentence; empty if it has no such choices."""
         return ", ".join(f"{name} {value}" for name, value in self.defaults.items())
 
 

@@ -1,4 +1,4 @@
-"""Audit methods: make every probe of each in the processes where its engine lives, and say what was found.
+"""Audit methods: make every probe of each method in a process of its engine, and judge the findings.
 
 Every probe of a method is a call of its own, and its answer is recorded when it ends, so that an interrupted audit can be
 resumed, and a probe whose process dies leaves the others as they are.
@@ -86,7 +86,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class Audit:
-    """What an audit found.
+    """The results of an audit.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ class Audit:
     classes: Classes
 
 
-#: What became of the calls of a method, by the name of the probe.
+#: The answers to the calls of a method, or their faults, by the name of the probe.
 Answers = dict[str, Found | Fault]
 
 
@@ -144,7 +144,7 @@ def facts(engines: Mapping[str, Engine]) -> dict[str, Facts]:
 def results(
     planned: Plan, folder: Path, head: Header, jobs: int, progress: "Advance", limit: float = TIME_LIMIT_S
 ) -> Iterator[Audit]:
-    """Make the probes of a plan, and provide what they found.
+    """Make the probes of a plan, and provide their results.
 
     If the folder contains the same audit, interrupted, its probes are not repeated. The audit counts as interrupted until the
     context ends.
@@ -187,7 +187,7 @@ def results(
 
 
 def judged(planned: Plan, answers: Mapping[tuple[str, str], Answers]) -> tuple[tuple[Row, ...], tuple[Fault, ...]]:
-    """Return the rows and faults of a plan from what became of the calls of each method, by engine and integrator."""
+    """Return the rows and faults of a plan from the answers to the calls of each method, by engine and integrator."""
     rows: list[Row] = []
     faults: list[Fault] = []
     for engine, method in planned.methods:
@@ -310,7 +310,7 @@ def _recorded(answer: Found | Fault) -> dict[str, Any]:
 
 
 def _read(recorded: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], Answers]:
-    """Return what became of recorded calls, by engine and integrator."""
+    """Return the recorded answers and faults, by engine and integrator."""
     answers: dict[tuple[str, str], Answers] = defaultdict(dict)
     for record in recorded:
         if record["record"] == "classes":

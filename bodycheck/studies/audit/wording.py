@@ -40,7 +40,7 @@ HEADINGS = {"deviates": "Deviates", "default": "By default"}
 
 @dataclass(frozen=True)
 class Sentence:
-    """What several methods of an engine have in common.
+    """A sentence on a property that several methods of an engine have in common.
 
     Parameters
     ----------

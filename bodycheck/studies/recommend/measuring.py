@@ -126,7 +126,9 @@ def answer_of(engine: str, version: str, method: Method, probes: Sequence[Probe]
 def priced(case: Case, answers: Sequence[Answer]) -> list[Answer]:
     """Measure the costs of answers in turn, with nothing else running, and return them in the order of `Recommendation`."""
     stretches = {
-        index: Stretch(case.scene, answer.engine, Method.parse(answer.integrator, step), _steps(case, step))
+        index: Stretch(
+            case.scene, answer.engine, Method.parse(answer.integrator, step), int(sampling_steps(case.instants, step)[-1])
+        )
         for index, answer in enumerate(answers)
         if (step := answer.timestep) is not None
     }
@@ -144,6 +146,7 @@ def priced(case: Case, answers: Sequence[Answer]) -> list[Answer]:
 
 
 def _steps(case: Case, timestep: float) -> int:
+    """Return the number of steps of a run of a case."""
     return int(sampling_steps(case.instants, timestep)[-1])
 
 

@@ -1,4 +1,4 @@
-"""What the report of the tradeoff study says of batches: never a cost without the error that comes with it."""
+"""The part of the tradeoff report about batches: never a cost without the error that comes with it."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a step of one scene costs, and how large its error is, where an engine steps many scenes at once.
+"""The cost of a step of one scene, and its error, in an engine that steps many scenes at once.
 
 A batch has the scene of a case and copies of it that are turned about the vertical. It is run over the whole duration, and its
 cost and its errors are those of the same run. No measurement needs more memory for more samples, because states are compared
@@ -81,7 +81,7 @@ class Batch:
 
 @dataclass(frozen=True, eq=False)
 class Ran:
-    """What was measured of a batch.
+    """The measurements of a batch.
 
     Attributes
     ----------
@@ -267,19 +267,13 @@ def _pass(simulation: Simulation, batch: Batch, steps: Strides) -> _Pass | None:
             if states.shape != (batch.scenes, len(strides[part]), 1, 13):
                 raise AdapterFault(f"its states have the shape {states.shape}")
             run_pass.rows[part] = states[0, :, 0]
-            position, attitude = errors(states[:, :, 0], _between(batch.truth, part))
+            position, attitude = errors(states[:, :, 0], batch.truth.part(part))
             run_pass.position_error = np.maximum(run_pass.position_error, position.max(axis=1))
             run_pass.attitude_error = np.maximum(run_pass.attitude_error, attitude.max(axis=1))
         done = int(steps[part][-1])
         if run_pass.seconds * (int(steps[-1]) / max(1, done)) > MOST_S and done:
             return None
     return run_pass
-
-
-def _between(truth: Trajectory, part: slice) -> Trajectory:
-    """Return a part of a trajectory."""
-    series = truth.t, truth.position, truth.quaternion, truth.velocity, truth.angular_velocity
-    return Trajectory(*(values[part] for values in series))
 
 
 def turns(count: int) -> Array:

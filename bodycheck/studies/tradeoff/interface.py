@@ -24,7 +24,7 @@ from bodycheck.studies.tradeoff.rows import RUNS
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TradeoffResults(StudyResults):
-    """What errors cost with each method, and the orders at which they vanish.
+    """The costs of errors with each method, and the orders at which the errors vanish.
 
     Attributes
     ----------

@@ -75,7 +75,7 @@ def present(header: Header, rows: Sequence[Row], orders: Sequence[Order], classe
         CaseMeasurements(name, tuple(case_rows), tuple(orders_by_case[name]), tuple(batches_by_case[name]))
         for name, case_rows in by_case.items()
     ]
-    lines = _lines(rows)
+    lines = assign(method_of(row) for row in rows)
     return StudyReport(
         title="What accuracy costs",
         headline=_headline(cases, lines),
@@ -85,10 +85,6 @@ def present(header: Header, rows: Sequence[Row], orders: Sequence[Order], classe
         parts=tuple(_part(case, lines) for case in cases),
         reading=(*READING, *(batch_page.READING if in_batches else ())),
     )
-
-
-def _lines(rows: Sequence[Row]) -> Lines:
-    return assign(method_of(row) for row in rows)
 
 
 def _headline(cases: Sequence[CaseMeasurements], lines: Lines) -> str:

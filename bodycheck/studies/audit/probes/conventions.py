@@ -26,12 +26,12 @@ NEAR = 0.1
 
 @dataclass(frozen=True)
 class Convention:
-    """How a method returns its states.
+    """The columns and frames in which a method returns its states.
 
     Parameters
     ----------
     columns
-        The place of each of the 13 columns of the contract among those that are returned.
+        The index of each of the 13 columns of the contract among those that are returned.
     conjugate
         Whether the quaternion takes world components to body components.
     velocity_in_body, spin_in_world
@@ -69,7 +69,7 @@ def watch(pilot: Pilot, flight: Flight) -> Array | NotFlown:
 
 
 def convention(pilot: Pilot) -> Convention | NotFlown:
-    """Return how a method returns its states, or why it cannot be told."""
+    """Return the convention of a method, or why it cannot be determined."""
     flown = pilot.recall(Flight(Scene(SPHERE, LAUNCH), pilot.timestep, (1, 1)))
     if isinstance(flown, NotFlown):
         return flown
@@ -119,7 +119,7 @@ def _attitude(returned: Array) -> tuple[list[int], bool]:
 def _velocities(
     returned: Array, attitude: Array, motion: Array, turn: Array
 ) -> Iterator[tuple[float, tuple[int, ...], bool, bool]]:
-    """Yield for velocities (6,) how far they are from a motion, which columns they are, and whether in the other frames."""
+    """Yield the distance of velocities (6,) from a motion, their columns, and whether they are in the other frames."""
     velocities = [(motion, False), (rotate(conjugate(attitude), motion), True)]
     spins = [(turn, False), (rotate(attitude, turn), True)]
     for first, second in ((0, 3), (3, 0)):

@@ -45,7 +45,7 @@ MOST_SUBSTEPS = 50
 
 @dataclass(frozen=True)
 class Fall:
-    """How a body falls.
+    """The fall of a body: the time for which it moves in a step, and how its displacement follows from its velocities.
 
     Parameters
     ----------
@@ -69,7 +69,7 @@ def fall(timestep: float) -> Flight:
 
 
 def falling(pilot: Pilot) -> Fall | NotFlown:
-    """Return how a body falls, from a fit to displacements and velocities, so that neither gravity nor damping matters."""
+    """Return the fall of a body, by a fit to displacements and velocities, so that neither gravity nor damping matters."""
     states = watch(pilot, fall(pilot.timestep))
     if isinstance(states, NotFlown):
         return states

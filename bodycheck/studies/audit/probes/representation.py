@@ -44,7 +44,7 @@ LEAST_RATIO = 2.0
 
 @dataclass(frozen=True)
 class Difference:
-    """How far a quantity of one motion is from that of another, at several instants with several time steps.
+    """The differences of a quantity of two motions, at several instants with several time steps.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Difference:
 
     @property
     def vanishes(self) -> bool:
-        """Whether the difference tends to zero with the time step, or to no more than rounding.
+        """True if the difference tends to zero with the time step, or to no more than rounding.
 
         What is left of it without its part of first order, 2 D(h) - D(2h), is the limit and terms of higher order. A term of
         higher order is opposed to the difference, and shrinks slowly where the order grows from 1 to 2 within the time steps.

@@ -180,7 +180,7 @@ def scenes(case: Case, values: Mapping[str, Array], first: int = 0) -> Scenes | 
         like = _member(case, document, whole, 0, first)
         if isinstance(like.scene, Scene) and variable(like.scene):
             return vary(like.scene, {QUICK[key]: array for key, array in whole.items()})
-    return [_member(case, document, whole, index, first + index) for index in range(_count(whole))]
+    return [_member(case, document, whole, index, first + index) for index in range(len(next(iter(whole.values()))))]
 
 
 def text(case: Case, source: Source, member: int) -> str:
@@ -213,10 +213,6 @@ def _check_outside(case: Case, document: dict[str, Any], whole: Mapping[str, Arr
     """Make the members that may be no valid cases, which says what is wrong with them."""
     for index in np.flatnonzero(outside(whole, document)).tolist():
         _member(case, document, whole, index, first + index)
-
-
-def _count(whole: Mapping[str, Array]) -> int:
-    return len(next(iter(whole.values())))
 
 
 def _read(path: Path, columns: Sequence[str], document: dict[str, Any]) -> tuple[tuple[str, ...], tuple[str, ...]]:

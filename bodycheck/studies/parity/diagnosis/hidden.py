@@ -78,7 +78,7 @@ def faults(comparison: Comparison, terms: Stack, model: RobotModel) -> Iterator[
         linear = regression(comparison.engine, terms, list(hidden), comparison.asked.gravity)
     if linear is None or not np.max(np.abs(linear.left), initial=0.0):
         return
-    free = [index for index, (name, _) in enumerate(comparison.match.labels) if not _tells_armature(comparison, name)]
+    free = [index for index, (name, _) in enumerate(comparison.match.labels) if comparison.match.joints[name].armature is None]
     kinds = {name: (*_welds(comparison, name), *KINDS) for name in linear.bodies}
     for chosen in _sets(list(linear.bodies), bool(free)):
         solved = _solve(
@@ -239,7 +239,3 @@ def _armatures(comparison: Comparison, free: list[int], more: Array) -> Iterator
             truth = float(armatures[index])
             row = scalar("armature", name, truth + float(number), truth, comparison.tolerance)
             yield Fault("armature", "armature", name, joint={"armature": truth + float(number)}, row=row)
-
-
-def _tells_armature(comparison: Comparison, name: str) -> bool:
-    return comparison.match.joints[name].armature is not None
